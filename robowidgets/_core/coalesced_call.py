@@ -23,16 +23,18 @@ class CoalescedCall:
 
     def __call__(self) -> None:
         """Run the function now, or have the thread that is running it do so again."""
-        with self._lock:
-            self._requested = True
-            if self._running:
-                return
-            self._running = True
+        runs = False
         try:
+            with self._lock:
+                self._requested = True
+                if self._running:
+                    return
+                runs = self._running = True
             while self._take_request():
                 self._function()
         except BaseException:
-            self._running = False
+            if runs:
+                self._running = False
             raise
 
     def _take_request(self) -> bool:

@@ -111,9 +111,13 @@ class Pacer:
 
     def flush(self) -> None:
         """Send everything that is marked now, in the caller's thread, after waiting for the send that is under way."""
-        if not self._turn.acquire(timeout=PATIENCE):
-            return
-        try:
+        until = time.monotonic() + PATIENCE
+        while self._turn.locked():
+            if time.monotonic() > until:
+                return
+            time.sleep(0.001)
+        # Not `acquire` with a time-out: an interrupt right after it would leave the lock held.
+        with self._turn:
             with self._lock:
                 waiting = list(self._due)
             for sender in waiting:
@@ -122,8 +126,6 @@ class Pacer:
                     self._earliest[id(sender)] = self._clock() + _interval(sender)
                 if marked:
                     self._send(sender)
-        finally:
-            self._turn.release()
 
     def _wake(self) -> None:
         if self._wakeup.locked():

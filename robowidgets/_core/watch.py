@@ -51,7 +51,8 @@ class Watch:
         self.sample_name = sample_name
         self.condition = condition
         self._why_none = why_none
-        self._changed = threading.Condition()
+        self._lock = threading.RLock()
+        self._changed = threading.Condition(self._lock)
         self._wakers: list[Callable[[], None]] = []
         self._verdict = UNKNOWN
         self._sample: Any = None
@@ -86,7 +87,7 @@ class Watch:
     @property
     def changes(self) -> tuple[Change, ...]:
         """The last 1000 changes, oldest first. The first verdict is no change."""
-        with self._changed:
+        with self._lock:
             return tuple(self._changes)
 
     def wait(self, timeout: float = 10.0, value: bool = True) -> Any:
@@ -105,7 +106,7 @@ class Watch:
         """
         seconds = not_negative("timeout", timeout, "seconds")
         deadline = time.monotonic() + seconds
-        with self._changed:
+        with self._lock:
             while not self._is(value):
                 left = deadline - time.monotonic()
                 if left <= 0:
@@ -123,12 +124,12 @@ class Watch:
             if not loop.is_closed():
                 loop.call_soon_threadsafe(woken.set)
 
-        with self._changed:
+        with self._lock:
             self._wakers.append(wake)
         try:
             while True:
                 woken.clear()
-                with self._changed:
+                with self._lock:
                     if self._is(value):
                         return self._sample
                 left = deadline - time.monotonic()
@@ -139,7 +140,7 @@ class Watch:
                 except asyncio.TimeoutError:
                     continue
         finally:
-            with self._changed:
+            with self._lock:
                 self._wakers.remove(wake)
 
     def __bool__(self) -> bool:
@@ -161,7 +162,7 @@ class Watch:
             if not self._ended:  # else it was ended because it did not return
                 self._switch_off(error)
             return
-        with self._changed:
+        with self._lock:
             if self._sample is not None and verdict.value != self._verdict.value:
                 stamp_ns = getattr(sample, "stamp_ns", None)
                 self._changes.append(Change(verdict.value, verdict.text, time.time(), stamp_ns))
@@ -173,7 +174,7 @@ class Watch:
 
     def end(self, reason: str) -> None:
         """Judge no more; whoever waits is told the reason."""
-        with self._changed:
+        with self._lock:
             self._ended = reason
             self._notify()
 
@@ -192,7 +193,7 @@ class Watch:
         return self._lamp(verdict, None, 0)
 
     def _switch_off(self, error: BaseException) -> None:
-        with self._changed:
+        with self._lock:
             self._error, self._verdict = error_in(error), UNKNOWN
             self._notify()
 

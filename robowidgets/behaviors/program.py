@@ -85,7 +85,8 @@ class Program(Observed):
         self.has_view = False
         """Whether a widget shows what it prints."""
         self._robot = robot
-        self._changed = threading.Condition()
+        self._lock = threading.RLock()
+        self._changed = threading.Condition(self._lock)
         self._inputs = robot.listen(self._wake)
         self._thread: UserThread | None = None
         self._abandoned: list[UserThread] = []
@@ -131,7 +132,7 @@ class Program(Observed):
         if before.number == 0 or asked != (before.asks_for, before.topics, before.on):
             wanted = {name: version.topics.get(name) for name in version.asks_for if name not in GIVEN}
             self._inputs.choose(wanted, version.on)
-        with self._changed:
+        with self._lock:
             self.version, self._since = version, time.monotonic()
             self._due = min(self._due, self._since + 1 / version.rate)
             self.error = self.note = self.waiting = ""
@@ -144,7 +145,7 @@ class Program(Observed):
 
     def run(self) -> None:
         """Go on, after a pause or an error."""
-        with self._changed:
+        with self._lock:
             if self._thread is None and self.mode != ENDED:
                 self.error = self.note = ""
                 self._start()
@@ -156,7 +157,7 @@ class Program(Observed):
 
     def step(self) -> None:
         """Make one step, while it is paused; its speed holds for the hold of the robot, at most."""
-        with self._changed:
+        with self._lock:
             if self._thread is None and self.mode != ENDED:
                 self.error = self.note = ""
                 self._start(once=True)
@@ -178,7 +179,7 @@ class Program(Observed):
     # -- within --------------------------------------------------------------------------------------------------------
 
     def _wake(self) -> None:
-        with self._changed:
+        with self._lock:
             self._fresh = True
             self._changed.notify_all()
 
@@ -201,7 +202,7 @@ class Program(Observed):
         self._thread, self._in_step = None, False
 
     def _end(self, mode: str, note: str = "", error: str = "") -> None:
-        with self._changed:
+        with self._lock:
             if self.mode == ENDED:
                 return
             self._leave()
@@ -222,7 +223,7 @@ class Program(Observed):
                 if values is not None and not self._step(me, version, values):
                     return
                 if once:
-                    with self._changed:
+                    with self._lock:
                         if self._thread is me:
                             self._leave()
                     self._call_observers()
@@ -237,7 +238,7 @@ class Program(Observed):
 
     def _wait(self, me: threading.Thread) -> bool:
         """Wait for the time, message or silence of the next step; returns whether the thread is still wanted."""
-        with self._changed:
+        with self._lock:
             self._is_silent = False
             while self._thread is me and not self._interrupted:
                 if self.version.on is None:
@@ -280,7 +281,7 @@ class Program(Observed):
 
     def _step(self, me: threading.Thread, version: Version, values: dict[str, Any]) -> bool:
         """Make one step; returns whether this thread is still wanted."""
-        with self._changed:
+        with self._lock:
             if self._thread is not me:
                 return False
             if self.version is not version:
@@ -297,7 +298,7 @@ class Program(Observed):
             say_what_was_meant(failure)
             error, raised = f"{line or self.name}: {type(failure).__name__}: {failure}", failure
         passed = time.perf_counter() - began
-        with self._changed:
+        with self._lock:
             if self._thread is not me:
                 return False
             self._in_step, self.step_time = False, passed
@@ -338,7 +339,7 @@ class Program(Observed):
         while True:
             time.sleep(TICK)
             before, looked_at = looked_at, time.monotonic()
-            with self._changed:
+            with self._lock:
                 thread, steps = self._thread, self.steps
                 late = [one for one in self._abandoned if looked_at > (one.abandoned_at or looked_at) + GRACE]
                 self._abandoned = [one for one in self._abandoned if one not in late and one.is_alive()]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import threading
 import time
 from collections.abc import Callable
-from concurrent.futures import Future, wait
+from dataclasses import dataclass
 
 from .._core.cells import on_failed_cell
 from .._core.log_once import log_in_thread
@@ -34,15 +34,25 @@ RETRY = 1.0
 RECENT = 30.0
 """Seconds for which a dead connection may go unnoticed, at most."""
 
-Request = Future[None]
-"""Done when a speed is sent; it holds what the sink raised."""
-
 PROGRAM = "program"
 """The driver that is not a hand on a pad."""
 
 
 class RefusedError(Exception):
     """A speed that is not sent: stop is latched, a hand drives, or nobody waits for the caller. The text says which."""
+
+
+@dataclass(eq=False)
+class Request:
+    """A speed, or zero, that is to be sent.
+
+    Attributes:
+        done: whether it is sent, or another one replaced it.
+        error: what the sink raised; None while it has not.
+    """
+
+    done: bool = False
+    error: BaseException | None = None
 
 
 class CommandWatchdog(Observed):
@@ -61,7 +71,8 @@ class CommandWatchdog(Observed):
     def __init__(self, send: Callable[[float, float], object], *, not_sent: type[Exception] | tuple[()] = ()) -> None:
         super().__init__()
         self._send, self._not_sent = send, not_sent
-        self._changed = threading.Condition()
+        self._lock = threading.RLock()
+        self._changed = threading.Condition(self._lock)
         self._thread: threading.Thread | None = None
         self._wanted: Velocity | None = None
         """The newest speed, while it is not sent yet."""
@@ -96,7 +107,7 @@ class CommandWatchdog(Observed):
     @property
     def driver(self) -> str:
         """The driver: `PROGRAM`, the name of a press on a pad, or empty for nobody."""
-        with self._changed:
+        with self._lock:
             return self._hand_now() or (self._driver if time.monotonic() < self._expires else "")
 
     @property
@@ -108,7 +119,7 @@ class CommandWatchdog(Observed):
     def stopped(self, stopped: bool) -> None:
         self._stopped = stopped
         if stopped:
-            with self._changed:
+            with self._lock:
                 self._hand = ""  # after the release, a hand must press anew
             self.stop()
         self._call_observers()
@@ -119,7 +130,7 @@ class CommandWatchdog(Observed):
         Raises:
             RefusedError: stop is latched.
         """
-        with self._changed:
+        with self._lock:
             self._check(hand, taking=True)
             self._hand, self._hand_until = hand, time.monotonic() + HOLD
             if self._zero_at is not None or self._wanted is not None:
@@ -128,7 +139,7 @@ class CommandWatchdog(Observed):
 
     def let_go(self, hand: str = "") -> None:
         """End this press, or any press, and send zero."""
-        with self._changed:
+        with self._lock:
             if not self._hand or hand not in ("", self._hand):
                 return
             self._hand = ""
@@ -153,7 +164,7 @@ class CommandWatchdog(Observed):
         is_main = threading.current_thread() is threading.main_thread()
         if is_main:
             on_failed_cell(stop_driven_by_cell)
-        with self._changed:
+        with self._lock:
             self._check(driver)
             now = time.monotonic()
             self._wanted, self._expires, self._driver = velocity, now + hold, driver
@@ -163,7 +174,7 @@ class CommandWatchdog(Observed):
                 self._expires = self._hand_until = now + min(hold, HOLD)
             request = Request()
             if self._next_speed_at > now:
-                request.set_result(None)
+                request.done = True
             else:
                 self._speeds.append(request)
             self._wake()
@@ -171,12 +182,12 @@ class CommandWatchdog(Observed):
 
     def stop(self) -> Request:
         """Send zero now, instead of any speed; returns the request for `sent_in_time`. A hand keeps its press."""
-        with self._changed:
+        with self._lock:
             return self._ask_for_zero()
 
     def stop_program(self) -> None:
         """Send zero now if a program drives, or drove last."""
-        with self._changed:
+        with self._lock:
             if self.owes_zero and self.driver in ("", PROGRAM):
                 self._ask_for_zero()
 
@@ -193,12 +204,12 @@ class CommandWatchdog(Observed):
 
     def on_lost(self) -> None:
         """Note a lost connection: a zero that was sent shortly before may not have arrived, and is sent again."""
-        with self._changed:
+        with self._lock:
             self._lost = self._lost or time.monotonic() - self._moved_at < RECENT
 
     def on_connected(self) -> None:
         """Send the zero that is owed to a robot that can be reached again."""
-        with self._changed:
+        with self._lock:
             if self._wanted is None and (self._lost or self._zero_at is not None):
                 self._ask_for_zero()
             self._lost = False
@@ -209,14 +220,14 @@ class CommandWatchdog(Observed):
         Raises:
             As `sent_in_time`, when zero could not be sent.
         """
-        with self._changed:
+        with self._lock:
             self._closed, self._wanted, self._hand = True, None, ""
             zero = self._ask_for_zero() if self.owes_zero else None
         try:
             if zero is not None:
                 self.sent_in_time(zero, timeout)
         finally:
-            with self._changed:
+            with self._lock:
                 self._zero_at = None
                 self._changed.notify_all()
 
@@ -228,9 +239,15 @@ class CommandWatchdog(Observed):
         """
         if threading.current_thread() is self._thread:
             return
-        if not wait([request], timeout).done:
+        if not self.is_done_in_time(request, timeout):
             raise TimeoutError(f"the function that sends speeds has not returned for {self.busy_for:.1f} s")
-        request.result()
+        if request.error is not None:
+            raise request.error
+
+    def is_done_in_time(self, request: Request, timeout: float) -> bool:
+        """Wait until a request is done, for some seconds at most; returns whether it is."""
+        with self._lock:
+            return self._changed.wait_for(lambda: request.done, timeout)
 
     # -- within --------------------------------------------------------------------------------------------------------
 
@@ -273,16 +290,16 @@ class CommandWatchdog(Observed):
 
     def _run(self) -> None:
         while True:
-            with self._changed:
+            with self._lock:
                 velocity, requests = self._next()
                 if velocity is None:
                     return
                 self._entered = time.monotonic()
             error = self._call(velocity)
-            with self._changed:
+            with self._lock:
                 self._entered = None
                 self._note(velocity, error)
-            _resolve(requests, error)
+                self._resolve(requests, error)
             self._call_observers()
 
     def _next(self) -> tuple[Velocity | None, list[Request]]:
@@ -292,9 +309,10 @@ class CommandWatchdog(Observed):
             now = time.monotonic()
             if self._wanted is not None and now >= self._expires:  # it expired while the sink was busy
                 self._wanted = None
-                self._resolve(TimeoutError("the function that sends speeds was busy for longer than the speed holds"))
+                late = TimeoutError("the function that sends speeds was busy for longer than the speed holds")
+                self._resolve_speeds(late)
             elif self._wanted is None:  # zero replaced it
-                self._resolve(None)
+                self._resolve_speeds(None)
             moves = self._zero_at is not None
             if self._zeros and (moves or self._next_zero_at <= now):
                 requests, self._zeros = self._zeros, []
@@ -318,9 +336,14 @@ class CommandWatchdog(Observed):
             requests, self._speeds = self._speeds, []
             return velocity, requests
 
-    def _resolve(self, error: BaseException | None) -> None:
+    def _resolve_speeds(self, error: BaseException | None) -> None:
         requests, self._speeds = self._speeds, []
-        _resolve(requests, error)
+        self._resolve(requests, error)
+
+    def _resolve(self, requests: list[Request], error: BaseException | None) -> None:
+        for request in requests:
+            request.done, request.error = True, error
+        self._changed.notify_all()
 
     def _call(self, velocity: Velocity) -> BaseException | None:
         try:
@@ -349,11 +372,3 @@ class CommandWatchdog(Observed):
             self._moved_at, self._zero_at, self._next_speed_at = now, self._expires, now + INTERVAL
         elif not isinstance(error, self._not_sent):  # it may have reached the robot, or may still
             self._moved_at, self._zero_at = now, 0.0
-
-
-def _resolve(requests: list[Request], error: BaseException | None) -> None:
-    for request in requests:
-        if error is None:
-            request.set_result(None)
-        else:
-            request.set_exception(error)

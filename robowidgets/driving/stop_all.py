@@ -5,8 +5,8 @@ from __future__ import annotations
 import atexit
 import logging
 import os
+import time
 from collections.abc import Callable
-from concurrent.futures import wait
 from typing import TYPE_CHECKING
 
 from .._core.platform_fixes import call_before_end
@@ -39,9 +39,9 @@ def stop_at_end() -> None:
 def stop_all(timeout: float = SEND_TIMEOUT) -> None:
     """Send zero from every watchdog that owes one, and wait for all of them together."""
     zeros = [(watchdog, watchdog.stop()) for watchdog in list(running) if watchdog.owes_zero]
-    wait([zero for _, zero in zeros], timeout)
+    until = time.monotonic() + timeout
     for watchdog, zero in zeros:
-        if not zero.done():
+        if not watchdog.is_done_in_time(zero, until - time.monotonic()):
             log.error(
                 "a robot could not be told to stop: the function that sends speeds has not returned (%.1f s)",
                 watchdog.busy_for,

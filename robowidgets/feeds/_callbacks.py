@@ -74,7 +74,8 @@ class FunctionCaller:
 
     def __init__(self, on_change: Callable[[str], None]) -> None:
         self._on_change = on_change
-        self._changed = threading.Condition()
+        self._lock = threading.RLock()
+        self._changed = threading.Condition(self._lock)
         self._functions: list[Function] = []
         self._waiting: dict[str, deque[tuple[Any, Topic, Sequence[Any] | None, float]]] = {}
         """By topic, messages with the functions that they are for and the time at which they came."""
@@ -101,7 +102,7 @@ class FunctionCaller:
         """Call functions with the messages of a topic; they replace those that `Function.replaces` names."""
         for call in calls:
             new = Function(topic, call, raw)
-            with self._changed:
+            with self._lock:
                 same = [old for old in self._functions if (old.topic, old.call, old.raw) == (topic, call, raw)]
                 if same:  # by the newest run of its cell, so that what else this run connects does not replace it
                     same[0].cell, same[0].run = new.cell, new.run
@@ -113,13 +114,13 @@ class FunctionCaller:
         """Call these functions, and others of their names, no more with messages of a topic; None: all functions."""
         gone = None if calls is None else list(calls)
         names = {_full_name(call) for call in gone or ()} - {""}
-        with self._changed:
+        with self._lock:
             here = [function for function in self._functions if function.topic == topic]
             self._drop([f for f in here if gone is None or f.call in gone or _full_name(f.call) in names])
 
     def put(self, topic: Topic, message: Any, calls: Sequence[Any] | None = None) -> None:
         """Queue a message for these functions, None: all; it replaces a queued one, unless every message counts."""
-        with self._changed:
+        with self._lock:
             if self._closed or not any(function.takes(topic.name, calls) for function in self._functions):
                 return
             waiting = self._waiting.setdefault(topic.name, deque(maxlen=queue_length(topic.type)))
@@ -134,7 +135,7 @@ class FunctionCaller:
 
     def close(self) -> None:
         """Call no function any more; waits a moment for one that is running."""
-        with self._changed:
+        with self._lock:
             self._closed = True
             self._changed.notify_all()
             thread = self._thread
@@ -150,7 +151,7 @@ class FunctionCaller:
         self._slow_topic = current.topic if current is not None and is_slow else ""
         for topic in {before, self._slow_topic} - {""}:
             self._on_change(topic)
-        with self._changed:
+        with self._lock:
             if self._thread is not None and not self._closed:
                 pacer.mark_at(self, time.monotonic() + SLOW)
         return 0
@@ -182,7 +183,7 @@ class FunctionCaller:
     def _run(self) -> None:
         me = threading.current_thread()
         while True:
-            with self._changed:
+            with self._lock:
                 while self._thread is me and not self._closed and not self._waiting:
                     self._changed.wait()
                 if self._thread is not me or self._closed:
@@ -195,14 +196,14 @@ class FunctionCaller:
                 functions = [function for function in self._functions if function.takes(name, calls)]
             before = self.status_of(name)
             for function in functions:
-                with self._changed:
+                with self._lock:
                     if self._thread is not me or self._closed:
                         return
                     if function not in self._functions:
                         continue
                     self._current = function
                 self._call(function, message, topic, came_at)
-                with self._changed:
+                with self._lock:
                     if self._thread is not me:
                         return
                     self._current = None

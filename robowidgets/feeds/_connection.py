@@ -55,7 +55,8 @@ class Connection(Observed):
     def __init__(self, middleware: Middleware, is_deleted: Callable[[], bool]) -> None:
         super().__init__()
         self.middleware = middleware
-        self._changed = threading.Condition(threading.RLock())
+        self._lock = threading.RLock()
+        self._changed = threading.Condition(self._lock)
         self.functions = FunctionCaller(self._show_status)
         self._table = SubscriptionTable(f"connecting to {middleware.where}", self.functions)
         self.adverts: tuple[Advert, ...] = ()
@@ -110,7 +111,7 @@ class Connection(Observed):
             raise TypeError(f"connect({topic!r}) needs a widget, or a function of a sample")
         of_widgets, functions = sorted_targets(targets)
         self._connect(topic, of_widgets)
-        with self._changed:
+        with self._lock:
             self.functions.connect(topic, [target.call for target in of_widgets if not target.is_ours], raw=True)
             self.functions.connect(topic, functions, raw)
             self._table.prune()
@@ -120,7 +121,7 @@ class Connection(Observed):
         """See `Feed.disconnect`."""
         check_name(topic)
         of_widgets, functions = sorted_targets(targets)
-        with self._changed:
+        with self._lock:
             self.functions.disconnect(topic, [*functions, *(one.call for one in of_widgets)] if targets else None)
             self._table.disconnect(topic, of_widgets if targets else None)
             self._show_status(topic)
@@ -136,7 +137,7 @@ class Connection(Observed):
 
     def close(self) -> None:
         """See `Feed.close`."""
-        with self._changed:
+        with self._lock:
             if self.is_closed:
                 return
             self.is_closed = True
@@ -152,7 +153,7 @@ class Connection(Observed):
                 self.middleware.close()
             finally:
                 open_feeds.discard(self)
-                with self._changed:
+                with self._lock:
                     self._table.lose("the feed is closed")
                     self._changed.notify_all()
                 self._call_observers()
@@ -161,7 +162,7 @@ class Connection(Observed):
 
     def on_connected(self) -> None:
         """See `Listener`."""
-        with self._changed:
+        with self._lock:
             if self.is_closed:
                 return
             self._table.down, self._reached = "", True
@@ -172,7 +173,7 @@ class Connection(Observed):
 
     def on_lost(self, reason: str, again_in: float) -> None:
         """See `Listener`."""
-        with self._changed:
+        with self._lock:
             if self.is_closed:
                 return
             lost = "connection lost" if self._reached else f"cannot reach {self.where}"
@@ -182,7 +183,7 @@ class Connection(Observed):
 
     def on_topics(self, topics: Sequence[Advert]) -> None:
         """See `Listener`."""
-        with self._changed:
+        with self._lock:
             if self.is_closed or (self.is_listed and self.adverts == tuple(topics)):
                 return
             self.adverts = tuple(topics)
@@ -204,7 +205,7 @@ class Connection(Observed):
         subscription = self._table.by_topic.get(topic)
         if subscription is None or self.is_closed or subscription.trouble == reason:
             return
-        with self._changed:
+        with self._lock:
             subscription.trouble = reason
             self._table.show(subscription)
         self._call_observers()
@@ -237,7 +238,7 @@ class Connection(Observed):
     def wait_until(self, condition: Callable[[], bool], seconds: float) -> None:
         """Wait until a condition is true or the feed is closed, for some seconds at most."""
         until = time.monotonic() + seconds
-        with self._changed:
+        with self._lock:
             while not condition() and not self.is_closed and (left := until - time.monotonic()) > 0:
                 self._changed.wait(left)
 
@@ -263,7 +264,7 @@ class Connection(Observed):
 
     def status_of(self, topic: str) -> str:
         """The problems of a topic, connected or not; empty if there are none."""
-        with self._changed:
+        with self._lock:
             return self._table.status_of(topic)
 
     def trouble_of(self, topic: str) -> str:
@@ -279,7 +280,7 @@ class Connection(Observed):
 
     def detach(self, topic: str, target: Target) -> None:
         """End an `attach`."""
-        with self._changed:
+        with self._lock:
             self._table.disconnect(topic, [target])
         self._subscribe()
 
@@ -287,7 +288,7 @@ class Connection(Observed):
         """List a topic on which only this feed publishes, so that a widget can show what is sent."""
         if topic != self._driven:
             self._driven = topic
-            with self._changed:
+            with self._lock:
                 self._list_topics()
             self._call_observers()
 
@@ -302,7 +303,8 @@ class Connection(Observed):
 
     def on_fork(self) -> None:
         """Close in a forked process: the threads stayed with its parent, perhaps holding the lock."""
-        self._changed = threading.Condition(threading.RLock())
+        self._lock = threading.RLock()
+        self._changed = threading.Condition(self._lock)
         self.is_closed = self.is_forked = True
 
     def _has_subscriber(self, topic: str) -> bool:
@@ -312,7 +314,7 @@ class Connection(Observed):
         return self.is_listed and (here or bool(self.adverts and not known))
 
     def _connect(self, topic: str, targets: Sequence[Target]) -> None:
-        with self._changed:
+        with self._lock:
             self.check_open()
             self._table.connect(topic, targets)
         self._subscribe()
@@ -329,14 +331,14 @@ class Connection(Observed):
         self._table.learn(topics)
 
     def _show_status(self, topic: str) -> None:
-        with self._changed:
+        with self._lock:
             subscription = self._table.by_topic.get(topic)
             if subscription is not None:
                 self._table.show(subscription)
 
     def _follow_connected(self) -> None:
         """Have the middleware pass on the topics that are connected."""
-        with self._changed:
+        with self._lock:
             topics = frozenset(self._table.by_topic)
         # Without the lock: the middleware may take a lock that one of its threads holds while it waits for ours.
         if not self.is_closed:

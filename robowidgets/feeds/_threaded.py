@@ -40,7 +40,8 @@ class ThreadedMiddleware(ABC):
 
     def __init__(self) -> None:
         self._closed = threading.Event()
-        self._lock = threading.Lock()
+        self._lock = threading.RLock()
+        self._changed = threading.Condition(self._lock)
         self._wanted: frozenset[str] = frozenset()
         self._backoff = Backoff()
         """Reset by a session that has reached the robot."""

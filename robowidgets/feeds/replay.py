@@ -34,7 +34,7 @@ class Played(ThreadedMiddleware):
         self._recording = recording
         self._speed = speed
         self._loop = loop
-        self._changed = threading.Event()
+        self._woken = threading.Event()
         self._listener: Listener
         self._adverts: list[Advert] = []
 
@@ -70,7 +70,7 @@ class Played(ThreadedMiddleware):
             self._recording.close()
 
     def _wake(self) -> None:
-        self._changed.set()
+        self._woken.set()
 
     def _run_session(self, listener: Listener) -> str:
         shown = {topic.name for topic in self._recording.topics if topic.widget}
@@ -78,7 +78,7 @@ class Played(ThreadedMiddleware):
         started = time.monotonic()
         with self._recording:
             while True:
-                self._changed.clear()
+                self._woken.clear()
                 if self._closed.is_set():
                     return ""
                 names = self._wanted & shown
@@ -90,17 +90,17 @@ class Played(ThreadedMiddleware):
                 elif ended:
                     for name in names:
                         listener.on_trouble(name, f"{self.where} is at its end")
-                    self._changed.wait()
+                    self._woken.wait()
 
     def _play(self, listener: Listener, names: frozenset[str], started: float) -> bool:
         """Pass on the samples that are due from now on, until other topics are wanted; returns whether it ended."""
         now = (time.monotonic() - started) * self._speed
         for moment in self._recording.samples(names, start=max(now, 0.0)) if names else ():
-            if self._changed.wait(max(0.0, started + moment.seconds / self._speed - time.monotonic())):
+            if self._woken.wait(max(0.0, started + moment.seconds / self._speed - time.monotonic())):
                 return False
             moment.sample._arrive()
             listener.on_message(moment.topic, moment.sample)
-        return not self._changed.wait(max(0.0, started + self._recording.duration / self._speed - time.monotonic()))
+        return not self._woken.wait(max(0.0, started + self._recording.duration / self._speed - time.monotonic()))
 
 
 def recording(path: str | os.PathLike[str], *, speed: float = 1.0, loop: bool = False) -> Feed:

@@ -51,7 +51,7 @@ class Ros1(ThreadedMiddleware):
         self._rospy: Any = None
         self._master = Master("")
         self._listener: Listener | None = None
-        self._wakeup = threading.Event()
+        self._woken = False
         self._connected = False
         self._subscriptions: dict[str, _Subscription] = {}
         self._failed: set[str] = set()
@@ -86,7 +86,7 @@ class Ros1(ThreadedMiddleware):
         if not good:
             raise FeedError(f"ROS_MASTER_URI: expected something like http://robot:11311, got {uri!r}")
         self._rospy, self._master, self._listener = rospy, Master(uri), listener
-        self._publications = Publications(rospy, self._master, listener.on_unheard, self._wakeup.set)
+        self._publications = Publications(rospy, self._master, listener.on_unheard, self._look_soon)
         logging.getLogger("rospy.internal").addHandler(self._log)
         self._start_thread(f"robowidgets {self.where}", listener)
 
@@ -110,7 +110,12 @@ class Ros1(ThreadedMiddleware):
             self._listener.on_trouble(topic, reason)
 
     def _wake(self) -> None:
-        self._wakeup.set()
+        self._woken = True
+        self._changed.notify_all()
+
+    def _look_soon(self) -> None:
+        with self._lock:
+            self._wake()
 
     def _run(self, listener: Listener) -> None:
         super()._run(listener)
@@ -124,8 +129,9 @@ class Ros1(ThreadedMiddleware):
         while not self._closed.is_set():
             reason = self._poll(listener)
             if not reason:
-                self._wakeup.wait(POLL)
-                self._wakeup.clear()
+                with self._lock:
+                    self._changed.wait_for(lambda: self._woken, POLL)
+                    self._woken = False
             elif self._connected:
                 self._closed.wait(self._backoff.next_pause())
             else:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import logging
 import os
-import threading
 import time
 from collections.abc import Mapping
 from typing import Any
@@ -43,7 +42,6 @@ class Ros2(ThreadedMiddleware):
             raise TypeError("domain_id: a node has its domain already; give a node or a domain_id, not both")
         super().__init__()
         self._domain_id = domain_id if node is None else _domain_of(node)
-        self._changed = threading.Condition(self._lock)
         self._session: Session | None = None
         self._down = ""
         """The reason why there is no session until the next attempt."""
@@ -82,7 +80,7 @@ class Ros2(ThreadedMiddleware):
 
     def _await_session(self, until: float) -> Session:
         """The session, or the next one when rclpy's signal handler has shut it down."""
-        with self._changed:
+        with self._lock:
             while True:
                 if self._closed.is_set() or self._down:
                     raise FeedError(self._down or f"{self.where} is closed")
@@ -141,7 +139,7 @@ class Ros2(ThreadedMiddleware):
             session.spin_once(max(0.0, due - time.monotonic()))
 
     def _set_session(self, session: Session | None, down: str = "") -> None:
-        with self._changed:
+        with self._lock:
             self._session, self._down = session, down
             self._changed.notify_all()
 

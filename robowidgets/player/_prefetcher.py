@@ -115,19 +115,19 @@ class Prefetcher:
         self._outdated: set[int] = set()
         self._edition = 0
         self._pointed: list[int] = []
-        lock = threading.RLock()
-        self._change = threading.Condition(lock)
-        self._answer = threading.Condition(lock)
+        self._lock = threading.RLock()
+        self._change = threading.Condition(self._lock)
+        self._answer = threading.Condition(self._lock)
         self._asked = False
         self._closed = False
         self._patience = PATIENCE
         self._thread: threading.Thread | None = None
-        with self._change:
+        with self._lock:
             self._wake()
 
     def set_time(self, seconds: float | None, rate: float, span: tuple[float, float], *, loops: bool = False) -> None:
         """Set the time on show; None: leave it where it is by now. See `Cursor`."""
-        with self._change:
+        with self._lock:
             self.cursor.set_time(self._here() if seconds is None else seconds, rate, span, loops=loops)
             self._wake()
 
@@ -137,7 +137,7 @@ class Prefetcher:
         Segments that are played come first. While nothing is played, this returns once the segment is sent, or after
         `ANSWER` seconds.
         """
-        with self._change:
+        with self._lock:
             index = min(max(0, floor(seconds / SEGMENT)), self._last)
             self._pointed = [index, *(other for other in self._pointed if other != index)][:POINTED]
             self._wake()
@@ -146,7 +146,7 @@ class Prefetcher:
 
     def start(self) -> None:
         """Send everything again: to a page that has nothing, or whose frames are out of date."""
-        with self._change:
+        with self._lock:
             self._edition += 1
             self._outdated.update(self._sent)
             self._sent.clear()
@@ -156,7 +156,7 @@ class Prefetcher:
 
     def close(self) -> None:
         """End the thread; again does nothing."""
-        with self._change:
+        with self._lock:
             self._closed = True
             thread = self._thread
             self._change.notify()
@@ -173,7 +173,7 @@ class Prefetcher:
 
     def _run(self) -> None:
         try:
-            with self._change:
+            with self._lock:
                 self._change.wait_for(lambda: self._asked or self._closed, self._patience)
                 self._patience = 0.0
             # Without progress bars: those of a background thread would appear below any cell.
@@ -183,7 +183,7 @@ class Prefetcher:
                     rest = self._send_one(tracks, index) / BYTES_PER_SECOND
                     if index not in self._soon():
                         rest += _AT_EASE * (time.thread_time() - began)
-                    with self._change:
+                    with self._lock:
                         self._change.wait_for(lambda: self._closed or self._lacks(), rest)
         except RecordingError as error:
             self._give_up(str(error))
@@ -193,7 +193,7 @@ class Prefetcher:
 
     def _await(self) -> int | None:
         """Wait for the next segment to send; None when this thread is not needed any more."""
-        with self._change:
+        with self._lock:
             while not self._closed:
                 index = self._wanted()
                 if index is not None:
@@ -213,7 +213,7 @@ class Prefetcher:
         return next((index for index in wanted if index not in self._sent), None)
 
     def _give_up(self, problem: str) -> None:
-        with self._change:
+        with self._lock:
             self._closed = True
         self._complain(problem)
 
@@ -282,14 +282,14 @@ class Prefetcher:
         edition = self._edition
         abouts, frames = segment(tracks, index)
         size = sum(map(len, frames))
-        with self._change:
+        with self._lock:
             if edition != self._edition:
                 return 0
             self._sent[index] = size
             self._largest = max(self._largest, size)
             dropped = self._dropped()
         self._send({"segment": index, "drop": dropped, "abouts": abouts}, frames)
-        with self._change:
+        with self._lock:
             self._answer.notify_all()
         return size
 

@@ -155,12 +155,13 @@ class _Newest:
     """In the process of the robot: writes the newest message of each name, as fast as they are read."""
 
     def __init__(self) -> None:
-        self._changed = threading.Condition()
+        self._lock = threading.RLock()
+        self._changed = threading.Condition(self._lock)
         self._waiting: dict[str, Any] = {}
 
     def put(self, name: str, message: Any) -> None:
         """Write a message in place of one of its name that waits."""
-        with self._changed:
+        with self._lock:
             self._waiting[name] = message
             self._changed.notify()
 
@@ -168,7 +169,7 @@ class _Newest:
         """Write until nobody reads any more, or the process that started this one is gone; then end this one."""
         try:
             while os.getppid() == parent:
-                with self._changed:
+                with self._lock:
                     self._changed.wait_for(lambda: self._waiting, ALONE)
                     messages, self._waiting = self._waiting, {}
                 if messages:

@@ -52,9 +52,9 @@ import time
 from robowidgets._core.pacer import pacer
 def show(nearest):
     laser.update(**fan({9: nearest}))
-    while not wall.verdict.text.startswith(f"{nearest:.2f} "):
+    while not any(lamp["text"].startswith(f"{nearest:.2f} ") for lamp in laser._about.get("lamps", ())):
         time.sleep(0.001)
-    pacer.flush()
+        pacer.flush()
 wall = laser.watch(lambda scan: scan.distance(("-5deg", "5deg")) < 1, name="wall")
 laser
 """

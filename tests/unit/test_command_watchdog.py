@@ -90,7 +90,7 @@ def test_zero_goes_out_at_once_but_not_again_and_again(watchdog: CommandWatchdog
     passed = time.monotonic() - began
     assert sink.speeds[1] == ZERO
     assert len(sink.got) <= 3 + passed / INTERVAL
-    assert all(request.done() for request in requests)
+    assert all(request.done for request in requests)
 
 
 def test_what_a_slow_sink_kept_waiting_too_long_is_not_sent(watchdog: CommandWatchdog, sink: Sink) -> None:

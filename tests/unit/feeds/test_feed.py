@@ -482,7 +482,7 @@ def test_a_forked_process_is_told_that_the_feed_stayed_behind_whoever_held_its_l
     feed.driving = feeds.Driving(hold=60.0)
     feed.drive(0.1)
     reading, writing = os.pipe()
-    with in_other_hands(feed.connection._changed), in_other_hands(feed.watchdog._changed):
+    with in_other_hands(feed.connection._lock), in_other_hands(feed.watchdog._lock):
         child = os.fork()
         if child == 0:
             try:

@@ -1,0 +1,86 @@
+"""How the package holds locks: an interrupt may come between any two steps of Python, and must leave none held."""
+
+from __future__ import annotations
+
+import ast
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import robowidgets
+
+ROOT = Path(robowidgets.__file__).parent
+INTERRUPTED = """
+import os, random, signal, threading, time
+from robowidgets._core.coalesced_call import CoalescedCall
+from robowidgets._core.pacer import Pacer
+from robowidgets.driving.command_watchdog import CommandWatchdog
+
+class Sender:
+    def __init__(self):
+        self.was_sent = threading.Event()
+    def send_newest(self):
+        self.was_sent.set()
+        return 0
+
+watchdog = CommandWatchdog(lambda linear, angular: None)
+pacer, sender = Pacer(), Sender()
+calls = []
+call = CoalescedCall(lambda: calls.append(1))
+began = threading.Event()
+
+def interrupt():
+    while True:
+        began.wait()
+        began.clear()
+        time.sleep(random.random() * 0.002)
+        os.kill(os.getpid(), signal.SIGINT)
+
+threading.Thread(target=interrupt, daemon=True).start()
+for _ in range(400):
+    try:
+        began.set()
+        while True:
+            {step}
+    except KeyboardInterrupt:
+        {works}
+"""
+LOOPS = {
+    "drive": ("watchdog.drive((0.3, 0.0), hold=60.0)", "watchdog.sent_in_time(watchdog.stop())"),
+    "flush": ("pacer.flush()", "sender.was_sent.clear(); pacer.mark(sender); assert sender.was_sent.wait(5.0)"),
+    "call": ("call()", "calls.clear(); call(); assert calls"),
+}
+"""A step of a loop, and what still works after an interrupt anywhere in it."""
+MODULES = {str(path.relative_to(ROOT)): path for path in sorted(ROOT.rglob("*.py"))}
+
+
+def is_condition(node: ast.AST) -> bool:
+    """Whether this makes a `threading.Condition`."""
+    return isinstance(node, ast.Call) and ast.unparse(node.func) == "threading.Condition"
+
+
+@pytest.mark.parametrize("module", MODULES)
+def test_a_condition_has_a_lock_of_its_own_name_and_only_that_is_held(module: str) -> None:
+    tree = ast.parse(MODULES[module].read_text())
+    made = [node for node in ast.walk(tree) if is_condition(node)]
+    assert all(call.args for call in made if isinstance(call, ast.Call)), "threading.Condition(lock)"
+    names = {
+        ast.unparse(target)
+        for node in ast.walk(tree)
+        if isinstance(node, ast.Assign) and is_condition(node.value)
+        for target in node.targets
+    }
+    withs = [node for node in ast.walk(tree) if isinstance(node, ast.With)]
+    held = {ast.unparse(item.context_expr) for node in withs for item in node.items}
+    assert not names & held, "hold its lock: `with` on a condition runs Python, where an interrupt leaves it held"
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("loop", LOOPS)
+def test_an_interrupt_anywhere_in_a_loop_leaves_all_at_work(loop: str) -> None:
+    step, works = LOOPS[loop]
+    command = [sys.executable, "-c", INTERRUPTED.format(step=step, works=works)]
+    ended = subprocess.run(command, capture_output=True, text=True, timeout=60, check=False)
+    assert (ended.returncode, ended.stderr) == (0, "")
