@@ -80,7 +80,7 @@ def test_marks_stand_out_where_the_system_forces_its_colours(plain_page: Callabl
 
     assert used(drive.locator(".rw-knob")) == system["Canvas"]
     laser.locator(".rw-freeze").click()
-    assert used(laser.locator(".rw-freeze")) == system["Highlight"]
+    expect(laser.locator(".rw-freeze")).to_have_css("background-color", system["Highlight"])
     assert used(laser.locator(".rw-freeze .rw-icon")) == system["HighlightText"]
     for name, card in {"laser": laser, "speed": speed, "touch": touch, "scanogram": scanogram, "drive": drive}.items():
         shoot(card, f"forced-{name}-{scheme}")
