@@ -15,7 +15,7 @@ import pytest
 
 from robowidgets import feeds
 from robowidgets.feeds import _ros2_session
-from robowidgets.feeds.middleware import CLOSE_TIMEOUT, SEND_TIMEOUT, Advert, FeedError
+from robowidgets.feeds.middleware import CLOSE_TIMEOUT, SEND_TIMEOUT, Advert, FeedError, NotYetError
 from robowidgets.feeds.ros2 import LOOK, Ros2
 
 from ..waiting import wait_for
@@ -703,13 +703,20 @@ def test_a_zero_that_was_too_early_follows_as_soon_as_the_robot_is_found_again(
 def test_a_speed_with_which_the_robot_was_found_again_owes_no_earlier_zero(
     ros2: Ros2, graph: Graph, robot: Robot, heard: Ears, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(sys.modules[Ros2.__module__], "EARLY_LOOK", 1.5)
-    ros2.publish("/cmd_vel", TWIST, FORWARD)
+    def is_published() -> bool:
+        try:
+            ros2.publish("/cmd_vel", TWIST, FORWARD)
+        except NotYetError:
+            return False
+        return True
+
+    monkeypatch.setattr(sys.modules[Ros2.__module__], "EARLY_LOOK", 3.0)
+    assert is_published()
     graph.discovery = 1.0
     graph.contexts[0].interrupt()
     with pytest.raises(FeedError, match="not discovered again"):
         ros2.publish("/cmd_vel", TWIST, ZERO)
-    ros2.publish("/cmd_vel", TWIST, FORWARD)
+    wait_for(is_published, "the robot is found again")
     connected, topics = heard.connected, heard.topics
     wait_for(lambda: heard.topics is not topics, "it looks again")
     assert heard.connected == connected, "else zero would follow the speed"
