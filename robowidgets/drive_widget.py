@@ -139,7 +139,7 @@ class DriveWidget(DrivingWidget):
 
     def _why_not(self) -> str:
         """Why nothing can be driven, as a key for the page; empty when it can."""
-        if not self._is_ready():
+        if not self._is_ready:
             return "nothing"
         if not self.enabled:
             return "disabled"

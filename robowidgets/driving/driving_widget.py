@@ -49,7 +49,7 @@ class DrivingWidget(NamedWidget):
         self._renew_at = 0.0
         self._cause = ""
         self._forget_errors()
-        self._idle = self._watchdog = CommandWatchdog(lambda *_: None)
+        self._is_ready, self._watchdog = False, CommandWatchdog(lambda *_: None)
         super().__init__(**kwargs)
         self._error_log = LogOnce(log_in_thread)  # the watchdog's thread logs, too
         self.on_msg(self._on_page)
@@ -89,7 +89,7 @@ class DrivingWidget(NamedWidget):
         """Use a watchdog from now on."""
         self._detach()
         self._forget_errors()
-        self._watchdog, self._feed, self._owns, self._cause = watchdog, feed, owns, ""
+        self._is_ready, self._watchdog, self._feed, self._owns, self._cause = True, watchdog, feed, owns, ""
         watchdog.observe(self._on_change)
         if owns:
             stop_at_end()
@@ -109,7 +109,7 @@ class DrivingWidget(NamedWidget):
             except Exception as error:
                 self._log_once(f"the robot could not be told to stop: {_described(error)}")
         self._end_press("nothing")
-        self._idle = self._watchdog = CommandWatchdog(lambda *_: None)
+        self._is_ready, self._watchdog = False, CommandWatchdog(lambda *_: None)
         self._feed, self._owns = None, False
         self._forget_errors()
         self._cause = cause
@@ -124,9 +124,6 @@ class DrivingWidget(NamedWidget):
     def _on_press(self, message: PadMessage) -> None:
         """Handle a message that belongs to a press."""
         raise ValueError(f"act: a Stop has no {message.act}")
-
-    def _is_ready(self) -> bool:
-        return self._watchdog is not self._idle
 
     def _forget_errors(self) -> None:
         self._not_driven = self._not_stopped = ""
@@ -175,7 +172,7 @@ class DrivingWidget(NamedWidget):
     def _compose(self) -> dict[str, Any]:
         watchdog, feed = self._watchdog, self._feed
         return {
-            "ready": self._is_ready(),
+            "ready": self._is_ready,
             "driver": watchdog.driver,
             "speed": watchdog.sent,
             "stopped": watchdog.stopped,
