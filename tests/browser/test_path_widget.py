@@ -8,6 +8,7 @@ from collections.abc import Callable
 import pytest
 from playwright.sync_api import Locator, expect
 
+from ..unit.waiting import wait_for
 from .chromium import LOOKS, shoot
 from .plain_page import PlainPage
 
@@ -92,8 +93,12 @@ def test_a_path_is_drawn_and_names_time_pose_and_way_under_the_pointer_and_by_ke
     expect(card.locator(".rw-freeze")).to_contain_text("20")
     expect(card.locator(".rw-footer")).to_contain_text("2.00 m driven")
     picture.focus()
-    nb.page.keyboard.press("End")
-    expect(popup).to_contain_text("later")
+
+    def end_is_later() -> bool:
+        nb.page.keyboard.press("End")
+        return "later" in (popup.text_content() or "")
+
+    wait_for(end_is_later, "the path comes, up to 0.25 s after the pose")
     shoot(card, f"path-{theme}-frozen")
     assert counts(card)[0] < 1.2 * ink, "what came since is not in ink"
     nb.page.keyboard.press("Escape")
