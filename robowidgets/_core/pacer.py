@@ -7,11 +7,12 @@ import logging
 import os
 import threading
 import time
-from collections.abc import Callable
 from typing import NamedTuple, Protocol
 
+from .clock import Scheduler, Ticket
+from .clock import scheduler as threads
 from .error_routing import ipython_shell
-from .platform_fixes import let_threads_print, run_beside_debugger, shorten_switch_interval
+from .platform_fixes import let_threads_print, shorten_switch_interval
 
 log = logging.getLogger("robowidgets")
 
@@ -63,8 +64,9 @@ class Pacer:
     not their states, and the last state of each sender is always sent in the end.
     """
 
-    def __init__(self, clock: Callable[[], float] = time.monotonic) -> None:
-        self._clock = clock
+    def __init__(self, scheduler: Scheduler = threads) -> None:
+        self._scheduler = scheduler
+        self._clock = scheduler.clock.now
         self._hooked = False
         self.reset()
 
@@ -72,9 +74,6 @@ class Pacer:
         """Reset to nothing marked. A forked process inherits held locks, but not the threads that hold them."""
         # RLock: the garbage collector may close a widget, and call `forget()`, while this thread holds it.
         self._lock = threading.RLock()
-        # Wake-up signal: `release()` wakes the thread. Half the cost of a Condition for callers.
-        self._wakeup = threading.Lock()
-        self._wakeup.acquire()
         self._turn = threading.Lock()
         self._due: dict[Sender, float] = {}
         # Keyed by id(), which is faster to look up; `forget` removes the entries.
@@ -82,7 +81,7 @@ class Pacer:
         self._failures: dict[int, _Failure] = {}
         self._timers: dict[Sender, float] = {}
         self._free_at = 0.0
-        self._thread: threading.Thread | None = None
+        self._thread: Ticket | None = None
 
     def mark(self, sender: Sender) -> None:
         """Note that a sender has a newer state to send."""
@@ -128,17 +127,15 @@ class Pacer:
                     self._send(sender)
 
     def _wake(self) -> None:
-        if self._wakeup.locked():
-            self._wakeup.release()
         if self._thread is None:
             self._start()
+        else:
+            self._thread.wake()
 
     def _start(self) -> None:
         shorten_switch_interval()
         let_threads_print()
-        self._thread = threading.Thread(target=self._run, name="robowidgets-pacer", daemon=True)
-        run_beside_debugger(self._thread)
-        self._thread.start()
+        self._thread = self._scheduler.start(self._send_due, "robowidgets-pacer")
         if not self._hooked:
             self._hooked = True
             atexit.register(self.flush)
@@ -147,18 +144,18 @@ class Pacer:
                 # So that a notebook saved or exported after its last cell contains the state that the cell left.
                 shell.events.register("post_execute", self.flush)
 
-    def _run(self) -> None:
+    def _send_due(self) -> float | None:
+        """A turn of the thread; returns the time of the next one."""
         try:
-            while True:
-                wait = self._send_one()
-                if wait == 0 and not self._due and not self._timers:
-                    # Sleep without re-checking: that would hold the GIL while the I/O thread is sending, and make
-                    # the send take half as long again.
-                    wait = None
-                if wait != 0:
-                    self._wakeup.acquire(timeout=-1 if wait is None else min(wait, threading.TIMEOUT_MAX))
-        finally:
+            wait = self._send_one()
+        except BaseException:  # a SystemExit ends this thread; the next mark starts another
             self._thread = None
+            raise
+        if wait is None or (wait == 0 and not self._due and not self._timers):
+            # Sleep without re-checking: that would hold the GIL while the I/O thread is sending, and make the send
+            # take half as long again.
+            return None
+        return self._clock() + wait
 
     def _send_one(self) -> float | None:
         """Send for one due sender and return 0; else the seconds until one is due, None when nothing is marked."""

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import threading
-import time
 from collections.abc import Callable
 from dataclasses import dataclass
 
 from .._core.cells import on_failed_cell
+from .._core.clock import Clock, RealClock
 from .._core.log_once import log_in_thread
 from .._core.observed import Observed
 from .._core.platform_fixes import run_beside_debugger
@@ -33,6 +33,8 @@ RETRY = 1.0
 
 RECENT = 30.0
 """Seconds for which a dead connection may go unnoticed, at most."""
+
+_REAL = RealClock()
 
 PROGRAM = "program"
 """The driver that is not a hand on a pad."""
@@ -68,11 +70,18 @@ class CommandWatchdog(Observed):
             once.
     """
 
-    def __init__(self, send: Callable[[float, float], object], *, not_sent: type[Exception] | tuple[()] = ()) -> None:
+    def __init__(
+        self,
+        send: Callable[[float, float], object],
+        *,
+        not_sent: type[Exception] | tuple[()] = (),
+        clock: Clock = _REAL,
+    ) -> None:
         super().__init__()
+        self._clock = clock
         self._send, self._not_sent = send, not_sent
         self._lock = threading.RLock()
-        self._changed = threading.Condition(self._lock)
+        self._changed = clock.condition(self._lock)
         self._thread: threading.Thread | None = None
         self._wanted: Velocity | None = None
         """The newest speed, while it is not sent yet."""
@@ -108,7 +117,7 @@ class CommandWatchdog(Observed):
     def driver(self) -> str:
         """The driver: `PROGRAM`, the name of a press on a pad, or empty for nobody."""
         with self._lock:
-            return self._hand_now() or (self._driver if time.monotonic() < self._expires else "")
+            return self._hand_now() or (self._driver if self._clock.now() < self._expires else "")
 
     @property
     def stopped(self) -> bool:
@@ -132,7 +141,7 @@ class CommandWatchdog(Observed):
         """
         with self._lock:
             self._check(hand, taking=True)
-            self._hand, self._hand_until = hand, time.monotonic() + HOLD
+            self._hand, self._hand_until = hand, self._clock.now() + HOLD
             if self._zero_at is not None or self._wanted is not None:
                 self._ask_for_zero()
         self._call_observers()
@@ -166,7 +175,7 @@ class CommandWatchdog(Observed):
             on_failed_cell(stop_driven_by_cell)
         with self._lock:
             self._check(driver)
-            now = time.monotonic()
+            now = self._clock.now()
             self._wanted, self._expires, self._driver = velocity, now + hold, driver
             if driver == PROGRAM:
                 self.from_cell = is_main
@@ -195,7 +204,7 @@ class CommandWatchdog(Observed):
     def busy_for(self) -> float:
         """Seconds for which the sink has not returned; 0 while it is not running."""
         entered = self._entered
-        return time.monotonic() - entered if entered is not None else 0.0
+        return self._clock.now() - entered if entered is not None else 0.0
 
     @property
     def owes_zero(self) -> bool:
@@ -205,7 +214,7 @@ class CommandWatchdog(Observed):
     def on_lost(self) -> None:
         """Note a lost connection: a zero that was sent shortly before may not have arrived, and is sent again."""
         with self._lock:
-            self._lost = self._lost or time.monotonic() - self._moved_at < RECENT
+            self._lost = self._lost or self._clock.now() - self._moved_at < RECENT
 
     def on_connected(self) -> None:
         """Send the zero that is owed to a robot that can be reached again."""
@@ -247,12 +256,15 @@ class CommandWatchdog(Observed):
     def is_done_in_time(self, request: Request, timeout: float) -> bool:
         """Wait until a request is done, for some seconds at most; returns whether it is."""
         with self._lock:
-            return self._changed.wait_for(lambda: request.done, timeout)
+            until = self._clock.now() + timeout
+            while not request.done and self._changed.wait_until(until):
+                pass
+            return request.done
 
     # -- within --------------------------------------------------------------------------------------------------------
 
     def _hand_now(self) -> str:
-        return self._hand if time.monotonic() < self._hand_until else ""
+        return self._hand if self._clock.now() < self._hand_until else ""
 
     def _check(self, driver: str, *, taking: bool = False) -> None:
         if self._closed:
@@ -269,6 +281,7 @@ class CommandWatchdog(Observed):
         if self._thread is None:
             thread = threading.Thread(target=self._run, name="robowidgets-drive", daemon=True)
             run_beside_debugger(thread)
+            self._clock.began(thread)
             running.add(self)
             self._thread = thread  # before it starts: the handler of an interrupt meanwhile starts no second one
             try:
@@ -294,7 +307,7 @@ class CommandWatchdog(Observed):
                 velocity, requests = self._next()
                 if velocity is None:
                     return
-                self._entered = time.monotonic()
+                self._entered = self._clock.now()
             error = self._call(velocity)
             with self._lock:
                 self._entered = None
@@ -304,9 +317,9 @@ class CommandWatchdog(Observed):
 
     def _next(self) -> tuple[Velocity | None, list[Request]]:
         """Wait until a speed or zero is due, and return it; None when nothing has been owed for a moment."""
-        ends_at = time.monotonic() + LINGER
+        ends_at = self._clock.now() + LINGER
         while True:
-            now = time.monotonic()
+            now = self._clock.now()
             if self._wanted is not None and now >= self._expires:  # it expired while the sink was busy
                 self._wanted = None
                 late = TimeoutError("the function that sends speeds was busy for longer than the speed holds")
@@ -330,7 +343,7 @@ class CommandWatchdog(Observed):
                 running.discard(self)
                 return None, []
             if due > now:
-                self._changed.wait(due - now)
+                self._changed.wait_until(due)
                 continue
             velocity, self._wanted = self._wanted or ZERO, None
             requests, self._speeds = self._speeds, []
@@ -354,7 +367,7 @@ class CommandWatchdog(Observed):
 
     def _note(self, velocity: Velocity, error: BaseException | None) -> None:
         """Record the outcome of a call, and set the time at which zero is due. Called with the lock held."""
-        now = time.monotonic()
+        now = self._clock.now()
         self.error = error
         if error is not None:
             self.failed = velocity

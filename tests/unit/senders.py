@@ -5,7 +5,10 @@ from __future__ import annotations
 import threading
 import time
 
+from robowidgets._core.clock import Threads
 from robowidgets._core.pacer import Pacer
+
+from .clocks import ManualClock
 
 MOST_IN_A_SECOND = 300
 
@@ -70,8 +73,16 @@ class ByHand(Pacer):
     """A pacer without a thread, whose time passes when the test says so."""
 
     def __init__(self) -> None:
-        self.now = 1000.0
-        super().__init__(clock=lambda: self.now)
+        self._time = ManualClock()
+        super().__init__(Threads(self._time))
+
+    @property
+    def now(self) -> float:
+        return self._time.now()
+
+    @now.setter
+    def now(self, seconds: float) -> None:
+        self._time.set(seconds)
 
     def _start(self) -> None:
         pass

@@ -6,7 +6,7 @@ import subprocess
 import sys
 import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from itertools import pairwise
 
 import pytest
@@ -14,6 +14,7 @@ import pytest
 from robowidgets.driving.command_watchdog import HOLD, INTERVAL, PROGRAM, ZERO, CommandWatchdog, RefusedError
 from robowidgets.driving.stop_all import running, stop_all, stop_driven_by_cell
 
+from .clocks import ManualClock
 from .waiting import wait_for
 
 FORWARD = (0.3, 0.0)
@@ -23,14 +24,15 @@ LEFT = (0.0, 0.5)
 class Sink:
     """What takes the speeds of a test; it hangs while its gate is shut, and raises what it is told to."""
 
-    def __init__(self) -> None:
+    def __init__(self, now: Callable[[], float] = time.monotonic) -> None:
+        self.now = now
         self.got: list[tuple[float, float, float]] = []
         self.error: BaseException | None = None
         self.gate = threading.Event()
         self.gate.set()
 
     def __call__(self, linear: float, angular: float) -> None:
-        self.got.append((time.monotonic(), linear, angular))
+        self.got.append((self.now(), linear, angular))
         self.gate.wait(20.0)
         if self.error is not None:
             raise self.error
@@ -256,22 +258,74 @@ def test_the_newest_hand_drives(watchdog: CommandWatchdog) -> None:
     assert watchdog.driver == "other"
 
 
-def test_a_hand_that_is_not_renewed_lets_programs_drive_again(watchdog: CommandWatchdog, sink: Sink) -> None:
+@pytest.fixture
+def clock() -> ManualClock:
+    return ManualClock()
+
+
+@pytest.fixture
+def timed(clock: ManualClock) -> Iterator[tuple[CommandWatchdog, Sink]]:
+    """A watchdog and its sink by a clock that the test moves."""
+    sink = Sink(clock.now)
+    made = CommandWatchdog(sink, not_sent=OSError, clock=clock)
+    yield made, sink
+    made.close()
+    clock.advance(1.0)
+
+
+def test_a_hand_that_is_not_renewed_lets_programs_drive_again(
+    clock: ManualClock, timed: tuple[CommandWatchdog, Sink]
+) -> None:
+    watchdog, sink = timed
     watchdog.take("hand")
     drive(watchdog, LEFT, "hand")
-    wait_for(lambda: sink.speeds[-1] == ZERO, "zero follows")
-    assert sink.got[-1][0] - sink.got[-2][0] < HOLD + 0.1
+    clock.advance(HOLD - 0.001)
+    assert sink.got == [(1000.0, *LEFT)]
+    clock.advance(0.001)
+    assert sink.got == [(1000.0, *LEFT), (1000.0 + HOLD, *ZERO)]
     drive(watchdog, FORWARD)
 
 
 def test_a_speed_of_a_hand_holds_for_half_a_second_at_most_because_its_page_may_be_gone(
-    watchdog: CommandWatchdog, sink: Sink
+    clock: ManualClock, timed: tuple[CommandWatchdog, Sink]
 ) -> None:
+    watchdog, sink = timed
     watchdog.take("hand")
     watchdog.sent_in_time(watchdog.drive(FORWARD, hold=60.0, driver="hand"))
-    wait_for(lambda: sink.speeds[-1] == ZERO, "zero follows")
-    assert sink.got[-1][0] - sink.got[-2][0] < HOLD + 0.1
+    clock.advance(HOLD)
+    assert sink.got == [(1000.0, *FORWARD), (1000.0 + HOLD, *ZERO)]
     assert watchdog.driver == ""
+
+
+def test_by_hand_a_loop_sends_at_most_50_speeds_a_second_the_newest_last(
+    clock: ManualClock, timed: tuple[CommandWatchdog, Sink]
+) -> None:
+    watchdog, sink = timed
+    for count in range(500):
+        watchdog.drive((0.1, count))
+        clock.advance(0.001)
+    watchdog.sent_in_time(watchdog.stop())
+    moves = [at for at, linear, _ in sink.got if linear]
+    assert len(moves) == 0.5 / INTERVAL
+    assert all(later - before == pytest.approx(INTERVAL) for before, later in pairwise(moves))
+    assert sink.speeds[-1] == ZERO
+
+
+def test_by_hand_what_a_slow_sink_kept_waiting_too_long_is_not_sent(
+    clock: ManualClock, timed: tuple[CommandWatchdog, Sink]
+) -> None:
+    watchdog, sink = timed
+    sink.gate.clear()
+    first = watchdog.drive(FORWARD, hold=0.05)
+    wait_for(lambda: sink.got, "the sink is at work")
+    late = watchdog.drive(LEFT, hold=0.05)
+    clock.advance(0.05, hangs=("robowidgets-drive",))
+    sink.gate.set()
+    watchdog.sent_in_time(first)
+    with pytest.raises(TimeoutError, match="the function that sends speeds was busy for longer than the speed holds"):
+        watchdog.sent_in_time(late)
+    clock.settle()
+    assert sink.speeds == [FORWARD, ZERO]
 
 
 def test_an_interrupt_while_its_thread_starts_stops_it_and_starts_no_second_one(

@@ -57,8 +57,10 @@ MODULES = {str(path.relative_to(ROOT)): path for path in sorted(ROOT.rglob("*.py
 
 
 def is_condition(node: ast.AST) -> bool:
-    """Whether this makes a `threading.Condition`."""
-    return isinstance(node, ast.Call) and ast.unparse(node.func) == "threading.Condition"
+    """Whether this makes a condition: a `threading.Condition`, or that of a clock."""
+    return isinstance(node, ast.Call) and (
+        ast.unparse(node.func) == "threading.Condition" or ast.unparse(node.func).endswith("clock.condition")
+    )
 
 
 @pytest.mark.parametrize("module", MODULES)

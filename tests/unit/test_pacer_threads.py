@@ -80,7 +80,7 @@ class TestThreads:
         far, sender = Sender(), Sender()
         pacer.mark_at(far, time.monotonic() + 3e10)
         pacer.mark(sender)
-        wait_for(lambda: sender.sent and pacer._wakeup.locked(), "the thread was waiting")
+        wait_for(lambda: sender.sent and pacer._thread._signal._lock.locked(), "the thread was waiting")
         first = pacer._thread
         pacer.mark(sender)
         wait_for(lambda: len(sender.sent) == 2, "it was sent again")

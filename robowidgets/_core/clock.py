@@ -1,0 +1,213 @@
+"""Time as a dependency: what waits or times out takes a `Clock`, and what runs as time passes takes a `Scheduler`."""
+
+from __future__ import annotations
+
+import heapq
+import itertools
+import logging
+import os
+import threading
+import time
+from collections.abc import Callable
+from contextlib import suppress
+from typing import Protocol
+
+from .platform_fixes import run_beside_debugger
+from .user_threads import UserThread
+
+log = logging.getLogger("robowidgets")
+
+Turn = Callable[[], "float | None"]
+"""Does what is due now. It returns the time of the next turn, or None to wait until it is woken; `Left` ends it."""
+
+
+class Left(BaseException):
+    """Raised in a turn whose owner has left it behind. User code never sees it."""
+
+
+class Signal(Protocol):
+    """Wakes the one thread that waits for it. Setting it twice is setting it once."""
+
+    def set(self) -> None:
+        """Wake the thread that waits, or the next one that would."""
+
+    def wait_until(self, when: float | None) -> None:
+        """Wait until it is set, or until a time; None: for ever."""
+
+
+class Condition(Protocol):
+    """A condition variable whose lock the caller holds."""
+
+    def notify_all(self) -> None:
+        """Wake all threads that wait."""
+
+    def wait_until(self, when: float | None) -> bool:
+        """Wait for a notification; returns False if the time came first. None: for ever."""
+
+
+class Clock(Protocol):
+    """Seconds of a clock that is never set, and what waits by it.
+
+    All times are absolute, so that a wait which begins late ends in time. A clock makes the things that wait, and is
+    told of the threads that use it, so that a clock moved by a test knows who is still at work.
+    """
+
+    def now(self) -> float:
+        """The time in seconds."""
+        ...
+
+    def signal(self) -> Signal:
+        """A new signal that waits by this clock."""
+        ...
+
+    def condition(self, lock: threading.RLock) -> Condition:
+        """A new condition of a lock that waits by this clock."""
+        ...
+
+    def began(self, thread: threading.Thread) -> None:
+        """Called with each thread that waits by this clock, before it starts."""
+
+
+class Ticket(Protocol):
+    """Repeats one turn. Any thread may call its methods."""
+
+    def wake(self) -> None:
+        """Have the turn done now."""
+
+    def leave(self) -> None:
+        """Have no further turn done. One that is under way is not waited for."""
+
+
+class Scheduler(Protocol):
+    """Repeats turns, and calls functions at a time."""
+
+    clock: Clock
+
+    def start(self, turn: Turn, name: str) -> Ticket:
+        """Do a turn now, and again whenever it is due or woken."""
+        ...
+
+    def call_at(self, when: float, function: Callable[[], object]) -> None:
+        """Call a function of ours, which must not wait, at a time."""
+
+
+class RealClock:
+    """The monotonic clock of the computer."""
+
+    now = staticmethod(time.monotonic)
+
+    def signal(self) -> Signal:
+        """See `Clock`."""
+        return _RealSignal()
+
+    def condition(self, lock: threading.RLock) -> Condition:
+        """See `Clock`."""
+        return _RealCondition(lock)
+
+    def began(self, thread: threading.Thread) -> None:
+        """See `Clock`."""
+
+
+class _RealSignal:
+    def __init__(self) -> None:
+        # A lock: half the cost of a Condition for callers.
+        self._lock = threading.Lock()
+        self._lock.acquire()
+
+    def set(self) -> None:
+        if self._lock.locked():
+            with suppress(RuntimeError):  # another thread was faster
+                self._lock.release()
+
+    def wait_until(self, when: float | None) -> None:
+        self._lock.acquire(timeout=-1 if when is None else _left(when))
+
+
+class _RealCondition(threading.Condition):
+    def wait_until(self, when: float | None) -> bool:
+        return self.wait(None if when is None else _left(when))
+
+
+def _left(when: float) -> float:
+    return min(max(0.0, when - time.monotonic()), threading.TIMEOUT_MAX)
+
+
+class _Worker(UserThread):
+    """The thread of one turn. A turn may call functions of a user, so it may be left behind."""
+
+    def __init__(self, clock: Clock, turn: Turn, name: str) -> None:
+        super().__init__(self._repeat, name)
+        self._clock, self._turn, self._signal = clock, turn, clock.signal()
+
+    def wake(self) -> None:
+        self._signal.set()
+
+    def leave(self) -> None:
+        self.abandon()
+        self.wake()
+
+    def _repeat(self) -> None:
+        with suppress(Left):
+            while self.abandoned_at is None:
+                try:
+                    when = self._turn()
+                except Exception:  # of ours: those of users are caught where their functions are called
+                    log.exception("robowidgets: error in %s", self.name)
+                    when = None
+                if self.abandoned_at is None and (when is None or when > self._clock.now()):
+                    self._signal.wait_until(when)
+
+
+class Threads:
+    """Each turn in a thread of its own, so that one that hangs holds up no other; all timers in one more thread.
+
+    Args:
+        clock: None: the clock of the computer.
+    """
+
+    def __init__(self, clock: Clock | None = None) -> None:
+        self.clock: Clock = clock or RealClock()
+        self.reset()
+
+    def reset(self) -> None:
+        """Reset to no timers. A forked process inherits held locks, but not the threads that hold them."""
+        self._lock = threading.RLock()
+        self._timers: list[tuple[float, int, Callable[[], object]]] = []
+        self._numbers = itertools.count()
+        self._timer: Ticket | None = None
+
+    def start(self, turn: Turn, name: str) -> _Worker:
+        """See `Scheduler`."""
+        worker = _Worker(self.clock, turn, name)
+        run_beside_debugger(worker)
+        self.clock.began(worker)
+        worker.start()
+        return worker
+
+    def call_at(self, when: float, function: Callable[[], object]) -> None:
+        """See `Scheduler`."""
+        with self._lock:
+            heapq.heappush(self._timers, (when, next(self._numbers), function))
+            if self._timer is None:
+                self._timer = self.start(self._call_due, "robowidgets-timer")
+            else:
+                self._timer.wake()
+
+    def _call_due(self) -> float | None:
+        """Call the function that is due, if there is one; returns when the next one is."""
+        with self._lock:
+            if not self._timers or self._timers[0][0] > self.clock.now():
+                return self._timers[0][0] if self._timers else None
+            _, _, function = heapq.heappop(self._timers)
+        try:
+            function()
+        except Exception:
+            log.exception("robowidgets: error in a timer")
+        return self.clock.now()
+
+
+scheduler = Threads()
+"""The scheduler of this process."""
+
+if hasattr(os, "register_at_fork"):
+    os.register_at_fork(after_in_child=scheduler.reset)

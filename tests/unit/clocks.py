@@ -1,0 +1,122 @@
+"""A clock whose time passes when a test says so."""
+
+from __future__ import annotations
+
+import itertools
+import threading
+import time
+from contextlib import suppress
+from math import inf
+from typing import Any
+
+
+class ManualClock:
+    """A clock that stands still until `advance`, which returns when all threads that it knows wait again or have ended.
+
+    It knows the threads that it was told of, and those that have ever waited by it. One that hangs elsewhere, as in a
+    function that a test gates, is named in `hangs`.
+    """
+
+    def __init__(self, start: float = 1000.0) -> None:
+        self._now = start
+        self._lock = threading.RLock()
+        self._rests = threading.Condition(self._lock)
+        self._waits: list[tuple[float, int, Any, threading.Thread]] = []
+        self._number = itertools.count()
+        self._awake: set[threading.Thread] = set()
+
+    def now(self) -> float:
+        return self._now
+
+    def set(self, now: float) -> None:
+        """Set the time where no thread waits by this clock."""
+        assert not self._waits, "advance() wakes who waits"
+        self._now = now
+
+    def signal(self) -> _Signal:
+        return _Signal(self)
+
+    def condition(self, lock: threading.RLock) -> _Condition:
+        return _Condition(self, lock)
+
+    def began(self, thread: threading.Thread) -> None:
+        with self._lock:
+            self._awake.add(thread)
+
+    def enter(self, when: float | None, what: Any) -> bool:
+        """Note that the calling thread waits for this; False if the time is there already."""
+        with self._lock:
+            if when is not None and when <= self._now:
+                return False
+            me = threading.current_thread()
+            self._waits.append((inf if when is None else when, next(self._number), what, me))
+            self._awake.discard(me)
+            self._rests.notify_all()
+            return True
+
+    def wakes(self, what: Any) -> None:
+        """Those that wait for this are at work from now on."""
+        with self._lock:
+            for entry in [entry for entry in self._waits if entry[2] is what]:
+                self._waits.remove(entry)
+                self._awake.add(entry[3])
+
+    def advance(self, seconds: float = 0.0, hangs: tuple[str, ...] = ()) -> None:
+        """Let time pass, from one wait that is over to the next; `hangs`: names of threads that are not waited for."""
+        end = self._now + seconds
+        while True:
+            self.settle(hangs)
+            with self._lock:
+                due = min((entry for entry in self._waits if entry[0] <= end), default=None)
+                if due is None:
+                    self._now = end
+                    return
+                self._now = max(self._now, due[0])
+            due[2].wake()
+
+    def settle(self, hangs: tuple[str, ...] = ()) -> None:
+        """Wait until no thread that this clock knows is at work."""
+        until = time.monotonic() + 20.0
+        with self._lock:
+            self._awake.discard(threading.current_thread())
+            while busy := [thread.name for thread in self._awake if thread.is_alive() and thread.name not in hangs]:
+                assert time.monotonic() < until, f"{busy} did not wait again"
+                self._rests.wait(0.005)  # one that ends notifies nobody
+            self._awake = {thread for thread in self._awake if thread.is_alive()}
+
+
+class _Signal:
+    def __init__(self, clock: ManualClock) -> None:
+        self._clock, self._lock = clock, threading.Lock()
+        self._lock.acquire()
+
+    def set(self) -> None:
+        self._clock.wakes(self)
+        with suppress(RuntimeError):
+            self._lock.release()
+
+    def wake(self) -> None:
+        self.set()
+
+    def wait_until(self, when: float | None) -> None:
+        self._lock.acquire(blocking=self._clock.enter(when, self))
+
+
+class _Condition:
+    def __init__(self, clock: ManualClock, lock: threading.RLock) -> None:
+        self._clock, self._lock = clock, lock
+        self._changed = threading.Condition(lock)
+
+    def notify_all(self) -> None:
+        self._clock.wakes(self)
+        self._changed.notify_all()
+
+    def wake(self) -> None:
+        with self._lock:
+            self.notify_all()
+
+    def wait_until(self, when: float | None) -> bool:
+        if not self._clock.enter(when, self):
+            return False
+        self._changed.wait()
+        return when is None or self._clock.now() < when
