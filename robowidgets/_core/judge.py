@@ -4,23 +4,19 @@ from __future__ import annotations
 
 import logging
 import threading
-import time
 from typing import Any, Protocol
 
 from .log_once import LogOnce
 from .newest_sample import NewestSample, Shot
 from .pacer import Sender, pacer
-from .user_function import line_of
-from .user_threads import UserThread, frames_of
+from .runner import Call, Runner
+from .user_threads import UserThread
 from .watch import Watch
 
 log = logging.getLogger("robowidgets")
 
 PATIENCE = 0.1
 """Seconds for which a picture waits for the verdicts on its sample. After that it is shown without them."""
-
-SLOW = 1.0
-"""Seconds after which a function that has not returned is named on its lamp."""
 
 
 class Judged(Sender, Protocol):
@@ -48,15 +44,19 @@ class Judge:
         self._widget = widget
         self._newest = widget._newest
         self.watches: dict[str, Watch] = {}
-        self._thread: UserThread | None = None
+        self.make_runner()
+        self._newest.on_new = self._wake
         self._seen = self._done = 0
         """The versions that were last taken, and judged."""
         self._shot: Shot | None = None
         self._lamps: list[dict[str, Any]] = []
-        self._current: Watch | None = None
-        self._entered: float | None = None
-        self._checked = 0.0
         self._log = LogOnce(log.error)
+
+    def make_runner(self) -> None:
+        """Make the runner; again in a forked process, which has neither its thread nor the lock it was made with."""
+        self._runner = Runner(
+            self._judge_newest, self._newest.lock, "robowidgets-judge", look=PATIENCE, on_look=self._mark_late
+        )
 
     def put(self, watch: Watch) -> None:
         """Add a watch; it replaces the one of its name."""
@@ -80,16 +80,20 @@ class Judge:
     def close(self) -> None:
         """End the thread, and whatever waits for a watch."""
         with self._newest.lock:
-            left = self._leave_thread()
-        pacer.forget(self)
+            self._newest.on_new = None
+            left = self._leave_worker()
         for watch in self.watches.values():
             watch.end("its widget is closed")
         _end(left)
 
-    def send_newest(self) -> int:
-        """Have the widget sent, by an appointment that the widget's own do not replace; the pacer's call."""
-        pacer.mark(self._widget)
-        return 0
+    def _mark_late(self) -> None:
+        """Have the picture shown without its verdicts."""
+        if self.is_late:
+            pacer.mark(self._widget)
+
+    def _wake(self) -> None:
+        if self.watches:
+            self._runner.wake()
 
     def choose(self, packed: int) -> tuple[Shot | None, list[dict[str, Any]]]:
         """What to send to the page, with its lamps; None while the verdicts are due in a moment.
@@ -109,10 +113,8 @@ class Judge:
             return newest, self._lamps
         if self._shot is not None and self._shot.version > packed and not self._widget._packs_now:
             return self._shot, self._lamps
-        is_late = self.is_late
-        pacer.mark_at(self, time.monotonic() + (SLOW if is_late else PATIENCE))
-        if not is_late:
-            return None, []
+        if not self.is_late:
+            return None, []  # the runner has the widget marked when it is
         return newest, [self._unknown(watch) for watch in self.watches.values()]
 
     def will_mark(self) -> bool:
@@ -122,13 +124,12 @@ class Judge:
     @property
     def is_late(self) -> bool:
         """Whether the judgement of one sample takes longer than a picture waits for it."""
-        return self.busy_for > PATIENCE
+        return self.busy_for >= PATIENCE
 
     @property
     def busy_for(self) -> float:
         """Seconds since the judgement of a sample began; 0 while it waits for one."""
-        entered = self._entered
-        return 0.0 if entered is None else time.monotonic() - entered
+        return self._runner.busy_for
 
     def _restart(self, gone: Watch | None) -> UserThread | None:
         """Judge the newest sample again, in another thread if this one is in a function that is not wanted any more.
@@ -138,59 +139,40 @@ class Judge:
         self._seen = self._done = 0
         self._shot = None
         self._newest.changed = True
-        is_in_it = gone is not None and self._current is gone
-        left = self._leave_thread() if is_in_it or not self.watches else None
-        if self.watches and self._thread is None:
-            self._thread = UserThread(self._run, "robowidgets-judge")
-            self._thread.start()
+        is_in_it = gone is not None and self._runner.current is gone
+        left = self._leave_worker() if is_in_it or not self.watches else None
+        self._wake()
+        return left
+
+    def _leave_worker(self) -> UserThread | None:
+        """Have the worker go no further; returns it if it is in a function. Called with the lock."""
+        left = self._runner.leave()
         self._newest.wake()
         return left
 
-    def _leave_thread(self) -> UserThread | None:
-        """Have the thread go no further; returns it if it is in a function. Called with the lock."""
-        is_in_one = self._current is not None and self._thread is not threading.current_thread()
-        left = self._thread if is_in_one else None
-        self._thread = self._current = self._entered = None
-        self._newest.wake()
-        return left
-
-    def _run(self) -> None:
-        me = threading.current_thread()
-        while (shot := self._next(me)) is not None:
-            sample = self._widget._to_judge(shot.sample)
-            watches = list(self.watches.values())
-            for watch in watches:
-                self._current = watch
-                watch.judge(sample)
-                if self._thread is not me:
-                    return
-                if watch.error:
-                    self._log(f"{self._widget.title} {watch.name}: {watch.error}".strip(), watch.error)
-            with self._newest.lock:
-                if self._thread is not me:
-                    return
-                self._current = self._entered = None
-                if self._seen == shot.version:  # else another watch was added meanwhile
-                    self._done, self._shot = shot.version, shot
-                    self._lamps = [watch.lamp() for watch in watches]
-                    self._newest.changed = True  # also where it is on show already, with unknown lamps
-                self._newest.wake()
-            pacer.mark(self._widget)
-
-    def _next(self, me: threading.Thread) -> Shot | None:
-        """The newest version that was not judged yet, as soon as there is one; None when the thread is to end."""
+    def _judge_newest(self, call: Call) -> float | None:
+        """Judge the newest version that was not judged yet, if there is one."""
         newest = self._newest
         with newest.lock:
-            newest.wait_for(lambda: self._thread is not me or self._seen != newest.version)
-            if self._thread is not me:
+            if self._seen == newest.version:
                 return None
             self._seen = newest.version
-            now = self._entered = time.monotonic()
-            if now - self._checked > SLOW:
-                # Should a function not return, with no sample after this one, the picture is still to be shown.
-                self._checked = now
-                pacer.mark_at(self, now + SLOW)
-            return newest.shot()
+            shot, watches = newest.shot(), list(self.watches.values())
+        sample, error = call(self._widget._to_judge, shot.sample, of=self)  # None, so unknown, where it raises
+        if error is not None:
+            self._log(f"{self._widget.title}: {type(error).__name__}: {error}".strip())
+        for watch in watches:
+            call(watch.judge, sample, of=watch)
+            if watch.error:
+                self._log(f"{self._widget.title} {watch.name}: {watch.error}".strip(), watch.error)
+        with newest.lock:
+            if self._seen == shot.version:  # else another watch was added meanwhile
+                self._done, self._shot = shot.version, shot
+                self._lamps = [watch.lamp() for watch in watches]
+                newest.changed = True  # also where it is on show already, with unknown lamps
+            newest.wake()
+        pacer.mark(self._widget)
+        return 0.0  # there may be a newer one
 
     def _unknown(self, watch: Watch) -> dict[str, Any]:
         """The lamp of a watch whose verdict is not there yet."""
@@ -198,9 +180,8 @@ class Judge:
         if lamp["state"] == "off":
             return lamp
         text = ""
-        if watch is self._current and self._entered is not None:
-            line = line_of(watch.condition, frames_of(self._thread))
-            text = f"takes {time.monotonic() - self._entered:.1f} s{line}"
+        if watch is self._runner.current:
+            text = f"takes {self.busy_for:.1f} s{self._runner.where(watch.condition)}"
         return {**lamp, "state": "unknown", "text": text, "rays": []}
 
 

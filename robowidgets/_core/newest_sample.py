@@ -41,6 +41,8 @@ class NewestSample(Generic[S]):
         self.changed = False
         """Whether there is more to show than was packed last."""
         self.meter = RateMeter()
+        self.on_new: Callable[[], object] | None = None
+        """Called with the lock when there is another version to judge."""
         self.waiting = 0
         """The number of threads that wait."""
         self.make_locks()
@@ -63,6 +65,8 @@ class NewestSample(Generic[S]):
     def renew(self) -> None:
         """Have the sample judged again, and wake the threads that wait. Called with the lock."""
         self.version += 1
+        if self.on_new:
+            self.on_new()
         if self.waiting:
             self.wake()
 

@@ -180,6 +180,11 @@ class RobotWidget(SavesPng, JudgesConditions, PacedWidget, Generic[S]):
             self._newest.changed = True
         self._mark()
 
+    def _make_locks(self) -> None:
+        super()._make_locks()
+        if self._judge:
+            self._judge.make_runner()
+
     def _mark(self) -> None:
         """Have the newest sample sent with what is on it, once the verdicts on it are there.
 

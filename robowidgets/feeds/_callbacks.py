@@ -12,12 +12,13 @@ from types import FunctionType
 from typing import Any
 
 from .._core.cells import running_cell
+from .._core.clock import Scheduler
+from .._core.clock import scheduler as threads
 from .._core.log_once import LogOnce
-from .._core.pacer import pacer
+from .._core.runner import Call, Runner
 from .._core.tables import Table
 from .._core.text import many
 from .._core.user_function import line_of, name_of
-from .._core.user_threads import UserThread, frames_of
 from ..samples import HasAge
 from ._topics import Topic, queue_length, sample_of
 
@@ -72,15 +73,21 @@ class FunctionCaller:
         on_change: called with a topic whose `status_of` has changed.
     """
 
-    def __init__(self, on_change: Callable[[str], None]) -> None:
+    def __init__(self, on_change: Callable[[str], None], scheduler: Scheduler = threads) -> None:
         self._on_change = on_change
+        self._now = scheduler.clock.now
         self._lock = threading.RLock()
-        self._changed = threading.Condition(self._lock)
+        self._runner = Runner(
+            self._call_next,
+            self._lock,
+            "robowidgets-functions",
+            look=SLOW,
+            on_look=self._show_slow,
+            scheduler=scheduler,
+        )
         self._functions: list[Function] = []
         self._waiting: dict[str, deque[tuple[Any, Topic, Sequence[Any] | None, float]]] = {}
         """By topic, messages with the functions that they are for and the time at which they came."""
-        self._thread: UserThread | None = None
-        self._current: Function | None = None
         self._slow_topic = ""
         """The topic whose widgets show that a function has not returned."""
         self._closed = False
@@ -125,9 +132,7 @@ class FunctionCaller:
                 return
             waiting = self._waiting.setdefault(topic.name, deque(maxlen=queue_length(topic.type)))
             waiting.append((message, topic, calls, time.monotonic()))
-            if self._thread is None:
-                self._start()
-            self._changed.notify()
+            self._runner.wake()
 
     def status_of(self, topic: str) -> str:
         """A text that names the functions of a topic that have not returned or have raised; empty if there are none."""
@@ -137,31 +142,25 @@ class FunctionCaller:
         """Call no function any more; waits a moment for one that is running."""
         with self._lock:
             self._closed = True
-            self._changed.notify_all()
-            thread = self._thread
-        pacer.forget(self)
-        if thread is not None and thread is not threading.current_thread():
-            thread.join(CLOSING)
+            left = self._runner.leave()
+        if left is not None:
+            left.join(CLOSING)
 
-    def send_newest(self) -> int:
-        """Update the seconds for which a function has not returned. The pacer calls it."""
-        current, before = self._current, self._slow_topic
-        entered = current.entered if current is not None else None
-        is_slow = entered is not None and time.monotonic() - entered >= SLOW
-        self._slow_topic = current.topic if current is not None and is_slow else ""
+    def _show_slow(self) -> None:
+        """Show the seconds for which a function has not returned, or that it has."""
+        function, before = self._runner.current, self._slow_topic
+        entered = function.entered if isinstance(function, Function) else None
+        is_slow = entered is not None and self._now() - entered >= SLOW
+        self._slow_topic = function.topic if isinstance(function, Function) and is_slow else ""
         for topic in {before, self._slow_topic} - {""}:
             self._on_change(topic)
-        with self._lock:
-            if self._thread is not None and not self._closed:
-                pacer.mark_at(self, time.monotonic() + SLOW)
-        return 0
 
     def _status(self, function: Function) -> str:
         entered = function.entered
-        passed = time.monotonic() - entered if entered is not None else 0.0
+        passed = self._now() - entered if entered is not None else 0.0
         if passed < SLOW:
             return function.error
-        where = line_of(function.call, frames_of(self._thread))
+        where = self._runner.where(function.call)
         return f"your function `{function.name}`{where}, has not returned for {passed:.0f} s"
 
     def _drop(self, gone: list[Function]) -> None:
@@ -169,48 +168,31 @@ class FunctionCaller:
         topics = {function.topic for function in self._functions}
         for topic in self._waiting.keys() - topics:
             del self._waiting[topic]
-        if self._current in gone and self._thread is not None and self._thread is not threading.current_thread():
-            self._thread.abandon()
-            self._thread = self._current = None
+        if any(function is self._runner.current for function in gone):
+            self._runner.leave()
             if self._waiting:
-                self._start()
+                self._runner.wake()
 
-    def _start(self) -> None:
-        self._thread = UserThread(self._run, "robowidgets-functions")
-        self._thread.start()
-        pacer.mark_at(self, time.monotonic() + SLOW)
+    def _call_next(self, call: Call) -> float | None:
+        """Call the functions of the topic that has waited for longest, with its oldest message."""
+        with self._lock:
+            if self._closed or not self._waiting:
+                return None
+            name = next(iter(self._waiting))
+            waiting = self._waiting.pop(name)
+            message, topic, calls, came_at = waiting.popleft()
+            if waiting:  # after the other topics
+                self._waiting[name] = waiting
+            functions = [function for function in self._functions if function.takes(name, calls)]
+        before = self.status_of(name)
+        for function in functions:
+            if function in self._functions and not self._closed:
+                self._call(call, function, message, topic, came_at)
+        if self.status_of(name) != before:
+            self._on_change(name)
+        return 0.0  # other messages may wait
 
-    def _run(self) -> None:
-        me = threading.current_thread()
-        while True:
-            with self._lock:
-                while self._thread is me and not self._closed and not self._waiting:
-                    self._changed.wait()
-                if self._thread is not me or self._closed:
-                    return
-                name = next(iter(self._waiting))
-                waiting = self._waiting.pop(name)
-                message, topic, calls, came_at = waiting.popleft()
-                if waiting:  # after the other topics
-                    self._waiting[name] = waiting
-                functions = [function for function in self._functions if function.takes(name, calls)]
-            before = self.status_of(name)
-            for function in functions:
-                with self._lock:
-                    if self._thread is not me or self._closed:
-                        return
-                    if function not in self._functions:
-                        continue
-                    self._current = function
-                self._call(function, message, topic, came_at)
-                with self._lock:
-                    if self._thread is not me:
-                        return
-                    self._current = None
-            if self.status_of(name) != before:
-                self._on_change(name)
-
-    def _call(self, function: Function, message: Any, topic: Topic, came_at: float) -> None:
+    def _call(self, call: Call, function: Function, message: Any, topic: Topic, came_at: float) -> None:
         try:
             sample = message if function.raw else sample_of(message, topic)
             if not function.raw and isinstance(sample, HasAge):
@@ -219,18 +201,17 @@ class FunctionCaller:
             function.error = f"a message of {function.topic} cannot be read for `{function.name}`: {error}"
             self._log(function.error)
             return
-        function.entered = time.monotonic()
+        function.entered = self._now()
         try:
-            function.call(sample)
-        except BaseException as error:  # not even a SystemExit may end the thread that all functions share
-            line = line_of(function.call, traceback.walk_tb(error.__traceback__))
-            function.error = f"your function `{function.name}`{line}: {type(error).__name__}: {error}"
-            self._log(function.error)
-        else:
-            function.error = ""
-        finally:
+            raised = call(function.call, sample, of=function).error
+        finally:  # also where it was left
             function.entered = None
             function.runs += 1
+        function.error = ""
+        if raised is not None:
+            line = line_of(function.call, traceback.walk_tb(raised.__traceback__))
+            function.error = f"your function `{function.name}`{line}: {type(raised).__name__}: {raised}"
+            self._log(function.error)
 
 
 def _full_name(call: Any) -> str:

@@ -10,7 +10,7 @@ import pytest
 from robowidgets._core import pacer as _pacer
 from robowidgets._core.pacer import Pacer
 
-KEPT = {"robowidgets-pacer", "robowidgets-rerun"}
+KEPT = {"robowidgets-pacer", "robowidgets-rerun", "robowidgets-timer"}
 """Threads that a process has once, to its end."""
 
 

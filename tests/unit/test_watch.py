@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import asyncio
+import gc
 import re
 import threading
 import time
+import weakref
 from collections.abc import Iterator
 from typing import Any
 
@@ -13,8 +15,6 @@ import pytest
 
 import robowidgets
 from robowidgets import LaserWidget, SpeedWidget, TouchWidget, conditions
-from robowidgets._core import judge
-from robowidgets._core.pacer import pacer
 from robowidgets._core.timed_frame import FRAME_HEADER
 from robowidgets._core.watch import MOST_RUNS, _runs
 
@@ -201,7 +201,6 @@ class TestOtherWidgets:
         wait_for(lambda: b'"touched"' in page.state["_frame"], "the second is shown without its verdict", 5)
         assert lamp(page, "bump")["state"] == "unknown"
         touch.close()
-        assert touch._judge not in pacer._timers
         gate.set()
 
 
@@ -255,6 +254,7 @@ class TestWaiting:
         assert (clear.value, other.value) == (True, True)
         now = time.monotonic()
         monkeypatch.setattr(time, "monotonic", lambda: now + 60)
+        monkeypatch.setattr(laser._judge._runner, "_now", lambda: now + 60)
         show(laser, 0.11)
         assert (clear.value, other.value) == (None, None)
         assert re.fullmatch(r"<clear: unknown: conditions at work for 60\.\d s, 2.00 > 0.50 m, 0 changes>", repr(clear))
@@ -440,4 +440,24 @@ def test_the_thread_ends_with_the_last_watch_and_with_the_widget() -> None:
     wait_for(lambda: judging() == before, "it has ended with the widget")
     with pytest.raises(RuntimeError, match="its widget is closed"):
         wall.wait()
-    assert judge.PATIENCE < judge.SLOW
+
+
+def test_a_judge_is_deleted_with_its_widget_though_a_condition_hung() -> None:
+    gate = threading.Event()
+
+    def judge_and_close() -> weakref.ref[Any]:
+        touch = TouchWidget()
+        touch.watch(lambda _: gate.wait(20), name="bump")
+        touch.update(left=True)
+        wait_for(lambda: touch._judge.is_late, "it hangs")
+        touch.close()
+        return weakref.ref(touch._judge)
+
+    judge = judge_and_close()
+    gate.set()
+
+    def is_gone() -> bool:
+        gc.collect()
+        return judge() is None
+
+    wait_for(is_gone, "nothing refers to it")

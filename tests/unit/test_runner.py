@@ -1,0 +1,150 @@
+"""Functions of a user that hang, raise and are left behind, by a clock that the test moves."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import pytest
+
+from robowidgets._core.clock import Threads
+from robowidgets._core.runner import LINGER, Call, Outcome, Runner
+from robowidgets._core.user_threads import is_abandoned
+
+from .clocks import ManualClock
+from .waiting import wait_for
+
+NAME = "robowidgets-test"
+
+
+class Owner:
+    """Has a runner call queued functions, and notes what came of them and when it was looked at."""
+
+    def __init__(self, clock: ManualClock) -> None:
+        self.clock, self.threads = clock, Threads(clock)
+        self.lock = threading.RLock()
+        self.waiting: list[Callable[[], Any]] = []
+        self.outcomes: list[Outcome] = []
+        self.looks: list[tuple[float, float]] = []
+        self.gates: list[threading.Event] = []
+        self.runner = Runner(self.turn, self.lock, NAME, look=0.1, on_look=self.look, scheduler=self.threads)
+
+    def turn(self, call: Call) -> float | None:
+        with self.lock:
+            if not self.waiting:
+                return None
+            function = self.waiting.pop(0)
+        self.outcomes.append(call(function, of=function))
+        return 0.0
+
+    def look(self) -> None:
+        self.looks.append((self.clock.now(), self.runner.busy_for))
+
+    def run(self, *functions: Callable[[], Any]) -> None:
+        with self.lock:
+            self.waiting += functions
+            self.runner.wake()
+
+    def hang(self) -> Callable[[], Any]:
+        """A function that does not return before the end of the test."""
+        gate = threading.Event()
+        self.gates.append(gate)
+        return lambda: gate.wait(20) and is_abandoned()
+
+    def settle_hung(self) -> None:
+        wait_for(lambda: self.runner.current is not None, "a function hangs")
+
+
+@pytest.fixture
+def owner() -> Iterator[Owner]:
+    owner = Owner(ManualClock())
+    yield owner
+    owner.runner.leave()
+    for gate in owner.gates:
+        gate.set()
+    if owner.threads._timer is not None:
+        owner.threads._timer.leave()
+
+
+def test_functions_are_called_one_after_the_other_and_what_they_raise_ends_nothing(owner: Owner) -> None:
+    error = SystemExit("mine")
+
+    def fail() -> None:
+        raise error
+
+    owner.run(lambda: 1, fail, lambda: 2)
+    owner.clock.settle()
+    assert owner.outcomes == [Outcome(1, None), Outcome(None, error), Outcome(2, None)]
+
+
+def test_a_turn_that_calls_functions_is_looked_at_and_once_more_when_it_is_over(owner: Owner) -> None:
+    owner.run(owner.hang())
+    owner.settle_hung()
+    owner.clock.advance(0.25, hangs=(NAME,))
+    assert owner.looks == [(pytest.approx(1000.1), pytest.approx(0.1)), (pytest.approx(1000.2), pytest.approx(0.2))]
+    owner.gates[0].set()
+    owner.clock.advance(1.0)
+    assert owner.looks[2:] == [(pytest.approx(1000.3), 0.0)]
+
+
+def test_the_look_is_for_the_turn_that_is_under_way(owner: Owner) -> None:
+    owner.run(lambda: 1)
+    owner.clock.advance(0.07)
+    owner.run(owner.hang())
+    owner.settle_hung()
+    owner.clock.advance(0.1, hangs=(NAME,))
+    assert owner.looks == [(pytest.approx(1000.17), pytest.approx(0.1))]
+
+
+def test_a_function_that_was_left_goes_on_alone_abandoned_and_what_it_returns_is_not_taken(owner: Owner) -> None:
+    told: list[bool] = []
+    hangs = owner.hang()
+    owner.run(lambda: told.append(hangs()), lambda: 2)
+    owner.settle_hung()
+    left = owner.runner.leave()
+    assert left is not None
+    assert owner.runner.current is None
+    owner.runner.wake()
+    owner.clock.settle(hangs=(NAME,))
+    wait_for(lambda: owner.outcomes == [Outcome(2, None)], "another thread goes on")
+    owner.gates[0].set()
+    left.join(20)
+    assert told == [True]
+    assert owner.outcomes == [Outcome(2, None)]
+
+
+def test_a_function_in_the_turn_cannot_leave_it(owner: Owner) -> None:
+    owner.run(lambda: owner.runner.leave(), lambda: 2)
+    owner.clock.settle()
+    assert owner.outcomes == [Outcome(None, None), Outcome(2, None)]
+
+
+def test_the_thread_ends_when_there_is_nothing_to_do_and_another_one_starts(owner: Owner) -> None:
+    owner.run(lambda: 1)
+    owner.clock.advance(LINGER - 0.01)
+    first = owner.runner._ticket
+    assert first is not None
+    owner.run(lambda: 2)
+    owner.clock.advance(LINGER - 0.01)
+    assert owner.runner._ticket is first
+    owner.clock.advance(0.02)
+    assert owner.runner._ticket is None
+    assert not first.is_alive()
+    owner.run(lambda: 3)
+    owner.clock.settle()
+    assert [outcome.value for outcome in owner.outcomes] == [1, 2, 3]
+
+
+def test_it_tells_the_line_at_which_a_function_hangs(owner: Owner) -> None:
+    gate = threading.Event()
+    owner.gates.append(gate)
+
+    def wait_here() -> None:
+        gate.wait(20)
+
+    owner.run(wait_here)
+    owner.settle_hung()
+    wait_for(lambda: owner.runner.where(wait_here), "it is at its line")
+    line = wait_here.__code__.co_firstlineno + 1
+    assert owner.runner.where(wait_here) == f", line {line}"
