@@ -49,7 +49,7 @@ class Played(ThreadedMiddleware):
         self._listener = listener
         self._adverts = [Advert(topic.name, topic.type, publishers=None) for topic in self._recording.topics]
         listener.on_topics(self._adverts)
-        self._start_thread("robowidgets-player", listener)
+        self._start_thread("robowidgets-replay", listener)
 
     def publish(self, topic: str, message_type: str, message: Mapping[str, Any]) -> None:
         """See `Middleware`. Nothing moves; the speed is listed beside the recorded one, under a topic of its own."""

@@ -168,7 +168,7 @@ class Prefetcher:
         if self._thread:
             self._change.notify()
         elif not self._closed and self._wanted() is not None:
-            self._thread = threading.Thread(target=self._run, name="robowidgets-player", daemon=True)
+            self._thread = threading.Thread(target=self._run, name="robowidgets-prefetcher", daemon=True)
             self._thread.start()
 
     def _run(self) -> None:

@@ -487,7 +487,7 @@ import gc, os, threading
 from comm import get_comm_manager
 gc.collect()
 files = [os.path.realpath(f"/proc/self/fd/{name}") for name in os.listdir("/proc/self/fd")]
-senders = [thread for thread in threading.enumerate() if thread.name == "robowidgets-player"]
+senders = [thread for thread in threading.enumerate() if thread.name == "robowidgets-prefetcher"]
 print(len(get_comm_manager().comms), len(senders), sum("fsm_0" in file for file in files))
 """
 

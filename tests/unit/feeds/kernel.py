@@ -45,16 +45,21 @@ class Log:
 
 
 class Kernel:
-    """A kernel that runs cells as a notebook does, and the commands that its robot heard."""
+    """A kernel that runs cells as a notebook does, and the commands that its robot heard.
 
-    def __init__(self, path: Path) -> None:
+    Args:
+        path: the log of the robot.
+        before: what runs before robowidgets is imported.
+    """
+
+    def __init__(self, path: Path, before: str = "") -> None:
         self._log = Log(path)
         self.manager = KernelManager()
         self.manager.start_kernel()
         self._client: BlockingKernelClient = self.manager.client()
         self._client.start_channels()
         self._client.wait_for_ready(timeout=60)
-        assert self.run("open", OPEN.format(path=str(path)))["status"] == "ok"
+        assert self.run("open", before + OPEN.format(path=str(path)))["status"] == "ok"
 
     def start(self, cell: str, code: str) -> str:
         """Run a cell without waiting for it. An error in it does not abort the next one, should that come at once."""

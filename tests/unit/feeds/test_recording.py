@@ -84,7 +84,7 @@ def test_it_may_be_closed_at_any_time_and_in_a_callback() -> None:
         feeds.recording(SAMPLE).close()
     feed = feeds.recording(SAMPLE)
     feed.connect("/scan", lambda _: feed.close())
-    wait_for(lambda: "robowidgets-player" not in {t.name for t in threading.enumerate()}, "its thread has ended")
+    wait_for(lambda: "robowidgets-replay" not in {t.name for t in threading.enumerate()}, "its thread has ended")
 
 
 @pytest.mark.skipif(not os.path.isdir("/proc/self/fd"), reason="open files are counted in Linux's /proc")

@@ -17,7 +17,7 @@ from robowidgets.recordings import RecordingError
 
 from ..waiting import threads_named, wait_for
 
-PLAYER = "robowidgets-player"
+PLAYER = "robowidgets-prefetcher"
 
 
 class Track:

@@ -183,7 +183,7 @@ def test_one_that_cannot_be_made_leaves_nothing_behind(path: Path, monkeypatch: 
             recording.show("/nothing")
         assert os.listdir("/proc/self/fd") == files, f"closed while {raised} refers to it"
     gc.collect()
-    assert (threads_named("robowidgets-player"), unseen) == (0, [])
+    assert (threads_named("robowidgets-prefetcher"), unseen) == (0, [])
 
 
 def test_what_was_found_is_marked(player: Player) -> None:
@@ -278,7 +278,7 @@ def test_a_cell_that_runs_again_and_again_holds_no_more_than_once(path: Path, mo
             player = recording.show("/scan")
             players.append(weakref.ref(player))
             files = len(os.listdir("/proc/self/fd"))
-            held.add((threads_named("robowidgets-player"), files, len(get_comm_manager().comms)))
+            held.add((threads_named("robowidgets-prefetcher"), files, len(get_comm_manager().comms)))
     assert len(held) == 1, held
     gc.collect()
     assert [made() for made in players] == [None] * 11 + [player]
