@@ -9,6 +9,7 @@ import sys
 from collections import ChainMap
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
+from types import FunctionType
 from typing import Any
 
 ACTIONS = ("entry", "running", "exit")
@@ -60,12 +61,18 @@ class Node:
 
 @dataclass(frozen=True, eq=False)
 class Outline:
-    """A machine: its states, the first of which is the initial one, and its moves, those from any state first."""
+    """A machine: its states, the first of which is the initial one, and its moves, those from any state first.
+
+    ``unnamed`` are the states that no move names, and ``unused`` the functions without a name of their own that are
+    neither a state nor an event.
+    """
 
     path: str
     states: Mapping[str, Node]
     moves: tuple[Move, ...]
     scopes: tuple[Mapping[str, Any], ...]
+    unnamed: tuple[str, ...] = ()
+    unused: tuple[str, ...] = ()
 
     @property
     def initial(self) -> str:
@@ -78,6 +85,15 @@ class Outline:
             if name in scope:
                 return _plain(scope[name])
         raise LookupError(f"no {name!r} in class {self.path}, around it, or in the notebook")
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What its author may have meant otherwise, one line each."""
+        lost = [name for name in self.unnamed if name != self.initial]
+        return (
+            *(f"no move leads to the state {self.path}.{name}" for name in lost),
+            *(f"no move names {self.path}.{name}: a lambda is an event, def {name}() a state" for name in self.unused),
+        )
 
     def is_last(self, state: str) -> bool:
         """Whether no move leaves a state, other than those from any state."""
@@ -107,10 +123,10 @@ def outline_of(cls: type) -> Node:
         TypeError, ValueError: something in it is no state, no action or no move; the text says what.
     """
     module = vars(sys.modules[cls.__module__])
-    node = _node(cls.__name__, cls, cls.__name__, (module,))
-    if not node.machines:
-        raise TypeError(f"class {cls.__name__}: expected moves between its states, as {_FORMS}")
-    return node
+    body = _body(cls)
+    if "moves" not in body and not _classes_in(body):
+        raise _without_moves(cls.__name__, body)
+    return _node(cls.__name__, cls, cls.__name__, (module,))
 
 
 def _node(name: str, value: Any, path: str, scopes: tuple[Mapping[str, Any], ...]) -> Node:
@@ -125,10 +141,18 @@ def _node(name: str, value: Any, path: str, scopes: tuple[Mapping[str, Any], ...
     actions = {action: _plain(body[action]) for action in ACTIONS if action in body}
     if "moves" in body:
         return Node(name, path, actions, (_machine(value, path, scopes),))
-    inner = {key: part for key, part in body.items() if isinstance(part, type)}
-    for key, part in inner.items():
-        if "moves" not in _body(part):
-            raise TypeError(f"class {path}.{key}: expected moves, as in each of several machines side by side")
+    inner = _classes_in(body)
+    if inner:
+        still = [key for key, part in inner.items() if "moves" not in _body(part)]
+        if len(still) == len(inner):
+            raise _without_moves(path, body)
+        if still:
+            raise _without_moves(f"{path}.{still[0]}", _body(inner[still[0]]))
+        events = _events_within(body)
+        if lost := [key for key, part in body.items() if key not in inner and _is_state(key, part, events)]:
+            raise TypeError(
+                f"class {path} has no 'moves', so {lost[0]} is no state, and no event of the machines in the class"
+            )
     others = [key for key in body if not (key.startswith("_") or key in ACTIONS)]
     if not inner and (others or not actions):
         got = f"; got {others[0]!r}" if others else ""
@@ -153,16 +177,71 @@ def _machine(cls: type, path: str, scopes: tuple[Mapping[str, Any], ...]) -> Out
         near = difflib.get_close_matches(missing[0], [key for key in body if not key.startswith("_")], n=1)
         hint = f"; did you mean {near[0]}?" if near else f"; {missing[0]} = None makes one without actions"
         raise TypeError(f"moves of {path}: no state {missing[0]!r} in its class{hint}")
-    ordered = [key for key in body if key in names]
+    events = _events_within(body)
+    for name in names:
+        if name in events:
+            raise TypeError(f"moves of {path}: {name!r} is a state and an event; give one of them another name")
+    unnamed = tuple(key for key, part in body.items() if key not in names and _is_state(key, part, events))
+    unused = tuple(key for key, part in body.items() if key not in {*names, *events} and _is_lambda(key, part))
+    ordered = [key for key in body if key in names or key in unnamed]
     outline = Outline(
         path,
         {name: _node(name, body[name], f"{path}.{name}", (body, *scopes)) for name in ordered},
         tuple(sorted(moves, key=lambda move: move.source != "*")),
         (body, *scopes),
+        unnamed,
+        unused,
     )
     for move in moves:
         _check(outline, move)
     return outline
+
+
+def _classes_in(body: Mapping[str, Any]) -> dict[str, type]:
+    return {key: part for key, part in body.items() if isinstance(part, type) and not key.startswith("_")}
+
+
+def _without_moves(path: str, body: Mapping[str, Any]) -> TypeError:
+    keys = {key.lower(): key for key in body if not key.startswith("_")}
+    near = difflib.get_close_matches("moves", keys, n=1)
+    hint = f"; did you mean moves by {keys[near[0]]}?" if near else ""
+    return TypeError(f"class {path} has no 'moves' between its states; expected a text such as {_FORMS}{hint}")
+
+
+def _events_within(body: Mapping[str, Any]) -> set[str]:
+    """The events that the moves of a class name, and those within it which are not members of the class they are in."""
+    given = body.get("moves", ())
+    lines = given.split("\n") if isinstance(given, str) else given
+    found = {match[3] for line in lines if (match := _MOVE.fullmatch(line.split("#")[0].strip())) and match[3]}
+    for part in body.values():
+        if isinstance(part, type):
+            inner = _body(part)
+            found |= _events_within(inner) - set(inner)
+    return found
+
+
+def _is_state(name: str, value: Any, events: set[str]) -> bool:
+    """Whether a member of a class is a state that no move needs to name."""
+    if name.startswith("_") or name in ACTIONS or name in events:
+        return False
+    value = _plain(value)
+    if isinstance(value, type):
+        body = _body(value)
+        return any(key in body for key in (*ACTIONS, "moves")) or any(
+            _is_state(key, part, set()) for key, part in body.items() if isinstance(part, type)
+        )
+    return isinstance(value, FunctionType) and not _is_lambda(name, value)
+
+
+def _is_lambda(name: str, value: Any) -> bool:
+    """Whether a member of a class is a function without a name of its own."""
+    value = _plain(value)
+    return (
+        not name.startswith("_")
+        and name not in ACTIONS
+        and isinstance(value, FunctionType)
+        and value.__name__ == "<lambda>"
+    )
 
 
 def _move(line: str, path: str) -> Move:

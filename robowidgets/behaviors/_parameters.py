@@ -37,8 +37,9 @@ def parameters_of(function: Callable[..., Any], name: str, topics: Mapping[str, 
         if one not in (*given, *topics):
             near = difflib.get_close_matches(one, given, n=1)
             hint = f"; did you mean {near[0]}?" if near else ""
+            who = getattr(function, "asking", {}).get(one, f"{name}()")
             raise TypeError(
-                f"{name}() asks for {one!r}; there are {', '.join(given)}, and any topic that is named: "
+                f"{who} asks for {one!r}; there are {', '.join(given)}, and any topic that is named: "
                 f"@robot.program({one}='/topic'){hint}"
             )
     for one, topic in topics.items():

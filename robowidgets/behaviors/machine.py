@@ -108,8 +108,9 @@ class Machine:
         cls: the class.
         fired: the last moves, oldest first.
         last_step: what the last step left, for other threads; at first, what the version before left.
-        note: what a new version could not keep; empty if it kept all.
+        note: what a new version could not keep, and what no move names; empty if there is nothing to say.
         current: the function that runs now, or ran last.
+        asking: by what it asks for, which of its functions does.
 
     Raises:
         TypeError, ValueError: the class describes no machine; the text says why.
@@ -131,9 +132,10 @@ class Machine:
         self.fired: deque[Fired] = deque(maxlen=KEPT)
         self._left: deque[StateSpan] = deque(maxlen=KEPT)
         self.last_step = MachineStep()
-        self.note = ""
+        self.note = "; ".join(note for node in self.root.nodes() for machine in node.machines for note in machine.notes)
         self.current: Callable[..., Any] = self.__call__
-        self.asks_for = _asked_for(self.root)
+        self.asking = _asked_for(self.root)
+        self.asks_for = list(self.asking)
         self._states: dict[str, tuple[str, float]] = {}
         """By path of a machine: its active state, and the time at which it was entered."""
         self._is_whole = False
@@ -317,7 +319,10 @@ class Machine:
         if isinstance(result, Drive):
             self._drive = result
         elif result is not None:
-            raise TypeError(f"{node.path} returned {result!r}: expected a Drive, or None to keep the speed")
+            hint = (
+                "" if not isinstance(result, bool) else "; a function is an event where a move names it: a -> b on it"
+            )
+            raise TypeError(f"{node.path} returned {result!r}: expected a Drive, or None to keep the speed{hint}")
 
     def _call(self, function: Callable[..., Any], since: float, of: Callable[[Any], Any] = lambda value: value) -> Any:
         """Call a function of the user with what it asks for; ``of`` wraps the samples."""
@@ -344,16 +349,21 @@ def _parameters(function: Callable[..., Any]) -> tuple[str, ...]:
     return tuple(asked_by(function, getattr(function, "__name__", "an action"), _KNOWN))
 
 
-def _asked_for(root: Node) -> list[str]:
-    """What all functions of a machine ask for, and the time and the variables, which moves need."""
-    asked: dict[str, None] = dict.fromkeys(("time", "variables"))
+def _asked_for(root: Node) -> dict[str, str]:
+    """What the functions of a machine ask for, by name, with one that does; and what its moves need."""
+    asked = dict.fromkeys(("time", "variables"), root.path)
+    machines = [machine for node in root.nodes() for machine in node.machines]
+    unnamed = {f"{machine.path}.{name}" for machine in machines for name in machine.unnamed}
     for node in root.nodes():
-        for action in node.actions.values():
-            asked.update(dict.fromkeys(_parameters(action)))
-        for machine in node.machines:
-            for name in dict.fromkeys(move.event for move in machine.moves):
-                if name is not None and name != DONE:
-                    event = machine.look_up(name)
-                    asked.update(dict.fromkeys(event.reads if hasattr(event, "judge") else _parameters(event)))
+        who = f"{node.path}, a state because no move names it as an event," if node.path in unnamed else node.path
+        for one in (one for action in node.actions.values() for one in _parameters(action)):
+            asked.setdefault(one, who)
+    for machine in machines:
+        for name in dict.fromkeys(move.event for move in machine.moves):
+            if name is not None and name != DONE:
+                event = machine.look_up(name)
+                reads = event.reads if hasattr(event, "judge") else _parameters(event)
+                for one in reads:
+                    asked.setdefault(one, f"the event {name}")
     asked.pop(SINCE, None)
-    return list(asked)
+    return asked

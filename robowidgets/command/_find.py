@@ -19,7 +19,7 @@ from ..find.spans import Spans
 from ..kinds import LASER, SPEED, TOUCH
 from ..recordings.topics import UnnamedTopicError
 from ..samples.checks import DEGREES, OF_DEGREES
-from ..samples.sector import SECTORS, Asked, to_sector
+from ..samples.sector import ALL_ROUND, SECTORS, Asked, to_sector
 from ._error import CommandError
 
 FOUND, NONE, INTERRUPTED = 0, 1, 130
@@ -111,9 +111,9 @@ def _angle(word: str) -> float | str:
         return word.strip()
 
 
-def _sector(words: list[Any] | None) -> Asked | None:
+def _sector(words: list[Any] | None) -> Asked:
     if not words:
-        return None
+        return ALL_ROUND
     if words[0] == words[1] and str(words[0]).isalpha():
         return str(words[0])
     try:

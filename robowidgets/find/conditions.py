@@ -25,7 +25,7 @@ from ..recordings.topics import UnknownTopicError, UnnamedTopicError, only
 from ..samples import AXES, HasAge, Scan, Speed, Touch, TouchMode, TouchState
 from ..samples.checks import number
 from ..samples.distances import distances, inside, ray_distances
-from ..samples.sector import Asked, to_sector
+from ..samples.sector import ALL_ROUND, Asked, to_sector
 from ..samples.verdict import Verdict, fact
 from ._instant import NotYetError
 from ._steps import NO, UNKNOWN, YES, Steps, combined, steps
@@ -48,7 +48,7 @@ def touched(label: str | None = None, topic: str | None = None) -> Condition:
     return _Touched(label, topic)
 
 
-def nearest_below(distance: float, sector: Asked | None = None, topic: str | None = None) -> Condition:
+def nearest_below(distance: float, sector: Asked = ALL_ROUND, topic: str | None = None) -> Condition:
     """`Scan.distance` is below a distance. Where it is NaN, neither this nor its opposite holds.
 
     Args:
@@ -188,14 +188,14 @@ class _Touched(_OfOneTopic):
 class _NearestBelow(_OfOneTopic):
     kind = LASER
 
-    def __init__(self, distance: float, sector: Asked | None, topic: str | None) -> None:
+    def __init__(self, distance: float, sector: Asked, topic: str | None) -> None:
         super().__init__(topic)
         self._distance = number("distance", distance)
         if not 0 < self._distance < inf:
             raise ValueError(f"distance: expected metres above 0, got {self._distance!r}")
-        self._sector = None if sector is None else to_sector(sector)
+        self._sector = to_sector(sector)
         self._where = ""
-        if self._sector is not None:
+        if self._sector is not ALL_ROUND:
             start, end = (f"{degrees(angle):.4g}°" for angle in (self._sector.start, self._sector.end))
             angles = f"between {start} and {end}"
             self._where = f" in {sector}" if isinstance(sector, str) else f" {angles}"

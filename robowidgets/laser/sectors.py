@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from ..samples import Ray, Scan
 from ..samples.scan import MAX_RAYS
-from ..samples.sector import SECTORS, Asked, Sector, to_sector
+from ..samples.sector import ALL_ROUND, SECTORS, Asked, Sector, to_sector
 from ..samples.sector_code import for_array, for_message, for_scan
 from ..samples.stretches import expression, parse, sector_of, stretches, to_stretches
 
@@ -25,6 +25,8 @@ FORMS = ("scan", "message", "slice")
 @dataclass(frozen=True)
 class Selection:
     """A sector that a person or a program has picked, with the scan on show.
+
+    It may be given wherever a sector is: ``scan.distance(laser.selection)``.
 
     Attributes:
         name: of a kept sector; "" for one that has none.
@@ -140,17 +142,17 @@ class HasSectors(traitlets.HasTraits):
         else:
             self._selection = _plain(to_sector(sector))
 
-    def distance(self, sector: Asked | None = None, *, percentile: float | None = None) -> float:
+    def distance(self, sector: Asked = ALL_ROUND, *, percentile: float | None = None) -> float:
         """Metres to the nearest thing of the scan on show, as `Scan.distance` gives them; NaN before the first scan.
 
         Args:
-            sector: the name of a kept sector, or anything that `Scan.distance` takes. None: all rays.
+            sector: the name of a kept sector, or anything that `Scan.distance` takes. Without it: all rays.
             percentile: as in `Scan.distance`.
 
         Raises:
             TypeError: the sector is no pair of numbers. ValueError: no such sector, or an angle beyond a full turn.
         """
-        asked = None if sector is None else self._known(sector)
+        asked = sector if sector is ALL_ROUND else self._known(sector)
         scan: Scan | None = self.scan
         return float("nan") if scan is None else scan.distance(asked, percentile=percentile)
 
@@ -195,8 +197,8 @@ class HasSectors(traitlets.HasTraits):
 
         Args:
             rays: text such as ``ranges[240:300]`` or ``ranges[350:] + ranges[:10]``; a slice; an index or indices; a
-                mask of as many values as there are rays; a sector or the name of a kept one. Rays stay lit by index,
-                a sector by its angles.
+                mask of as many values as there are rays; a sector, a selection or the name of a kept sector. Rays stay
+                lit by index, a sector by its angles.
 
         Raises:
             TypeError: it is none of these. ValueError: it names no ray, or no scan has come that says how many there
@@ -209,7 +211,7 @@ class HasSectors(traitlets.HasTraits):
             self._highlight = {}
             return
         is_name = isinstance(rays, str) and "[" not in rays
-        if is_name or isinstance(rays, Sector) or (isinstance(rays, tuple) and len(rays) == 2):
+        if is_name or isinstance(rays, (Sector, Selection)) or (isinstance(rays, tuple) and len(rays) == 2):
             self._highlight = {"text": rays if is_name else "", "sector": _plain(self._known(rays))}
             return
         if self.scan is None:

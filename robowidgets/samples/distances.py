@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from .checks import ANGLE_ROUNDING, frozen, number
 from .ray import CODES_END
-from .sector import Asked, Sector, in_sector, to_sector
+from .sector import ALL_ROUND, Asked, Sector, in_sector, to_sector
 
 if TYPE_CHECKING:
     from .scan import Scan
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 def distances(
     ranges: NDArray[np.float32],
     like: Scan,
-    sector: Asked | None = None,
+    sector: Asked = ALL_ROUND,
     percentile: float | None = None,
 ) -> NDArray[np.float32]:
     """`Scan.distance` of one scan, shape (R,), or of many, (N, R): shape () or (N,).
@@ -33,7 +33,7 @@ def distances(
     """
     if percentile is not None and not 0 <= number("percentile", percentile) <= 100:
         raise ValueError(f"percentile: expected a number from 0 to 100, got {percentile!r}")
-    if sector is not None:
+    if sector is not ALL_ROUND:
         ranges = ranges[..., inside(like, sector)]
     away = ray_distances(ranges, like)
     least = np.asarray(np.fmin.reduce(away, axis=-1, initial=np.nan))
@@ -87,10 +87,8 @@ def angles_of(angle_min: float, angle_increment: float, count: int) -> NDArray[n
     return frozen(angle_min + np.arange(count) * angle_increment)
 
 
-def inside(like: Scan, sector: Asked | None) -> NDArray[np.bool_]:
+def inside(like: Scan, sector: Asked) -> NDArray[np.bool_]:
     """Whether each ray of scans with the same angles lies in a sector, shape (R,), read-only."""
-    if sector is None:
-        return frozen(np.ones(len(like), bool))
     return _inside(like.angle_min, like.angle_increment, len(like), to_sector(sector))
 
 

@@ -30,7 +30,7 @@ from .checks import (
 from .distances import angles_of, difference, distances, inside, ray_distances
 from .problem import Problem
 from .ray import Ray, Validity
-from .sector import Asked, order_in_sector, to_sector
+from .sector import ALL_ROUND, Asked, order_in_sector, to_sector
 
 MAX_RAYS = 1_000_000
 _FARTHEST = float(np.finfo(np.float32).max)
@@ -241,7 +241,7 @@ class Scan(HasAge):
         """Points of the readings only, shape (N, 2), metres forward and to the left."""
         return np.column_stack((self.x, self.y))[self.valid]
 
-    def distance(self, sector: Asked | None = None, *, percentile: float | None = None) -> float:
+    def distance(self, sector: Asked = ALL_ROUND, *, percentile: float | None = None) -> float:
         """Metres to the nearest thing: inf where nothing is met, 0 where it is too close, NaN where that is unknown.
 
         Each ray counts as its range says, and the least of them is the distance:
@@ -262,18 +262,18 @@ class Scan(HasAge):
 
         Args:
             sector: a `Sector`; two angles in radians, or in degrees as text (``("-15deg", "15deg")``), from the first
-                counter-clockwise to the second; or "front", "left", "back" or "right", the quarter of the circle round
-                that direction. None: all rays.
+                counter-clockwise to the second; "front", "left", "back" or "right", the quarter of the circle round
+                that direction; or the selection of a laser widget. Without it: all rays.
             percentile: 0 to 100, of what the rays count as, in place of the least: 5 is robust against single wrong
                 rays. It is always that of a ray, the nearer of two, so that nothing lies between a number and inf.
 
         Raises:
-            TypeError: the sector is no pair of numbers, or the percentile no number.
+            TypeError: the sector is no pair of numbers, as None, or the percentile no number.
             ValueError: no such sector, an angle is beyond a full turn either way, or the percentile is not 0 to 100.
         """
         return shortest(distances(self.ranges, self, sector, percentile))
 
-    def nearest(self, sector: Asked | None = None) -> Ray | None:
+    def nearest(self, sector: Asked = ALL_ROUND) -> Ray | None:
         """The ray that meets the nearest thing, the first of equals; None where `distance` is inf or NaN.
 
         A thing that is too close to measure is nearer than any other: its ray has a range of -inf, or below range_min.
@@ -286,7 +286,7 @@ class Scan(HasAge):
         found = int(away.argmin()) if away.size else 0
         return self[found] if away.size and away[found] < np.inf else None
 
-    def indices(self, sector: Asked | None = None) -> NDArray[np.intp]:
+    def indices(self, sector: Asked = ALL_ROUND) -> NDArray[np.intp]:
         """Indices of the rays in a sector, in its order: from its first angle counter-clockwise to its second.
 
         So they run on across the seam of a full circle, and downwards for a clockwise scanner.
@@ -299,7 +299,7 @@ class Scan(HasAge):
             >>> scan.indices(("-100deg", "10deg"))
             array([3, 0])
         """
-        return np.arange(len(self)) if sector is None else order_in_sector(self.angles, to_sector(sector))
+        return np.arange(len(self)) if sector is ALL_ROUND else order_in_sector(self.angles, to_sector(sector))
 
     def at(self, angle: float | str) -> Ray | None:
         """The ray that points closest to an angle in radians, or in degrees as text (``"20deg"``).

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, fields
 from math import degrees, isnan, pi, radians
-from typing import Any, TypeAlias
+from typing import Any, Protocol, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -113,8 +113,20 @@ class Sector:
         return {f.name: v for f in fields(self)[2:] if (v := getattr(self, f.name)) != f.default}
 
 
-Asked: TypeAlias = Sector | tuple[float | str, float | str] | str
-"""A sector as it is given: a `Sector`, two angles (radians, or text like ``"20deg"``), or a name in `SECTORS`."""
+class HasSector(Protocol):
+    """What has a sector, such as the selection of a laser widget."""
+
+    @property
+    def sector(self) -> Sector:
+        """The sector."""
+
+
+Asked: TypeAlias = Sector | tuple[float | str, float | str] | str | HasSector
+"""A sector as it is given: a `Sector`, two angles (radians, or text like ``"20deg"``), a name in `SECTORS`, or what has
+a sector."""
+
+ALL_ROUND = Sector("-180deg", "180deg")
+"""All rays of any scanner."""
 
 SECTORS: dict[str, Sector] = {
     "front": Sector("-45deg", "45deg"),
@@ -136,6 +148,11 @@ def to_sector(sector: Any) -> Sector:
     """
     if isinstance(sector, Sector):
         return sector
+    if isinstance(of_it := getattr(sector, "sector", None), Sector):
+        return of_it
+    if sector is None:
+        hint = "is nothing selected? Leave the sector out for all rays"
+        raise TypeError(f"sector: expected {_TWO_ANGLES}, got None: {hint}")
     if isinstance(sector, str):
         if sector not in SECTORS:
             raise ValueError(f"sector: expected {', '.join(SECTORS)} or {_TWO_ANGLES}, got {sector!r}")

@@ -16,7 +16,7 @@ from .checks import frozen
 from .distances import inside, ray_distances
 from .ray import Ray
 from .scan import Scan
-from .sector import Asked
+from .sector import ALL_ROUND, Asked
 
 NO_RAYS: NDArray[np.intp] = frozen(np.empty(0, np.intp))
 
@@ -56,7 +56,7 @@ class _Comparison(NamedTuple):
     """A distance of a scan that was compared to a limit."""
 
     scan: Scan
-    sector: Asked | None
+    sector: Asked
     distance: float
     relation: str
     limit: float
@@ -106,11 +106,11 @@ class _TracedScan(Scan):
     def __reduce__(self) -> Any:
         return copy, (self._scan,)
 
-    def distance(self, sector: Asked | None = None, *, percentile: float | None = None) -> float:
+    def distance(self, sector: Asked = ALL_ROUND, *, percentile: float | None = None) -> float:
         """See `Scan`."""
         return self._trace.read(self._scan, sector, self._scan.distance(sector, percentile=percentile))
 
-    def nearest(self, sector: Asked | None = None) -> Ray | None:
+    def nearest(self, sector: Asked = ALL_ROUND) -> Ray | None:
         """See `Scan`."""
         return self._trace.saw(self._scan.nearest(sector))
 
@@ -140,7 +140,7 @@ class Trace:
     def __init__(self) -> None:
         self._comparisons: list[_Comparison] = []
         self._rays: list[Ray] = []
-        self._sectors: list[tuple[Scan, Asked | None]] = []
+        self._sectors: list[tuple[Scan, Asked]] = []
         self._parts: list[tuple[Scan, Any]] = []
         """The scans, with the indices that gave all of their ranges or a part of them."""
         self._of_parts: dict[tuple[int, int], Scan] = {}
@@ -159,7 +159,7 @@ class Trace:
         traced.__dict__.update(sample.__dict__, ranges=ranges, _scan=sample, _trace=self)
         return traced
 
-    def read(self, scan: Scan, sector: Asked | None, distance: float) -> float:
+    def read(self, scan: Scan, sector: Asked, distance: float) -> float:
         """Note that the distance in a sector was read."""
         self._sectors.append((scan, sector))
         noted = _Distance(distance)

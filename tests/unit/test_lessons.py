@@ -223,9 +223,9 @@ class TestPrograms:
             ("follow_wall", lambda: None, "it did not move in 30 s: does it return a Drive with a speed?"),
             ("follow_wall", lambda: 0.2, "expected a step to return Drive(linear, angular), or None"),
             ("follow_wall", lambda scn: scn, "did you mean scan?"),
-            ("follow_wall", Misspelt, "Misspelt() asks for 'scann'; "),
+            ("follow_wall", Misspelt, "Misspelt.forward asks for 'scann'; "),
             ("follow_wall", lambda: Drive(1 / 0), "ZeroDivisionError"),
-            ("follow_wall", int, "class int: "),
+            ("follow_wall", int, "class int has no 'moves'"),
         ],
     )  # fmt: skip
     def test_a_usual_mistake_is_told_apart(self, task: str, answer: Any, said: str) -> None:

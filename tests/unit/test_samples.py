@@ -11,6 +11,7 @@ import pytest
 
 from robowidgets.samples import AXES, Ray, Scan, Speed, Touch, TouchMode, TouchState, Validity, yaw_of
 from robowidgets.samples.scan import MAX_RAYS
+from robowidgets.samples.sector import ALL_ROUND
 
 
 def scan(ranges: object = (1.0, 2.0, 3.0), **changed: object) -> Scan:
@@ -114,7 +115,7 @@ class TestNearest:
     def test_only_a_sector_may_count_also_across_the_ends_of_a_circle(self) -> None:
         one = scan([1.0, 2.0, 3.0, 0.5], angle_min=0.0, angle_increment=pi / 2)
         assert one.nearest((0, 6.29)) == one[3], "a full turn may be typed with few digits"
-        found = [one.nearest(sector) for sector in (None, (-0.1, 0.1), (pi / 2, pi), (-pi / 2, 0.0), (0.1, 0.2))]
+        found = [one.nearest(sector) for sector in (ALL_ROUND, (-0.1, 0.1), (pi / 2, pi), (-pi / 2, 0.0), (0.1, 0.2))]
         assert [ray and ray.index for ray in found] == [3, 0, 1, 3, None]
 
     @pytest.mark.parametrize(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Callable
 from math import inf, isnan, nan, pi, radians
 from types import SimpleNamespace
 from typing import Any
@@ -11,7 +12,10 @@ import numpy as np
 import pytest
 
 from robowidgets import LaserWidget, Scan, Sector, conditions
+from robowidgets.laser.sectors import _plain
+from robowidgets.samples.sector import ALL_ROUND
 from robowidgets.samples.stretches import parse, sector_of, stretches
+from robowidgets.samples.verdict import judged
 
 from ..vectors import SECTORS, read, to_scan
 
@@ -84,6 +88,45 @@ class TestRays:
         assert conditions.nearest_below(1.21, sector).judge(scan).value
         assert not conditions.nearest_below(1.19, sector).judge(scan).value
         assert LaserWidget(sectors={"a": sector}).sectors["a"] == FORMS[0]
+
+    def test_a_selection_is_taken_wherever_a_sector_is(self) -> None:
+        laser = LaserWidget()
+        laser.update(circle())
+        laser.selection = ("20deg", "30deg")
+        scan, picked = laser.scan, laser.selection
+        assert scan is not None
+        assert picked is not None
+        assert (scan.distance(picked), scan.indices(picked).tolist()) == (1.2, list(range(20, 31)))
+        assert scan.nearest(picked).index == 20  # type: ignore[union-attr]
+        assert conditions.nearest_below(1.21, picked).judge(scan).value
+        assert not conditions.nearest_below(1.19, picked).judge(scan).value
+        assert judged(lambda scan: scan.distance(picked) < 1.21, scan).rays.tolist() == [20]
+        assert laser.distance(picked) == scan.distance(picked)
+        assert laser.code(picked) == 'scan.distance(("20deg", "30deg"))'
+        laser.sectors["kept"] = picked
+        laser.selection = None
+        laser.selection = picked
+        assert laser.sectors["kept"] == laser.selection.sector == FORMS[0]
+        laser.highlight(picked)
+        assert laser._highlight == {"text": "", "sector": _plain(FORMS[0])}
+        laser.close()
+
+    def test_no_selection_is_no_sector_rather_than_all_rays(self) -> None:
+        laser = LaserWidget()
+        laser.update(circle())
+        scan, none = laser.scan, laser.selection
+        assert scan is not None
+        assert none is None
+        calls: list[Callable[[Any], Any]] = [
+            *(scan.distance, scan.nearest, scan.indices, laser.distance),
+            *(lambda one: conditions.nearest_below(1, one), lambda one: laser.sectors.update(kept=one)),
+            lambda one: judged(lambda scan: scan.distance(one) < 1, scan),
+        ]
+        for call in calls:
+            with pytest.raises(TypeError, match=r"^sector: expected two angles, .*, got None: is nothing selected\? "):
+                call(none)
+        assert scan.distance() == scan.distance(ALL_ROUND) == 1.0
+        laser.close()
 
     def test_they_are_in_the_order_of_the_sector_across_the_seam_and_for_any_scanner(self) -> None:
         assert circle().indices(("-2deg", "2deg")).tolist() == [358, 359, 0, 1, 2]

@@ -14,7 +14,7 @@ from ...messages.channel import Channel
 from ...repair import RecordingError
 from ...samples import Scan
 from ...samples.distances import distances, ray_distances
-from ...samples.sector import Asked
+from ...samples.sector import ALL_ROUND, Asked
 from ...samples.spread import readings, spread_of
 from ..times import span_ns
 from ._decoders import ScanDecoder
@@ -80,7 +80,7 @@ class Scans(Series[Scan]):
         """
         return self._of_rays("ranges", self.ray_count, lambda chunk: chunk.ranges)
 
-    def distances(self, sector: Asked | None = None, *, percentile: float | None = None) -> NDArray[np.float32]:
+    def distances(self, sector: Asked = ALL_ROUND, *, percentile: float | None = None) -> NDArray[np.float32]:
         """`Scan.distance` of each, shape (N,): metres, inf where nothing is met, 0 too close, NaN unknown.
 
         Args:

@@ -220,6 +220,110 @@ def test_versions_that_make_no_step_lose_nothing() -> None:
     assert [move.target for move in run.machine.fired] == ["b"]
 
 
+def test_a_function_that_no_move_names_is_a_state_and_the_first_one_is_the_initial_one() -> None:
+    class Walker:
+        def forced(variables):
+            return variables.stop
+
+        def forward():
+            return Drive(0.2)
+
+        def stop():
+            return Drive()
+
+        moves = "* -> stop on forced"
+
+    run = Run(Walker)
+    run.variables.stop = False
+    assert (run.at(0.0), run.drive) == (("forward",), Drive(0.2))
+    run.variables.stop = True
+    assert (run.at(0.1), run.drive) == (("stop",), Drive())
+    assert run.machine.note == ""
+
+
+def test_a_state_stays_active_when_the_only_move_that_named_it_is_taken_out() -> None:
+    class Walker:
+        def rest():
+            return Drive()
+
+        def forward():
+            return Drive(0.2)
+
+        moves = "rest -> forward after 1"
+
+    class Edited(Walker):
+        moves = "* -> rest on near"
+
+        def near(variables):
+            return variables.near
+
+    Edited.__name__ = "Walker"
+    run = Run(Walker)
+    run.variables.near = False
+    assert [run.at(t)[0] for t in (0.0, 1.0)] == ["rest", "forward"]
+    before, run.machine = run.machine, Machine(Edited)
+    run.machine.adopt(before)
+    assert run.at(1.1) == ("forward",)
+
+
+def test_a_class_with_actions_that_no_move_names_is_a_state_and_events_of_inner_machines_are_none() -> None:
+    class Walker:
+        def near(variables):
+            return variables.near
+
+        def _far(x):
+            return x
+
+        class forward:
+            def running():
+                return Drive(0.3)
+
+        class avoid:
+            turn = back = None
+            moves = "turn -> back on near"
+
+        moves = "* -> avoid after 2"
+
+    run = Run(Walker)
+    run.variables.near = True
+    assert (run.at(0.0), run.drive) == (("forward",), Drive(0.3))
+    assert run.at(2.0) == ("avoid", "avoid.turn")
+    assert run.at(2.1) == ("avoid", "avoid.back")
+
+
+def test_what_no_move_names_is_told() -> None:
+    class Walker:
+        free = lambda scan: scan.distance() > 1  # noqa: E731
+
+        def forward():
+            return Drive(0.2)
+
+        def near(scan):
+            return scan.distance() < 1
+
+        stop = None
+        moves = "forward -> stop after 1"
+
+    machine = Machine(Walker)
+    assert machine.note == (
+        "no move leads to the state Walker.near; no move names Walker.free: a lambda is an event, def free() a state"
+    )
+    assert machine.root.machines[0].initial == "forward"
+
+
+def test_an_event_that_no_move_names_is_told_apart_when_it_is_taken_for_the_initial_state() -> None:
+    class Walker:
+        def near(scan):
+            return scan.distance() < 1
+
+        stop = go = None
+        moves = "stop -> go after 1"
+
+    words = r"Walker.near returned True: expected a Drive, .*; a function is an event where a move names it"
+    with pytest.raises(TypeError, match=words):
+        Run(Walker).at(0.0, scan=Scan([0.4], 0.0, 0.1, 0.1, 9.0))
+
+
 def test_an_event_that_asks_for_something_new_names_what_to_do(monkeypatch: pytest.MonkeyPatch) -> None:
     class Walker:
         a = b = None
@@ -295,6 +399,23 @@ class Leaf:
         """Called at each step."""
 
 
+class Inner:
+    """A machine."""
+
+    c = d = None
+    moves = "c -> d after 1"
+
+
+def forward() -> Drive:
+    """A state."""
+    return Drive(0.2)
+
+
+def clip(value: float) -> float:
+    """No state, and no event."""
+    return max(value, 1)
+
+
 @pytest.mark.parametrize(
     ("members", "error", "words"),
     [
@@ -308,7 +429,16 @@ class Leaf:
         ({"a": None, "b": None, "moves": "a -> b on near"}, TypeError, "no 'near' in class Walker, around it"),
         ({"a": 3, "b": None, "moves": "a -> b after 1"}, TypeError, "state Walker.a: expected a function, a class"),
         ({"a": None, "b": None, "x": 1, "moves": "a -> b on x"}, TypeError, "expected a function or a condition"),
-        ({"a": None}, TypeError, "class Walker: expected"),
+        ({"a": None}, TypeError, "class Walker has no 'moves' between its states; expected a text such as 'state -> "),
+        ({"a": forward, "move": "a -> a after 1"}, TypeError, "did you mean moves by move?"),
+        ({"a": forward, "b": Inner}, TypeError, "class Walker has no 'moves', so a is no state, and no event of"),
+        ({"b": Leaf, "c": Inner}, TypeError, "class Walker.b has no 'moves'"),
+        ({"a": forward, "b": lambda: True, "moves": "a -> b on b"}, TypeError, "'b' is a state and an event; give one"),
+        (
+            {"a": None, "b": None, "clip": clip, "moves": "a -> b after 1"},
+            TypeError,
+            r"^Walker.clip, a state because no move names it as an event, asks for 'value'; there are ",
+        ),
         (
             {"a": Leaf, "b": None, "moves": "a -> b after 1"},
             TypeError,

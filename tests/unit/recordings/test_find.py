@@ -19,6 +19,7 @@ from robowidgets.find.spans import Spans
 from robowidgets.kinds import KINDS, LASER
 from robowidgets.recordings import UnknownTopicError
 from robowidgets.recordings.span import Span
+from robowidgets.samples.sector import ALL_ROUND
 
 from ...conftest import ROOT
 from . import hazards, recorded, robot, sweeps
@@ -68,7 +69,7 @@ class TestReadyMade:
     @pytest.mark.parametrize(
         ("sector", "held"),
         [
-            (None, [(0, 3)]),
+            (ALL_ROUND, [(0, 3)]),
             ((-0.55, -0.45), [(0, 1)]),
             ((-0.1, 0.05), [(1, 2)]),
             ((-0.5, -0.1), [(0, 1)]),
