@@ -2,20 +2,24 @@
 
 from __future__ import annotations
 
+import re
 import zlib
+from collections import Counter, defaultdict
 from collections.abc import Callable, Sequence
 from functools import cache, partial
 from itertools import compress
 from pathlib import Path
 from typing import NamedTuple
 
+from .._core.text import many
 from ..messages.channel import Channel
 from ._carmen_lines import (
     ESTIMATE,
     NEW_SCANS,
     OLD_SCANS,
     SPEEDS,
-    check,
+    WORDS,
+    count_words,
     estimate,
     name_of,
     new_scan,
@@ -45,11 +49,11 @@ _TYPES = {
 
 
 class _Lines(NamedTuple):
-    """The lines with messages: the names of their topics, their bytes, and the first error of each topic."""
+    """The lines with messages: the names of their topics and their bytes; a line on those left out, by topic."""
 
     names: list[str]
     texts: list[bytes]
-    errors: dict[str, str]
+    problems: list[str]
 
 
 def walk_carmen(path: Path) -> Walk:
@@ -65,7 +69,11 @@ def walk_carmen(path: Path) -> Walk:
         # A whole log ends with a newline, and a number that was cut off is another number.
         text = text[: text.rindex(b"\n") + 1]
         problems = problems or ["the log was cut off within its last line, which is left out"]
-    names, lines, errors = _lines(text)
+    if zeros := re.findall(rb"\0+", text):
+        # What a disk lost, or never wrote, reads as zeros. A line that they cut may go on as another one.
+        size, places = sum(map(len, zeros)), many(len(zeros), "place")
+        problems.append(f"{size:,} bytes of the log are zeros, in {places}: what they replace or cut is left out")
+    names, lines, about_lines = _lines(text)
     times, about_clock = _times(names, lines)
     topics = list(dict.fromkeys(names))
     numbers = {topic: i for i, topic in enumerate(topics)}
@@ -79,7 +87,7 @@ def walk_carmen(path: Path) -> Walk:
         read=lambda number: encoder(names[number])(lines[number]),
         close=lambda: None,
         damage=Damage(),
-        problems=tuple(filter(None, (*problems, about_clock, *errors.values()))),
+        problems=tuple(filter(None, (*problems, about_clock, *about_lines))),
     )
 
 
@@ -88,21 +96,51 @@ def _lines(text: bytes) -> _Lines:
 
     Mapping programs add ODOM lines of their own to a log, each before a line NEFF. These are estimated poses, not
     measurements, with a speed of 0 and mostly without a time. They become the topic NEFF.
+
+    A line has as many words as CARMEN writes, or as most lines of its topic have, since other programs add some. One
+    with more or fewer was cut, or joined to the rest of another.
     """
-    found = _Lines([], [], {})
+    names: list[str] = []
+    lines: list[tuple[bytes, int]] = []
+    errors: dict[str, list[str]] = defaultdict(list)
+    before = ""
     for line in text.splitlines():
-        name = name_of(line)
-        if name == ESTIMATE and found.names and found.names[-1] == "ODOM":
-            found.names[-1] = ESTIMATE
+        name = "" if b"\0" in line else name_of(line)
+        if name == ESTIMATE and before == "ODOM":
+            names[-1] = ESTIMATE
         elif name in _TYPES and name != ESTIMATE:
             try:
-                check(name, line)
+                lines.append((line, count_words(name, line)))
+                names.append(name)
             except ValueError as error:
-                found.errors.setdefault(name, f"{name}: lines that cannot be read are left out, such as: {error}")
-                continue
-            found.names.append(name)
-            found.texts.append(line)
-    return found
+                errors[name].append(str(error))
+                name = ""
+        before = name
+    usual = _usual_words(names, [words for _, words in lines])
+    whole = []
+    for name, (_, words) in zip(names, lines, strict=True):
+        whole.append(words in (WORDS[name], usual[name]))
+        if not whole[-1]:
+            expected = f"expected {usual[name]} words beside the readings, got {words}"
+            errors[name].append(f"{expected}: the line is cut, or joined to another")
+    problems = [
+        f"{name}: left out {many(len(texts), 'line')} that cannot be read, such as: {texts[0]}"
+        for name, texts in errors.items()
+    ]
+    return _Lines(list(compress(names, whole)), [line for line, _ in compress(lines, whole)], problems)
+
+
+def _usual_words(names: Sequence[str], words: Sequence[int]) -> dict[str, int]:
+    """The number of words, beside readings, that most lines of a topic have; that of CARMEN where there is none."""
+    counts: dict[str, Counter[int]] = defaultdict(Counter)
+    for name, number in zip(names, words, strict=True):
+        counts[name][number] += 1
+    usual = dict(WORDS)
+    for name, own in counts.items():
+        ((number, lines),) = own.most_common(1)
+        if 1 < lines > own.total() / 2:
+            usual[name] = number
+    return usual
 
 
 def _times(names: Sequence[str], lines: Sequence[bytes]) -> tuple[list[int], str]:

@@ -29,6 +29,13 @@ _LATEST = 2**62 / 1e9
 _LATEST_STAMP = 2**32
 """Seconds at which ROS 1 stamps overflow."""
 
+WORDS = {
+    **dict.fromkeys((*SPEEDS, ESTIMATE), 10),
+    **dict.fromkeys(OLD_SCANS, 11),
+    **{name: 13 if name.startswith("RAW") else 24 for name in NEW_SCANS},
+}
+"""Words of a line beside its ranges and remissions."""
+
 
 def name_of(line: bytes) -> str:
     """The name of the message in a line; empty if CARMEN has no such message."""
@@ -44,18 +51,23 @@ def time_ns_of(line: bytes) -> int | None:
     return round(seconds * 1e9) if abs(seconds) < _LATEST else None
 
 
-def check(name: str, line: bytes) -> None:
-    """Raise ValueError if a line has fewer words than its name and its counts require."""
+def count_words(name: str, line: bytes) -> int:
+    """The number of words in a line beside its ranges and remissions.
+
+    Raises:
+        ValueError: it has fewer words than its name and its counts require.
+    """
     words = line.split()
     least = 10 if name in SPEEDS else 11 if name in OLD_SCANS else 13
     if len(words) < least:
         raise ValueError(f"expected {least} words or more in a line {name}, got {len(words)}: it is cut")
+    counted = 0
     if name in OLD_SCANS:
-        _check_count(words, 2, int(words[1]))
+        counted = _check_count(words, 2, int(words[1]))
     elif name in NEW_SCANS:
-        count = int(words[8])
-        _check_count(words, 9, count)
-        _check_count(words, 10 + count, int(words[9 + count]))
+        counted = _check_count(words, 9, int(words[8]))
+        counted += _check_count(words, 10 + counted, int(words[9 + counted]))
+    return len(words) - counted
 
 
 def odometry(line: bytes) -> bytes:
@@ -154,9 +166,10 @@ def _string(text: str) -> bytes:
     return pack("<I", len(text)) + text.encode()
 
 
-def _check_count(words: list[bytes], first: int, count: int) -> None:
+def _check_count(words: list[bytes], first: int, count: int) -> int:
     if not 0 <= count <= len(words) - 3 - first:
         raise ValueError(f"expected {count} numbers, got {max(len(words) - 3 - first, 0)}: the line is cut")
+    return count
 
 
 def _floats(words: list[bytes], first: int, count: int) -> NDArray[np.float32]:

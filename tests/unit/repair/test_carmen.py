@@ -159,8 +159,51 @@ class TestAScan:
         assert recording.duration == 1
         (problem,) = recording.problems
         word = line.split()[0].decode()
-        assert problem.startswith(f"{word}: lines that cannot be read are left out, such as: ")
+        assert problem.startswith(f"{word}: left out 1 line that cannot be read, such as: ")
         assert problem.endswith(("the line is cut", "it is cut", "invalid literal for int() with base 10: b'x'"))
+
+
+class TestLinesThatWereJoined:
+    """A block of zeros, or one that is missing, joins the head of a line to the tail of a later one."""
+
+    def test_by_zeros_are_left_out_and_told(self, log: Open) -> None:
+        first, second, third = flaser(time=1), flaser(time=2), flaser(time=3)
+        recording = log(first, second[:400] + bytes(64) + third[464:], flaser(time=4))
+        assert [moment.seconds for moment in recording.samples("FLASER")] == [0, 3]
+        assert recording.problems == (
+            "64 bytes of the log are zeros, in 1 place: what they replace or cut is left out",
+        )
+
+    def test_by_zeros_within_a_number_are_left_out(self, log: Open) -> None:
+        torn = odom(time=2).replace(b"-0.1", b"-0.1\0\0")
+        recording = log(odom(time=1), torn, b"\0\0 3.0 host 3.0", odom(time=4))
+        assert [moment.seconds for moment in recording.samples("ODOM")] == [0, 3]
+        assert recording.problems[0].startswith("4 bytes of the log are zeros, in 2 places: ")
+
+    @pytest.mark.parametrize("cut", [330, 600, 790])
+    def test_without_a_trace_have_too_many_words_or_too_few(self, log: Open, cut: int) -> None:
+        joined = flaser(time=2)[:cut] + flaser(time=3)[480:]
+        recording = log(flaser(time=1), joined, flaser(time=4))
+        assert [moment.seconds for moment in recording.samples("FLASER")] == [0, 3]
+        (problem,) = recording.problems
+        assert problem.startswith("FLASER: left out 1 line that cannot be read, such as: expected ")
+
+    def test_of_speeds_have_too_many_words(self, log: Open) -> None:
+        recording = log(odom(time=1), b"ODOM 1 2 0.5 0.5 " + odom(time=2), odom(time=4))
+        assert [moment.seconds for moment in recording.samples("ODOM")] == [0, 3]
+        assert recording.problems == (
+            "ODOM: left out 1 line that cannot be read, such as: "
+            "expected 10 words beside the readings, got 15: the line is cut, or joined to another",
+        )
+
+    def test_do_not_turn_a_measured_speed_into_an_estimate(self, log: Open) -> None:
+        recording = log(odom(time=1), b"ODOM 1 2\0\0 0 host 0", b"NEFF 26.4", odom(time=2))
+        assert [(topic.name, topic.count) for topic in recording.topics] == [("ODOM", 2)]
+
+    def test_are_told_from_lines_to_which_a_program_added_a_word(self, log: Open) -> None:
+        recording = log(*(flaser(time=time).replace(b" host", b" 0.1 host") for time in (1, 2, 3)), flaser(time=4))
+        assert [moment.seconds for moment in recording.samples("FLASER")] == [0, 1, 2, 3]
+        assert recording.problems == ()
 
 
 class TestTheLongestRange:
@@ -184,7 +227,7 @@ class TestASpeed:
         recording = log(odom(time=1), b"ODOM 1 2 3", odom(time=2))
         assert recording.topics[0].count == 2
         assert recording.problems == (
-            "ODOM: lines that cannot be read are left out, such as: "
+            "ODOM: left out 1 line that cannot be read, such as: "
             "expected 10 words or more in a line ODOM, got 4: it is cut",
         )
 
