@@ -18,7 +18,7 @@ def checked_output(call: str, path: str | os.PathLike[str], suffixes: Collection
     """
     if not isinstance(path, (str, os.PathLike)):
         raise TypeError(f"{call}(): expected the path of a file, got {path!r}")
-    target = Path(os.fsdecode(path)).expanduser().resolve()
+    target = Path(os.path.realpath(Path(os.fsdecode(path)).expanduser()))
     if target.suffix.lower() not in suffixes:
         raise ValueError(f"{call}(): expected a name that ends in {' or '.join(suffixes)}, got {str(path)!r}")
     if not target.parent.is_dir():

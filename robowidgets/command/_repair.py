@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterator
 from contextlib import closing
 from pathlib import Path
@@ -54,7 +55,7 @@ def _beside(recording: Path) -> Path:
 
 
 def _check(recording: Path, output: Path, force: bool) -> None:
-    place, own = output.resolve(), recording.resolve()
+    place, own = Path(os.path.realpath(output)), Path(os.path.realpath(recording))
     if place == own or (recording.is_dir() and place.parent == own):
         raise FileExistsError(f"{output}: is part of the recording itself; name another file with --output")
     if output.is_dir():

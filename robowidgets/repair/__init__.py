@@ -5,7 +5,7 @@ whatever lengths it claims. `Source.problems` lists the repairs; `write.write` w
 """
 
 from ._clock import JITTER_NS, LEAP_NS, REAL_FROM_NS, RESET_NS, Arrivals, has_clock_step, joined
-from ._open import find_files, open_repaired
+from ._open import find_files, is_being_written, open_repaired
 from ._sqlite import is_cut
 from .source import Message, RecordingError, Source
 
@@ -20,6 +20,7 @@ __all__ = [
     "Source",
     "find_files",
     "has_clock_step",
+    "is_being_written",
     "is_cut",
     "joined",
     "open_repaired",

@@ -10,7 +10,7 @@ from ..messages.channel import Channel
 from ._byte_range import ByteRange, find
 from ._found_messages import Damage, Walk
 from ._record_reader import MAX_TEXT, Record, RecordReader
-from ._report import foreign
+from ._report import HEAD, foreign
 from .source import RecordingError
 
 MAGIC = b"#ROSBAG V2.0\n"
@@ -62,7 +62,7 @@ class _Reader(RecordReader):
 
     def check(self) -> None:
         """See `RecordReader`."""
-        name, head = self.file.name, self.file.read(0, 64)
+        name, head = self.file.name, self.file.read(0, HEAD)
         if head.startswith(MAGIC):
             return
         if version := _VERSION.match(head):

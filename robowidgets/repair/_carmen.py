@@ -30,7 +30,7 @@ from ._carmen_lines import (
 )
 from ._clock import repaired_log
 from ._found_messages import Damage, Walk
-from ._report import format_of
+from ._report import HEAD, format_of
 from .source import RecordingError
 
 _EXPECTED = "a ROS bag (.bag), a rosbag2 folder, a .db3, an .mcap or a CARMEN log (.log, .clf, gzipped or not)"
@@ -170,7 +170,7 @@ def _encoder(topic: str, names: Sequence[str], lines: Sequence[bytes]) -> Callab
 
 def _text(path: Path) -> tuple[bytes, list[str]]:
     with path.open("rb") as file:
-        head = file.read(64)
+        head = file.read(HEAD)
         if not head:
             raise RecordingError(f"{path.name}: the file is empty: expected {_EXPECTED}")
         packed = head.startswith(_GZIP)
@@ -179,7 +179,9 @@ def _text(path: Path) -> tuple[bytes, list[str]]:
         start = _gunzip(start, _LOOKED_AT)[0] if packed else start
         if not any(name_of(line) for line in start.splitlines()):
             is_foreign = not packed or not start
-            got = format_of(head) if is_foreign else f"{format_of(start[:64])} in gzip: unpack it with gunzip"
+            got = format_of(head) if is_foreign else format_of(start[:HEAD])
+            if not is_foreign and ";" not in got:
+                got = f"{got} in gzip: unpack it with gunzip"
             raise RecordingError(f"{path.name}: expected {_EXPECTED}, got {got}")
         file.seek(0)
         text = file.read()

@@ -26,6 +26,7 @@ class Damage:
 
     ``places`` counts where the walk had to search for the next record or could not use one; ``index``: lengths in the
     index were wrong; ``cut``: data is missing at the end; ``unfinished``: only the index is missing at the end;
+    ``written``: another program is writing to the file; ``log``: the end of the log beside a database is missing;
     ``checksums`` counts chunks that differ from their checksum; ``compressions`` names those that cannot be read;
     ``unnamed`` counts messages of topics that the file does not name; ``disk`` is the text of the disk's error.
     """
@@ -34,6 +35,8 @@ class Damage:
     index: bool = False
     cut: bool = False
     unfinished: bool = False
+    written: bool = False
+    log: bool = False
     checksums: int = 0
     compressions: set[str] = field(default_factory=set)
     unnamed: int = 0

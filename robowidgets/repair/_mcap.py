@@ -12,7 +12,7 @@ from ..messages.channel import Channel, definition_text
 from ._byte_range import ByteRange, find
 from ._found_messages import Damage, Walk
 from ._record_reader import MAX_TEXT, Record, RecordReader
-from ._report import foreign
+from ._report import HEAD, foreign
 
 MAGIC = b"\x89MCAP0\r\n"
 _FOOTER, _SCHEMA, _CHANNEL, _MESSAGE, _CHUNK = range(2, 7)
@@ -72,7 +72,7 @@ class _Reader(RecordReader):
 
     def check(self) -> None:
         """See `RecordReader`."""
-        head = self.file.read(0, 64)
+        head = self.file.read(0, HEAD)
         if not head.startswith(MAGIC):
             raise foreign(self.file.name, "an MCAP file", head)
 

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import re
+import signal
 from collections.abc import Callable, Sequence
 from contextlib import ExitStack
+from errno import EAGAIN
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -13,7 +15,7 @@ from . import _bag, _mcap, _sqlite
 from ._carmen import walk_carmen
 from ._found_messages import Walk
 from ._indexed import IndexedSource
-from ._report import damage_lines, foreign
+from ._report import HEAD, damage_lines, foreign
 from .source import RecordingError
 
 _WALKS: dict[str, Callable[[Path], Walk]] = {
@@ -54,9 +56,32 @@ def find_files(folder: Path) -> list[Path]:
     return sorted((path for path in folder.iterdir() if _is_recording(path)), key=lambda path: _natural(path.name))
 
 
+def is_being_written(path: Path) -> bool:
+    """Whether a program, this one or another, has the file open to write to it.
+
+    Only Linux tells: it refuses a lease then.
+    """
+    try:
+        from fcntl import F_RDLCK, F_SETLEASE, F_SETSIG, F_UNLCK, fcntl
+    except ImportError:
+        return False
+    with path.open("rb") as file:
+        try:
+            # Who opens the file to write between the next two lines causes a signal: one that does nothing.
+            fcntl(file, F_SETSIG, signal.SIGURG)
+            fcntl(file, F_SETLEASE, F_RDLCK)
+            fcntl(file, F_SETLEASE, F_UNLCK)
+        except OSError as error:  # other errors: a file of another user, or a disk without leases
+            return error.errno == EAGAIN
+    return False
+
+
 def _attempt(path: Path) -> Walk | str:
     try:
-        return _walk_file(path)
+        written = is_being_written(path)
+        walk = _walk_file(path)
+        walk.damage.written = written
+        return walk
     except RecordingError as error:
         return str(error)
     except OSError as error:
@@ -69,7 +94,7 @@ def _walk_file(path: Path) -> Walk:
     if left_behind.is_file() and left_behind.stat().st_size:
         return _sqlite.walk_sqlite(path)
     with path.open("rb") as file:
-        head = file.read(64)
+        head = file.read(HEAD)
     if head.startswith(ZSTD_MAGIC):
         return _walk_packed(path)
     suffix = next((suffix for magic, suffix in _MAGICS.items() if head.startswith(magic)), path.suffix)

@@ -12,17 +12,25 @@ _FORMATS = {
     b"SQLite format 3\0": "an SQLite database (a rosbag2 .db3)",
     b"\x28\xb5\x2f\xfd": "zstd data",
     b"\x1f\x8b": "gzip data",
-    b"PK\x03\x04": "a zip archive",
+    b"BZh": "bzip2 data; unpack it first",
+    b"\xfd7zXZ": "xz data; unpack it first",
+    b"7z\xbc\xaf\x27\x1c": "a 7z archive; unpack it first",
+    b"PK\x03\x04": "a zip archive; unpack it first",
     b"\x89HDF": "an HDF5 file",
     b"version https://git-lfs": "a pointer of Git LFS, not the file; `git lfs pull` in the checkout fetches it",
 }
+_TAR_AT = 257
+HEAD = _TAR_AT + 8
+"""Bytes at the start of a file that tell its format."""
 
 
 def format_of(head: bytes) -> str:
-    """The format of a file by its first bytes, or a description of them."""
+    """The format of a file by its first bytes, or a description of them; what to do where it could be unpacked."""
     for magic, name in _FORMATS.items():
         if head.startswith(magic):
             return name
+    if head[_TAR_AT:].startswith(b"ustar"):
+        return "a tar archive; unpack it first, with tar -xf"
     shown = head[:16].split(b"\n")[0]
     if shown and all(32 <= byte < 127 or byte == 9 for byte in shown):
         return f"text that starts with {shown.decode()!r}"
@@ -37,6 +45,8 @@ def foreign(name: str, expected: str, head: bytes) -> RecordingError:
 def nothing_readable(walk: Walk) -> RecordingError:
     """The error for a file without a single message that can be read."""
     name, damage = walk.name, walk.damage
+    if damage.written:
+        return RecordingError(f"{name}: is being written, and holds no message so far: open it again later")
     if damage.compressions:
         shown = ", ".join(sorted(damage.compressions))
         return RecordingError(f"{name}: compressed with {shown}, which cannot be read: expected none, bz2, lz4 or zstd")
@@ -58,9 +68,16 @@ def damage_lines(damage: Damage, count: int, span_ns: int) -> tuple[str, ...]:
     amount = f"{many(count, 'message')}, up to {span_ns / 1e9:.1f} s"
     places = f"damaged in {many(damage.places, 'place')}" if damage.places else ""
     lines = []
-    if damage.cut or places:
+    if damage.written:
+        lines.append(f"the file is being written: read what it holds so far, {amount}; open it again for the rest")
+    elif damage.cut or places:
         what = " and ".join(filter(None, (f"is {places}" if places else "", "was cut off" if damage.cut else "")))
         lines.append(f"the recording {what}: read {amount}")
+    elif damage.log:
+        lines.append(
+            f"the recorder was stopped before it closed the file: read {amount}; "
+            "the end of its -wal file is incomplete or damaged, so that messages are missing"
+        )
     elif damage.unfinished:
         lines.append(f"the recorder was stopped before it closed the file: read all of its {amount}")
     elif damage.index:

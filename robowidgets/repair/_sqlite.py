@@ -16,13 +16,15 @@ from .._core.progress import Progress
 from ..messages.channel import Channel, definition_text
 from ._byte_range import FileRange
 from ._found_messages import MAX_PLACES, Damage, Walk
-from ._report import foreign
+from ._report import HEAD, foreign
 from .source import RecordingError
 
 MAGIC = b"SQLite format 3\0"
 _WALK = "SELECT rowid FROM messages WHERE rowid >= ? ORDER BY rowid"
 _LOOK_UP = "SELECT topic_id, timestamp, data FROM messages WHERE rowid = ?"
 _MAX_ROW = 2**62
+_LOG_HEAD, _PAGE_HEAD = 32, 24
+"""Bytes before the pages of a log, and before each page."""
 
 
 def walk_sqlite(path: Path) -> Walk:
@@ -115,7 +117,29 @@ def _connect(path: Path, stack: ExitStack) -> tuple[sqlite3.Connection, Damage]:
     # Without the first, sqlite refuses a file with missing pages; the others guard against a hostile file.
     for pragma in ("writable_schema = ON", "cell_size_check = ON", "trusted_schema = OFF"):
         connection.execute(f"PRAGMA {pragma}")
+    damage.log = any(not _is_log_whole(file, connection) for file in beside if file.name.endswith("-wal"))
     return connection, damage
+
+
+def _is_log_whole(log: Path, connection: sqlite3.Connection) -> bool:
+    """Whether sqlite takes all pages of a log (``-wal``) that belong to it.
+
+    It leaves out, in silence, all from the first damaged page on, and a last transaction without an end. A log is
+    written anew from its start: pages of earlier rounds, which have another salt, may follow the last one.
+
+    Source: https://www.sqlite.org/fileformat2.html#the_write_ahead_log
+    """
+    _, taken, _ = connection.execute("PRAGMA wal_checkpoint").fetchone()
+    file = FileRange(log)
+    try:
+        head = file.read(0, _LOG_HEAD)
+        salt, size = head[16:24], _PAGE_HEAD + int.from_bytes(head[8:12], "big")
+        pages = -(-max(file.size - _LOG_HEAD, 0) // size)
+        own = (n for n in range(pages, 0, -1) if salt.startswith(file.read(_LOG_HEAD + (n - 1) * size + 8, 8)))
+        # No page with the salt of the log: its head is damaged.
+        return file.size >= _LOG_HEAD and taken >= next(own, min(pages, 1))
+    finally:
+        file.close()
 
 
 def is_cut(path: Path) -> bool:
@@ -128,7 +152,7 @@ def _sizes(path: Path) -> tuple[int, int, int]:
     """The size of the file, the size of a page, and the number of pages by the header of the file."""
     file = FileRange(path)
     try:
-        head = file.read(0, 64)
+        head = file.read(0, HEAD)
         if not head.startswith(MAGIC):
             raise foreign(file.name, "a rosbag2 database (.db3)", head)
         page_size = int.from_bytes(head[16:18], "big")

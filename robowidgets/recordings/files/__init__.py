@@ -9,7 +9,16 @@ from itertools import pairwise
 from pathlib import Path, PurePath
 
 from ..._core.text import listed, many
-from ...repair import LEAP_NS, RESET_NS, RecordingError, Source, find_files, has_clock_step, open_repaired
+from ...repair import (
+    LEAP_NS,
+    RESET_NS,
+    RecordingError,
+    Source,
+    find_files,
+    has_clock_step,
+    is_being_written,
+    open_repaired,
+)
 from . import _rosbags
 from ._chain import Chain
 from ._fallback import FallbackSource
@@ -48,7 +57,9 @@ def open_source(path: Path) -> Source:
 
 def _open(path: Path) -> Source:
     if not path.exists():
-        raise RecordingError(f"{path}: no such file or folder")
+        raise RecordingError(
+            f"{path}: {'a link that leads nowhere' if path.is_symlink() else 'no such file or folder'}"
+        )
     if path.is_dir():
         return _open_folder(path)
     if not path.is_file():
@@ -76,6 +87,8 @@ def _open_by_rosbags(path: Path) -> _rosbags.RosbagsSource:
     unsaved = path.with_name(f"{path.name}-wal")
     if unsaved.exists() and unsaved.stat().st_size:
         raise RecordingError(f"{path}: rosbags leaves out what its recorder had not yet put into it")
+    if is_being_written(path):
+        raise RecordingError(f"{path}: rosbags does not tell that it is being written")
     with path.open("rb") as file:
         head = file.read(64)
     opener = next((opener for magic, opener in _OPENERS.items() if head.startswith(magic)), None)
@@ -86,18 +99,21 @@ def _open_by_rosbags(path: Path) -> _rosbags.RosbagsSource:
 
 def _open_folder(path: Path) -> Source:
     """The source of a rosbag2 folder: of the files that its metadata name, else of all files."""
-    metadata = _metadata(path)
+    metadata, problems = _metadata(path)
     named = {PurePath(name).name for name in _NAMED.findall(metadata or "")}
     files = find_files(path)
     files = [file for file in files if file.name in named] or files
     if not files:
-        there = listed(sorted(entry.name for entry in path.iterdir()), _NAMED_AT_MOST) or "nothing"
+        lost = " (a link that leads nowhere)"
+        names = sorted(entry.name + ("" if entry.exists() else lost) for entry in path.iterdir())
+        there = listed(names, _NAMED_AT_MOST) or "nothing"
         raise RecordingError(f"{path}: no recording in this folder: expected .db3, .mcap or .bag files, got {there}")
     if metadata is None and not (_counts_up([file.name for file in files]) and _follow_on(files)):
         there = listed([file.name for file in files], _NAMED_AT_MOST)
         raise RecordingError(f"{path}: {len(files)} recordings in this folder: open one of them: {there}")
     missing = sorted(name for name in named if not (path / name).exists())
-    problems = [f"{_METADATA} names {', '.join(missing)}, not in the folder: read the files that are"] * bool(missing)
+    if missing:
+        problems.append(f"{_METADATA} names {', '.join(missing)}, not in the folder: read the files that are")
 
     def open_chain() -> Chain:
         chain = _open_chain(files)
@@ -162,10 +178,13 @@ def _disagreement(metadata: str, source: Source) -> list[str]:
     return [f"{_METADATA} tells of {stated}: read what they hold"]
 
 
-def _metadata(path: Path) -> str | None:
-    """The text of the metadata, empty if it cannot be read; None without a file."""
-    file = path / _METADATA
+def _metadata(path: Path) -> tuple[str | None, list[str]]:
+    """The text of the metadata, None without a file, and a line when it is of no use."""
     try:
-        return file.read_text(errors="replace") if file.exists() else None
-    except OSError:  # the files are read without it
-        return ""
+        text = (path / _METADATA).read_text(errors="replace")
+    except FileNotFoundError:
+        return None, []
+    except OSError as error:
+        return "", [f"{_METADATA} cannot be read ({error.strerror or error}): read the files without it"]
+    is_known = _NAMED.search(text) or _COUNT.search(text)
+    return text, [] if is_known else [f"{_METADATA} is no metadata of rosbag2, or damaged: read the files without it"]

@@ -4,10 +4,13 @@ from __future__ import annotations
 
 import gzip
 import heapq
+import io
 import os
 import re
 import shutil
 import sqlite3
+import sys
+import tarfile
 from collections.abc import Callable, Iterator
 from contextlib import closing
 from itertools import zip_longest
@@ -130,6 +133,14 @@ def test_a_path_may_be_text(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> 
         open(7)  # type: ignore[arg-type]
 
 
+def tar(name: str = "drive.bag") -> bytes:
+    """A tar archive with one file."""
+    held = io.BytesIO()
+    with tarfile.open(fileobj=held, mode="w") as archive:
+        archive.addfile(tarfile.TarInfo(name))
+    return held.getvalue()
+
+
 LFS_POINTER = b"version https://git-lfs.github.com/spec/v1\noid sha256:4d7a\nsize 12345\n"
 
 
@@ -140,7 +151,13 @@ LFS_POINTER = b"version https://git-lfs.github.com/spec/v1\noid sha256:4d7a\nsiz
         ("notes.log", b"It rained.\n", "notes.log: expected a ROS bag (.bag)"),
         ("notes.txt", b"It rained.\n", "got text that starts with 'It rained.'"),
         ("photo.jpg", b"\xff\xd8\xff\xe0\0\x10JFIF", "got bytes that start with ff d8 ff e0"),
-        ("drive.zip", b"PK\x03\x04\0\0", "got a zip archive"),
+        ("drive.zip", b"PK\x03\x04\0\0", "got a zip archive; unpack it first"),
+        ("drive.tar", tar(), "got a tar archive; unpack it first, with tar -xf"),
+        ("drive.bag", tar(), "drive.bag: expected a ROS 1 bag of format 2.0, got a tar archive; unpack it first"),
+        ("drive.db3", tar(), "got a tar archive"),
+        ("drive.mcap", tar("FLASER 1"), "got a tar archive"),
+        ("drive.tar.gz", gzip.compress(tar()), "got a tar archive; unpack it first, with tar -xf"),
+        ("drive.tar.zst", zstd.compress(tar()), "got a tar archive; unpack it first, with tar -xf"),
         ("drive.gz", gzip.compress(b"It rained.", mtime=0), "drive.gz: expected a ROS bag"),
         ("drive.gz", b"\x1f\x8b\x08nonsense", "got gzip data"),
         ("drive.bag.gz", gzip.compress(b"#ROSBAG V2.0\n", mtime=0), "got a ROS 1 bag in gzip: unpack it with gunzip"),
@@ -189,6 +206,56 @@ def test_a_path_that_no_disk_takes_says_so() -> None:
 def test_a_path_to_nothing_says_so(tmp_path: Path) -> None:
     with pytest.raises(RecordingError, match=r"missing\.bag: no such file or folder"):
         open(tmp_path / "missing.bag")
+
+
+def test_a_link_that_leads_nowhere_is_called_that(tmp_path: Path) -> None:
+    (tmp_path / "loop.bag").symlink_to(tmp_path / "loop.bag")
+    (tmp_path / "lost.bag").symlink_to(tmp_path / "gone" / "lost.bag")
+    for name in ("loop.bag", "lost.bag"):
+        with pytest.raises(RecordingError, match=rf"{name}: a link that leads nowhere$"):
+            open(tmp_path / name)
+    with pytest.raises(RecordingError, match=r"got loop\.bag \(a link that leads nowhere\), lost\.bag \(a link"):
+        open(tmp_path)
+
+
+def test_a_folder_that_links_to_itself_is_read_once(tmp_path: Path) -> None:
+    write_bag(tmp_path / "drive.bag", messages(30))
+    (tmp_path / "again").symlink_to(tmp_path, target_is_directory=True)
+    (tmp_path / "loop.bag").symlink_to(tmp_path / "loop.bag")
+    assert read_count(tmp_path / "again" / "again") == {"/scan": 20, "/cmd_vel": 10}
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="only Linux tells who writes to a file")
+class TestAFileThatIsBeingWritten:
+    BEING_WRITTEN = (
+        "the file is being written: read what it holds so far, 30 messages, up to 1.4 s; open it again for the rest"
+    )
+
+    @pytest.mark.parametrize("write", [write_bag, write_db3, write_indexed_mcap])
+    @pytest.mark.parametrize("cut", [0, 40])
+    def test_is_called_that_and_read_so_far(
+        self, tmp_path: Path, write: Callable[[Path, list[Message]], Path], cut: int
+    ) -> None:
+        path = write(tmp_path / "drive", messages(30))
+        if cut and write is not write_db3:  # the end that a recorder has not written yet
+            os.truncate(path, path.stat().st_size - cut)
+        with path.open("ab"), open(path) as recording:
+            assert recording.problems == (self.BEING_WRITTEN,)
+            assert sum(topic.count for topic in recording.topics) == 30
+        with open(path) as recording:
+            assert self.BEING_WRITTEN not in recording.problems
+
+    def test_without_a_message_says_so(self, tmp_path: Path) -> None:
+        path = write_indexed_mcap(tmp_path / "drive", messages(30))
+        os.truncate(path, 20)
+        with path.open("ab"), pytest.raises(RecordingError) as caught:
+            open(path)
+        assert str(caught.value) == "drive.mcap: is being written, and holds no message so far: open it again later"
+
+    def test_may_be_one_that_another_program_reads(self, tmp_path: Path) -> None:
+        path = write_bag(tmp_path / "drive.bag", messages(30))
+        with path.open("rb"), open(path) as recording:
+            assert recording.problems == ()
 
 
 def test_a_folder_without_a_recording_names_what_it_holds(tmp_path: Path) -> None:
@@ -310,6 +377,29 @@ class TestMetadata:
             assert recording.problems[0] == (
                 "metadata.yaml tells of another start than the files have: read what they hold"
             )
+
+    @pytest.mark.parametrize(
+        ("spoil", "problem"),
+        [
+            (Path.mkdir, "metadata.yaml cannot be read (Is a directory): read the files without it"),
+            (Path.touch, "metadata.yaml is no metadata of rosbag2, or damaged: read the files without it"),
+            (
+                lambda path: path.write_bytes(bytes(600)),
+                "metadata.yaml is no metadata of rosbag2, or damaged: read the files without it",
+            ),
+            (
+                lambda path: path.symlink_to(path),
+                "metadata.yaml cannot be read (Too many levels of symbolic links): read the files without it",
+            ),
+        ],
+    )
+    def test_that_cannot_be_read_are_named(self, tmp_path: Path, spoil: Callable[[Path], object], problem: str) -> None:
+        path = write_db3(tmp_path / "x", messages(30))
+        (path.parent / "metadata.yaml").unlink()
+        spoil(path.parent / "metadata.yaml")
+        with open(path.parent) as recording:
+            assert sum(topic.count for topic in recording.topics) == 30
+            assert recording.problems == (problem,)
 
     def test_of_another_duration_are_not_believed(self, tmp_path: Path) -> None:
         path = write_db3(tmp_path / "x", messages(30))

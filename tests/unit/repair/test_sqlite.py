@@ -176,6 +176,68 @@ def test_what_a_killed_recorder_left_beside_the_file_is_taken_in(tmp_path: Path,
     assert {path.name: path.read_bytes() for path in killed.iterdir()} == before
 
 
+class TestALogBesideADatabase:
+    """What a killed recorder left in its ``-wal`` file: a transaction for each ten messages."""
+
+    @pytest.fixture
+    def killed(self, tmp_path: Path) -> Path:
+        live = write_old(tmp_path / "live.db3", messages()[:60])
+        killed = tmp_path / "killed" / "drive.db3"
+        killed.parent.mkdir()
+        with closing(sqlite3.connect(live)) as recorder:
+            recorder.execute("PRAGMA journal_mode = WAL")
+            recorder.execute("PRAGMA wal_checkpoint(RESTART)")
+            for start in range(60, 100, 10):
+                with recorder:
+                    insert(recorder, messages()[start : start + 10])
+            for ending in ("", "-wal"):
+                killed.with_name(f"drive.db3{ending}").write_bytes(live.with_name(f"live.db3{ending}").read_bytes())
+        return killed
+
+    def check(self, killed: Path, least: int, most: int) -> None:
+        source = open_repaired([killed])
+        got = read(source)
+        assert least <= len(got) <= most
+        assert got == messages()[: len(got)]
+        assert source.problems == (
+            f"the recorder was stopped before it closed the file: read {len(got)} messages, up to "
+            f"{(len(got) - 1) * STEP_NS / 1e9:.1f} s; "
+            "the end of its -wal file is incomplete or damaged, so that messages are missing",
+        )
+        source.close()
+
+    @pytest.mark.parametrize("left", [10, 31, 40, 60, 0.5, -4000, -100, -1])
+    def test_that_was_cut_misses_messages(self, killed: Path, left: float) -> None:
+        log = killed.with_name("drive.db3-wal")
+        raw = log.read_bytes()
+        log.write_bytes(raw[: int(len(raw) * left) if isinstance(left, float) else left])
+        self.check(killed, 60, 90)
+
+    @pytest.mark.parametrize("at", [2, 9, 17, 25, 30, 50, 5000, -5000, -4120, -4105, -3000])
+    def test_with_a_flipped_bit_misses_messages(self, killed: Path, at: int) -> None:
+        log = killed.with_name("drive.db3-wal")
+        raw = bytearray(log.read_bytes())
+        raw[at] ^= 4
+        log.write_bytes(raw)
+        self.check(killed, 60, 90)
+
+    def test_may_end_with_pages_of_an_earlier_round(self, tmp_path: Path) -> None:
+        live, killed = write_old(tmp_path / "live.db3", messages()[:10]), tmp_path / "drive.db3"
+        with closing(sqlite3.connect(live)) as recorder:
+            recorder.execute("PRAGMA journal_mode = WAL")
+            with recorder:
+                insert(recorder, messages()[10:90])
+            recorder.execute("PRAGMA wal_checkpoint(RESTART)")
+            with recorder:
+                insert(recorder, messages()[90:])
+            for ending in ("", "-wal"):
+                killed.with_name(f"drive.db3{ending}").write_bytes(live.with_name(f"live.db3{ending}").read_bytes())
+        source = open_repaired([killed])
+        assert read(source) == messages()
+        assert source.problems[0].startswith("the recorder was stopped before it closed the file: read all of its 100 ")
+        source.close()
+
+
 def test_rows_that_are_no_messages_are_left_out_and_told(tmp_path: Path) -> None:
     path = write_old(tmp_path / "odd.db3", messages(10))
     with closing(sqlite3.connect(path)) as connection, connection:
