@@ -13,7 +13,7 @@ from typing import Any
 from ._threaded import ThreadedMiddleware
 from ._topics import queue_length
 from ._websocket import LARGEST, Frame, WebSocket, checked
-from .middleware import FeedError, Listener
+from .middleware import MOST_UNREAD, FeedError, Listener
 
 _MATCHED = 0.3
 """Seconds within which the subscribers of the robot find a publisher that its bridge has made for us. Until then they
@@ -31,8 +31,8 @@ class Bridge(ThreadedMiddleware):
     """The part of a `Middleware` that is the same for every protocol over a websocket. A protocol is a subclass.
 
     All methods but `_publish` and those of `Middleware` run in its thread. All frames that wait in the network are
-    received first; then only the newest of each topic is decoded, but every event. The subclass calls
-    `Listener.on_connected` as soon as it can publish.
+    received first; then only the newest of each topic is decoded, but every event, and each message of a topic that is
+    recorded. The subclass calls `Listener.on_connected` as soon as it can publish.
 
     Raises:
         TypeError, ValueError: the address is invalid.
@@ -49,7 +49,11 @@ class Bridge(ThreadedMiddleware):
         self._received: set[str] = set()
         self._too_big: frozenset[str] = frozenset()
         """The wanted topics that are not subscribed to, because of a message that was too big."""
+        self._all_of: frozenset[str] = frozenset()
+        """The topics that were subscribed to for each message."""
         self._pending: dict[str, deque[tuple[Read, Any]]] = {}
+        self._newest: dict[str, int] = {}
+        """The number of the last pending messages of a topic that are for those who take the newest."""
         self._unmatched: dict[Any, Frame | None] = {}
         """By new publisher of the bridge: the frame that was sent last, if it was zero."""
         self._begin()
@@ -74,19 +78,22 @@ class Bridge(ThreadedMiddleware):
             if self._closed.is_set():
                 self._socket.cancel()
             else:
-                self._socket.call_soon(partial(self._follow, self._wanted))
+                self._socket.call_soon(partial(self._follow, self._wanted, self._each))
 
-    def _follow(self, topics: frozenset[str]) -> None:
+    def _follow(self, topics: frozenset[str], each: frozenset[str]) -> None:
         """Subscribe to these topics and no others. A topic that is requested anew may bring its last message again."""
         self._too_big &= topics
         topics -= self._too_big
         if self._socket is not None and self._socket.is_open:
             before, self._followed = self._followed, topics
+            changed, self._all_of = (self._all_of ^ each) & before & topics, each
             for topic in before - topics:
                 self._received.discard(topic)
                 self._stop(topic)
             for topic in topics - before:
                 self._start(topic)
+            for topic in changed:
+                self._change_share(topic)
 
     def _run_session(self, listener: Listener) -> str:
         self._listener = listener
@@ -121,22 +128,26 @@ class Bridge(ThreadedMiddleware):
         """The connection is established."""
         self._followed, self._received, self._pending, self._unmatched = frozenset(), set(), {}, {}
         self._begin()
-        self._follow(self._wanted)
+        self._follow(self._wanted, self._each)
 
     def deliver(self) -> None:
         """Decode the frames that were kept, and pass them on."""
         pending, self._pending = self._pending, {}
-        for topic, read, frame in [(topic, *one) for topic, waiting in pending.items() for one in waiting]:
-            if topic not in self._wanted or self._closed.is_set():
-                continue
-            try:
-                message = read(frame)
-            except UnreadableError as error:
-                self._listener.on_trouble(topic, str(error))
-            else:
-                self._received.add(topic)
-                self._listener.on_trouble(topic, self._flaw(topic, message))
-                self._listener.on_message(topic, message)
+        for topic, waiting in pending.items():
+            replaced = len(waiting) - self._newest[topic]
+            for index, (read, frame) in enumerate(waiting):
+                if topic in self._wanted and not self._closed.is_set():
+                    self._pass_on(topic, read, frame, newest=index >= replaced)
+
+    def _pass_on(self, topic: str, read: Read, frame: Any, *, newest: bool) -> None:
+        try:
+            message = read(frame)
+        except UnreadableError as error:
+            self._listener.on_trouble(topic, str(error))
+        else:
+            self._received.add(topic)
+            self._listener.on_trouble(topic, self._flaw(topic, message))
+            self._listener.on_message(topic, message, newest=newest)
 
     async def finish(self) -> None:
         """Return when the robot has processed what was published; cancelled when that takes too long."""
@@ -144,7 +155,7 @@ class Bridge(ThreadedMiddleware):
             await asyncio.sleep(0.01)
 
     def on_frame(self, frame: Frame) -> None:
-        """A frame was received: keep it in place of an older one of its topic, because more may follow at once."""
+        """A frame was received: keep it, in place of an older one of its topic if the newest is enough."""
         raise NotImplementedError
 
     def _begin(self) -> None:
@@ -159,9 +170,19 @@ class Bridge(ThreadedMiddleware):
         """End the request for the messages of a topic."""
         raise NotImplementedError
 
+    def _change_share(self, topic: str) -> None:
+        """Request each message of a topic, or the newest alone, where the server leaves out some."""
+
     def _keep(self, topic: str, kind: str, read: Read, frame: Any) -> None:
-        """Queue a frame for decoding."""
-        self._pending.setdefault(topic, deque(maxlen=queue_length(kind))).append((read, frame))
+        """Queue a frame for decoding. One that drops out was asked for if each is passed on."""
+        newest = queue_length(kind)
+        waiting = self._pending.get(topic)
+        if waiting is None:
+            self._newest[topic] = newest
+            waiting = self._pending[topic] = deque(maxlen=MOST_UNREAD if topic in self._all_of else newest)
+        if topic in self._all_of and len(waiting) == waiting.maxlen:
+            self._listener.on_missed(topic, 1)
+        waiting.append((read, frame))
 
     def _flaw(self, topic: str, message: Any) -> str:  # noqa: ARG002
         """The reason why a decoded message is refused; empty if it is not."""

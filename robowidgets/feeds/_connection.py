@@ -191,14 +191,21 @@ class Connection(Observed):
             self._changed.notify_all()
         self._call_observers()
 
-    def on_message(self, topic: str, message: Any) -> None:
+    def on_message(self, topic: str, message: Any, *, newest: bool = True, each: bool = True) -> None:
         """See `Listener`."""
         subscription = self._table.by_topic.get(topic)
         if subscription is None or self.is_closed:
             return
-        if subscription.take(message):
+        if subscription.take(message, newest=newest, each=each):
             self._show_status(topic)
-        self.functions.put(self.topic_of(topic), message)
+        if newest:
+            self.functions.put(self.topic_of(topic), message)
+
+    def on_missed(self, topic: str, count: int) -> None:
+        """See `Listener`."""
+        subscription = self._table.by_topic.get(topic)
+        if subscription is not None:
+            subscription.miss(count)
 
     def on_trouble(self, topic: str, reason: str) -> None:
         """See `Listener`."""
@@ -272,9 +279,14 @@ class Connection(Observed):
         subscription = self._table.by_topic.get(topic)
         return subscription.trouble if subscription is not None else ""
 
-    def attach(self, topic: str, take: Callable[[Any], object]) -> Target:
-        """Pass the messages of a topic to code of this package, in the transport's thread; it must return at once."""
-        target = Target(take, None)
+    def attach(
+        self, topic: str, take: Callable[[Any], object], on_missed: Callable[[int], object] | None = None
+    ) -> Target:
+        """Pass the messages of a topic to code of this package, in the transport's thread; it must return at once.
+
+        With ``on_missed`` it gets each message, and is told the number of those that it does not get.
+        """
+        target = Target(take, None, on_missed)
         self._connect(topic, [target])
         return target
 
@@ -340,9 +352,10 @@ class Connection(Observed):
         """Have the middleware pass on the topics that are connected."""
         with self._lock:
             topics = frozenset(self._table.by_topic)
+            each = frozenset(topic for topic, one in self._table.by_topic.items() if one.passes_each)
         # Without the lock: the middleware may take a lock that one of its threads holds while it waits for ours.
         if not self.is_closed:
-            self.middleware.follow(topics)
+            self.middleware.follow(topics, each)
 
 
 def _log_dropped(closed: Sequence[Any]) -> None:

@@ -21,7 +21,7 @@ from ..messages.decoding import Decode, DecodeError
 from ._dds_domain import configured
 from ._dds_types import NODES, dds_topic, decoder, definition_of, opaque, ros_topic, ros_type, struct, type_hash
 from ._ros2_common import adverts_of, not_coming, not_received, queue_depth, speed_types
-from .middleware import EVENTS, Advert, FeedError, Listener
+from .middleware import EVENTS, MOST_UNREAD, Advert, FeedError, Listener
 
 _MANY = 1000
 _LOOK = duration(milliseconds=500)
@@ -58,13 +58,14 @@ class Endpoint(NamedTuple):
 
 
 class Wish(NamedTuple):
-    """A reader to create. ``definition`` comes from `definition_of`."""
+    """A reader to create. ``definition`` comes from `definition_of`; ``each`` asks for every message."""
 
     topic: str
     type: str
     latched: bool
     described: bool
     definition: str = ""
+    each: bool = False
 
 
 class _Reader(NamedTuple):
@@ -98,7 +99,7 @@ class Session:
         for condition in self._conditions:
             self._waitset.attach(condition)
         self._readers: dict[Wish, _Reader] = {}
-        self._followed: set[str] | None = None
+        self._followed: tuple[set[str], frozenset[str]] | None = None
         self._writing = threading.Lock()
         self._writers: dict[tuple[str, str], Any] = {}
         self._changed = True
@@ -127,19 +128,28 @@ class Session:
             self._listener.on_topics(self._adverts())
         self._report_unheard()
 
-    def follow(self, topics: Iterable[str]) -> None:
-        """Create readers for the publishers of these topics, and remove all others."""
+    def follow(self, topics: Iterable[str], each: frozenset[str]) -> None:
+        """Create readers for the publishers of these topics, a second one for each message; remove all others."""
         topics = {*topics, NODES}
-        if topics != self._followed:
-            self._followed = topics
-            self._set_readers(topics)
+        if (topics, each) != self._followed:
+            self._followed = topics, each
+            self._set_readers(topics, each)
         for wish, reader in self._readers.items():
             status = reader.reader.get_requested_incompatible_qos_status()
             if status.total_count_change > 0:
                 self._listener.on_trouble(wish.topic, not_coming(wish.topic, _policy(status)))
+            if wish.each:
+                self._report_missed(wish.topic, reader.reader)
 
-    def _set_readers(self, topics: set[str]) -> None:
+    def _report_missed(self, topic: str, reader: Any) -> None:
+        """Report the messages that the network lost, and those that found the queue full."""
+        statuses = reader.get_sample_lost_status(), reader.get_sample_rejected_status()
+        if missed := sum(status.total_count_change for status in statuses):
+            self._listener.on_missed(topic, missed)
+
+    def _set_readers(self, topics: set[str], each: frozenset[str]) -> None:
         wishes = {wish for topic in topics for wish in _wishes(topic, self._offers.values())}
+        wishes |= {wish._replace(each=True) for wish in wishes if wish.topic in each}
         for wish in self._readers.keys() - wishes:
             self._waitset.detach(self._readers.pop(wish).condition)
         for wish in wishes - self._readers.keys():
@@ -158,7 +168,8 @@ class Session:
             else:
                 if wish.topic != NODES:
                     self._listener.on_trouble(wish.topic, "")
-                    self._listener.on_message(wish.topic, message)
+                    has_two = wish._replace(each=not wish.each) in self._readers
+                    self._listener.on_message(wish.topic, message, newest=not wish.each, each=wish.each or not has_two)
                 elif hasattr(message, "node_entities_info_seq"):
                     self._node_names[_guid(message.gid)] = _node_names(message)
                     self._changed = True
@@ -211,8 +222,11 @@ class Session:
             else (Policy.Reliability.BestEffort, Policy.Durability.Volatile)
         )
         topic = Topic(self._participant, dds_topic(wish.topic), kind)
-        depth = EVENTS if wish.topic == NODES else queue_depth(wish.type)
-        reader = DataReader(self._participant, topic, Qos(*reliability, Policy.History.KeepLast(depth), user_data))
+        depth = MOST_UNREAD if wish.each else EVENTS if wish.topic == NODES else queue_depth(wish.type)
+        queue: tuple[Any, ...] = (Policy.History.KeepLast(depth),)
+        if wish.each and not wish.latched:  # full, it rejects and counts; a reliable one would hold up its publisher
+            queue = (Policy.History.KeepAll, Policy.ResourceLimits(max_samples=depth))
+        reader = DataReader(self._participant, topic, Qos(*reliability, *queue, user_data))
         condition = ReadCondition(reader, _NEW)
         self._waitset.attach(condition)
         self._readers[wish] = _Reader(reader, condition, decode)

@@ -46,6 +46,8 @@ class Recorder:
         self._connection, self._names = connection, topics
         self.path = checked_output("record", path, (".mcap",))
         self._targets: dict[str, Target] = {}
+        self._missed: Counter[str] = Counter()
+        """By topic, the number of messages that did not come here."""
         self._version: Version | None = None
         self._states: dict[str, str] = {}
         self._lock = threading.Lock()
@@ -78,7 +80,12 @@ class Recorder:
         """What is missing in the file, one line each."""
         there = [topic.name for topic in self._connection.topics]
         missing = (no_such(name, there) for name in self._names if name not in self._targets)
-        return (*self._writer.problems, *missing)
+        missed = (
+            f"{name}: {many(count, 'message')} lost on the way, or came faster than {'it' if count == 1 else 'they'} "
+            "could be read"
+            for name, count in list(self._missed.items())
+        )
+        return (*self._writer.problems, *missed, *missing)
 
     def close(self) -> None:
         """Complete the file; doing it again does nothing. It waits for the disk for two seconds at most."""
@@ -115,7 +122,8 @@ class Recorder:
                 name, type_name = topic.name.replace(YOURS, "_by_program"), topic.type.split(", ")[0]
                 take = partial(self._take, name, type_name)
                 try:
-                    self._targets[topic.name] = self._connection.attach(topic.name, take)
+                    miss = partial(self._miss, name)
+                    self._targets[topic.name] = self._connection.attach(topic.name, take, miss)
                 except FeedError:  # closed meanwhile, of which it tells in a moment
                     return
 
@@ -124,6 +132,9 @@ class Recorder:
 
     def _take(self, name: str, type_name: str, message: Any) -> None:
         self._writer.add(name, type_name, self._writer.now_ns(), message)
+
+    def _miss(self, name: str, count: int) -> None:
+        self._missed[name] += count
 
     def _on_step(self) -> None:
         """Note another version of the program, and the states that it is in now."""

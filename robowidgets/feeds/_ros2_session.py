@@ -8,14 +8,21 @@ import threading
 import time
 from collections.abc import Callable, Iterable, Mapping
 from contextlib import ExitStack, suppress
-from typing import Any
+from typing import Any, NamedTuple
 
 from ._ros2_common import adverts_of, not_coming, not_received, queue_depth, speed_types
 from ._twist import fill
-from .middleware import SEND_TIMEOUT, Advert, Listener, NotYetError
+from .middleware import MOST_UNREAD, SEND_TIMEOUT, Advert, Listener, NotYetError
 
-_Key = tuple[str, str, bool]
-"""A topic, a type, and whether earlier messages are requested (transient local)."""
+
+class _Wish(NamedTuple):
+    """A subscription to create. ``kept`` asks for earlier messages (transient local), ``each`` for every message."""
+
+    topic: str
+    type: str
+    kept: bool
+    each: bool = False
+
 
 DISCOVERY = 2.0
 """Seconds after which a new participant has discovered the others, at most."""
@@ -64,7 +71,7 @@ class Session:
         self._opened = time.monotonic()
         self._context = Context()
         self._offers: dict[str, list[Any]] = {}
-        self._subscriptions: dict[_Key, tuple[Any, Any]] = {}
+        self._subscriptions: dict[_Wish, tuple[Any, Any]] = {}
         self._publishers: dict[tuple[str, str], Any] = {}
         self._unmatched: set[tuple[str, str]] = set()
         self._missed: set[tuple[str, str]] = set()
@@ -130,10 +137,10 @@ class Session:
                     self._create_publishers(topic, types)
         return adverts_of(offered, wanted)
 
-    def follow(self, topics: Iterable[str]) -> None:
-        """Subscribe to these topics, with the types that `look` found last, and to no others."""
-        topics = set(topics)
+    def follow(self, topics: frozenset[str], each: frozenset[str]) -> None:
+        """Subscribe to these topics, with the types that `look` found last, twice for each message; to no others."""
         wishes = {wish for topic in topics for wish in _wishes(topic, self._offers.get(topic, ()))}
+        wishes |= {wish._replace(each=True) for wish in wishes if wish.topic in each}
         for wish in self._subscriptions.keys() - wishes:
             self._node.destroy_subscription(self._subscriptions.pop(wish)[0])
         for wish in wishes - self._subscriptions.keys():
@@ -215,7 +222,7 @@ class Session:
 
     def _is_matched(self, publisher: Any, key: tuple[str, str]) -> bool:
         """Whether a subscriber of another node is matched."""
-        ours = sum(wish[:2] == key for wish in list(self._subscriptions))
+        ours = sum((wish.topic, wish.type) == key for wish in list(self._subscriptions))
         return bool(publisher.get_subscription_count() > ours)
 
     def _note_matches(self) -> None:
@@ -247,10 +254,10 @@ class Session:
     def _others(self, infos: Iterable[Any]) -> list[Any]:
         return [info for info in infos if info.node_name != self._name]
 
-    def _subscribe(self, wish: _Key) -> None:
+    def _subscribe(self, wish: _Wish) -> None:
         from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
 
-        topic, kind, kept = wish
+        topic, kind, kept, each = wish
         try:
             known = message_class(kind)
         except LookupError as error:
@@ -259,22 +266,28 @@ class Session:
         # A best-effort subscription matches reliable publishers, too; only transient local needs a reliable one.
         qos = QoSProfile(
             history=HistoryPolicy.KEEP_LAST,
-            depth=queue_depth(kind),
+            depth=MOST_UNREAD if each else queue_depth(kind),
             reliability=ReliabilityPolicy.RELIABLE if kept else ReliabilityPolicy.BEST_EFFORT,
             durability=DurabilityPolicy.TRANSIENT_LOCAL if kept else DurabilityPolicy.VOLATILE,
         )
         try:
-            self._subscriptions[wish] = self._subscription(known, topic, qos)
+            self._subscriptions[wish] = self._subscription(known, wish, qos)
         except Exception as error:  # a package that is half installed raises anything
             self._listener.on_trouble(topic, f"{topic} cannot be subscribed to as {kind}: {one_line(error)}")
 
-    def _subscription(self, known: Any, topic: str, qos: Any) -> tuple[Any, Any]:
+    def _subscription(self, known: Any, wish: _Wish, qos: Any) -> tuple[Any, Any]:
         from rclpy.callback_groups import MutuallyExclusiveCallbackGroup
+
+        topic, twin = wish.topic, wish._replace(each=not wish.each)
 
         def receive(message: Any) -> None:
             if self._is_wanted(topic):
                 self._listener.on_trouble(topic, "")
-                self._listener.on_message(topic, message)
+                each = wish.each or twin not in self._subscriptions
+                self._listener.on_message(topic, message, newest=not wish.each, each=each)
+
+        def lost(event: Any) -> None:
+            self._listener.on_missed(topic, event.total_count_change)
 
         def refused(event: Any) -> None:
             self._listener.on_trouble(topic, not_coming(topic, _policy(event)))
@@ -284,7 +297,8 @@ class Session:
             create = self._node.create_subscription
             return create(known, topic, receive, qos, callback_group=group, event_callbacks=on_event), group
 
-        made: tuple[Any, Any] = _with_events(make, "SubscriptionEventCallbacks", refused)
+        more = {"message_lost": lost} if wish.each else {}
+        made: tuple[Any, Any] = _with_events(make, "SubscriptionEventCallbacks", refused, **more)
         return made
 
     def _drop_unreadable(self, error: Exception) -> bool:
@@ -294,7 +308,7 @@ class Session:
         """
         stuck = [wish for wish, (entity, group) in self._subscriptions.items() if not group.can_execute(entity)]
         for wish in stuck:
-            self._listener.on_trouble(wish[0], f"a message of {wish[0]} cannot be read: {one_line(error)}")
+            self._listener.on_trouble(wish.topic, f"a message of {wish.topic} cannot be read: {one_line(error)}")
             self._node.destroy_subscription(self._subscriptions.pop(wish)[0])
         return bool(stuck)
 
@@ -323,7 +337,7 @@ def _full_name(info: Any) -> str:
     return "" if info.node_name in _UNKNOWN else f"{info.node_namespace.rstrip('/')}/{info.node_name}"
 
 
-def _wishes(topic: str, offers: Iterable[Any]) -> set[_Key]:
+def _wishes(topic: str, offers: Iterable[Any]) -> set[_Wish]:
     """A subscription for each type; transient local only if all its publishers are, so that it receives from all."""
     from rclpy.qos import DurabilityPolicy, ReliabilityPolicy
 
@@ -332,20 +346,25 @@ def _wishes(topic: str, offers: Iterable[Any]) -> set[_Key]:
         qos = info.qos_profile
         kept = (qos.durability, qos.reliability) == (DurabilityPolicy.TRANSIENT_LOCAL, ReliabilityPolicy.RELIABLE)
         by_type[info.topic_type] = by_type.get(info.topic_type, True) and kept
-    return {(topic, kind, kept) for kind, kept in by_type.items()}
+    return {_Wish(topic, kind, kept) for kind, kept in by_type.items()}
 
 
-def _with_events(make: Callable[[Any], Any], callbacks: str, refused: Callable[[Any], None]) -> Any:
-    """What a function makes of event callbacks, of which one is called for an endpoint with an incompatible QoS."""
+def _with_events(
+    make: Callable[[Any], Any], callbacks: str, refused: Callable[[Any], None], **more: Callable[[Any], None]
+) -> Any:
+    """What a function makes of event callbacks, of which one is called for an endpoint with an incompatible QoS.
+
+    Without those that this middleware of ROS does not have, such as Zenoh, where every endpoint is compatible.
+    """
     try:
         from rclpy import event_handler as events
     except ImportError:  # before Iron
         from rclpy import qos_event as events
     callbacks_of = getattr(events, callbacks)
-    try:
-        return make(callbacks_of(use_default_callbacks=False, incompatible_qos=refused))
-    except events.UnsupportedEventTypeError:  # Zenoh, where every endpoint is compatible
-        return make(callbacks_of(use_default_callbacks=False))
+    for there in ({"incompatible_qos": refused, **more}, {"incompatible_qos": refused}, more):
+        with suppress(events.UnsupportedEventTypeError):
+            return make(callbacks_of(use_default_callbacks=False, **there))
+    return make(callbacks_of(use_default_callbacks=False))
 
 
 def _policy(event: Any) -> str:

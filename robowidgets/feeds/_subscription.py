@@ -16,10 +16,14 @@ _PACKAGE = __name__.partition(".")[0]
 
 
 class Target(NamedTuple):
-    """What takes the messages of a topic, and its widget, if any. Functions of a program are no targets."""
+    """What takes the messages of a topic, and its widget, if any. Functions of a program are no targets.
+
+    With ``on_missed`` it takes each message, and not just the newest one, and that is told how many are missing.
+    """
 
     call: Callable[[Any], object]
     widget: RobotWidget[Any] | None
+    on_missed: Callable[[int], object] | None = None
 
     @property
     def is_primary(self) -> bool:
@@ -80,14 +84,33 @@ class Subscription:
         self._scanners = TwoScanners()
         self._log = LogOnce(lambda text: log_in_thread(text, sys.exc_info()[1]))
 
-    def take(self, message: Any) -> bool:
-        """Pass a message to the targets that are ours; returns whether the status may have changed. Raises nothing."""
+    @property
+    def passes_each(self) -> bool:
+        """Whether a target takes each message."""
+        return any(target.on_missed for target in self.targets)
+
+    def take(self, message: Any, *, newest: bool = True, each: bool = True) -> bool:
+        """Pass a message to the targets that are ours; returns whether the status may have changed. Raises nothing.
+
+        Args:
+            message: the message.
+            newest: whether those get it that take the newest one.
+            each: whether those get it that take each.
+        """
         before = (self.receives, self._failed, self._scanners.status)
-        failures = [self._pass_on(target, message) for target in self.targets if target.is_ours]
-        self._scanners.see(message)
+        takers = [one for one in self.targets if one.is_ours and (newest if one.on_missed is None else each)]
+        failures = [self._pass_on(target, message) for target in takers]
+        if newest:
+            self._scanners.see(message)
         self._failed = next(filter(None, reversed(failures)), "")
         self.receives = self.has_received = True
         return before != (True, self._failed, self._scanners.status)
+
+    def miss(self, count: int) -> None:
+        """Tell those who take each message how many they do not get."""
+        for target in self.targets:
+            if target.on_missed is not None:
+                target.on_missed(count)
 
     def update(self, topic: Topic | None) -> None:
         """Update the type of the topic; None: the topic is missing."""

@@ -43,15 +43,17 @@ class ThreadedMiddleware(ABC):
         self._lock = threading.RLock()
         self._changed = threading.Condition(self._lock)
         self._wanted: frozenset[str] = frozenset()
+        self._each: frozenset[str] = frozenset()
+        """The wanted topics of which each message is passed on."""
         self._backoff = Backoff()
         """Reset by a session that has reached the robot."""
         self._thread: threading.Thread | None = None
 
-    def follow(self, topics: frozenset[str]) -> None:
+    def follow(self, topics: frozenset[str], each: frozenset[str] = frozenset()) -> None:
         """See `Middleware`."""
         with self._lock:
-            if topics != self._wanted:
-                self._wanted = topics
+            if (topics, each) != (self._wanted, self._each):
+                self._wanted, self._each = topics, each
                 self._wake()
 
     def close(self) -> None:

@@ -88,7 +88,7 @@ class Dds(ThreadedMiddleware):
 
     def _step(self, session: Session) -> None:
         session.look()
-        session.follow(self._wanted)
+        session.follow(self._wanted, self._each)
         for wish in session.wishes:
             if wish.topic in self._wanted and not self._closed.is_set():
                 session.messages(wish)

@@ -8,6 +8,9 @@ from typing import Any, NamedTuple, Protocol
 EVENTS = 100
 """Longest queue of messages, for kinds of which every message counts."""
 
+MOST_UNREAD = 1000
+"""Longest queue of the messages of a topic of which each is passed on."""
+
 SEND_TIMEOUT = 0.5
 """Seconds within which the network must take a message that is published."""
 
@@ -56,8 +59,15 @@ class Listener(Protocol):
     def on_topics(self, topics: Sequence[Advert]) -> None:
         """All topics that are known now. Called when the list changes."""
 
-    def on_message(self, topic: str, message: Any) -> None:
-        """A message of a subscribed topic: anything that the ``update`` of a widget takes."""
+    def on_message(self, topic: str, message: Any, *, newest: bool = True, each: bool = True) -> None:
+        """A message of a subscribed topic: anything that the ``update`` of a widget takes.
+
+        A middleware that leaves out what a newer message replaces calls it with ``newest=False`` for a message that was
+        replaced already, and with ``each=False`` for one that it passes on in its place among all, too.
+        """
+
+    def on_missed(self, topic: str, count: int) -> None:
+        """So many messages of a topic of which each was asked for are not passed on, as far as it is known."""
 
     def on_trouble(self, topic: str, reason: str) -> None:
         """The reason why no message of a subscribed topic comes or can be read, as a sentence; empty: none any more."""
@@ -79,8 +89,12 @@ class Middleware(Protocol):
     def open(self, listener: Listener) -> None:
         """Connect, and reconnect with growing pauses. FeedError when that can never work."""
 
-    def follow(self, topics: frozenset[str]) -> None:
-        """Pass on the messages of these topics, which may appear later, and of no others; also after reconnecting."""
+    def follow(self, topics: frozenset[str], each: frozenset[str] = frozenset()) -> None:
+        """Pass on the messages of these topics, which may appear later, and of no others; also after reconnecting.
+
+        Of the topics in ``each``, every message is passed on, in order, as far as `MOST_UNREAD` reaches; of others the
+        newest is enough.
+        """
 
     def publish(self, topic: str, message_type: str, message: Mapping[str, Any]) -> None:
         """Send a Twist or TwistStamped, given as its fields, and return when the network has taken it.

@@ -129,13 +129,13 @@ class Ros2(ThreadedMiddleware):
         self._backoff.reset()
         listener.on_topics(adverts)
         due = 0.0
-        followed: frozenset[str] = frozenset()
+        followed: tuple[frozenset[str], frozenset[str]] = frozenset(), frozenset()
         while not self._closed.is_set() and session.ok():
-            wanted = self._wanted
+            wanted = self._wanted, self._each
             if wanted != followed or time.monotonic() >= due:
                 followed, due = wanted, time.monotonic() + (EARLY_LOOK if session.is_young else LOOK)
                 listener.on_topics(session.look())
-                session.follow(wanted)
+                session.follow(*wanted)
             session.spin_once(max(0.0, due - time.monotonic()))
 
     def _set_session(self, session: Session | None, down: str = "") -> None:

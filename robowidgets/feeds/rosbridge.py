@@ -18,7 +18,7 @@ from ._rosbridge_frames import has_cbor, read, topic_of
 from ._twist import is_zero
 from ._websocket import Frame, one_line
 from .feed import Feed
-from .middleware import EVENTS, Advert
+from .middleware import EVENTS, MOST_UNREAD, Advert
 
 _POLL = 3.0
 """Seconds between two requests for the topics."""
@@ -154,6 +154,8 @@ class Rosbridge(Bridge):
             return
         self._subscribed_as[topic] = kind
         queue, throttle = (EVENTS, 0) if counts_every_message(kind) else (1, _THROTTLE_MS)
+        if topic in self._all_of:
+            queue, throttle = MOST_UNREAD, 0
         compression = "cbor" if self._has_cbor and kind in _IN_CBOR else "none"
         how = {"queue_length": queue, "throttle_rate": throttle, "compression": compression}
         if kind:
@@ -165,6 +167,10 @@ class Rosbridge(Bridge):
     def _stop(self, topic: str) -> None:
         self._subscribed_as.pop(topic, None)
         self._write({"op": "unsubscribe", "id": _SUBSCRIBE + topic, "topic": topic})
+
+    def _change_share(self, topic: str) -> None:
+        if topic in self._subscribed_as:
+            self._start(topic)  # the same id changes the subscription; the server may send one message twice then
 
     def _on_publish(self, operation: dict[str, Any]) -> None:
         self._take(str(operation.get("topic")), operation)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import json
 import math
+from collections import deque
 from typing import Any
 
 import cbor2
@@ -36,14 +37,35 @@ class Rosbridge(Server):
         self.advertised: dict[str, str] = {}
         self.published: list[tuple[str, Any]] = []
         self.log: list[str] = []
+        self._waiting: dict[str, deque[Any]] = {}
+        self._sent_at: dict[str, float] = {}
         self._queues: dict[WebSocketHandler, tuple[asyncio.Queue[Any], asyncio.Task[None]]] = {}
 
     def publish(self, topic: str, message: dict[str, Any]) -> None:
         said = {"op": "publish", "topic": topic, "msg": message}
+        asked = self.subscribed[topic]
         try:
-            self.send(_cbor(said) if self.subscribed[topic].get("compression") == "cbor" else _text(said))
+            frame = _cbor(said) if asked.get("compression") == "cbor" else _text(said)
         except AttributeError as error:
             self.log.append(f"Exception calling subscribe callback: {error}")
+        else:
+            self._loop.call_soon_threadsafe(self._throttle, topic, asked, frame)
+
+    def _throttle(self, topic: str, asked: dict[str, Any], frame: Any) -> None:
+        """Send one frame in each interval, if there is one; of those that wait meanwhile, the oldest are dropped."""
+        pause, waiting = asked["throttle_rate"] / 1000, self._waiting.setdefault(topic, deque())
+        waiting.append(frame)
+        while len(waiting) > max(1, asked["queue_length"]):
+            waiting.popleft()
+        now = self._loop.time()
+        due = max(now, self._sent_at.get(topic, 0.0) + pause)
+        if len(waiting) == 1:
+            self._loop.call_later(due - now, self._send_first, topic)
+
+    def _send_first(self, topic: str) -> None:
+        self._sent_at[topic] = self._loop.time()
+        for frame in self._waiting.pop(topic, ()):
+            self.send(frame)
 
     def on_open(self, client: WebSocketHandler) -> None:
         queue: asyncio.Queue[Any] = asyncio.Queue()

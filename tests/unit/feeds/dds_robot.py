@@ -207,6 +207,13 @@ class Robot:
     def write(self, topic: str, kind: str, *values: Any) -> None:
         self.writer(topic, kind).write(make(kind, *values))
 
+    def burst(self, topic: str, kind: str, readings: list[float]) -> None:
+        """Publish a scan with each of these readings, at once, and tell when that is done."""
+        writer = self.writer(topic, kind)
+        for message in [scan([reading] * 360, 0.01) for reading in readings]:
+            writer.write(message)
+        tell("written")
+
     def latch(self, topic: str, kind: str, *values: Any) -> None:
         self.writer(topic, kind, *KEPT).write(make(kind, *values))
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable, Sequence
 from typing import Any
 
@@ -17,6 +18,10 @@ class Ears:
         self.pauses: list[float] = []
         self.topics: list[Advert] | None = None
         self.messages: list[tuple[str, Any]] = []
+        """For those who take the newest."""
+        self.replaced: list[tuple[str, Any]] = []
+        """For those alone who take each."""
+        self.missed: Counter[str] = Counter()
         self.troubles: dict[str, str] = {}
         self.said: list[str] = []
         self.unheard: dict[str, str] = {}
@@ -32,9 +37,14 @@ class Ears:
     def on_topics(self, topics: Sequence[Advert]) -> None:
         self.topics = list(topics)
 
-    def on_message(self, topic: str, message: Any) -> None:
-        self.messages.append((topic, message))
-        self.then(topic, message)
+    def on_message(self, topic: str, message: Any, *, newest: bool = True, each: bool = True) -> None:
+        assert newest or each
+        (self.messages if newest else self.replaced).append((topic, message))
+        if newest:
+            self.then(topic, message)
+
+    def on_missed(self, topic: str, count: int) -> None:
+        self.missed[topic] += count
 
     def on_trouble(self, topic: str, reason: str) -> None:
         if self.troubles.get(topic, "") != reason:

@@ -124,7 +124,9 @@ class PublisherEventCallbacks:
 
 
 class SubscriptionEventCallbacks(PublisherEventCallbacks):
-    pass
+    def __init__(self, *, message_lost: Any = None, **others: Any) -> None:
+        super().__init__(**others)
+        self.message_lost = message_lost
 
 
 class Duration:
@@ -339,13 +341,29 @@ class Event(Entity):
         return lambda: self.callback(SimpleNamespace(last_policy_kind=int(new[-1][1]))) if new else None
 
 
+class Lost(Entity):
+    """Messages did not come over the network."""
+
+    def __init__(self, callback: Any, callback_group: Any) -> None:
+        signature(callback).bind(object())
+        self.callback, self.callback_group, self.count, self._told = callback, callback_group, 0, 0
+        callback_group.add_entity(self)
+
+    def is_ready(self) -> bool:
+        return self.count > self._told
+
+    def take(self) -> Callable[[], object]:
+        new, self._told = self.count - self._told, self.count
+        return lambda: self.callback(SimpleNamespace(total_count=self.count, total_count_change=new))
+
+
 class Endpoint:
     """A publisher or a subscription."""
 
     def __init__(self, node: Node, kind: Any, topic: str, qos: QoSProfile, group: Any, events: Any) -> None:
         self.node, self.topic_name, self.topic_type, self.qos_profile = node, topic, kind.name, qos
         self.callback_group, self.destroyed, self.made = group, False, time.monotonic()
-        self.event_handlers: list[Event] = []
+        self.event_handlers: list[Any] = []
         if events.incompatible_qos is not None:
             if not node.graph.tells_refusals:
                 raise UnsupportedEventTypeError
@@ -397,6 +415,9 @@ class Subscription(Endpoint, Entity):
         self.callback, self.events = callback, events
         self.received: deque[Any] = deque(maxlen=max(1, qos.depth))
         group.add_entity(self)
+        if events.message_lost is not None:
+            self.lost = Lost(events.message_lost, group)
+            self.event_handlers.append(self.lost)
 
     def is_ready(self) -> bool:
         return bool(self.received)

@@ -39,7 +39,8 @@ class Scripted:
             listener.on_connected()
             listener.on_topics(self._topics)
 
-    def follow(self, topics: frozenset[str]) -> None:
+    def follow(self, topics: frozenset[str], each: frozenset[str] = frozenset()) -> None:
+        self.each = each
         self.asked += [("subscribe", topic) for topic in topics - self._followed]
         self.asked += [("unsubscribe", topic) for topic in self._followed - topics]
         self._followed = topics

@@ -31,6 +31,7 @@ from robowidgets.messages.decoding import DecodeError
 from robowidgets.messages.encoding import encode
 
 from ..waiting import wait_for
+from .bursts import EVERY, record_bursts
 from .ears import Ears
 
 DOMAIN = 60 + os.getpid() % 100  # several test runs on a machine do not hear each other
@@ -679,3 +680,32 @@ def test_names_of_dds_are_those_of_ros() -> None:
     assert (ros_topic("rt/a/scan"), ros_topic("rq/a/getRequest")) == ("/a/scan", "")
     assert ros_type("sensor_msgs::msg::dds_::LaserScan_") == SCAN
     assert ros_type("std_srvs::srv::dds_::Empty_Request_") == ""
+
+
+# -- recording ---------------------------------------------------------------------------------------------------------
+
+
+def test_each_message_of_a_burst_is_recorded_or_counted(robot: Robot, tmp_path: Path) -> None:
+    def send(readings: list[float]) -> None:
+        robot.do("burst", "/scan", "LaserScan", readings)
+
+    recorded = record_bursts(Dds(DOMAIN, interface="lo"), tmp_path / "run.mcap", send)
+    assert len(recorded.there) + recorded.missing >= len(EVERY)
+    assert recorded.there == sorted(set(recorded.there))
+    assert len(recorded.there) > len(EVERY) / 2
+
+
+def test_what_does_not_fit_into_the_queue_is_counted(
+    dds: Dds, heard: Ears, robot: Robot, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(_dds_session, "MOST_UNREAD", 10)
+    dds.follow(frozenset({"/scan"}), frozenset({"/scan"}))
+    publish_until(robot, lambda: heard.messages and heard.replaced, "scans come", "/scan", "LaserScan", [1.0], 0.5)
+    go_on = threading.Event()
+    heard.then = lambda *_: go_on.wait(20)
+    before = len(heard.replaced)
+    robot.do("burst", "/scan", "LaserScan", [2.0] * 50)
+    assert robot.heard() == "written"
+    go_on.set()
+    wait_for(lambda: heard.missed["/scan"] >= 30, "the rest is counted")
+    wait_for(lambda: len(heard.replaced) - before + heard.missed["/scan"] >= 50, "all are accounted for")

@@ -232,7 +232,7 @@ def test_words_for_what_cannot_be_connected(opened: Opened) -> None:
 def test_a_subscription_that_fails_does_not_block_the_next(opened: Opened, monkeypatch: pytest.MonkeyPatch) -> None:
     feed, script = opened(SCAN)
 
-    def refuse(topics: frozenset[str]) -> None:
+    def refuse(topics: frozenset[str], _each: frozenset[str]) -> None:
         raise FeedError(f"{', '.join(topics)} is no name of a topic")
 
     with monkeypatch.context() as patch:

@@ -9,6 +9,7 @@ import sys
 import threading
 import time
 from collections.abc import Iterator
+from pathlib import Path
 from typing import Any
 
 import foxglove
@@ -17,11 +18,12 @@ import pytest
 from foxglove.websocket import Capability, ConnectionGraph, ServerListener
 
 from robowidgets import LaserWidget, feeds
-from robowidgets.feeds import _websocket
+from robowidgets.feeds import _bridge, _websocket
 from robowidgets.feeds.foxglove import Foxglove
 from robowidgets.feeds.middleware import Advert, FeedError
 
 from ..waiting import wait_for
+from .bursts import EVERY, record_bursts
 from .ears import Ears
 from .fox import NOETIC, SCAN, OldFoxglove, cdr, channel, definition, scan
 from .servers import free_port
@@ -570,3 +572,32 @@ def test_every_event_of_a_bumper_is_handed_on(ears: Ears) -> None:
         wait_for(lambda: len(ears.messages) == 60, "all came")
         middleware.close()
     assert [message["bumper"] for message in ears.of("/bumper")] == 20 * [0, 1, 2]
+
+
+def test_each_message_of_a_burst_is_recorded_and_the_newest_are_shown(real: Real, tmp_path: Path) -> None:
+    def send(readings: list[float]) -> None:
+        for reading in readings:
+            real.scan.log(cdr(360, reading))
+
+    recorded = record_bursts(Foxglove(real.address), tmp_path / "run.mcap", send)
+    assert (recorded.there, recorded.problems) == (EVERY, ())
+    assert recorded.shown < len(EVERY)
+
+
+def test_what_does_not_fit_into_the_queue_is_counted_and_the_rest_comes_in_order(
+    ears: Ears, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(_bridge, "MOST_UNREAD", 10)
+    monkeypatch.setattr(_websocket, "_OVERDUE", 20.0)
+    with OldFoxglove([channel(1)]) as server:
+        middleware = Foxglove(server.address)
+        middleware.open(ears)
+        middleware.follow(frozenset({"/scan"}), frozenset({"/scan"}))
+        wait_for(lambda: server.subscribed, "it subscribed")
+        frames = [struct.pack("<BIQ", 1, server.subscribed[1], 0) + cdr(distance=float(i)) for i in range(50)]
+        # In the loop of the connection, where they pile up before it decodes them.
+        middleware._socket.call_soon(lambda: [middleware.on_frame(frame) for frame in frames] and middleware.deliver())
+        wait_for(lambda: ears.messages, "the newest came")
+        middleware.close()
+    assert [float(message.ranges[0]) for _, message in (*ears.replaced, *ears.messages)] == list(range(40, 50))
+    assert (len(ears.messages), ears.missed) == (1, {"/scan": 40})

@@ -8,6 +8,7 @@ import sys
 import threading
 import time
 from collections.abc import Iterator
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -19,6 +20,7 @@ from robowidgets.feeds.middleware import CLOSE_TIMEOUT, SEND_TIMEOUT, Advert, Fe
 from robowidgets.feeds.ros2 import LOOK, Ros2
 
 from ..waiting import wait_for
+from .bursts import EVERY, LAST, record_bursts
 from .ears import Ears
 from .fake_rclpy import (
     DurabilityPolicy,
@@ -796,3 +798,26 @@ def test_without_rclpy_it_says_what_to_do(monkeypatch: pytest.MonkeyPatch, heard
     monkeypatch.setitem(sys.modules, "rclpy", None)
     with pytest.raises(FeedError, match=r"rclpy cannot be imported here .* feeds\.dds\(\) needs no ROS"):
         Ros2().open(heard)
+
+
+# -- recording ---------------------------------------------------------------------------------------------------------
+
+
+def test_each_message_of_a_burst_is_recorded_and_lost_ones_are_counted(graph: Graph, tmp_path: Path) -> None:
+    publisher = offer(graph, "/scan", SCAN)
+
+    def send(readings: list[float]) -> None:
+        for reading in readings:
+            message = get_message(SCAN)()
+            message.range_max, message.angle_increment = 10.0, 0.01
+            message.ranges = np.full(360, reading, np.float32)
+            publisher.publish(message)
+        if readings[0] == LAST:
+            losing = [s for s in subscriptions(graph) if hasattr(s, "lost") and not s.lost.count]
+            for subscription in losing:
+                subscription.lost.count = 3
+
+    recorded = record_bursts(Ros2(domain_id=7), tmp_path / "run.mcap", send)
+    assert recorded.there == EVERY
+    assert recorded.problems == ("/scan: 3 messages lost on the way, or came faster than they could be read",)
+    assert recorded.shown < len(EVERY)

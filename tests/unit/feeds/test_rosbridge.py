@@ -5,6 +5,7 @@ import subprocess
 import sys
 import threading
 import time
+from pathlib import Path
 from typing import Any
 
 import cbor2
@@ -20,6 +21,7 @@ from robowidgets.messages import to_scan
 
 from ..waiting import wait_for
 from .bridge import Rosbridge as Server
+from .bursts import EVERY, record_bursts
 from .ears import Ears
 from .servers import free_port
 
@@ -446,3 +448,20 @@ def test_a_feed_of_it_shows_what_is_there() -> None:
 
 def _threads() -> list[str]:
     return [thread.name for thread in threading.enumerate() if thread.name.startswith("robowidgets ws")]
+
+
+def test_each_message_of_a_burst_is_recorded_though_a_widget_asked_for_fewer(tmp_path: Path, quick: None) -> None:
+    with Server({"/scan": SCAN}) as server:
+
+        def send(readings: list[float]) -> None:
+            wait_for(lambda: "/scan" in server.subscribed, "it subscribed")
+            for reading in readings:
+                server.publish("/scan", scan(*[reading] * 360))
+
+        recorded = record_bursts(Rosbridge(server.address), tmp_path / "run.mcap", send)
+        asked = [(said["throttle_rate"], said["queue_length"]) for said in server.heard_op("subscribe")]
+        wait_for(lambda: server.log == [] and not server.clients, "it has left")
+    assert (recorded.there, recorded.problems) == (EVERY, ())
+    assert recorded.shown < len(EVERY)
+    assert asked[:2] == [(16, 1), (0, 1000)], "the same subscription is changed, and back after the recording"
+    assert asked[2:] in ([], [(16, 1)])
