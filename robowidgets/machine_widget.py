@@ -61,6 +61,7 @@ class MachineWidget(RobotWidget[MachineStep]):
     column = "wide"
     sample_name = "machine"
     goes_stale = False
+    beats = True
     send_interval = 0.05
 
     _outline = traitlets.Dict(help="Name of the machine, key of the version, and its machines.").tag(

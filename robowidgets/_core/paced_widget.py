@@ -10,6 +10,7 @@ from collections.abc import Iterable
 from typing import Any
 
 from .freezing import FreezableWidget
+from .heartbeat import BeatingWidget
 from .newest_sample import NewestSample
 from .pacer import pacer
 from .platform_fixes import message_padding
@@ -25,7 +26,7 @@ RESYNC_S = 5.0
 """Seconds between two such frames."""
 
 
-class PacedWidget(FreezableWidget):
+class PacedWidget(BeatingWidget, FreezableWidget):
     """A widget whose newest frame, with the texts on it, and whose traits the pacer sends to the page.
 
     A loop may set traits at any rate, as it may update the widget, so they wait for their turn too.
@@ -82,6 +83,7 @@ class PacedWidget(FreezableWidget):
                     unsent = tuple(self._unsent)
                     self._unsent.clear()
                 keys += unsent
+            keys += self._due_beat()
             if keys and not self.driven_by_player and time.monotonic() >= self._resync_at:
                 keys = [*dict.fromkeys((*keys, *RESYNC_TRAITS))]
                 self._resync_at = time.monotonic() + RESYNC_S

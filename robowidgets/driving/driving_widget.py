@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from ..feeds.feed import Feed
 
 RENEWAL = 1.0
-"""Seconds after which the state of a driven robot is sent again; the page takes an older state for a lost kernel."""
+"""Seconds after which the state is sent again; the page takes an older one for that of a silent kernel."""
 
 ALLOW_LIFETIME = 3.0
 """Seconds for which a token may release the latch. The page gets a token every second."""
@@ -183,17 +183,16 @@ class DrivingWidget(NamedWidget):
         }
 
     def send_newest(self) -> int:
-        """Send the state to the page if it has changed, and repeatedly while the robot is driven.
+        """Send the state to the page if it has changed, and every second while there is something to drive.
 
         The pacer calls it, because speeds change 50 times a second.
         """
         with self._send_lock:
             if self.comm is None:
                 return 0
-            state, feed, now = self._compose(), self._feed, time.monotonic()
-            # Where a page is needed, sending asks for an answer: a hidden page has slow timers, but answers at once.
-            asks = feed is not None and feed.driving.needs_page
-            renews = asks or bool(state["driver"]) or self._watchdog.owes_zero
+            state, now = self._compose(), time.monotonic()
+            # It asks for an answer, too: a hidden page, which may be needed, has slow timers, but answers at once.
+            renews = state["ready"]
             if state != self._sent or (renews and now >= self._renew_at):
                 self._store(state)
                 super().send_state("_state")

@@ -13,8 +13,8 @@ from typing import Any
 import numpy as np
 import traitlets
 
-from .._core.base_widget import NamedWidget
 from .._core.front_end import bundle
+from .._core.heartbeat import BeatingWidget
 from .._core.pacer import pacer
 from .._core.platform_fixes import route_by_message
 from .._core.traits import Flag, bytes_trait
@@ -33,7 +33,7 @@ _PUT_RADIUS = 0.2
 _MOST_OBSTACLES = 200
 
 
-class View(NamedWidget):
+class View(BeatingWidget):
     """A simulated robot in its room, from above and to scale, with its readings and the path of the last 30 s.
 
     Of a feed, it also shows what programs draw on the laser widgets that are connected to the feed.
@@ -60,6 +60,7 @@ class View(NamedWidget):
 
     _esm, _css = bundle("simulator_widget")
     _unnamed = 1
+    beats = True
     send_interval = 1 / 30
     """Seconds between two pictures, at least."""
 
@@ -85,6 +86,7 @@ class View(NamedWidget):
         simulated.observe(self._on_step)
         if self._connection is not None:
             self._connection.observe(self._on_step)  # also when it is closed
+        pacer.mark(self)  # for the first beat
 
     def open(self) -> None:
         """Connect to the page."""
@@ -126,6 +128,7 @@ class View(NamedWidget):
             before, self._sent = self._sent, (self._frame, self._shapes, self._status)
             names = ("_frame", "_shapes", "_status")
             changed = [name for name, old, new in zip(names, before, self._sent, strict=True) if old != new]
+            changed += self._due_beat()
             if changed:
                 super().send_state(changed)
             return len(self._frame) if "_frame" in changed else 0

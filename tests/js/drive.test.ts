@@ -203,7 +203,7 @@ test("a kernel that does not answer is not said to have stopped what a program d
   assert.equal(say("silent", { driver: "pad-1", speed: [0.2, 0] }).text, "kernel busy: stopping");
   assert.equal(say("late", { driver: "program", speed: [0.2, 0] }).text, "no answer in time; a program drives");
   assert.equal(say("free", {}, { hears: false }).hint, "the kernel is busy");
-  assert.equal(say("silent", { driver: "program" }, { isNews: false }).text, "no news from the kernel");
+  assert.equal(say("silent", { driver: "program" }, { silence: "no word" }).text, "no word");
 });
 
 test("a latched stop comes before what the press says", () => {

@@ -18,6 +18,7 @@ test("Stop comes before all, and a program that does not drive is waiting", () =
   assert.equal(toMode(told({ stopped: true }), program()), "stopped");
   assert.equal(toMode(told(), program({ waiting: "no scan" })), "waiting");
   assert.equal(toMode(told(), program({ mode: "failed", waiting: "no scan" })), "failed");
+  assert.equal(toMode(told({ stopped: true }), program(), false), "not known");
 });
 
 test("an error stands in place of the prints, a note only while there are none", () => {

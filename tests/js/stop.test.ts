@@ -5,12 +5,12 @@ import {
   BEAT_MS,
   BUSY_MS,
   END_MS,
-  NEWS_MS,
   type Note,
   StopControl,
 } from "../../robowidgets/js/shared/driving/control.ts";
 import { type Situation, toBar, toDriverText } from "../../robowidgets/js/shared/driving/text.ts";
 import type { Told } from "../../robowidgets/js/shared/driving/traits.ts";
+import { PULSE_MS } from "../../robowidgets/js/shared/pulse.ts";
 import { FakeModel } from "./models.ts";
 import { situation, told } from "./stop.ts";
 
@@ -174,19 +174,20 @@ test("news make a page with slow timers beat", async () => {
   close();
 });
 
-test("what was told of a robot that is driven holds for a moment, that it stands holds on", async () => {
+test("what was told of a robot holds for a moment, that there is none holds on", async () => {
   const { control, state, pass, close } = open();
-  state({ driver: "program", speed: [0.2, 0] });
-  await pass(NEWS_MS - 100);
-  assert.ok(control.isNews);
+  state({ speed: [0.2, 0] });
+  await pass(PULSE_MS - 100);
+  assert.equal(control.silence, "");
   await pass(200);
-  assert.ok(!control.isNews);
-  state({});
+  assert.equal(control.silence, "no word from the kernel for 2.6 s");
+  state({ ready: false });
   await pass(60_000);
-  assert.ok(control.isNews);
+  assert.equal(control.silence, "");
   close();
 });
 
+const SILENT = "no word from the kernel for 5.0 s";
 const say = (more: Partial<Told>, other: Partial<Situation> = {}) => toDriverText({ ...situation(more), ...other });
 
 test("the bar tells who drives and how fast", () => {
@@ -198,7 +199,7 @@ test("the bar tells who drives and how fast", () => {
   assert.equal(say({ driver: "p", speed: [0.2, -0.5] }).text, `a hand drives /cmd_vel from a pad: ${speed}`);
   assert.equal(say({ ready: false, cause: "the feed is closed" }).text, "the feed is closed");
   assert.equal(say({ status: "nobody listens to /cmd_vel" }).hint, "nobody listens to /cmd_vel");
-  assert.equal(say({ driver: "program" }, { isNews: false }).text, "no news from the kernel");
+  assert.equal(say({ driver: "program" }, { silence: SILENT }).text, SILENT);
   assert.deepEqual(say({ driver: "program" }, { hasKernel: false }), {
     text: "no kernel in this page",
     hint: "Stop reaches nothing; what the robot does is not known",
@@ -214,7 +215,7 @@ test("the bar tells before Stop is pressed what it can do", () => {
 test("stopped is only what Python confirmed", () => {
   const text = (note: Note, stopped: boolean) => say({ stopped, driver: stopped ? "" : "program" }, { note }).text;
   assert.equal(text("asking", false), "stopping");
-  assert.equal(say({ driver: "program" }, { note: "asking", isNews: false }).text, "no news from the kernel");
+  assert.equal(say({ driver: "program" }, { note: "asking", silence: SILENT }).text, SILENT);
   assert.equal(text("interrupted", false), "stopping");
   assert.equal(text("ignored", false), "the kernel was interrupted, but its cell goes on");
   assert.equal(text("unreachable", false), "Stop cannot reach the busy kernel");

@@ -19,5 +19,5 @@ export function told(more: Partial<Told> = {}): Told {
 
 /** How a robot that nobody drives stands with a kernel that answers, but for what is told. */
 export function situation(more: Partial<Told> = {}): Situation {
-  return { told: told(more), note: "", hasKernel: true, hears: true, isNews: true, canInterrupt: true };
+  return { told: told(more), note: "", hasKernel: true, hears: true, silence: "", canInterrupt: true };
 }

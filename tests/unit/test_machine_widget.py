@@ -10,6 +10,7 @@ from typing import Any
 import pytest
 
 from robowidgets import LaserWidget, MachineWidget, conditions
+from robowidgets._core import heartbeat
 from robowidgets._core.timed_frame import FRAME_HEADER
 from robowidgets.behaviors import Drive
 from robowidgets.feeds import Feed
@@ -44,6 +45,19 @@ def step(page: Page) -> dict[str, Any]:
     frame = page.state["_frame"]
     told: dict[str, Any] = json.loads(frame[FRAME_HEADER.size :]) if frame else {}
     return told
+
+
+def test_while_nothing_steps_a_beat_tells_that_python_lives_and_other_widgets_send_none(
+    page: Page, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(heartbeat, "BEAT", 0.01)
+    laser = LaserWidget()
+    other = Page(laser)
+    wait_for(lambda: len(page.sent("_beat")) > 3, "beats come without a machine")
+    laser.title = "/scan"
+    wait_for(lambda: other.sent("title") == ["/scan"], "its title is sent")
+    assert other.sent("_beat") == []
+    laser.close()
 
 
 class Walker:

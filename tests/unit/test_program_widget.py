@@ -10,6 +10,7 @@ import pytest
 
 from robowidgets import ProgramWidget
 from robowidgets.behaviors import Drive
+from robowidgets.driving import driving_widget
 from robowidgets.feeds import Feed
 
 from .feeds.scripted import CMD_VEL, SCAN, Scripted
@@ -33,6 +34,15 @@ def widget(robot: Feed) -> Iterator[ProgramWidget]:
 def hear(widget: ProgramWidget, **content: Any) -> None:
     """A message of the page, with a new token unless it has one."""
     widget._handle_custom_msg({"press": "view", "token": widget._tokens.issue(), **content}, [])
+
+
+def test_its_state_is_sent_again_and_again_while_nobody_drives(
+    widget: ProgramWidget, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(driving_widget, "RENEWAL", 0.01)
+    page = Page(widget)
+    wait_for(lambda: len({state["number"] for state in page.sent("_state")}) > 3, "it comes again and again")
+    assert page.state["_state"]["driver"] == ""
 
 
 def test_it_tells_what_the_program_does_and_follows_the_next_one(robot: Feed, widget: ProgramWidget) -> None:

@@ -14,7 +14,7 @@ const NARROW = 460;
 
 /** The states of the last seconds. A click freezes the moment. */
 export class MachineBand {
-  readonly root = make("div", "rw-machine-band");
+  readonly root = make("div", "rw-machine-band rw-pale");
   readonly #states: StateBand;
   readonly #first = make("span", "");
   readonly #last = make("span", "");

@@ -18,7 +18,7 @@ interface Shown {
 
 /** The states of a machine as boxes, and its moves as arrows with words. */
 export class Picture {
-  readonly root = make("div", "rw-machine-board");
+  readonly root = make("div", "rw-machine-board rw-pale");
   #updates: ((shown: Shown) => void)[] = [];
 
   /** Draws other places. */

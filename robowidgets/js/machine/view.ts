@@ -1,7 +1,7 @@
 import { make, setText } from "../shared/dom.ts";
 import { onAbort } from "../shared/events.ts";
 import { toFixed } from "../shared/format.ts";
-import { type Model, onChange } from "../shared/model.ts";
+import { lacksKernel, type Model, onChange } from "../shared/model.ts";
 import { SampleCard } from "../shared/sample_card.ts";
 import { throttle } from "../shared/schedule.ts";
 import type { Stream } from "../shared/stream.ts";
@@ -82,10 +82,11 @@ export class MachineView {
     const newest: MachineAbout = this.#model.get("_about");
     this.#entries.update(newest.fired ?? [], this.#stream.paused ? (step?.arrived ?? 0) : null);
     setText(this.#time, step ? `${toFixed(step.time, 2)} s` : "");
-    const { rate } = this.#stream;
-    setText(this.#rate, mode === "running" && rate ? `${toFixed(rate, 1)} Hz` : mode);
-    const { paused } = this.#stream;
-    const end = paused ? "frozen" : mode === "running" ? "now" : mode;
+    const { paused, rate } = this.#stream;
+    const isLive = !this.#card.pulse.silence && !lacksKernel(this.#model);
+    const now = isLive ? mode : "last step";
+    setText(this.#rate, now === "running" && rate ? `${toFixed(rate, 1)} Hz` : now);
+    const end = paused ? "frozen" : now === "running" ? "now" : now;
     this.#band.update(step ? states : [], step?.arrived ?? 0, paused, end, this.#width, this.#card.theme);
     if (!step) return;
     this.#place(key, machines, step);

@@ -2,8 +2,12 @@ import type { Told } from "../shared/driving/traits.ts";
 import { toFixed } from "../shared/format.ts";
 import type { Program, Variable } from "./traits.ts";
 
+/** What a program does while nothing comes from Python. */
+export const NOT_KNOWN = "not known";
+
 /** The state of running, as a word. */
-export function toMode(told: Told, program: Program): string {
+export function toMode(told: Told, program: Program, isKnown = true): string {
+  if (!isKnown) return NOT_KNOWN;
   if (told.stopped) return "stopped";
   return program.mode === "running" && program.waiting ? "waiting" : program.mode;
 }

@@ -8,7 +8,7 @@ const ECHO_MS = 500;
 
 /** The rows of the variables: a slider, a switch, a number, or a text. */
 export class VariableRows {
-  readonly root = make("div", "rw-variables");
+  readonly root = make("div", "rw-variables rw-pale");
   readonly #rows = new Map<string, Row>();
   readonly #set: (name: string, value: number | boolean) => void;
   readonly #signal: AbortSignal;

@@ -7,7 +7,7 @@ import { on } from "../shared/events.ts";
 import { type Model, newName } from "../shared/model.ts";
 import { perAnimationFrame } from "../shared/schedule.ts";
 import { followTheme } from "../shared/theme.ts";
-import { toCode, toMode, toNotice } from "./text.ts";
+import { NOT_KNOWN, toCode, toMode, toNotice } from "./text.ts";
 import type { Program, ProgramTraits } from "./traits.ts";
 import { VariableRows } from "./variables.ts";
 
@@ -70,7 +70,7 @@ export class ProgramView {
     returns.append(make("span", "", "returns"), this.#code);
     const axes = make("div", "rw-program-axes");
     axes.append(...this.#axes.map(({ root }) => root));
-    const driving = make("div", "rw-program-driving");
+    const driving = make("div", "rw-program-driving rw-pale");
     driving.append(facts, this.#active, returns, axes);
     this.#prints.role = "status";
     const stop = make("div", "rw-program-stop");
@@ -92,8 +92,10 @@ export class ProgramView {
     this.#buttons.update();
     const told = this.#model.get("_state");
     const program = this.#program;
-    const mode = program ? toMode(told, program) : "";
+    const isKnown = this.#control.hasKernel && !this.#control.silence;
+    const mode = program ? toMode(told, program, isKnown) : "";
     this.#root.dataset.mode = mode || "none";
+    this.#root.classList.toggle("rw-silent", mode === NOT_KNOWN);
     setText(this.#name, program?.name ?? "no program yet");
     setText(this.#version, program ? `v${program.version}` : "");
     setText(this.#mode, mode);
@@ -102,9 +104,10 @@ export class ProgramView {
       : ["Run", "Run, and let programs drive"];
     setText(this.#run, verb);
     setLabel(this.#run, label);
-    const isOver = !program || program.mode === "ended";
-    this.#run.disabled = isOver;
-    this.#step.disabled = isOver || this.#isRunning || told.stopped;
+    const isOver = !program || program.mode === "ended" || !this.#control.hasKernel;
+    const isUnknown = mode === NOT_KNOWN;
+    this.#run.disabled = isOver || (isUnknown && !this.#isRunning);
+    this.#step.disabled = isOver || isUnknown || this.#isRunning || told.stopped;
     const numbers = program ? [program.rate.toFixed(1), program.step_ms.toFixed(2), String(program.since)] : [];
     for (const [i, fact] of this.#facts.entries()) setText(fact, numbers[i] ?? "\u2013");
     setText(this.#active, program?.active ?? "");

@@ -21,6 +21,7 @@ export class Card {
   readonly #title = make("span", "rw-title");
   readonly #facts = make("span", "rw-facts");
   readonly #notice: Notice;
+  readonly #silence = make("div", "rw-silence");
   readonly #live = make("div", "rw-live rw-unseen");
   readonly #kind: string;
   readonly #model: Model<CardTraits>;
@@ -50,7 +51,7 @@ export class Card {
     this.#live.ariaLive = "polite";
     this.header.append(this.#title, this.#facts, this.controls);
     this.#notice = new Notice(signal);
-    this.picture.append(this.#notice.element);
+    this.picture.append(this.#notice.element, this.#silence);
     this.root.append(this.header, this.picture, this.footer, this.#live);
     mount(element, this.root, signal);
     this.#theme = followTheme(this.root, signal, this.redraw);
@@ -92,6 +93,12 @@ export class Card {
   /** Has a screen reader say words about what keys have moved to. */
   say(words: string[]): void {
     setText(this.#live, words.filter(Boolean).join(", "));
+  }
+
+  /** Shows that what is on show is old, and the words for it; none: only that, or, with `isSilent` false, nothing. */
+  updateSilence(words: string, isSilent = words !== ""): void {
+    setText(this.#silence, words);
+    this.root.classList.toggle("rw-silent", isSilent);
   }
 
   /** Shows facts after the title; all of them in one line. */

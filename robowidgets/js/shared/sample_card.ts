@@ -7,6 +7,7 @@ import { Lamps } from "./lamps.ts";
 import { lacksKernel, type Model, NO_KERNEL, onChange } from "./model.ts";
 import { SECONDS, toNumberLines } from "./numbers.ts";
 import { offerPng } from "./png.ts";
+import { Pulse } from "./pulse.ts";
 import { READING_MS, throttle } from "./schedule.ts";
 import type { Frame, Stream } from "./stream.ts";
 import { TimeLinesView } from "./time_lines_view.ts";
@@ -17,9 +18,9 @@ const STEPS: Record<string, number> = { ",": -1, ".": 1 };
 /** A card with the newest of many samples, which a person can freeze, save, and step through its history. */
 export class SampleCard extends Card {
   readonly lamps: Lamps;
+  readonly pulse: Pulse<SampleTraits>;
   readonly #model: Model<SampleTraits>;
   readonly #stream: Stream<Frame>;
-  readonly #silence = make("div", "rw-silence");
   readonly #freeze: HTMLButtonElement;
   readonly #freezeText = make("span", "");
   /** The words around the number are hidden in a narrow card. */
@@ -47,12 +48,12 @@ export class SampleCard extends Card {
     this.#freezeText.append(...this.#freezeWords);
     this.controls.append(this.#freeze);
     offerPng(this, model, signal);
-    this.picture.append(this.#silence);
     this.#bar = new Bar(stream, signal);
     this.lamps = new Lamps(stream, (words) => this.say(words), signal);
     this.picture.after(this.lamps.root, this.#bar.root);
     this.#numbers = new TimeLinesView(this.picture, () => this.#drawNumbers(), signal);
     stream.listen(this.redraw, signal);
+    this.pulse = new Pulse(model, ["_beat", "_frame"], () => model.get("_beat") > 0, this.redraw, signal);
     onChange(model, ["_source"], this.redraw, signal);
     this.#tellFacts = throttle(() => this.#drawFacts(), READING_MS, signal);
     on(this.header, "pointerenter", () => this.#tellAll(), signal);
@@ -113,7 +114,7 @@ export class SampleCard extends Card {
 
   /** Whether the newest sample says nothing of the present. */
   get #isSilent(): boolean {
-    return this.#silenceMs > 0 || this.#model.get("_source").lost === true;
+    return this.#silenceMs > 0 || this.pulse.silence > 0 || this.#model.get("_source").lost === true;
   }
 
   /** Draws the numbers that the program plots, up to the sample on show. */
@@ -129,8 +130,7 @@ export class SampleCard extends Card {
     const silence = this.#silenceMs;
     const pace = live && this.#paced && rate ? [`${toFixed(rate, 1)} Hz`] : [];
     this.updateFacts([...this.#known, ...pace]);
-    setText(this.#silence, silence ? `no data for ${toAge(silence)}` : "");
-    this.root.classList.toggle("rw-silent", this.#isSilent);
+    this.updateSilence(silence ? `no data for ${toAge(silence)}` : this.pulse.words, this.#isSilent);
     if (silence) this.#tellFacts();
   }
 

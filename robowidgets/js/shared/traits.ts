@@ -29,6 +29,8 @@ export interface SampleTraits extends FrameTraits {
   _source: Source;
   /** Seconds; how old the newest sample was when the page asked for the state. */
   _silence: number;
+  /** Number of signs of life from Python, one a second; 0: this widget gets none. */
+  _beat: number;
 }
 
 /** Something odd, in plain words, and what to do about it, which may be empty. */

@@ -16,4 +16,6 @@ export interface SimulatorTraits extends CardTraits {
   _shapes: RoomShape[];
   /** Why the robot moves no more; empty while it may. */
   _status: string;
+  /** Number of signs of life from Python, one a second; 0: this widget gets none. */
+  _beat: number;
 }

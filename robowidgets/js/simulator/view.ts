@@ -1,7 +1,7 @@
 import { Canvas } from "../shared/canvas.ts";
 import { Card } from "../shared/card.ts";
 import { isDragged, make, makeButton, pointIn, setText } from "../shared/dom.ts";
-import { isPlain, on, onAbort } from "../shared/events.ts";
+import { isPlain, on } from "../shared/events.ts";
 import {
   BELOW,
   drawFloor,
@@ -15,6 +15,7 @@ import {
 } from "../shared/floor.ts";
 import { toDegrees, toFixed, toMany } from "../shared/format.ts";
 import { lacksKernel, type Model, NO_KERNEL, newName, onChange } from "../shared/model.ts";
+import { Pulse } from "../shared/pulse.ts";
 import { READING_MS, throttle } from "../shared/schedule.ts";
 import { drawDrops, drawFree, drawRobot, drawThings, drawWalls } from "./draw.ts";
 import { drawShapes } from "./draw_shapes.ts";
@@ -27,8 +28,6 @@ const SLOP = 6;
 const TOUCH_SLOP = 16;
 /** Metres from the middle of the robot to an obstacle that the key puts ahead of it. */
 const AHEAD = 0.9;
-/** Milliseconds between two looks whether there is a kernel. */
-const LOOK_MS = 1000;
 const HINT = "drag the robot or an obstacle \u00B7 press o for another";
 
 interface Drag {
@@ -51,6 +50,7 @@ export class SimulatorView {
   readonly #put: HTMLButtonElement;
   readonly #remove: HTMLButtonElement;
   readonly #tell: () => void;
+  readonly #pulse: Pulse<SimulatorTraits>;
   #scene: Scene | null;
   #walls: Float32Array;
   #drops: Float32Array;
@@ -58,7 +58,6 @@ export class SimulatorView {
   #selected: Thing = "robot";
   #drag: Drag | null = null;
   #pointer: Place | null = null;
-  #hadKernel = true;
 
   constructor(model: Model<SimulatorTraits>, element: HTMLElement, signal: AbortSignal) {
     this.#model = model;
@@ -74,20 +73,30 @@ export class SimulatorView {
     this.#remove = makeButton("", "Remove the selected obstacle", () => this.#onRemove(), signal, "Remove");
     controls.append(this.#put, this.#remove);
     footer.append(this.#pose, this.#pointed);
+    this.#pulse = new Pulse(
+      model,
+      ["_beat", "_frame"],
+      () => model.get("_beat") > 0,
+      () => this.#onPulse(),
+      signal,
+    );
     this.#tell = throttle(() => this.#updateText(), READING_MS, signal);
     onChange(model, ["_frame"], () => this.#onFrame(), signal);
     onChange(model, ["_walls", "_drops"], () => this.#onWalls(), signal);
     onChange(model, ["_shapes", "_status"], this.#card.redraw, signal);
     this.#watchInput(picture, signal);
-    // A kernel that is restarted sends nothing any more.
-    const looks = setInterval(() => this.#hadKernel !== this.#isEditable && this.#card.redraw(), LOOK_MS);
-    onAbort(signal, () => clearInterval(looks));
   }
 
   #onFrame(): void {
     this.#scene = toScene(this.#model.get("_frame"));
     this.#edits.onFrame();
     if (typeof this.#selected === "number" && !this.#shown?.obstacles[this.#selected]) this.#selected = "robot";
+    this.#card.redraw();
+  }
+
+  /** Lets go of what is dragged when Python falls silent. */
+  #onPulse(): void {
+    if (this.#pulse.silence) this.#cancel();
     this.#card.redraw();
   }
 
@@ -103,15 +112,17 @@ export class SimulatorView {
   }
 
   get #isEditable(): boolean {
-    return !lacksKernel(this.#model);
+    return !lacksKernel(this.#model) && !this.#pulse.silence;
   }
 
   #draw(): void {
     const scene = this.#shown;
-    this.#hadKernel = this.#isEditable;
-    const said = this.#isEditable ? this.#model.get("_status") : NO_KERNEL;
+    const { words } = this.#pulse;
+    const isAlone = lacksKernel(this.#model) && !words;
+    const said = isAlone ? NO_KERNEL : this.#model.get("_status");
     const status = scene ? said : "waiting for the robot";
     this.#card.updateFrame(status ? [status] : [], "status");
+    this.#card.updateSilence(words);
     if (!scene) return;
     const bounds = boundsOf([this.#walls, this.#drops], this.#drag ? (this.#scene as Scene) : scene);
     const { picture, theme, noticeHeight: top } = this.#card;

@@ -1,5 +1,6 @@
 import { onAbort } from "../events.ts";
 import { lacksKernel, type Model, onChange, onMessage } from "../model.ts";
+import { Pulse } from "../pulse.ts";
 import type { StopTraits, Told } from "./traits.ts";
 
 /** Milliseconds between two heartbeats. */
@@ -10,9 +11,6 @@ export const BUSY_MS = 1500;
 
 /** Milliseconds after which an unanswered heartbeat is lost. Until then none is sent: a busy kernel queues it. */
 const LOST_MS = 10_000;
-
-/** Milliseconds without a message from Python after which the state of a driven robot counts as unknown. */
-export const NEWS_MS = 2500;
 
 /** Milliseconds that the kernel has to answer a Stop before it is interrupted. */
 export const ANSWER_MS = 300;
@@ -48,11 +46,11 @@ export class StopControl {
   readonly #model: Model<StopTraits>;
   readonly #name: string;
   readonly #tell: () => void;
+  readonly #pulse: Pulse<StopTraits>;
   #timer: ReturnType<typeof setTimeout> | undefined;
   #token = 0;
   #beatAt = Number.NEGATIVE_INFINITY;
   #isAnswered = true;
-  #newsAt = performance.now();
   #wasStopped = false;
 
   /**
@@ -63,6 +61,7 @@ export class StopControl {
     this.#model = model;
     this.#name = name;
     this.#tell = tell;
+    this.#pulse = new Pulse(model, ["_state"], () => this.told.ready, tell, signal);
     const beats = setInterval(() => this.#beat(), BEAT_MS);
     onAbort(signal, () => {
       clearInterval(beats);
@@ -88,9 +87,9 @@ export class StopControl {
     return this.#isAnswered || performance.now() - this.#beatAt < BUSY_MS;
   }
 
-  /** Whether the last state is current. While the robot is driven, Python sends one every second. */
-  get isNews(): boolean {
-    return !this.told.driver || performance.now() - this.#newsAt < NEWS_MS;
+  /** How long Python has been silent; empty while the last state is current. */
+  get silence(): string {
+    return this.#pulse.words;
   }
 
   /** Whether the page can interrupt the kernel. Only JupyterLab's widget manager gives access to it. */
@@ -125,7 +124,6 @@ export class StopControl {
 
   #onState(): void {
     const { stopped } = this.told;
-    this.#newsAt = performance.now();
     if (stopped) {
       clearTimeout(this.#timer);
       if (this.note === "ignored") this.note = "interrupted";

@@ -12,7 +12,7 @@ export interface Text {
 }
 
 /** What the status depends on. */
-export type Situation = Pick<StopControl, "told" | "note" | "hasKernel" | "hears" | "isNews" | "canInterrupt">;
+export type Situation = Pick<StopControl, "told" | "note" | "hasKernel" | "hears" | "silence" | "canInterrupt">;
 
 export const rest = (text: string, hint = ""): Text => ({ text, hint, kind: "rest" });
 export const warn = (text: string, hint = ""): Text => ({ text, hint, kind: "warn" });
@@ -27,11 +27,11 @@ const NOTES: Partial<Record<Note, Text>> = {
 };
 
 /** The status of Stop, which comes before any other; null when there is none. */
-export function toStopText({ told, note, hasKernel, hears, isNews }: Situation): Text | null {
+export function toStopText({ told, note, hasKernel, hears, silence }: Situation): Text | null {
   if (!hasKernel) return warn(NO_KERNEL, "Stop reaches nothing; what the robot does is not known");
   const failed = told.stopped ? undefined : NOTES[note];
   if (failed) return failed;
-  if (!isNews) return warn("no news from the kernel", "what the robot does is not known");
+  if (silence) return warn(silence, "what the robot does is not known");
   if (!told.stopped && note === "asking") return rest("stopping");
   if (!told.stopped && note === "interrupted") return rest("stopping", "the kernel was interrupted");
   if (!told.stopped) return null;

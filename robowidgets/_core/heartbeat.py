@@ -1,0 +1,39 @@
+"""A sign of life for the page of a widget that has nothing new to show."""
+
+from __future__ import annotations
+
+import time
+
+import traitlets
+
+from .base_widget import NamedWidget
+from .pacer import pacer
+
+BEAT = 1.0
+"""Seconds between two beats. The page takes a kernel for silent after 2.5 s (shared/pulse.ts)."""
+
+
+class BeatingWidget(NamedWidget):
+    """A widget that sends a beat every second, if its class says so.
+
+    What moves only at times, such as a state machine that is paused, looks the same beside a kernel that is gone.
+    """
+
+    beats = False
+    """Whether it sends beats."""
+
+    _beat = traitlets.Int(0, help="Number of beats; 0: it sends none.").tag(sync=True, echo_update=False)
+    _beat_at = 0.0
+    """The monotonic time of the next one."""
+
+    def _due_beat(self) -> list[str]:
+        """The name of the trait if a beat is due, else nothing. Called at each send, with the lock of those."""
+        if not self.beats:
+            return []
+        now, names = time.monotonic(), []
+        if now >= self._beat_at:
+            self._beat_at = now + BEAT
+            self._trait_values["_beat"] = self._beat + 1  # without sending it, as setting the trait would
+            names = ["_beat"]
+        pacer.mark_at(self, self._beat_at)
+        return names

@@ -1,0 +1,54 @@
+import { onAbort } from "./events.ts";
+import { toAge } from "./format.ts";
+import { lacksKernel, type Model, NO_KERNEL, onChange } from "./model.ts";
+
+/** Milliseconds without a message, after which Python is silent. It sends one every second. */
+export const PULSE_MS = 2500;
+/** Milliseconds between two looks at the clock. */
+const LOOK_MS = 250;
+
+/** Whether Python still sends to a widget. A kernel that sleeps or hangs does not, nor does one that was restarted. */
+export class Pulse<T> {
+  readonly #model: Pick<Model<T>, "get" | "on" | "off">;
+  readonly #isExpected: () => boolean;
+  /** NaN in a page that never had a kernel: what it shows is kept, not live. */
+  #heard: number;
+  #said = "";
+
+  /**
+   * @param names of the traits of which Python sets one in every second
+   * @param isExpected whether it does
+   * @param tell called when the words change
+   */
+  constructor(
+    model: Pick<Model<T>, "get" | "on" | "off">,
+    names: readonly (keyof T & string)[],
+    isExpected: () => boolean,
+    tell: () => void,
+    signal: AbortSignal,
+  ) {
+    this.#model = model;
+    this.#isExpected = isExpected;
+    this.#heard = lacksKernel(model) ? NaN : performance.now();
+    onChange(model, names, () => (this.#heard = performance.now()), signal);
+    const looks = setInterval(() => {
+      if (this.words === this.#said) return;
+      this.#said = this.words;
+      tell();
+    }, LOOK_MS);
+    onAbort(signal, () => clearInterval(looks));
+  }
+
+  /** Milliseconds since the last message, where one is missing; 0 while all is well. */
+  get silence(): number {
+    const silence = performance.now() - this.#heard;
+    return this.#isExpected() && silence > (lacksKernel(this.#model) ? 0 : PULSE_MS) ? silence : 0;
+  }
+
+  /** How long Python has been silent, or that its kernel is gone; empty while all is well. */
+  get words(): string {
+    const { silence } = this;
+    if (!silence) return "";
+    return lacksKernel(this.#model) ? NO_KERNEL : `no word from the kernel for ${toAge(silence)}`;
+  }
+}
