@@ -5,12 +5,14 @@ ipywidgets keeps every widget until it is closed, and IPython keeps the results 
 
 from __future__ import annotations
 
+import asyncio
 import logging
-from collections.abc import Callable
+import sys
+from collections.abc import Callable, Iterable
 from typing import Any, Protocol
 from weakref import WeakSet
 
-from .error_routing import ipython_shell
+from .error_routing import called_from_cell, ipython_shell
 from .platform_fixes import call_before_traceback, call_on_idle_interrupt, call_on_interrupt
 
 log = logging.getLogger("robowidgets")
@@ -58,13 +60,31 @@ def on_failed_cell(call: Callable[[], None]) -> None:
     shell = ipython_shell()
     if shell is None:
         return
+    _listen(shell)
     if call not in _on_failed:
-        if not _on_failed:
-            shell.events.register("post_run_cell", _after_cell)
-            call_before_traceback(shell, _call_on_failed)
         _on_failed.append(call)
     if hasattr(shell, "kernel"):
         call_on_interrupt(_interrupted)
+
+
+CellRun = tuple[str, str]
+"""The ids of a cell and of one of its runs; empty where the notebook sends none."""
+
+_on_cell_error: list[Callable[[CellRun], Iterable[str]]] = []
+
+
+def on_cell_error(call: Callable[[CellRun], Iterable[str]]) -> None:
+    """Call a function whenever a cell ends with an error, a syntax error too, but not when it is interrupted.
+
+    It is called before IPython shows the traceback, in the main thread, so it must not wait; and once more after that:
+    the lines that it returns then are printed below the traceback. Does nothing outside cells.
+    """
+    shell = ipython_shell()
+    if shell is None:
+        return
+    _listen(shell)
+    if call not in _on_cell_error:
+        _on_cell_error.append(call)
 
 
 _on_interrupt: list[Callable[[], None]] = []
@@ -92,14 +112,47 @@ def _interrupted() -> None:
         _attempt(call)
 
 
-def _after_cell(result: Any) -> None:
-    if not result.success:
-        _call_on_failed()
+_listened: list[Any] = []
+"""The shell whose cells are watched."""
+_shown: set[CellRun] = set()
+"""The run whose error is shown already: also that of a script, which does not end the cell."""
 
 
-def _call_on_failed() -> None:
+def _listen(shell: Any) -> None:
+    if shell not in _listened:
+        _listened[:] = [shell]
+        shell.events.register("post_run_cell", _after_cell)
+        call_before_traceback(shell, _before_traceback)
+
+
+def _before_traceback() -> None:
     for call in _on_failed:
         _attempt(call)
+    if called_from_cell() and not isinstance(sys.exc_info()[1], _INTERRUPTS):
+        _shown.add(running_cell())
+        _call_on_cell_error()
+
+
+def _after_cell(result: Any) -> None:
+    if not result.success:
+        for call in _on_failed:
+            _attempt(call)
+    error = result.error_before_exec or result.error_in_exec
+    if running_cell() in _shown or (error is not None and not isinstance(error, _INTERRUPTS)):
+        for line in _call_on_cell_error():
+            print(line)  # noqa: T201  # below the traceback, also where the program sends its log elsewhere
+    _shown.clear()
+
+
+_INTERRUPTS = (KeyboardInterrupt, asyncio.CancelledError)
+"""The second ends a cell with ``await`` that is interrupted."""
+
+
+def _call_on_cell_error() -> list[str]:
+    lines: list[str] = []
+    for call in _on_cell_error:
+        _attempt(lambda call=call: lines.extend(call(running_cell())))  # type: ignore[misc]
+    return lines
 
 
 def _attempt(call: Callable[[], None]) -> None:
@@ -120,7 +173,12 @@ def close_all(widget: Any) -> None:
     widget.close()
 
 
-def running_cell() -> tuple[str, str]:
-    """The ids of the running cell and of this run; empty where the notebook sends none."""
+def running_cell() -> CellRun:
+    """The running cell."""
     request: dict[str, Any] = getattr(ipython_shell(), "get_parent", dict)()
     return request.get("metadata", {}).get("cellId", ""), request.get("header", {}).get("msg_id", "")
+
+
+def is_same_cell(one: CellRun, other: CellRun) -> bool:
+    """Whether two runs are of the same cell, as far as the notebook says."""
+    return any(a == b != "" for a, b in zip(one, other, strict=True))

@@ -9,6 +9,32 @@ import time
 import traceback
 from collections.abc import Callable
 from types import FrameType
+from typing import Any
+
+
+class MayDrive:
+    """A function of the user, as far as it drives robots.
+
+    Attributes:
+        driven: what sends speeds to the robots that it drove, or tried to.
+        refused: why it may not drive; empty if it may.
+    """
+
+    def __init__(self) -> None:
+        self.driven: tuple[Any, ...] = ()
+        self.refused = ""
+
+    def drive_by(self, call: Callable[..., Any], *args: Any) -> Any:
+        """Call a function, whose speeds `why_refused` takes for those of this one."""
+        _here.function = self
+        try:
+            return call(*args)
+        finally:
+            _here.function = None
+
+
+_here = threading.local()
+"""By thread: the ``function`` that it runs."""
 
 
 class UserThread(threading.Thread):
@@ -53,6 +79,22 @@ def is_abandoned() -> bool:
     """Whether the calling thread is abandoned."""
     thread = threading.current_thread()
     return isinstance(thread, UserThread) and thread.abandoned_at is not None
+
+
+def why_refused(driven: Any) -> str:
+    """Why the calling thread may not drive a robot, empty if it may; the function that it runs is known to drive then.
+
+    Args:
+        driven: what sends speeds to the robot.
+    """
+    if is_abandoned():
+        return "this function was disconnected, replaced or ended while it was at work"
+    function: MayDrive | None = getattr(_here, "function", None)
+    if function is None:
+        return ""
+    if driven not in function.driven:
+        function.driven = (*function.driven, driven)
+    return function.refused
 
 
 def frames_of(thread: threading.Thread | None) -> list[tuple[FrameType, int]]:

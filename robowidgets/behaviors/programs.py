@@ -7,12 +7,12 @@ from collections.abc import Callable, Mapping
 from typing import Any
 from weakref import WeakSet
 
-from .._core.cells import on_interrupt
+from .._core.cells import CellRun, is_same_cell, on_cell_error, on_interrupt, running_cell
 from .._core.observed import Observed
 from .._core.user_function import calling_text
 from ._parameters import parameters_of, program_name
 from .machine import Machine
-from .program import ENDED, Program
+from .program import ENDED, RUNNING, Program
 from .robot import Robot
 from .variables import Variables
 from .version import RATE, Version, to_rate
@@ -65,10 +65,11 @@ class Programs(Observed):
             function.adopt(program.version.function)
         self.current = program
         self.variables.begin_version()
-        program.replace(Version(function, asks_for, dict(topics), steps, on, number, calling_text()))
+        program.replace(Version(function, asks_for, dict(topics), steps, on, number, calling_text(), running_cell()))
         program.note = note
         _all.add(program)
         on_interrupt(_interrupt_all)
+        on_cell_error(_name_running)
         self._call_observers()
         return program
 
@@ -84,3 +85,14 @@ _all: WeakSet[Program] = WeakSet()
 def _interrupt_all() -> None:
     for program in list(_all):
         program.interrupt()
+
+
+def _name_running(cell: CellRun) -> list[str]:
+    """Lines on the programs that go on, though their cell ended with an error."""
+    lines = []
+    for program in list(_all):
+        version = program.version
+        if program.mode == RUNNING and is_same_cell(version.cell, cell):
+            whose = "which this run made before its error" if version.cell == cell else "the one before"
+            lines.append(f"the program {program.name} goes on, in version {version.number}, {whose}")
+    return lines

@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
+from .._core.cells import CellRun
 from ..samples.checks import finite
 
 RATE = 10.0
@@ -28,7 +29,8 @@ class Version:
     """One version of a program.
 
     ``asks_for`` are the parameters of the function, ``topics`` the topics that were named for some of them. It steps
-    ``rate`` times a second, or on each message of the topic ``on``. ``text`` is that of the cell or file it stands in.
+    ``rate`` times a second, or on each message of the topic ``on``. ``text`` is that of the cell or file it stands in,
+    and ``cell`` the run of a cell that made it.
     """
 
     function: Callable[..., Any]
@@ -38,3 +40,4 @@ class Version:
     on: str | None = None
     number: int = 1
     text: str = ""
+    cell: CellRun = ("", "")

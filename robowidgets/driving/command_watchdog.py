@@ -11,7 +11,7 @@ from .._core.clock import Clock, RealClock
 from .._core.log_once import log_in_thread
 from .._core.observed import Observed
 from .._core.platform_fixes import run_beside_debugger
-from .._core.user_threads import is_abandoned
+from .._core.user_threads import why_refused
 from .stop_all import SEND_TIMEOUT, running, stop_driven_by_cell
 
 Velocity = tuple[float, float]
@@ -271,8 +271,8 @@ class CommandWatchdog(Observed):
             raise RefusedError("it is closed")
         if self._stopped:
             raise RefusedError("stop is latched until somebody releases it")
-        if driver == PROGRAM and is_abandoned():
-            raise RefusedError("this function was disconnected, replaced or ended while it was at work")
+        if driver == PROGRAM and (why := why_refused(self)):
+            raise RefusedError(why)
         hand = self._hand_now()
         if driver != hand and not taking and (hand or driver != PROGRAM):
             raise RefusedError("a hand drives from a pad" if hand else "the press on the pad is over")

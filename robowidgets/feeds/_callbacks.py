@@ -10,8 +10,9 @@ from collections import deque
 from collections.abc import Callable, Iterable, Sequence
 from types import FunctionType
 from typing import Any
+from weakref import WeakSet
 
-from .._core.cells import running_cell
+from .._core.cells import CellRun, is_same_cell, on_cell_error, running_cell
 from .._core.clock import Scheduler
 from .._core.clock import scheduler as threads
 from .._core.log_once import LogOnce
@@ -19,6 +20,7 @@ from .._core.runner import Call, Runner
 from .._core.tables import Table
 from .._core.text import many
 from .._core.user_function import line_of, name_of
+from .._core.user_threads import MayDrive
 from ..samples import HasAge
 from ._topics import Topic, queue_length, sample_of
 
@@ -30,17 +32,21 @@ SLOW = 1.0
 CLOSING = 0.2
 """Seconds for which closing waits for a running function."""
 
+OFF = "its cell ended with an error; run the cell again, to its end"
 
-class Function:
+
+class Function(MayDrive):
     """A function that is connected to a topic.
 
     Attributes:
+        cell, run: the cell that connected it, and the run of that cell.
         runs: the number of calls.
         error: the error of the last call, with its line; empty when the call returned.
         entered: the time of the running call; None while it is not running.
     """
 
     def __init__(self, topic: str, call: Callable[[Any], object], raw: bool) -> None:
+        super().__init__()
         self.topic, self.call, self.raw = topic, call, raw
         self.cell, self.run = running_cell()
         self.runs = 0
@@ -51,6 +57,16 @@ class Function:
     def name(self) -> str:
         """Its name, for a person."""
         return name_of(self.call)
+
+    @property
+    def is_off(self) -> bool:
+        """Whether it is called no more, because it drives and may not."""
+        return bool(self.refused and self.driven)
+
+    @property
+    def problem(self) -> str:
+        """Why it is off, or the error of its last call; empty if there is none."""
+        return f"your function `{self.name}` is off: {self.refused}" if self.is_off else self.error
 
     def takes(self, topic: str, calls: Sequence[Any] | None) -> bool:
         """Whether it takes a message of a topic that is for these functions; None: for all."""
@@ -92,6 +108,7 @@ class FunctionCaller:
         """The topic whose widgets show that a function has not returned."""
         self._closed = False
         self._log = LogOnce(log.exception)
+        _all.add(self)
 
     @property
     def functions(self) -> tuple[Function, ...]:
@@ -100,21 +117,25 @@ class FunctionCaller:
 
     def table(self) -> Table:
         """Each function with its topic, its number of runs, and its last error."""
-        rows = [(f.name, f.topic, str(f.runs), f.error) for f in self._functions]
-        slow = [status for f in self._functions if (status := self._status(f)) and status != f.error]
+        rows = [(f.name, f.topic, str(f.runs), f.problem) for f in self._functions]
+        slow = [status for f in self._functions if (status := self._status(f)) and status != f.problem]
         heads = ("function", "topic", "runs", "last error")
         return Table(many(len(rows), "connected function"), heads, rows, right=(2,), problems=slow)
 
     def connect(self, topic: str, calls: Iterable[Callable[[Any], object]], raw: bool) -> None:
         """Call functions with the messages of a topic; they replace those that `Function.replaces` names."""
+        on_cell_error(_switch_off)
         for call in calls:
             new = Function(topic, call, raw)
             with self._lock:
                 same = [old for old in self._functions if (old.topic, old.call, old.raw) == (topic, call, raw)]
                 if same:  # by the newest run of its cell, so that what else this run connects does not replace it
-                    same[0].cell, same[0].run = new.cell, new.run
+                    same[0].cell, same[0].run, same[0].refused = new.cell, new.run, ""
                     continue
-                self._drop([old for old in self._functions if new.replaces(old)])
+                replaced = [old for old in self._functions if new.replaces(old)]
+                # Of a new version it is known what it drives before its first call.
+                new.driven = next((old.driven for old in replaced if old.name == new.name), ())
+                self._drop(replaced)
                 self._functions.append(new)
 
     def disconnect(self, topic: str, calls: Iterable[Any] | None) -> None:
@@ -124,6 +145,22 @@ class FunctionCaller:
         with self._lock:
             here = [function for function in self._functions if function.topic == topic]
             self._drop([f for f in here if gone is None or f.call in gone or _full_name(f.call) in names])
+
+    def switch_off(self, cell: CellRun) -> list[Function]:
+        """Have the functions that a cell connected drive no more, and stop their robots; returns those that are off.
+
+        Those that never drove are called as before.
+        """
+        with self._lock:
+            here = [function for function in self._functions if is_same_cell((function.cell, function.run), cell)]
+        for function in here:
+            function.refused = OFF
+        off = [function for function in here if function.is_off]
+        for watchdog in {watchdog for function in off for watchdog in function.driven}:
+            watchdog.stop_program()
+        for topic in {function.topic for function in off}:
+            self._on_change(topic)
+        return off
 
     def put(self, topic: Topic, message: Any, calls: Sequence[Any] | None = None) -> None:
         """Queue a message for these functions, None: all; it replaces a queued one, unless every message counts."""
@@ -159,7 +196,7 @@ class FunctionCaller:
         entered = function.entered
         passed = self._now() - entered if entered is not None else 0.0
         if passed < SLOW:
-            return function.error
+            return function.problem
         where = self._runner.where(function.call)
         return f"your function `{function.name}`{where}, has not returned for {passed:.0f} s"
 
@@ -186,7 +223,7 @@ class FunctionCaller:
             functions = [function for function in self._functions if function.takes(name, calls)]
         before = self.status_of(name)
         for function in functions:
-            if function in self._functions and not self._closed:
+            if function in self._functions and not function.is_off and not self._closed:
                 self._call(call, function, message, topic, came_at)
         if self.status_of(name) != before:
             self._on_change(name)
@@ -201,9 +238,9 @@ class FunctionCaller:
             function.error = f"a message of {function.topic} cannot be read for `{function.name}`: {error}"
             self._log(function.error)
             return
-        function.entered = self._now()
+        function.entered, was_on = self._now(), not function.refused
         try:
-            raised = call(function.call, sample, of=function).error
+            raised = call(function.drive_by, function.call, sample, of=function).error
         finally:  # also where it was left
             function.entered = None
             function.runs += 1
@@ -211,7 +248,17 @@ class FunctionCaller:
         if raised is not None:
             line = line_of(function.call, traceback.walk_tb(raised.__traceback__))
             function.error = f"your function `{function.name}`{line}: {type(raised).__name__}: {raised}"
-            self._log(function.error)
+            if not (was_on and function.is_off):  # the cell names it that switched it off meanwhile
+                self._log(function.error)
+
+
+_all: WeakSet[FunctionCaller] = WeakSet()
+
+
+def _switch_off(cell: CellRun) -> list[str]:
+    """Switch off what a cell that ended with an error connected; returns a line for each function that drove."""
+    off = [function for caller in list(_all) for function in caller.switch_off(cell)]
+    return [f"`{function.name}` ({function.topic}) is off, and its robot got zero: {OFF}" for function in off]
 
 
 def _full_name(call: Any) -> str:

@@ -115,12 +115,15 @@ def test_an_interrupt_between_cells_and_in_one_stops_the_robot(kernel: Kernel) -
 
 def test_a_cell_with_a_syntax_error_leaves_the_program_as_it_is(kernel: Kernel) -> None:
     since = time.monotonic()
+    assert kernel.printed("avoid", "1 / 0") == "the program avoid goes on, in version 1, the one before\n"
     assert kernel.run("avoid", PROGRAM.format(body="    return Drive(0.1"))["ename"] == "SyntaxError"
     assert kernel.run("other", "1 / 0")["ename"] == "ZeroDivisionError"
     assert kernel.run("avoid", PROGRAM.replace("scan", "scn").format(body=GOOD))["ename"] == "TypeError"
     wait_for(lambda: len(kernel.heard_since(since)) > 5, "the version before goes on")
     assert set(kernel.heard_since(since)) == {0.3}
     expect(kernel, "version 1, running")
+    goes_on = "the program avoid goes on, in version 2, which this run made before its error\n"
+    assert kernel.printed("avoid", PROGRAM.format(body="    return Drive(0.2)") + "1 / 0") == goes_on
 
 
 def test_a_hundred_redefinitions_some_in_the_middle_of_a_step_leave_no_gap(kernel: Kernel) -> None:

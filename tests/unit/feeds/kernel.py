@@ -82,6 +82,19 @@ class Kernel:
         """Run a cell to its end."""
         return self.end_of(self.start(cell, code))
 
+    def printed(self, cell: str, code: str) -> str:
+        """Run a cell to its end; returns what it printed."""
+        request, printed = self.start(cell, code), ""
+        while True:
+            message = self._client.get_iopub_msg(timeout=60)
+            if message["parent_header"].get("msg_id") != request:
+                continue
+            if message["msg_type"] == "stream":
+                printed += message["content"]["text"]
+            elif message["content"].get("execution_state") == "idle":
+                self.end_of(request)
+                return printed
+
     def debug(self, command: str, **arguments: Any) -> dict[str, Any]:
         """Request something of the kernel's debugger, as JupyterLab does; returns its reply."""
         request = self._client.session.msg("debug_request", {"type": "request", "command": command, "seq": 1})

@@ -119,6 +119,49 @@ def test_a_cell_that_is_run_again_leaves_nothing_of_its_old_version_driving(kern
     assert set(kernel.heard_since(since)) == {0.1}
 
 
+FAILS = {"before it connects": "1 / 0\n{cell}", "after it connected": "{cell}\n1 / 0", "in its syntax": "(\n{cell}"}
+OFF = "is off, and its robot got zero: its cell ended with an error; run the cell again, to its end"
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("fails", FAILS)
+def test_a_cell_that_ends_with_an_error_stops_its_function_and_names_it_until_it_has_run_whole(
+    kernel: Kernel, fails: str
+) -> None:
+    cell = HOLD + BEHAVE.format(body="feed.drive(0.3)\n    time.sleep(0.01); feed.drive(0.3)")
+    kernel.run("behave", cell)
+    kernel.run("other", "got = []\ndef other(scan): got.append(scan)\nfeed.connect('/scan', other)")
+    wait_for(lambda: kernel.heard[-1:] and kernel.heard[-1][1] == 0.3, "the function drives")
+    assert kernel.printed("elsewhere", "1 / 0") == "", "the error of another cell stops nothing"
+    printed = kernel.printed("behave", FAILS[fails].format(cell=cell))
+    assert printed.splitlines() == [f"`behave` (/scan) {OFF}"]
+    calls = "n = len(got)\nwhile len(got) < n + 3: time.sleep(0.01)"
+    kernel.run("calls", calls)  # three scans, on which nothing drives
+    assert kernel.heard[-1][1] == 0.0
+    assert kernel.run("look", f"assert repr(feed).count({OFF[:6]!r}) == 1, repr(feed)")["status"] == "ok"
+    assert kernel.printed("behave", cell) == ""
+    wait_for(lambda: kernel.heard[-1][1] == 0.3, "it drives again")
+
+
+@pytest.mark.slow
+def test_a_function_of_a_failed_cell_that_never_drove_is_called_on_but_may_not_drive(kernel: Kernel) -> None:
+    body = "got.append(scan)\n    if len(got) > 3 and is_failed: feed.drive(0.3)"
+    assert kernel.printed("behave", "got, is_failed = [], False" + BEHAVE.format(body=body) + "1 / 0") == ""
+    kernel.run("wait", "is_failed = True\nwhile not feed.functions[0].is_off: time.sleep(0.01)")
+    assert kernel.run("look", "assert len(got) >= 4 and 'is off' in repr(feed), repr(feed)")["status"] == "ok"
+    assert kernel.heard == []
+
+
+@pytest.mark.slow
+def test_an_interrupt_of_its_cell_leaves_a_function_connected(kernel: Kernel) -> None:
+    request = kernel.start("behave", BEHAVE.format(body="feed.drive(0.3)") + "time.sleep(60)")
+    wait_for(lambda: kernel.heard, "it drives")
+    kernel.manager.interrupt_kernel()
+    assert kernel.end_of(request)["ename"] == "KeyboardInterrupt"
+    since = time.monotonic()
+    wait_for(lambda: 0.3 in kernel.heard_since(since), "it drives on")
+
+
 def test_an_unending_function_is_replaced_by_running_its_cell_again(kernel: Kernel) -> None:
     kernel.run("behave", BEHAVE.format(body="feed.drive(0.3)\n    while True: time.sleep(0.01)"))
     wait_for(lambda: [linear for _, linear, _ in kernel.heard] == [0.3, 0.0], "it drives once, and zero follows")
