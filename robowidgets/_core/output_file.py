@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 from collections.abc import Collection, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -34,11 +35,14 @@ def checked_output(call: str, path: str | os.PathLike[str], suffixes: Collection
 def whole_file(path: Path) -> Iterator[BinaryIO]:
     """A file that appears under its name when it is complete, and replaces an existing one.
 
-    Until then it lies beside that name and ends in ``.part``. After an error nothing of it is left.
+    Until then it lies beside that name and ends in ``.part``. After an error nothing of it is left. What a process that
+    was killed left of an earlier attempt is removed.
 
     Raises:
         OSError: it cannot be written, for example because the disk is full.
     """
+    for left in _left_behind(path):
+        left.unlink(missing_ok=True)
     part = path.with_name(f"{path.name}.{os.getpid()}.part")
     try:
         with part.open("wb") as file:
@@ -48,3 +52,21 @@ def whole_file(path: Path) -> Iterator[BinaryIO]:
         part.replace(path)
     finally:
         part.unlink(missing_ok=True)
+
+
+def _left_behind(path: Path) -> list[Path]:
+    """The parts of a file whose processes run no more."""
+    name = re.compile(re.escape(path.name) + r"\.(\d+)\.part")
+    found = ((name.fullmatch(entry.name), entry) for entry in path.parent.iterdir())
+    return [entry for match, entry in found if match and not _runs(int(match[1]))]
+
+
+def _runs(process: int) -> bool:
+    """Whether there is a process of this number."""
+    try:
+        os.kill(process, 0)
+    except ProcessLookupError:
+        return False
+    except (OSError, OverflowError):  # of another user, or no number of a process
+        return True
+    return True

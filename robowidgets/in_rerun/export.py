@@ -15,6 +15,9 @@ from .widget import RerunWidget
 _TOGETHER = 8
 """Most pieces in the queue to be written."""
 
+_REFUSED = 1 << 20
+"""Bytes that a full disk has no room for."""
+
 
 def to_rerun(
     recording: RecordingData, path: str | os.PathLike[str] | None, topics: Sequence[str]
@@ -27,13 +30,22 @@ def to_rerun(
     where = checked_output("to_rerun", path, (".rrd",))
     log = Log(recording, topics)
     stream = log.stream()
-    with whole_file(where) as file:
-        stream.save(file.name)
-        try:
-            for number, _ in enumerate(log.steps(stream), start=1):
-                if number % _TOGETHER == 0:
-                    stream.flush()
-            stream.flush()  # raises where not all was written
-        finally:
-            stream.disconnect()
+    try:
+        with whole_file(where) as file:
+            stream.save(file.name)
+            try:
+                for number, _ in enumerate(log.steps(stream), start=1):
+                    if number % _TOGETHER == 0:
+                        stream.flush()
+                stream.flush()  # raises where not all was written
+            except RuntimeError as error:
+                # Rerun logs why it could not write, and does not tell. The system tells it to who writes more.
+                file.seek(0, os.SEEK_END)
+                file.write(bytes(_REFUSED))
+                file.flush()
+                raise OSError(error) from None
+            finally:
+                stream.disconnect()
+    except OSError as error:
+        raise type(error)(f"{where} was not written: {error.strerror or error}") from None
     return where

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import resource
 from collections.abc import Iterator
 from itertools import islice, pairwise
 from pathlib import Path
@@ -202,6 +203,23 @@ def test_a_file_is_replaced_when_the_new_one_is_whole(
     recording.to_rerun(path)
     assert Read(path).entities > {SCAN}
     assert list(tmp_path.iterdir()) == [path]
+
+
+@pytest.fixture
+def small_disk() -> Iterator[None]:
+    """No file may be longer than 100 kB, as on a disk that has no more room."""
+    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (100_000, before[1]))
+    yield
+    resource.setrlimit(resource.RLIMIT_FSIZE, before)
+
+
+def test_a_disk_without_room_is_named_as_the_system_names_it(
+    recording: Recording, tmp_path: Path, small_disk: None
+) -> None:
+    with pytest.raises(OSError, match=r"drive\.rrd was not written: File too large$"):
+        recording.to_rerun(tmp_path / "drive.rrd")
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_errors_are_those_of_show(recording: Recording, tmp_path: Path) -> None:
