@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import signal
 import subprocess
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Generator, Iterator
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
@@ -34,6 +34,15 @@ def data() -> Path:
     if not folder.is_dir():
         pytest.skip(f"no real recordings here: {folder} is missing; ROBOWIDGETS_DATA may name another folder")
     return folder
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_makereport(item: pytest.Item, call: pytest.CallInfo[None]) -> Generator[None, Any, Any]:
+    """Place a skip for want of real recordings here, not at each test: the summary then has one line for all."""
+    report = yield
+    if report.skipped and "data" in getattr(item, "fixturenames", ()) and isinstance(report.longrepr, tuple):
+        report.longrepr = (__file__, real_recordings.__code__.co_firstlineno, report.longrepr[2])
+    return report
 
 
 @pytest.fixture
