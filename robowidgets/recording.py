@@ -117,7 +117,7 @@ class Recording(RecordingData):
         The player opens the file again, so this recording may still be read, or be closed.
 
         Args:
-            *topics: names of the topics to show; none: all that have a widget.
+            *topics: names of the topics to show; none: all that have a widget and a message.
             scanogram: whether to show a scanogram of the whole drive above them; None: only if it takes a moment.
             rerun: whether to show the Rerun viewer beside them, with the scans in the world (extra ``rerun``).
 
@@ -163,7 +163,7 @@ class Recording(RecordingData):
             path: the file, such as ``"bump.html"``.
             start: seconds from the start of the recording; None: its start.
             end: seconds from its start; None: its end.
-            topics: names of the topics; none: all that have a widget.
+            topics: names of the topics; none: all that have a widget and a message.
             marks: (start, end, text) in seconds, or what `find` returns.
             title: of the page; empty: the name of the recording.
             note: a text under the title, which is shown as it is.

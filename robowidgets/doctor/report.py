@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+import re
+from collections import Counter, defaultdict
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from itertools import chain, zip_longest
 from math import degrees
 from typing import Any, NamedTuple
 
@@ -37,6 +39,8 @@ _LEAST_STAMPS = 10
 
 _LATE_NS = 1_000_000_000
 """Nanoseconds by which a late stamp may lie before the one before it. Farther back, the clock was set."""
+
+_NUMBER = re.compile(r"-?\d+(?:,\d{3})*(?:\.\d+)?(?:e[+-]\d+)?")
 
 _NO_SILENCES = np.empty((0, 2))
 _DAY = 86400.0
@@ -235,14 +239,35 @@ def _of_scans(scans: Scans) -> tuple[Geometry | None, tuple[str, ...], list[Prob
                 counts[problem] += 1
                 first.setdefault(problem, float(seconds[chunk.start + i]))
     problems = []
-    for problem, count in counts.items():
-        if count == len(scans):
-            problems.append(problem)
-        elif problem in headers or count > _SELDOM * len(scans):
-            where = f"in {count:,} of {len(scans):,} scans, first at {first[problem]:.2f} s"
-            problems.append(Problem(f"{problem.what} ({where})", problem.remedy))
+    for alike in _groups(counts):
+        count = sum(counts[problem] for problem in alike)
+        if count <= _SELDOM * len(scans) and not headers.intersection(alike):
+            continue
+        joined = Problem(_joined([problem.what for problem in alike]), alike[0].remedy)
+        if count < len(scans) or len(alike) > 1:
+            where = f"in {count:,} of {len(scans):,} scans"
+            if count < len(scans):
+                where += f", first at {min(first[problem] for problem in alike):.2f} s"
+            joined = joined._replace(what=f"{joined.what} ({where})")
+        problems.append(joined)
     usual = geometries.most_common(1)
     return usual[0][0] if usual else None, tuple(frames), problems
+
+
+def _groups(problems: Iterable[Problem]) -> list[list[Problem]]:
+    """Problems that differ in their numbers alone, together, in the order of the first of each group."""
+    groups: defaultdict[tuple[str, str], list[Problem]] = defaultdict(list)
+    for problem in problems:
+        groups[_NUMBER.sub("", problem.what), _NUMBER.sub("", problem.remedy)].append(problem)
+    return list(groups.values())
+
+
+def _joined(texts: Sequence[str]) -> str:
+    """Texts that differ in their numbers alone as one: ``for 926 to 937 rays``."""
+    columns = zip(*(_NUMBER.findall(text) for text in texts), strict=True)
+    numbers = (sorted(set(column), key=lambda number: float(number.replace(",", ""))) for column in columns)
+    ranges = [one[0] if len(one) == 1 else f"{one[0]} to {one[-1]}" for one in numbers]
+    return "".join(chain(*zip_longest(_NUMBER.split(texts[0]), ranges, fillvalue="")))
 
 
 def _as_dict(report: TopicReport) -> dict[str, Any]:

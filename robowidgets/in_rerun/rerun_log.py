@@ -13,7 +13,7 @@ from ..kinds import KINDS, load
 from ..poses.frame_tree import Poses
 from ..recordings import RecordingData
 from ..recordings.columns.chunks import ScanChunk
-from ..recordings.topics import Topic
+from ..recordings.topics import Topic, wanted
 from ..samples import AXES, Scan, TouchState
 from ._sdk import library
 from ._world import World
@@ -40,7 +40,7 @@ class Log:
 
     Args:
         recording: the recording.
-        topics: names of topics in it; none: all that have a widget.
+        topics: names of topics in it; none: all that have a widget and a message.
 
     Raises:
         ImportError: rerun-sdk is not installed.
@@ -54,7 +54,7 @@ class Log:
         self._start_ns = recording.start_ns or 0
         self._parts: list[TopicLog] = []
         for kind in KINDS.values():
-            of_kind = [t for t in recording.topics if t.widget == kind.name and (not topics or t.name in topics)]
+            of_kind = [t for t in wanted(recording.topics, topics) if t.widget == kind.name]
             if of_kind and kind.rerun:
                 self._parts.append(load(kind.rerun)(self, of_kind))
 

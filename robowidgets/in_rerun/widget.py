@@ -43,7 +43,7 @@ class RerunWidget(ipywidgets.Box):  # type: ignore[misc]  # ipywidgets has no ty
 
     Args:
         recording: the recording; it may still be read, or be closed.
-        topics: names of topics in it; none: all that have a widget.
+        topics: names of topics in it; none: all that have a widget and a message.
 
     Raises:
         ImportError: rerun-sdk or its part for notebooks is not installed.

@@ -31,6 +31,7 @@ from ..player_widget import PlayerWidget
 from ..poses.places import WITHIN
 from ..recordings import RecordingData
 from ..recordings.times import has_date
+from ..recordings.topics import wanted
 from ..samples.state_span import rows_of
 from ..scanogram_widget import ScanogramWidget
 from ..speed_widget import SpeedWidget
@@ -72,7 +73,7 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
 
     Args:
         recording: the recording. Nothing else may read it meanwhile.
-        topics: names of topics in it; none: all that have a widget.
+        topics: names of topics in it; none: all that have a widget and a message.
         scanogram: whether to show a scanogram of the first topic with scans above the widgets. None: show it if it
             takes a few seconds at most, else a line that says that it is left out.
         rerun: whether to show the Rerun viewer beside the widgets, at the same time.
@@ -101,7 +102,7 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
         self.views: tuple[View, ...] = ()
         recording.samples(topics or None)
         self.rerun = RerunWidget(recording, topics, layout={**_BESIDE, "flex": f"3 1 {_VIEWER}"}) if rerun else None
-        shown = choose_widgets(t for t in recording.topics if not topics or t.name in topics)
+        shown = choose_widgets(wanted(recording.topics, topics))
         self.views = tuple(_view(recording, choice) for choice in shown)
         self._seeking = threading.Lock()
         self._problems = ipywidgets.HTML()

@@ -16,7 +16,7 @@ from ..recordings import RecordingData
 from ..recordings.columns.chunks import ScanChunk
 from ..recordings.columns.scans import Scans as ScanSeries
 from ..recordings.columns.touches import Touches
-from ..recordings.topics import Topic
+from ..recordings.topics import Topic, named, wanted
 from ..repair import RecordingError
 from ..samples import Scan, TouchState
 from ..samples.state_span import rows_of
@@ -110,12 +110,16 @@ def scanogram(
     **options: Any,
 ) -> ScanogramWidget:
     """See `ScanogramWidget.of`; of a span of the recording."""
-    lasers = [t.name for t in recording.topics if t.widget == LASER.name]
+    there = wanted(recording.topics, ())
+    lasers = named(there, LASER.name)
     scans = recording.scans(lasers[0] if topic is None and lasers else topic).between(*span)
+    if beside is not None:
+        there = [t for t in recording.topics if t.name in beside]
 
     def of_the_robot(kind: Kind) -> list[Topic]:
-        topics = [t for t in recording.topics if t.widget == kind.name and (beside is None or t.name in beside)]
-        return [t for t in topics if shared(t.name, scans.topic) == max(shared(t.name, name) for name in lasers)]
+        topics = [t for t in there if t.widget == kind.name]
+        every = (scans.topic, *lasers)
+        return [t for t in topics if shared(t.name, scans.topic) == max(shared(t.name, name) for name in every)]
 
     widget = ScanogramWidget(**options)
     take_the_place(widget)

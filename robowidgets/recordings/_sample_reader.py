@@ -23,8 +23,11 @@ from .program_log import TEXT
 from .topics import Moment, Topic
 
 _SHORTEST = 1e-3
-_BURST = 1.0
-"""Seconds within which a few messages are a burst, such as those when a node starts: it has no rate."""
+_BURST, _BURST_OF_MANY = 1.0, 0.1
+"""Seconds within which a few messages are a burst, such as those when a node starts, and within which many are: it has
+no rate."""
+_BURST_SHARE = 0.1
+"""Share of the recording in which messages are no burst, however short it is."""
 _SHORTEST_LOOK_NS = 1_000_000
 _MOST_AT_ONCE = 64
 """Messages that are decoded together while samples are iterated over."""
@@ -230,7 +233,9 @@ class Messages:
         if count < 2:
             return None
         first, last = self._span(channels)
-        return (count - 1) / (last - first) if last - first >= (_SHORTEST if count >= _LEAST else _BURST) else None
+        whole = self._seconds(self.end_ns or 0)
+        burst = _BURST if count < _LEAST else max(_SHORTEST, min(_BURST_OF_MANY, _BURST_SHARE * whole))
+        return (count - 1) / (last - first) if last - first >= burst else None
 
     def _about_silences(self) -> list[str]:
         """Lines on topics that begin late or end early, except touches and commands, which may be silent for long."""

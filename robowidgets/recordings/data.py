@@ -31,7 +31,7 @@ from .odometry import places_of
 from .program_log import PROGRAM, STATES, ProgramVersion, spans_of, version_of
 from .time_slice import TimeSlice
 from .times import seconds_at, span_ns, to_ns
-from .topics import Moment, Topic, UnknownTopicError, check, named, only, shown
+from .topics import Moment, Topic, UnknownTopicError, check, named, only, shown, wanted
 
 if TYPE_CHECKING:
     from typing_extensions import Self
@@ -319,6 +319,8 @@ class RecordingData:
             return (*found, Problem("there is no message in it: nothing was recorded", _NOTHING))
         if not shown(self.topics):
             return (*found, Problem("none of its topics has a widget that shows it", _NO_WIDGET))
+        if not wanted(shown(self.topics).values(), ()):
+            return (*found, Problem("no message came on its topics that a widget shows", _NOTHING))
         return (*found, *(Problem(line, _CLOCKS) for line in about_clocks(self._note_clocks())))
 
     def _check_open(self) -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from typing import Any, NamedTuple
 
 from ..kinds import KINDS
@@ -68,6 +68,11 @@ def shown(topics: Iterable[Topic]) -> dict[str, Topic]:
     return {topic.name: topic for topic in topics if topic.widget}
 
 
+def wanted(topics: Iterable[Topic], names: Collection[str]) -> list[Topic]:
+    """The topics of these names; without names, all of which a message came."""
+    return [topic for topic in topics if (topic.name in names if names else topic.count)]
+
+
 def named(topics: Iterable[Topic], widget: str) -> list[str]:
     """The names of the topics that a kind of widget shows."""
     return [topic.name for topic in topics if topic.widget == widget]
@@ -89,7 +94,7 @@ def check(name: str, topics: Iterable[Topic], file: str) -> None:
 
 
 def only(name: str, topics: Iterable[Topic], widget: str) -> str:
-    """The only topic of a kind; for speeds, the only measured one.
+    """The only topic of a kind; for speeds, the only measured one. One without a message counts where no other is.
 
     Args:
         name: the name of the recording, for errors.
@@ -100,7 +105,7 @@ def only(name: str, topics: Iterable[Topic], widget: str) -> str:
         UnknownTopicError: there is none; or there are several, as `UnnamedTopicError`.
     """
     topics = list(topics)
-    there = named(topics, widget)
+    there = named(wanted(topics, ()), widget) or named(topics, widget)
     for some in (there, named((topic for topic in topics if not topic.commanded), widget)):
         if len(some) == 1:
             return some[0]

@@ -162,6 +162,25 @@ class TestScans:
         said = "/scan: a third or more of the rays lie beyond range_max (30 m) (in 10 of 100 scans, first at 4.00 s)"
         assert lines(report(some)) == [said]
 
+    def test_what_differs_in_numbers_alone_is_one_line(self, report: Callable[..., Any]) -> None:
+        rays = [12 + i % 5 for i in range(100)]
+        increments = [1.0 / count for count in rays]  # the header implies one ray more
+        scans = [
+            scan
+            for seconds, count, increment in zip(steady(0, 10), rays, increments, strict=True)
+            for scan in taken([seconds], [2.0] * count, increment=increment)
+        ]
+        said = "/scan: angle_max is one step too far for 12 to 16 rays (in 100 of 100 scans)"
+        found = report(scans)
+        assert lines(found) == [said]
+        assert found.problems[0].remedy == "angles are counted from angle_min; programs should do so too"
+
+    def test_what_differs_in_numbers_alone_counts_together(self, report: Callable[..., Any]) -> None:
+        times = steady(0, 10)
+        odd = [*taken(times[50:51], [float("nan")] * 11), *taken(times[51:53], [float("nan")] * 12, increment=1 / 11)]
+        said = ("/scan: no readings: all 11 to 12 rays say NaN, no measurement (in 3 of 100 scans, first at 5.00 s)",)
+        assert tuple(lines(report([*taken(times[:50]), *odd, *taken(times[53:])]))) == said
+
     def test_single_scans_without_a_reading_are_no_problem_of_the_recording(self, report: Callable[..., Any]) -> None:
         times = steady(0, 10)
         assert lines(report([*taken(times[:1], [float("nan")] * 11), *taken(times[1:])])) == []

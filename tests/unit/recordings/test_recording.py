@@ -18,7 +18,7 @@ from robowidgets.recordings import Moment, RecordingError, Topic, UnknownTopicEr
 from robowidgets.recordings._info import heading, table_of
 from robowidgets.recordings.topics import check
 
-from . import robot, sweeps
+from . import recorded, robot, sweeps
 
 S = 1_000_000_000
 
@@ -48,6 +48,19 @@ class TestTopics:
             "/bumper": ("kobuki_ros_interfaces/msg/BumperEvent", 4, 0.6, "touch", False),
             "/log": ("std_msgs/msg/String", 1, None, None, False),
         }
+
+    @pytest.mark.parametrize(
+        ("span", "whole", "rate"),
+        [(0.0013, 2.0, None), (0.034, 60.0, None), (0.034, 0.05, 1000), (0.34, 60.0, 100), (34.0, 60.0, 1)],
+    )
+    def test_of_messages_that_all_come_as_a_node_starts_have_no_rate(
+        self, tmp_path: Path, span: float, whole: float, rate: float | None
+    ) -> None:
+        text = {"data": "hello"}
+        latched = [(i * span / 34, "/rosout", text) for i in range(35)]
+        topics = dict.fromkeys(("/rosout", "/words"), "std_msgs/msg/String")
+        with open(recorded.write(tmp_path / "x", topics, [*latched, (whole, "/words", text)])) as recording:
+            assert recording.topics[0].rate == (rate and pytest.approx(rate, rel=1e-3))
 
     def test_span_the_time_of_the_recording(self, recording: Recording, path: Path) -> None:
         assert (recording.start_ns, recording.end_ns) == (robot.START_NS, robot.START_NS + 10 * S)

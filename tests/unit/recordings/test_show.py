@@ -29,7 +29,7 @@ from robowidgets.recordings import UnknownTopicError
 from robowidgets.samples.touch_tracker import TouchSensor, TouchTracker
 
 from ..waiting import threads_named, wait_for
-from . import robot, sweeps
+from . import recorded, robot, sweeps, topics
 
 S = 1_000_000_000
 
@@ -73,6 +73,36 @@ def test_each_topic_gets_its_widget_and_a_command_the_bars_of_the_measured_speed
     ]  # fmt: skip
     about = f"{player.recording.path.name}: 0.00 of {player.duration:.2f} s, /scan, /odom, /cmd_vel, /bumper"
     assert repr(player) == f"<Player {about}>"
+
+
+class TestATopicWithoutAMessage:
+    @pytest.fixture
+    def path(self, tmp_path: Path) -> Path:
+        some = topics.every(0.1, 0, 2, 1.0)
+        return topics.write(tmp_path / "quiet", {"/front_scan": (), "/scan": some, "/odom": (), "/bump": ()})
+
+    def test_gets_a_widget_only_if_it_is_named(self, path: Path) -> None:
+        with shown(path) as player:
+            assert widgets(player) == {("/scan",): "LaserWidget"}
+            assert player.scanogram is not None
+            assert player.scanogram.title == "/scan"
+        with shown(path, "/front_scan", "/bump") as player:
+            assert widgets(player) == {("/front_scan",): "LaserWidget", ("/bump",): "TouchWidget"}
+
+    def test_is_not_meant_where_another_topic_has_some(self, path: Path) -> None:
+        with open(path) as recording:
+            assert recording.scans().topic == "/scan"
+            assert len(recording.scans("/front_scan")) == 0
+            assert recording.scanogram().title == "/scan"
+            assert recording.problems == ()
+
+    def test_is_told_where_there_is_no_other(self, tmp_path: Path) -> None:
+        path = recorded.write(
+            tmp_path / "x", {"/scan": sweeps.TYPE, "/words": "std_msgs/msg/String"}, [(0, "/words", {"data": "hi"})]
+        )
+        with shown(path) as player:
+            assert player.views == ()
+            assert player.recording.problems == ("no message came on its topics that a widget shows",)
 
 
 def test_topics_may_be_chosen_and_a_command_alone_has_bars_of_its_own(path: Path) -> None:
@@ -393,8 +423,8 @@ def test_the_bars_of_axes_that_no_speed_or_command_uses_are_left_out(path: Path,
 
 
 def test_without_a_scanogram_the_wide_widgets_stand_left_and_the_small_ones_beside(path: Path) -> None:
-    for topics, boxes in (((), ["rw-wides", "rw-smalls"]), (("/odom", "/bumper"), ["rw-smalls"])):
-        with shown(path, *topics, scanogram=False) as player:
+    for names, boxes in (((), ["rw-wides", "rw-smalls"]), (("/odom", "/bumper"), ["rw-smalls"])):
+        with shown(path, *names, scanogram=False) as player:
             screen = player.children[-1]
             assert [box._dom_classes for box in screen.children] == [(name,) for name in boxes]
 
