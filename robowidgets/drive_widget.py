@@ -107,9 +107,12 @@ class DriveWidget(DrivingWidget):
             self._attach(watchdog, robot)
         else:
             self._attach(CommandWatchdog(_sink_of(robot)), owns=True)
-        topic = getattr(getattr(robot, "driving", None), "topic", "")
-        if isinstance(topic, str) and topic:
-            self._name_after(topic)
+        self._title_after_feed()
+
+    def send_newest(self) -> int:
+        """See `DrivingWidget`. The feed may have chosen another topic."""
+        self._title_after_feed()
+        return super().send_newest()
 
     def disconnect(self) -> None:
         """Drive nothing any more; the robot that this pad drove is stopped."""
@@ -120,6 +123,11 @@ class DriveWidget(DrivingWidget):
         """The speed that was sent last: linear x in m/s, angular z in rad/s."""
         linear, angular = self._watchdog.sent
         return Speed((linear, 0.0, 0.0), (0.0, 0.0, angular))
+
+    def _title_after_feed(self) -> None:
+        feed = self._feed
+        if feed is not None:
+            self._name_after(feed.driver.topic)
 
     def _on_press(self, message: PadMessage) -> None:
         press, over = message.press, self._why_not()

@@ -179,7 +179,7 @@ class DrivingWidget(NamedWidget):
             "error": self._error_text(),
             "cause": self._cause,
             "status": "" if feed is None else feed.drive_status,
-            "topic": "" if feed is None else feed.driving.topic,
+            "topic": "" if feed is None else feed.driver.topic,
         }
 
     def send_newest(self) -> int:

@@ -61,7 +61,7 @@ class Connection(Observed):
         self._table = SubscriptionTable(f"connecting to {middleware.where}", self.functions)
         self.adverts: tuple[Advert, ...] = ()
         self.unsent = ""
-        self._reached = self.is_closed = self.is_forked = False
+        self._reached = self._listed = self.is_closed = self.is_forked = False
         self._driven: str | None = None
         """The topic on which this feed publishes speeds and nobody else publishes anything."""
         self._opened = time.monotonic()
@@ -186,7 +186,7 @@ class Connection(Observed):
         with self._lock:
             if self.is_closed or (self.is_listed and self.adverts == tuple(topics)):
                 return
-            self.adverts = tuple(topics)
+            self.adverts, self._listed = tuple(topics), True
             self._list_topics()
             self._changed.notify_all()
         self._call_observers()
@@ -227,7 +227,12 @@ class Connection(Observed):
     @property
     def is_listed(self) -> bool:
         """Whether the middleware has listed the topics."""
-        return self._table.topics is not None
+        return self._listed
+
+    @property
+    def is_settled(self) -> bool:
+        """Whether the topics are known, as far as they are discovered a moment after opening."""
+        return self.is_listed and time.monotonic() >= self._opened + PATIENCE
 
     @property
     def page_name(self) -> str:

@@ -5,11 +5,12 @@ from __future__ import annotations
 import contextlib
 import threading
 import time
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from ..driving.command_watchdog import PROGRAM, ZERO, CommandWatchdog, RefusedError, Request, Velocity
 from ..samples import Speed
-from ._driving import DriveStatus, Driving
+from ._driving import USUAL, DriveStatus, Driving, heard_speeds, unheard
 from ._twist import TwistPublisher
 from .middleware import FeedError, Middleware, NotYetError
 
@@ -40,6 +41,8 @@ class Driver:
     def __init__(self, connection: Connection, middleware: Middleware) -> None:
         self._connection = connection
         self._driving = Driving()
+        self._chosen: tuple[Driving, Driving] | None = None
+        """Settings without a topic, and the same with the one that was chosen for them."""
         self._changing = threading.Lock()
         """Held while the settings change, so that no speed gets between the zero on the old topic and the new one."""
         self._status = DriveStatus()
@@ -54,7 +57,8 @@ class Driver:
     @property
     def driving(self) -> Driving:
         """See `Feed.driving`."""
-        return self._driving
+        given, chosen = self._driving, self._chosen
+        return chosen[1] if chosen is not None and chosen[0] is given else given
 
     @driving.setter
     def driving(self, driving: Driving) -> None:
@@ -64,18 +68,24 @@ class Driver:
             if self.watchdog.owes_zero:
                 with contextlib.suppress(FeedError, OSError):  # the watchdog logs it and sends zero later
                     self.watchdog.sent_in_time(self.watchdog.stop())
-            self._driving, self._status.cut, self._connected_by = driving, "", None
+            self._driving, self._connected_by = driving, None
+            self._status.cut = self._status.taken = ""
+
+    @property
+    def topic(self) -> str:
+        """The topic on which speeds are published now."""
+        return self.driving.topic or USUAL
 
     @property
     def status(self) -> str:
         """See `Feed.drive_status`."""
-        status, topic = self._status, self._driving.topic
-        return self._connection.status or "; ".join(status.reasons(topic, self._connection.adverts))
+        reasons = self._status.reasons(self.topic, self._connection.adverts) if self._connection.is_listed else ()
+        return self._connection.status or "; ".join(reasons)
 
     def drive(self, linear: float, angular: float) -> None:
         """See `Feed.drive`."""
         velocity, stops = self._within(linear, angular), self.watchdog.stops
-        self._connection.await_subscriber(self._driving.topic)
+        self._connection.await_subscriber(self.topic)
         if self._connected_by is None:
             self._connected_by = time.monotonic() + CONNECT_TIMEOUT
         try:
@@ -106,7 +116,7 @@ class Driver:
     def stop(self) -> None:
         """See `Feed.stop`."""
         self._status.cut = ""
-        self._connection.await_subscriber(self._driving.topic)
+        self._connection.await_subscriber(self.topic)
         self._connection.check_open()
         try:
             self.watchdog.sent_in_time(self.watchdog.stop())
@@ -115,6 +125,8 @@ class Driver:
             raise FeedError(f"cannot stop: {self._connection.status or error}{follows}") from None
         finally:
             self._log_status()
+        if elsewhere := self._heard_elsewhere():
+            raise FeedError(f"cannot stop: {elsewhere}")
 
     def close(self) -> None:
         """Send zero if one is owed, and refuse every speed from now on. A subscriber that is connecting is awaited.
@@ -181,8 +193,11 @@ class Driver:
         self._connection.check_open()
         if self._connection.status:
             raise FeedError(f"cannot drive: {self._connection.status}")
+        self._choose(is_driven=velocity != ZERO)
         if velocity != ZERO:
-            self._connection.list_driven(self._driving.topic)
+            if self.driving.topic is None and (elsewhere := self._heard_elsewhere()):
+                raise FeedError(f"cannot drive: {elsewhere}")
+            self._connection.list_driven(self.topic)
         with self._changing:
             if self._driving.needs_page and time.monotonic() - self._page_at > PAGE_TIMEOUT:
                 raise FeedError(
@@ -198,12 +213,38 @@ class Driver:
         """The sink of the watchdog, called in its thread."""
         if linear or angular:
             self._connection.check_open()
-        self._twists.send(self._driving.topic, linear, angular, self._connection.adverts)
+        self._choose(is_driven=False)
+        self._twists.send(self.topic, linear, angular, self._connection.adverts)
         self._status.refused = self._twists.refused
+
+    def _choose(self, *, is_driven: bool) -> None:
+        """Choose the topic if none is set: the usual one, or, when nobody listens to it, the only one that is heard.
+
+        What was driven once stays chosen: when its robot is gone for a moment, no other one is driven in its place.
+        """
+        given, adverts = self._driving, self._connection.adverts
+        if self.driving.topic is not None:
+            return
+        heard = heard_speeds(adverts)
+        if USUAL in heard:
+            if is_driven:
+                self._chosen = given, replace(given, topic=USUAL)
+        elif len(heard) == 1 and self._connection.is_settled and unheard(USUAL, adverts):
+            self._chosen = given, replace(given, topic=heard[0])
+            self._status.taken = f"nobody listens to {USUAL}: speeds go to {heard[0]}, where alone somebody does"
+
+    def _heard_elsewhere(self) -> str:
+        """Text for speeds that nobody listens to, where somebody listens to other topics; empty if it is not so."""
+        topic, adverts = self.topic, self._connection.adverts
+        heard = heard_speeds(adverts)
+        if not heard or not self._connection.is_settled or not (reason := unheard(topic, adverts)):
+            return ""
+        return f"{reason}; name the topic of your robot: feed.driving = feeds.Driving(topic={heard[0]!r})"
 
     def _log_status(self) -> None:
         """Log why the robot may not move as commanded; after a speed was requested, which may be zero."""
-        self._status.log(self._connection.where, self._driving.topic, self._connection.adverts)
+        if not self._connection.status and self._connection.is_listed:
+            self._status.log(self._connection.where, self.topic, self._connection.adverts)
 
     def _after_send(self) -> None:
         watchdog = self.watchdog
@@ -211,4 +252,4 @@ class Driver:
             self._by_hand, self._status.cut = False, ""  # the press is over, and so is the cut of its speed
         if watchdog.error is None:
             linear, angular = watchdog.sent
-            self._connection.show_sent(self._driving.topic, Speed((linear, 0.0, 0.0), (0.0, 0.0, angular)))
+            self._connection.show_sent(self.topic, Speed((linear, 0.0, 0.0), (0.0, 0.0, angular)))

@@ -9,11 +9,15 @@ from dataclasses import dataclass, fields
 from .._core.limit_traits import is_past
 from .._core.log_once import LogOnce
 from ..driving.command_watchdog import HOLD
-from ..kinds import SPEED, is_command
+from ..kinds import is_command
+from ..messages.standard import TWIST, TWIST_STAMPED
 from ..samples.checks import OF_DEGREES, finite, is_angle
 from .middleware import Advert
 
 log = logging.getLogger("robowidgets")
+
+USUAL = "/cmd_vel"
+"""The topic on which speeds are published where no other one is set, nor alone has somebody who listens."""
 
 
 @dataclass(frozen=True)
@@ -21,7 +25,8 @@ class Driving:
     """The settings for driving the robot of a feed.
 
     Args:
-        topic: the topic on which speeds are published.
+        topic: the topic on which speeds are published. None: /cmd_vel, or where nobody listens to that, the only topic
+            of speeds to which somebody does.
         max_linear: limit in m/s, forward and backward; greater speeds are cut.
         max_angular: limit in rad/s, both ways; greater speeds are cut.
         hold: seconds for which a speed is valid, one of a pad for half a second at most; zero follows if it is not
@@ -35,16 +40,16 @@ class Driving:
         ValueError: a limit that is not finite and above 0, or an empty topic.
     """
 
-    topic: str = "/cmd_vel"
+    topic: str | None = None
     max_linear: float = 0.5
     max_angular: float = 1.0
     hold: float = HOLD
     needs_page: bool = False
 
     def __post_init__(self) -> None:
-        if not isinstance(self.topic, str):
-            raise TypeError(f"topic: expected the name of a topic as text, got {self.topic!r}")
-        if not self.topic.strip():
+        if not isinstance(self.topic, str | None):
+            raise TypeError(f"topic: expected the name of a topic as text, or None, got {self.topic!r}")
+        if self.topic is not None and not self.topic.strip():
             raise ValueError(f"topic: expected the name of a topic, such as /cmd_vel, got {self.topic!r}")
         if not isinstance(self.needs_page, bool):
             raise TypeError(f"needs_page: expected True or False, got {self.needs_page!r}")
@@ -84,17 +89,18 @@ class DriveStatus:
         cut: a text for the cut of the last speed; empty if it was not cut.
         unheard: for each topic, the reason why a subscriber does not receive speeds, as the middleware reports it.
         refused: the reason why the last speed was not published for some of the subscribers; empty if it was for all.
+        taken: a text for the topic that was taken in place of the usual one; empty if none was.
     """
 
     def __init__(self) -> None:
-        self.cut = self.refused = ""
+        self.cut = self.refused = self.taken = ""
         self.unheard: dict[str, str] = {}
         self._log = LogOnce(log.warning)
 
     def reasons(self, topic: str, adverts: Sequence[Advert]) -> list[str]:
         """All reasons for a command topic."""
         reasons = (
-            _unheard(topic, adverts),
+            unheard(topic, adverts),
             self.unheard.get(topic),
             self.refused,
             _contested(topic, adverts),
@@ -104,19 +110,32 @@ class DriveStatus:
 
     def log(self, where: str, topic: str, adverts: Sequence[Advert]) -> None:
         """Log each reason once, a cut only once whatever its numbers: speeds may come at any rate."""
-        for reason in self.reasons(topic, adverts):
+        for reason in filter(None, (self.taken, *self.reasons(topic, adverts))):
             self._log(f"{where}: {reason}", "cut" if reason == self.cut else reason)
 
 
-def _unheard(name: str, adverts: Sequence[Advert]) -> str:
-    """Text for a topic without a subscriber, naming the command topics that have one; empty when one may exist."""
+def unheard(name: str, adverts: Sequence[Advert]) -> str:
+    """Text for a topic without a subscriber, naming the topics of speeds that have one; empty when one may exist."""
     here = [advert.wanted for advert in adverts if advert.name == name]
     # If a middleware reports no subscriber on any topic, it may be unable to.
     tells = not adverts or any(advert.wanted is not None for advert in adverts)
     if any(wanted is not False for wanted in here) if here else not tells:
         return ""
-    heard = dict.fromkeys(a.name for a in adverts if a.wanted and is_command(a.name) and a.type in SPEED.types)
-    return f"nobody listens to {name}" + (f"; speeds go to {', '.join(heard)}" if heard else "")
+    heard = heard_speeds(adverts)
+    return f"nobody listens to {name}" + (f", but to {' and '.join(heard)}" if heard else "")
+
+
+def heard_speeds(adverts: Sequence[Advert]) -> list[str]:
+    """The topics of commanded speeds that somebody subscribes to. Some bridges do not tell their types."""
+    return list(
+        dict.fromkeys(
+            advert.name
+            for advert in adverts
+            if advert.wanted
+            and is_command(advert.name)
+            and (advert.type in (TWIST, TWIST_STAMPED) if advert.type else advert.name.endswith(USUAL))
+        )
+    )
 
 
 def _contested(name: str, adverts: Sequence[Advert]) -> str:

@@ -314,7 +314,7 @@ STATES = {
     "program": (PROGRAM, ""),
     "status": (
         PROGRAM,
-        "feed.connection.on_unheard('/cmd_vel', 'nobody listens to /cmd_vel; speeds go to /base/cmd_vel')",
+        "feed.connection.on_unheard('/cmd_vel', 'nobody listens to /cmd_vel, but to /base/cmd_vel')",
     ),
     "stopped": ("nobody may drive", "feed.stopped = True"),
     "free": ("nobody drives", "runs = feed.stopped = False; feed.connection.on_unheard('/cmd_vel', '')"),

@@ -327,7 +327,7 @@ class TestFeed:
         pad.hold(forward=1, turn=1)
         wait_for(lambda: pad.told["speed"] == (0.2, 1.0), "it drives")
         assert pad.told["topic"] == pad.title == "/base/cmd_vel"
-        unheard = "nobody listens to /base/cmd_vel; speeds go to /cmd_vel"
+        unheard = "nobody listens to /base/cmd_vel, but to /cmd_vel"
         assert pad.told["status"] == f"{unheard}; 0.5 m/s is cut to 0.2"
         script.listener.on_topics([CMD_VEL._replace(name="/base/cmd_vel")])
         assert pad.told["status"] == "0.5 m/s is cut to 0.2"

@@ -47,7 +47,7 @@ def test_it_tells_who_drives_and_what_is_said_against_it(feed: Feed, bar: StopWi
     wait_for(lambda: page.state["_state"]["speed"] == (0.2, 0.5), "the speed is told")
     state = page.state["_state"]
     assert (state["driver"], state["topic"]) == (PROGRAM, "/base/cmd_vel")
-    assert state["status"] == "nobody listens to /base/cmd_vel; speeds go to /cmd_vel"
+    assert state["status"] == "nobody listens to /base/cmd_vel, but to /cmd_vel"
     wait_for(lambda: page.state["_state"]["driver"] == "", "the speed's time is over")
     feed.watchdog.take("hand")
     wait_for(lambda: page.state["_state"]["driver"] == "hand", "a hand holds a pad")

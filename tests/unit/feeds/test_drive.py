@@ -10,10 +10,12 @@ from typing import Any
 
 import pytest
 
+from robowidgets.behaviors import Drive
 from robowidgets.driving.command_watchdog import RefusedError
 from robowidgets.feeds import Advert, Driving, Feed, FeedError
 from robowidgets.feeds.middleware import NotYetError
 
+from ..test_drive_widget import Pad
 from ..waiting import wait_for
 from .scripted import CMD_VEL, ODOM, SCAN, Scripted, twist
 
@@ -520,19 +522,135 @@ def test_a_zero_that_cannot_be_sent_is_logged(driven: Driven, caplog: pytest.Log
 
 
 def test_a_robot_that_nobody_hears_is_told_once(driven: Driven, caplog: pytest.LogCaptureFixture) -> None:
-    feed, _ = driven(SCAN, CMD_VEL._replace(name="/base/cmd_vel"))
+    feed, _ = driven(SCAN)
     feed.drive(0.1)
     feed.drive(0.1)
-    assert [r.message for r in caplog.records] == ["the script: nobody listens to /cmd_vel; speeds go to /base/cmd_vel"]
-    feed.driving = Driving(topic="/base/cmd_vel")
-    assert feed.drive_status == ""
+    assert feed.drive_status == "nobody listens to /cmd_vel"
+    assert [r.message for r in caplog.records] == ["the script: nobody listens to /cmd_vel"]
 
 
 def test_a_stop_that_nobody_hears_is_told_once(driven: Driven, caplog: pytest.LogCaptureFixture) -> None:
-    feed, _ = driven(SCAN, CMD_VEL._replace(name="/base/cmd_vel"))
+    feed, _ = driven(SCAN)
     feed.stop()
     feed.stop()
-    assert [r.message for r in caplog.records] == ["the script: nobody listens to /cmd_vel; speeds go to /base/cmd_vel"]
+    assert [r.message for r in caplog.records] == ["the script: nobody listens to /cmd_vel"]
+
+
+def test_that_nobody_listens_is_not_said_while_nothing_is_connected(
+    driven: Driven, caplog: pytest.LogCaptureFixture
+) -> None:
+    feed, script = driven(connected=False)
+    with pytest.raises(FeedError, match="cannot drive: connecting to the script"):
+        feed.drive(0.1)
+    assert feed.drive_status == "connecting to the script"
+    script.connect()  # and no topic is listed yet
+    feed.drive(0.1)
+    assert (feed.drive_status, caplog.records) == ("", [])
+    script.listener.on_topics([SCAN])
+    assert feed.drive_status == "nobody listens to /cmd_vel"
+
+
+# -- which topic -------------------------------------------------------------------------------------------------------
+
+ROBOT_1, ROBOT_2 = (CMD_VEL._replace(name=f"/robot{number}/cmd_vel") for number in (1, 2))
+NAME_IT = r"; name the topic of your robot: feed.driving = feeds.Driving\(topic='/robot1/cmd_vel'\)"
+TAKEN = "the script: nobody listens to /cmd_vel: speeds go to /robot1/cmd_vel, where alone somebody does"
+
+
+def test_the_only_topic_of_speeds_that_is_heard_is_driven_and_that_is_said_once(
+    driven: Driven, caplog: pytest.LogCaptureFixture
+) -> None:
+    feed, script = driven(SCAN, ROBOT_1, ODOM, hold=60.0)
+    assert feed.driving.topic is None
+    feed.drive(0.1)
+    feed.drive(0.2)
+    feed.stop()
+    assert {topic for topic, _, _ in script.sent} == {"/robot1/cmd_vel"}
+    assert feed.driving.topic == "/robot1/cmd_vel"
+    assert (feed.drive_status, [r.message for r in caplog.records]) == ("", [TAKEN])
+
+
+@pytest.mark.parametrize("how", ["stop", "latch", "pad", "program"])
+def test_stop_pads_and_programs_take_the_only_topic_that_is_heard_as_drive_does(driven: Driven, how: str) -> None:
+    feed, script = driven(SCAN, ROBOT_1, hold=60.0)
+    wait_for(lambda: feed.connection.is_settled, "the topics are known")
+    if how == "stop":
+        feed.stop()
+    elif how == "latch":
+        feed.stopped = True
+    elif how == "pad":
+        pad = Pad(send=None)
+        pad.connect(feed)
+        pad.hold(forward=0.2)
+        wait_for(lambda: pad.title == "/robot1/cmd_vel", "it has the name")
+    else:
+        feed.program(lambda: Drive(0.1))
+    wait_for(lambda: script.sent, "it is sent")
+    assert {topic for topic, _, _ in script.sent} == {"/robot1/cmd_vel"}
+
+
+def test_of_several_topics_that_are_heard_none_is_driven_and_all_are_named(driven: Driven) -> None:
+    feed, script = driven(SCAN, ROBOT_1, ROBOT_2)
+    words = f"nobody listens to /cmd_vel, but to /robot1/cmd_vel and /robot2/cmd_vel{NAME_IT}"
+    with pytest.raises(FeedError, match=f"cannot drive: {words}"):
+        feed.drive(0.1)
+    with pytest.raises(FeedError, match=f"cannot stop: {words}"):
+        feed.stop()
+    assert set(script.speeds) == {(0.0, 0.0)}
+    pad = Pad(send=None)
+    pad.connect(feed)
+    pad.hear("hold", token=pad.press(), forward=0.2)
+    wait_for(lambda: "but to /robot1/cmd_vel and /robot2/cmd_vel" in pad.told["error"], "the pad says so")
+    pad.hear("release")
+    program = feed.program(lambda: Drive(0.1))
+    wait_for(lambda: "but to /robot1/cmd_vel and /robot2/cmd_vel" in program.waiting, "the program says so")
+    assert set(script.speeds) == {(0.0, 0.0)}
+    feed.driving = Driving(topic="/robot2/cmd_vel")
+    feed.drive(0.1)
+    assert script.sent[-1][0] == "/robot2/cmd_vel"
+
+
+def test_a_topic_that_was_set_stays_and_stopping_where_nobody_hears_it_says_who_is_heard(driven: Driven) -> None:
+    feed, script = driven(SCAN, ROBOT_1, topic="/cmd_vel")
+    feed.drive(0.1)
+    with pytest.raises(FeedError, match=f"cannot stop: nobody listens to /cmd_vel, but to /robot1/cmd_vel{NAME_IT}"):
+        feed.stop()
+    assert {topic for topic, _, _ in script.sent} == {"/cmd_vel"}
+
+
+def test_what_was_driven_once_is_driven_on_whoever_else_is_heard(driven: Driven) -> None:
+    for first, other in ((CMD_VEL, ROBOT_1), (ROBOT_1, CMD_VEL)):
+        feed, script = driven(SCAN, first, hold=60.0)
+        feed.drive(0.1)
+        script.listener.on_topics([SCAN, other])
+        feed.drive(0.2)
+        wait_for(lambda script=script: script.speeds[-1] == (0.2, 0.0), "it is sent")  # type: ignore[misc]
+        assert [topic for topic, _, _ in script.sent] == [first.name, first.name]
+        feed.driving = Driving()
+        feed.drive(0.1)
+        wait_for(
+            lambda script=script, other=other: script.sent[-1][0] == other.name,  # type: ignore[misc]
+            "other settings choose anew",
+        )
+
+
+def test_no_topic_is_chosen_before_the_usual_one_had_time_to_be_found(
+    driven: Driven, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("robowidgets.feeds._connection.PATIENCE", 60.0)
+    feed, script = driven(ROBOT_1)
+    feed.stopped = True
+    wait_for(lambda: script.sent, "zero is sent")
+    feed.stopped = False
+    script.listener.on_topics([ROBOT_1, CMD_VEL])
+    feed.drive(0.1)
+    assert {topic for topic, _, _ in script.sent} == {"/cmd_vel"}
+
+
+def test_a_bridge_that_does_not_tell_the_type_of_what_is_only_heard_is_driven_too(driven: Driven) -> None:
+    feed, script = driven(SCAN, ROBOT_1._replace(type=""), Advert("/gripper/command", "", False, True))
+    feed.drive(0.1)
+    assert script.sent[0][:2] == ("/robot1/cmd_vel", CMD_VEL.type)
 
 
 @pytest.mark.parametrize(
@@ -582,7 +700,7 @@ def test_that_speeds_are_cut_is_logged_once_whatever_the_numbers(
         ({"max_angular": inf}, ValueError, "max_angular: expected"),
         ({"max_angular": "fast"}, TypeError, "max_angular"),
         ({"topic": " "}, ValueError, "topic: expected the name of a topic, such as /cmd_vel, got ' '"),
-        ({"topic": 3}, TypeError, "topic: expected the name of a topic as text, got 3"),
+        ({"topic": 3}, TypeError, "topic: expected the name of a topic as text, or None, got 3"),
     ],
 )
 def test_limits_must_make_sense(given: dict[str, object], error: type[Exception], words: str) -> None:
