@@ -54,6 +54,8 @@ class Bridge(ThreadedMiddleware):
         self._pending: dict[str, deque[tuple[Read, Any]]] = {}
         self._newest: dict[str, int] = {}
         """The number of the last pending messages of a topic that are for those who take the newest."""
+        self._published: set[str] = set()
+        """The topics on which something was published."""
         self._unmatched: dict[Any, Frame | None] = {}
         """By new publisher of the bridge: the frame that was sent last, if it was zero."""
         self._begin()
@@ -113,8 +115,9 @@ class Bridge(ThreadedMiddleware):
             self._give_up_too_big()
         return reason
 
-    def _publish(self, frame: Callable[[], Frame], confirm: bool) -> None:
-        """See `WebSocket.publish`."""
+    def _publish(self, topic: str, frame: Callable[[], Frame], confirm: bool) -> None:
+        """Publish a frame on a topic; see `WebSocket.publish`."""
+        self._published.add(topic)
         if self._socket is None:
             raise FeedError(f"there is no connection to {self.where}")
         self._socket.publish(frame, confirm)
@@ -129,6 +132,12 @@ class Bridge(ThreadedMiddleware):
         self._followed, self._received, self._pending, self._unmatched = frozenset(), set(), {}, {}
         self._begin()
         self._follow(self._wanted, self._each)
+
+    def on_silence(self, is_silent: bool) -> None:
+        """The robot has not answered for a while, so that speeds are refused; or it has answered again."""
+        reason = f"{self.where} does not answer: until it does, only zero is sent" if is_silent else ""
+        for topic in list(self._published):
+            self._listener.on_unheard(topic, reason)
 
     def deliver(self) -> None:
         """Decode the frames that were kept, and pass them on."""

@@ -31,6 +31,7 @@ PATIENCE = 5.0
 
 _ALIVE = 10.0  # seconds without an answer after which the connection is given up
 _PINGS = 10  # pings in that time
+_SILENCE = 1.0  # seconds without an answer after which only zero is sent: what is sent then waits, and arrives late
 _OVERDUE = 0.005  # seconds for which a flood of frames may delay everything else in the thread
 _GOODBYE = 0.5
 
@@ -76,6 +77,8 @@ class WebSocket:
         still send."""
         self._is_heard = False
         """Whether anything came since the last look."""
+        self._silence_noted = False
+        """Whether the bridge is told that there has been no answer for a while."""
         self._ended = asyncio.Event()
         self._kept_since: float | None = None
         self._opened_at = math.inf
@@ -145,6 +148,8 @@ class WebSocket:
         try:
             sending.result(SEND_TIMEOUT)
             return
+        except FeedError:
+            raise
         except concurrent.futures.TimeoutError:
             late: OSError = TimeoutError(self._why_late())
         except Exception:  # whatever the network and tornado raise, or it was cancelled
@@ -215,7 +220,8 @@ class WebSocket:
         if self.is_cancelled and not self._ended.is_set():
             with contextlib.suppress(asyncio.TimeoutError):
                 await asyncio.wait_for(self._bridge.finish(), _GOODBYE)
-        self._connection = None
+        self._connection, self._unanswered = None, ()
+        self._note_silence()
         connection.close()
         if not self._silent:
             with contextlib.suppress(asyncio.TimeoutError):
@@ -237,12 +243,20 @@ class WebSocket:
         return None
 
     @property
-    def _oldest_unanswered(self) -> _Ping | None:
-        return next(iter(self._unanswered), None)
+    def _silence(self) -> float:
+        """Seconds for which the oldest ping without an answer has waited for it."""
+        return time.monotonic() - self._unanswered[0].sent_at if self._unanswered else 0.0
+
+    def _note_silence(self) -> None:
+        is_silent = self._silence >= _SILENCE
+        if is_silent != self._silence_noted:
+            self._silence_noted = is_silent
+            self._bridge.on_silence(is_silent)
 
     def _ping(self) -> _Ping:
         ping = _Ping(b"%d" % next(self._pings))
         self._unanswered += (ping,)
+        self.later(_SILENCE, self._note_silence)
         with contextlib.suppress(Exception):  # the connection ended
             self._connection.ping(ping.mark)
         return ping
@@ -254,6 +268,7 @@ class WebSocket:
         for ping in self._unanswered[:count]:
             ping.answered.set()
         self._unanswered = self._unanswered[count:]
+        self._note_silence()
 
     def _deliver_soon(self) -> asyncio.Future[None] | None:
         # While the network has more frames, tornado reads on and nothing else runs in this thread, so that only the
@@ -281,17 +296,15 @@ class WebSocket:
     def _why_late(self) -> str:
         if self._written is not None and not self._written.done():
             return f"{self.address} does not take what is sent"
-        oldest = self._oldest_unanswered
-        silence = max(SEND_TIMEOUT, time.monotonic() - oldest.sent_at if oldest else 0.0)
-        return f"{self.address} has not answered for {silence:.1f} s"
+        return f"{self.address} has not answered for {max(SEND_TIMEOUT, self._silence):.1f} s"
 
     async def _publish(self, frame: Callable[[], Frame], confirm: bool, taken: threading.Lock) -> None:
         # A speed that cannot be sent now must not reach the robot later, and tornado cannot cancel a write. So tornado
         # gets a frame only when it has written the one before, and a speed only while the robot answers.
-        while not confirm and (ping := self._oldest_unanswered) and time.monotonic() - ping.sent_at > SEND_TIMEOUT:
-            await ping.answered.wait()
         if self._written is not None:
             await asyncio.shield(self._written)
+        if not confirm and self._silence >= _SILENCE:
+            raise FeedError(f"{self._why_late()}: until it answers, only zero is sent")
         if not taken.acquire(blocking=False):
             return
         self._send(frame())
@@ -299,6 +312,8 @@ class WebSocket:
         await asyncio.shield(self._written)
         if confirm:
             await self._ping().answered.wait()
+        elif not self._unanswered:  # so that its silence counts from the first speed that it did not read
+            self._ping()
 
     def _failure(self, error: BaseException) -> str:
         if isinstance(error, ConnectionRefusedError):

@@ -80,7 +80,7 @@ class Foxglove(Bridge):
         payload = json.dumps(message).encode() if is_json else encode(encoding, message_type, message)
         key = topic, message_type, encoding
         zero = is_zero(message)
-        self._publish(lambda: self._frame_on(key, payload, is_zero=zero), confirm=zero)
+        self._publish(topic, lambda: self._frame_on(key, payload, is_zero=zero), confirm=zero)
 
     def on_frame(self, frame: Frame) -> None:
         """See `Bridge`."""

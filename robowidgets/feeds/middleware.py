@@ -75,7 +75,7 @@ class Listener(Protocol):
     def on_unheard(self, topic: str, reason: str) -> None:
         """The reason why a subscriber does not receive our messages on a topic, as a sentence; empty: none any more.
 
-        The reason may be an incompatible quality of service.
+        The reason may be an incompatible quality of service, or a bridge that does not answer.
         """
 
 

@@ -71,7 +71,7 @@ class Rosbridge(Bridge):
             self._note_sent(key, frame, is_zero=zero)
             return frame
 
-        self._publish(advertised, confirm=zero)
+        self._publish(topic, advertised, confirm=zero)
 
     async def finish(self) -> None:
         """See `Bridge`."""

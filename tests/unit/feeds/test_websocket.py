@@ -15,7 +15,8 @@ from typing import Any
 
 import pytest
 
-from robowidgets.feeds import FeedError, _websocket
+from robowidgets import DriveWidget, feeds
+from robowidgets.feeds import Feed, FeedError, _websocket
 from robowidgets.feeds.foxglove import Foxglove
 from robowidgets.feeds.middleware import CLOSE_TIMEOUT
 
@@ -240,6 +241,71 @@ def test_to_a_robot_that_has_not_answered_for_a_while_no_speed_is_sent(taking: t
     middleware.publish("/cmd_vel", TWIST, {"linear": {"x": 0.0}})
     wait_for(lambda: sent(server)[-1] == {"linear": {"x": 0.0}}, "the zero came")
     assert [message["linear"]["x"] for message in sent(server)] == [*(1.0 + i for i in range(tried)), 0.0]
+
+
+def test_its_silence_counts_from_the_first_speed_without_an_answer_and_is_told_until_it_answers(
+    taking: tuple[OldFoxglove, Foxglove], ears: Ears, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    server, middleware = taking
+    monkeypatch.setattr(_websocket, "_ALIVE", 1000.0)  # no ping but those of speeds
+    wait_for(lambda: not refusal(middleware, {"linear": {"x": 1.0}}) and not _unanswered(middleware), "it answered")
+    go_on = server.stall()
+    wait_for(
+        lambda: "until it answers, only zero is sent" in refusal(middleware, {"linear": {"x": 1.0}}), "it is silent"
+    )
+    words = f"{server.address} does not answer: until it does, only zero is sent"
+    wait_for(lambda: ears.unheard.get("/cmd_vel") == words, "it is told")
+    count = len(sent(server))
+    with pytest.raises(TimeoutError):
+        middleware.publish("/cmd_vel", TWIST, {"linear": {"x": 0.0}})
+    assert refusal(middleware, {"linear": {"x": 2.0}})
+    go_on()
+    wait_for(lambda: ears.unheard["/cmd_vel"] == "", "it is well again")
+    wait_for(lambda: not refusal(middleware, {"linear": {"x": 3.0}}), "a speed is sent")
+    wait_for(lambda: sent(server)[-1:] == [{"linear": {"x": 3.0}}], "it came")
+    assert [message["linear"]["x"] for message in sent(server)[count:]][-2:] == [0.0, 3.0]
+    assert {"linear": {"x": 2.0}} not in sent(server)
+
+
+def test_a_connection_that_ends_while_it_is_silent_is_told_by_its_end_alone(
+    taking: tuple[OldFoxglove, Foxglove], ears: Ears, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    server, middleware = taking
+    monkeypatch.setattr(_websocket, "_SILENCE", 0.05)
+    go_on = server.stall()
+    refusal(middleware, {"linear": {"x": 1.0}})
+    wait_for(lambda: ears.unheard.get("/cmd_vel"), "it is told")
+    server.drop()
+    go_on()
+    wait_for(lambda: ears.lost, "the connection ended")
+    assert ears.unheard["/cmd_vel"] == ""
+
+
+def _unanswered(middleware: Foxglove) -> bool:
+    assert middleware._socket is not None
+    return bool(middleware._socket._unanswered)
+
+
+def _refused(feed: Feed) -> str:
+    try:
+        feed.drive(0.1)
+    except FeedError as error:
+        return str(error)
+    return ""
+
+
+def test_a_pad_says_that_a_robot_does_not_answer() -> None:
+    info: dict[str, Any] = {"capabilities": ["clientPublish"], "supportedEncodings": ["json"]}
+    with OldFoxglove([channel(1)], **info) as server, feeds.foxglove(server.address) as feed:
+        pad = DriveWidget()
+        pad.connect(feed)
+        feed.drive(0.1)
+        go_on = server.stall()
+        wait_for(lambda: "until it answers, only zero is sent" in _refused(feed), "speeds end")
+        words = f"{server.address} does not answer: until it does, only zero is sent"
+        wait_for(lambda: words in pad.get_state()["_state"]["status"], "the pad says so")
+        go_on()
+        wait_for(lambda: words not in pad.get_state()["_state"]["status"], "it is well again")
 
 
 PONG = 0xA
@@ -510,7 +576,7 @@ def test_frames_that_come_without_a_pause_keep_nobody_from_publishing_and_closin
     middleware.follow(frozenset({"/scan"}))
     wait_for(lambda: server.subscribed, "it subscribed")
     monkeypatch.setattr(_websocket, "_GOODBYE", 0.05)
-    monkeypatch.setattr(_websocket, "SEND_TIMEOUT", 5.0)  # the answer comes behind all frames that wait in the network
+    monkeypatch.setattr(_websocket, "SEND_TIMEOUT", 20.0)  # the answer comes behind all frames that wait in the network
     message = struct.pack("<BIQ", 1, server.subscribed[1], 0) + cdr()
     assert len(message) < 126
     frames = 50_000 * (bytes([0x82, len(message)]) + message)  # as they are on the wire
