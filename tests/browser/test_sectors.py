@@ -189,32 +189,77 @@ def test_keys_make_move_keep_walk_and_remove_sectors(plain_page: Callable[..., P
     assert not picture.evaluate("(picture) => document.activeElement === picture"), "focus gets out"
 
 
-def test_labels_under_the_chip_give_way(plain_page: Callable[..., PlainPage]) -> None:
-    scan = "ranges=np.full(271, 2.0), angle_min=np.radians(-135), angle_increment=np.radians(1)"
-    nb = plain_page([f"{SETUP}\nlaser.update({scan}, range_min=0.1, range_max=4.0)\nlaser"])
-    card = nb.widget(0).locator(".rw-card")
+@pytest.mark.parametrize(("degrees", "rays"), [(270, 271), (180, 181), (360, 360), (60, 61)])
+def test_the_chip_lies_on_no_reading_and_no_label(
+    plain_page: Callable[..., PlainPage], degrees: int, rays: int
+) -> None:
+    scan = f"ranges=np.full({rays}, 3.9), angle_min=-np.radians({degrees / 2}), angle_increment=np.radians(1)"
+    nb = plain_page([f"{SETUP}\nlaser.update({scan}, range_min=0.1, range_max=4.0)\nlaser"], run=False)
     listen(nb.page)
-    nb.resize(560)
-    eventually(lambda: "[135]" in words(card), True)
-    every = words(card)
+    nb.run_all()
+    card = nb.widget(0).locator(".rw-card")
+    angles = lambda: {word for word in words(card) if word.endswith("°")}  # noqa: E731
+    for width in (760, 560, 420):
+        nb.resize(width)
+        eventually(lambda: "0.0°" in angles(), True)
+        every = angles()
+        for start in (-30, -10, 15):
+            nb.python(f"laser.selection = ('{start}deg', '{start + 12}deg')")
+            expect(chip(card).locator(".rw-chip-angles")).to_contain_text(f"{start}.0° to".replace("-", "−"))
+            eventually(lambda every=every: angles() == every, True)
+            eventually(lambda: under_chip(card), [])
+        shoot(card, f"chip-{degrees}-{width}")
+        is_inside = card.locator(".rw-picture .rw-chip").count() == 1
+        assert is_inside or (degrees, width) != (60, 760), "it stands in a corner that is free"
+        nb.python("laser.selection = None")
+        expect(chip(card)).to_have_count(0)
 
-    def under() -> list[str]:
-        box, picture = chip(card).bounding_box(), card.locator(".rw-picture").bounding_box()
-        assert box
-        assert picture
-        left, top = box["x"] - picture["x"], box["y"] - picture["y"]
-        inside = lambda x, y: left < x < left + box["width"] and top < y < top + box["height"]  # noqa: E731
-        return [text for text, x, y in placed_words(card) if inside(x, y)]
 
-    nb.python("laser.selection = ('-120deg', '-100deg')")
-    expect(chip(card)).to_be_visible()
-    eventually(under, [])
-    shoot(card, "chip-over-labels")
-    assert words(card) < every, "the corner has a label"
-    nb.python("laser.selection = None")
-    expect(chip(card)).to_have_count(0)
-    nb.page.evaluate("() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))")
-    assert words(card) == every
+def under_chip(card: Locator) -> list[object]:
+    """The words and the dots of the picture that the chip lies on."""
+    box, picture = chip(card).bounding_box(), card.locator(".rw-picture").bounding_box()
+    assert box
+    assert picture
+    left, top = box["x"] - picture["x"], box["y"] - picture["y"]
+    inside = lambda x, y: left < x < left + box["width"] and top < y < top + box["height"]  # noqa: E731
+    dots = Picture(card).dots()
+    return [text for text, x, y in placed_words(card) if inside(x, y)] + [dot for dot in dots if inside(*dot)]
+
+
+def test_typed_rays_are_a_new_selection_and_those_of_the_chip_redefine_its_sector(
+    plain_page: Callable[..., PlainPage],
+) -> None:
+    nb, card, _ = opened(plain_page)
+    nb.python("laser.sectors['ahead'] = ('-10deg', '10deg'); laser.selection = 'ahead'")
+    ahead = "Sector('-10deg', '10deg')"
+    field, keys = chip(card).locator(".rw-chip-expression"), nb.page.keyboard
+    says(card, "ranges[8:11]", "1.66 m")
+    for leave in ("Escape", "close"):
+        card.locator(".rw-type").click()
+        expect(field).to_be_focused()
+        expect(field).to_have_value("")
+        if leave == "Escape":
+            keys.press("Escape")
+        else:
+            chip(card).locator(".rw-chip-close").click()
+        says(card, "ranges[8:11]", "1.66 m")
+    card.locator(".rw-picture").focus()
+    keys.press("t")
+    keys.type("ranges[14:30]")
+    keys.press("Enter")
+    expect(chip(card).locator(".rw-chip-error")).to_have_text("this scan has 19 rays, the last is ranges[18]")
+    assert nb.python("print(laser.sectors['ahead'], laser.selection.name)") == f"{ahead} ahead\n"
+    field.fill("ranges[14:17]")
+    keys.press("Enter")
+    says(card, "ranges[14:17]", "1.78 m")
+    eventually(lambda: nb.python("laser.selection.slice"), "slice(14, 17, None)")
+    assert nb.python("laser.sectors['ahead']") == ahead
+    nb.python("laser.selection = 'ahead'")
+    says(card, "ranges[8:11]", "1.66 m")
+    field.fill("ranges[7:12]")
+    keys.press("Enter")
+    says(card, "ranges[7:12]", "1.64 m")
+    eventually(lambda: nb.python("laser.sectors['ahead']"), "Sector('-20deg', '20deg')")
 
 
 def test_rays_are_typed_and_what_names_none_is_said(plain_page: Callable[..., PlainPage]) -> None:
@@ -253,7 +298,6 @@ def test_rays_are_typed_where_nothing_is_picked_also_while_a_cell_runs(plain_pag
         with nb.busy():
             button.click()
             expect(field).to_be_focused()
-            expect(card.locator(".rw-picture .rw-chip")).to_have_count(int(width == 700))
             expect(chip(card).get_by_role("button")).to_have_count(1)  # that which closes it
             keys.type("ranges[9:14")
             keys.press("Enter")
@@ -270,7 +314,7 @@ def test_rays_are_typed_where_nothing_is_picked_also_while_a_cell_runs(plain_pag
             keys.press("t")
             keys.type("ranges[40:50]")
             keys.press("Enter")
-            expect(error).to_have_text("no such ray: this scan has 19")
+            expect(error).to_have_text("this scan has 19 rays, the last is ranges[18]")
             assert Picture(card).colour(*place.at(RIM, 20)) == POINTER, "what was lit stays"
         assert nb.python("laser.pinned, laser.selection.slice") == "(None, slice(9, 14, None))"
         for _ in range(2):  # leaves the field, then deselects

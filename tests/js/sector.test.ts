@@ -110,9 +110,10 @@ test("text names rays as Python's slices do, and nothing else is read", () => {
       ],
     ],
     ["ranges[-1]", [[359, 360]]],
-    ["ranges[300:999]", [[300, 360]]],
-    ["ranges[5:5]", []],
-    ["ranges[400]", []],
+    ["ranges[300:999]", [[300, 999]]],
+    ["ranges[-400:10]", [[-40, 10]]],
+    ["ranges[5:5]", [[5, 5]]],
+    ["ranges[400]", [[400, 401]]],
     ["ranges[1:9:2]", null],
     ["ranges[]", null],
     ["range[1:2]", null],
@@ -143,4 +144,21 @@ test("a text of rays on both sides of the array is a sector on a full circle alo
   const text = "ranges[350:] + ranges[:10]";
   assert.deepEqual(stretchesOf(circle(360), sectorOfText(circle(360), text) as Sector).flat(), [350, 360, 0, 10]);
   assert.equal(sectorOfText(sweepOf(180, 360), text), "these rays are not one sector");
+});
+
+test("rays beyond the array are told, and so is a slice without rays", () => {
+  const scanner = circle(360);
+  for (const text of [
+    "ranges[300:361]",
+    "ranges[360]",
+    "ranges[360:]",
+    "ranges[-361:]",
+    "ranges[350:] + ranges[:400]",
+  ]) {
+    assert.equal(sectorOfText(scanner, text), "this scan has 360 rays, the last is ranges[359]", text);
+  }
+  for (const text of ["ranges[5:5]", "ranges[9:2]", "ranges[350:] + ranges[:0]"]) {
+    assert.equal(sectorOfText(scanner, text), "no ray is in this slice", text);
+  }
+  assert.deepEqual(stretchesOf(scanner, sectorOfText(scanner, "ranges[-360:360]") as Sector), [[0, 360]]);
 });

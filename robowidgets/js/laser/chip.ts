@@ -1,6 +1,7 @@
 import type { Point, Size } from "../shared/box.ts";
 import { make, makeButton, setText } from "../shared/dom.ts";
 import { on } from "../shared/events.ts";
+import { LaidOut } from "../shared/laid_out.ts";
 import type { Form } from "./code.ts";
 import { CopyCode } from "./copy.ts";
 
@@ -32,10 +33,13 @@ interface ChipActions {
 }
 
 const LONGEST_NAME = 40;
+/** Its size before it is laid out, and the least that it takes with all its rows. Pixels. */
+const USUAL = { width: 266, height: 131 };
 
 /** The numbers of the picked sector, its code and its name; without one, a field in which its rays are typed. */
 export class Chip {
   readonly element = make("div", "rw-floating rw-chip rw-over");
+  readonly #size: LaidOut;
   readonly #expression = makeField("rw-chip-expression", "rays as a slice, such as ranges[240:300]");
   readonly #error = make("div", "rw-chip-error");
   readonly #texts: HTMLElement[] = [];
@@ -49,7 +53,9 @@ export class Chip {
   #given = "";
   #kept = "";
 
-  constructor(picture: HTMLElement, actions: ChipActions, signal: AbortSignal) {
+  /** @param onResize called when it has another size */
+  constructor(picture: HTMLElement, actions: ChipActions, onResize: () => void, signal: AbortSignal) {
+    this.#size = new LaidOut(onResize, signal, USUAL).of(this.element);
     this.#picture = picture;
     this.#signal = signal;
     this.#expression.placeholder = "ranges[240:300]";
@@ -107,8 +113,9 @@ export class Chip {
     on(this.#expression, "blur", undo, signal);
   }
 
+  /** Of the chip with a sector. */
   get size(): Size {
-    return { width: this.element.offsetWidth, height: this.element.offsetHeight };
+    return { width: this.#size.width, height: Math.max(USUAL.height, this.#size.height) };
   }
 
   /**
@@ -142,8 +149,10 @@ export class Chip {
   }
 
   hide(): void {
+    if (!this.element.parentElement) return;
     this.#copy.reset();
     this.#endNaming();
+    setText(this.#error, "");
     this.element.remove();
   }
 

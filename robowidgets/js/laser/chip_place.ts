@@ -1,4 +1,4 @@
-import { type Box, holds, overlaps, type Point, type Size } from "../shared/box.ts";
+import { type Box, holds, isWithin, overlaps, type Point, type Size } from "../shared/box.ts";
 import { crosses } from "../shared/popup_place.ts";
 import type { Theme } from "../shared/theme.ts";
 import { pointAt, rimOf } from "./draw_sector.ts";
@@ -6,36 +6,34 @@ import type { Stage } from "./layer.ts";
 import { type Sector, sweepOf } from "./sector.ts";
 
 const MARGIN = 10;
-/** Cost by which another corner must be better, so that a chip does not jump. */
-const STAY = 200;
 
 /**
- * The corner of the picture for a chip: off the sector that it speaks of, readings and labels, and near the sector.
+ * The corner of the picture for a chip, near the sector that it speaks of: it lies on no ray of it, no reading, no label
+ * and no other element. Null without such a corner.
  *
- * @param before where it stands, one of the boxes that the stage has as covered
+ * @param before where it stands, and stays as long as it may; one of the boxes that the stage has as covered
  */
-export function placeChip(size: Size, stage: Stage, sector: Sector, before: Box | null): Box {
+export function placeChip({ width, height }: Size, stage: Stage, sector: Sector, before: Box | null): Box | null {
   const { box, occupied, labels, covered, projection } = stage;
   const [left, top] = [box.x + MARGIN, box.y + MARGIN];
-  const right = Math.max(left, box.x + box.width - size.width - MARGIN);
-  const bottom = Math.max(top, box.y + box.height - size.height - MARGIN);
+  const right = Math.max(left, box.x + box.width - width - MARGIN);
+  const bottom = Math.max(top, box.y + box.height - height - MARGIN);
   const rim = rimOf(stage);
   const wedge = [0.05, 0.25, 0.4, 0.55, 0.7, 0.85, 1].flatMap((far) =>
     [0, 0.25, 0.5, 0.75, 1].map((part) => pointAt(projection, far * rim, sector.start + part * sweepOf(sector))),
   );
-  const handles = [sector.start, sector.end].map((angle) => pointAt(projection, rim, angle));
   const middle = pointAt(projection, rim, sector.start + sweepOf(sector) / 2);
-  const places = [left, right].flatMap((x) => [top, bottom].map((y) => ({ x, y, ...size })));
-  const cost = (place: Box) =>
-    400 * wedge.filter((point) => holds(place, point)).length +
-    1e5 * handles.filter((point) => holds(place, point)).length +
-    1e4 * covered.filter((other) => other !== before && overlaps(place, other)).length +
-    60 * labels.filter((label) => overlaps(place, label)).length +
-    12 * occupied.count(place) +
-    Math.hypot(place.x + size.width / 2 - middle.x, place.y + size.height / 2 - middle.y);
-  const stay = before && { x: before.x <= left ? left : right, y: before.y <= top ? top : bottom, ...size };
-  const best = places.reduce((least, place) => (cost(place) < cost(least) ? place : least));
-  return stay && cost(stay) < cost(best) + STAY ? stay : best;
+  const away = ({ x, y }: Box) => Math.hypot(x + width / 2 - middle.x, y + height / 2 - middle.y);
+  const corners = [left, right].flatMap((x) => [top, bottom].map((y) => ({ x, y, width, height })));
+  corners.sort((a, b) => away(a) - away(b));
+  const stay = before && { x: before.x <= left ? left : right, y: before.y <= top ? top : bottom, width, height };
+  const others = [...labels, ...covered.filter((other) => other !== before)];
+  const isFree = (place: Box) =>
+    isWithin(place, box) &&
+    !wedge.some((point) => holds(place, point)) &&
+    !others.some((other) => overlaps(place, other)) &&
+    !occupied.count(place);
+  return (stay ? [stay, ...corners] : corners).find(isFree) ?? null;
 }
 
 /** A line from a handle to the chip outside the area, which crosses no label; none where there is no such line. */

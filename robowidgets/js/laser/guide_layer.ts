@@ -58,8 +58,10 @@ export class GuideLayer implements Layer {
       .map((distance) => ({ distance, width: this.#widthOf(toShortMetres(distance), textFont(theme)) + 6 }));
     // Before the first scan nobody knows what there is to number.
     const isFree = (label: RayLabel) => !covered.some((other) => overlaps(rimBox(projection, label), other));
-    const kept = scan ? thinLabels(projection, this.#rayLabels).filter(isFree) : [];
-    this.#labelBoxes = kept.map((label) => rimBox(projection, label));
+    const thinned = scan ? thinLabels(projection, this.#rayLabels) : [];
+    const kept = thinned.filter(isFree);
+    // Also of labels that give way now: what covers them knows by these that it may not.
+    this.#labelBoxes = thinned.map((label) => rimBox(projection, label));
     drawGuides(context, projection, sweep, this.#arcs, scan ? this.#rays : [], theme);
     drawRayLabels(context, projection, sweep, kept, theme);
     drawRobot(context, projection, theme);

@@ -49,8 +49,8 @@ export class PointerLayer implements Layer {
     const say = (words: string[]) => host.card.say(words);
     this.#copy = new CopyCode((form) => this.#toCode(form), say, host.signal);
     for (const element of [this.#copy.row, this.#copy.field]) element.classList.add("rw-over");
-    this.#pinned = new Popup(host.card.picture, this.#foot.element, this.#copy.row, this.#copy.field);
-    this.#hovered = new Popup(host.card.picture);
+    this.#pinned = new Popup(host.card.picture, host.signal, this.#foot.element, this.#copy.row, this.#copy.field);
+    this.#hovered = new Popup(host.card.picture, host.signal);
   }
 
   painters(): Partial<Record<Depth, Painter>> {

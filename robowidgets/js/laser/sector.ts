@@ -143,18 +143,19 @@ export function sectorOf(sweep: Sweep, first: number, last: number): Sector {
 
 const PART = /^\s*(?:(?:msg\.|scan\.)?ranges\s*)?\[\s*(-?\d{1,7})?\s*(:)?\s*(-?\d{1,7})?\s*\]\s*$/;
 
-/** The stretches that a text names: slices and single indices, joined by "+"; null where it is no such text. */
+/**
+ * The stretches that a text names: slices and single indices, joined by "+"; null where it is no such text. They may be
+ * empty, and may lie beyond the array.
+ */
 export function parseRays(text: string, count: number): Stretch[] | null {
   const found: Stretch[] = [];
   for (const part of text.split("+")) {
     const match = PART.exec(part);
     if (!match || (!match[2] && (!match[1] || match[3]))) return null;
     const [first, last] = [match[1], match[3]].map((digits) => (digits ? Number(digits) : null));
-    const clip = (index: number) => Math.min(count, Math.max(0, index < 0 ? index + count : index));
-    const start = clip(first ?? 0);
-    const isWithin = first != null && -count <= first && first < count;
-    const stop = match[2] ? clip(last ?? count) : isWithin ? start + 1 : start;
-    if (stop > start) found.push([start, stop]);
+    const fromStart = (index: number) => (index < 0 ? index + count : index);
+    const start = fromStart(first ?? 0);
+    found.push([start, match[2] ? fromStart(last ?? count) : start + 1]);
   }
   return found;
 }

@@ -9,9 +9,6 @@ import type { SectorNumbers } from "./sector_numbers.ts";
 import type { Named, SectorStore } from "./sector_store.ts";
 import { describeSector, sayOf, sectorOfText } from "./sector_words.ts";
 
-/** A picture narrower or lower than this has the chip below it. Pixels. */
-const LEAST = { width: 480, height: 300 };
-
 const AHEAD: Sector = { start: 0, end: 0 };
 
 /** What the chip leaves to the layer. */
@@ -21,7 +18,10 @@ interface Owner {
   deselect(): void;
 }
 
-/** The chip of the picked sector. Without one it is there only while a person types its rays. */
+/**
+ * The chip of the picked sector, in a free corner of the picture or below it. It is there, too, while a person types the
+ * rays of a new sector.
+ */
 export class SectorChip {
   /** Where it stands in the picture; null where it is not in it. */
   box: Box | null = null;
@@ -30,8 +30,11 @@ export class SectorChip {
   readonly #numbers: SectorNumbers;
   readonly #owner: Owner;
   readonly #tell: () => void;
-  #chip: Chip | null = null;
-  #isAsking = false;
+  readonly #chip: Chip;
+  /** What was picked when a person was asked for the rays of another sector; null while nobody is asked. */
+  #asked: string | null = null;
+  /** Whether it has found no room in the picture, and stays below it. */
+  #isBelow = false;
   #key = "";
 
   constructor(host: Host, store: SectorStore, numbers: SectorNumbers, owner: Owner) {
@@ -40,6 +43,7 @@ export class SectorChip {
     this.#numbers = numbers;
     this.#owner = owner;
     this.#tell = throttle(() => this.#show(), READING_MS, host.signal);
+    this.#chip = this.#make();
   }
 
   place(stage: Stage): void {
@@ -51,48 +55,55 @@ export class SectorChip {
 
   #placeBox(stage: Stage, before: Box | null): Box | null {
     const { picked } = this.#store;
-    if (picked) this.#isAsking = false;
-    if (!(picked || this.#isAsking) || !stage.scan) {
-      this.#chip?.hide();
-      this.#chip = null;
+    if (this.#asked !== this.#pickedKey) this.#asked = null;
+    const isAsking = this.#asked !== null;
+    if (!(picked || isAsking) || !stage.scan) {
+      this.#chip.hide();
+      this.#isBelow = false;
       this.#key = "";
       return null;
     }
-    this.#chip ??= this.#make();
-    const isBelow = this.#isBelow;
-    const key = JSON.stringify([picked, isBelow]);
+    const box = this.#isBelow ? null : placeChip(this.#chip.size, stage, picked?.sector ?? AHEAD, before);
+    // It does not come back while it is there: the picture may have become lower, and would jump.
+    this.#isBelow = !box;
+    const key = JSON.stringify([picked, isAsking, this.#isBelow]);
     // Its numbers follow a drag at once, and a live scan as fast as a person reads.
     if (key === this.#key) this.#tell();
     else this.#show();
     this.#key = key;
-    if (isBelow) return null;
-    const box = placeChip(this.#chip.size, stage, picked?.sector ?? AHEAD, before);
+    if (!box) return null;
     this.#chip.place(box);
     stage.covered.push(box);
     return box;
   }
 
-  /** Asks for the rays of the picked sector, or of a new one. */
+  /** Tells a picked sector from others, whatever becomes of the angles of a kept one. */
+  get #pickedKey(): string {
+    const { picked } = this.#store;
+    return picked ? picked.name || JSON.stringify(picked.sector) : "";
+  }
+
+  /** Asks for the rays of a new sector. */
   askRays(): void {
-    this.#isAsking = true;
+    this.#asked = this.#pickedKey;
     this.#host.card.drawNow();
-    this.#chip?.askRays();
+    this.#chip.askRays();
   }
 
   /** Asks no more for the rays of a new sector; returns whether it did. */
   close(): boolean {
-    const wasAsking = this.#isAsking;
-    this.#isAsking = false;
+    const wasAsking = this.#asked !== null;
+    this.#asked = null;
     this.#host.card.redraw();
     return wasAsking;
   }
 
   askName(proposal: string): void {
-    this.#chip?.askName(proposal);
+    this.#chip.askName(proposal);
   }
 
   copy(): void {
-    this.#chip?.copy();
+    this.#chip.copy();
   }
 
   /** What a screen reader says of the picked sector. */
@@ -115,12 +126,7 @@ export class SectorChip {
   }
 
   #show(): void {
-    this.#chip?.show(this.#texts, this.#isBelow);
-  }
-
-  get #isBelow(): boolean {
-    const { width, height } = this.#host.stage.size;
-    return width < LEAST.width || height < LEAST.height;
+    this.#chip.show(this.#asked === null ? this.#texts : null, this.#isBelow);
   }
 
   #make(): Chip {
@@ -140,17 +146,22 @@ export class SectorChip {
       onClose: () => this.#owner.deselect(),
       onType: (text: string) => this.#type(text),
     };
-    return new Chip(card.picture, actions, signal);
+    return new Chip(card.picture, actions, card.redraw, signal);
   }
 
-  /** Selects the rays that a text names; returns what is wrong with it, or "". */
+  /**
+   * Selects the rays that a text names: those of the picked sector, or of a new one where a person was asked for them.
+   * Returns what is wrong with it, or "".
+   */
   #type(text: string): string {
     const scan = this.#host.stream.shown;
     const { picked } = this.#store;
     if (!scan) return "";
     const found = sectorOfText(scan, text);
     if (typeof found === "string") return found;
-    this.#store.put({ name: "", ...picked, sector: { ...picked?.sector, ...found } });
+    if (picked && this.#asked === null) this.#store.put({ ...picked, sector: { ...picked.sector, ...found } });
+    else this.#store.put({ name: "", sector: found });
+    this.#asked = null;
     this.#owner.say();
     return "";
   }

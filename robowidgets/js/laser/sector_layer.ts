@@ -46,6 +46,7 @@ export class SectorLayer implements Layer {
     this.store = new SectorStore(host.model, host.signal);
     const onDragged = (undo: () => void) => {
       this.#undo = undo;
+      this.#chip.close();
       this.#leaveEdge();
       this.say();
     };
@@ -200,7 +201,7 @@ export class SectorLayer implements Layer {
     if (!this.store.picked?.name) this.askName();
   }
 
-  /** Asks for rays in a text field. */
+  /** Asks for the rays of a new sector in a text field. */
   askRays(): void {
     if (this.#host.stream.shown) this.#chip.askRays();
   }
@@ -214,7 +215,8 @@ export class SectorLayer implements Layer {
 
   /** Undoes the change of an edge, else deselects; returns false where there is nothing to undo. */
   escape(): boolean {
-    if (!this.store.picked) return this.#chip.close();
+    if (this.#chip.close()) return true;
+    if (!this.store.picked) return false;
     if (this.#edge) this.#undo?.();
     else this.store.pick(null);
     this.#leaveEdge();
@@ -223,9 +225,11 @@ export class SectorLayer implements Layer {
   }
 
   deselect(): void {
-    this.#chip.close();
-    this.#leaveEdge();
-    this.store.pick(null);
+    // The field for other rays goes first.
+    if (!this.#chip.close()) {
+      this.#leaveEdge();
+      this.store.pick(null);
+    }
     this.#host.card.picture.focus({ preventScroll: true });
   }
 

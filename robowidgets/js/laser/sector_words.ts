@@ -1,4 +1,4 @@
-import { type AngleUnit, toAngle, toMetres } from "../shared/format.ts";
+import { type AngleUnit, toAngle, toMany, toMetres } from "../shared/format.ts";
 import { isFullCircle, READING, type Scan, type Sweep } from "../shared/frames/scan.ts";
 import type { ChipTexts } from "./chip.ts";
 import { type Measured, parseRays, type Sector, type State, type Stretch, sectorOf, toExpression } from "./sector.ts";
@@ -51,10 +51,13 @@ export function sayOf(texts: ChipTexts): string[] {
 
 /** The sector of the rays that a text names, or what is wrong with it. */
 export function sectorOfText(sweep: Sweep, text: string): Sector | string {
-  const stretches = parseRays(text, sweep.count);
+  const { count } = sweep;
+  const stretches = parseRays(text, count);
   if (!stretches) return "expected a slice, as ranges[240:300]";
+  const isBeyond = stretches.some(([from, to]) => from < 0 || to > count || from >= count);
+  if (isBeyond) return `this scan has ${toMany(count, "ray")}${count ? `, the last is ranges[${count - 1}]` : ""}`;
+  if (stretches.some(([from, to]) => from >= to)) return "no ray is in this slice";
   const [[first, stop] = [0, 0]] = stretches;
-  if (!stop) return `no such ray: this scan has ${sweep.count}`;
   let last = stop - 1;
   for (const [from, to] of stretches.slice(1)) {
     // On across the seam.

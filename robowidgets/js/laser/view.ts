@@ -1,7 +1,9 @@
-import { boxWithin, make, makeButton, makeIcon, setLabel, setText } from "../shared/dom.ts";
+import type { Box } from "../shared/box.ts";
+import { make, makeButton, makeIcon, setLabel, setText } from "../shared/dom.ts";
 import { onAbort } from "../shared/events.ts";
 import { toMany, toShortMetres } from "../shared/format.ts";
 import type { Scan } from "../shared/frames/scan.ts";
+import { LaidOut } from "../shared/laid_out.ts";
 import { type Model, onChange, setTraits } from "../shared/model.ts";
 import { SampleCard } from "../shared/sample_card.ts";
 import { READING_MS, throttle } from "../shared/schedule.ts";
@@ -42,6 +44,7 @@ export class LaserView implements Host {
   readonly #layers: Layer[];
   readonly #legend: Legend;
   readonly #empty = make("div", "rw-empty");
+  readonly #emptySize: LaidOut;
   readonly #range = make("span", "rw-range");
   readonly #fit: HTMLButtonElement;
   readonly #pin: HTMLButtonElement;
@@ -80,6 +83,7 @@ export class LaserView implements Host {
       sectors,
     ];
     picture.append(this.#empty);
+    this.#emptySize = new LaidOut(this.card.redraw, signal).of(this.#empty);
 
     const closer = makeButton("rw-zoom", "Zoom in (+)", () => this.onZoom(-1), signal, "+");
     const farther = makeButton("rw-zoom", "Zoom out (\u2212)", () => this.onZoom(1), signal, "\u2212");
@@ -132,7 +136,7 @@ export class LaserView implements Host {
     const { empty = [] } = this.stream.about;
     setText(this.#empty, scan ? empty.filter(Boolean).join("\n") : this.card.waiting("scan"));
     this.#empty.hidden = !this.#empty.textContent;
-    const covered = this.#empty.hidden ? [] : [boxWithin(this.card.picture, this.#empty)];
+    const covered = this.#empty.hidden ? [] : [this.#emptyBox];
     this.#scene.draw(this.#layers, scan, this.card.size, this.card.noticeHeight, covered, this.card.theme);
     if (isNow) this.#drawLegend();
     else this.#tell();
@@ -145,6 +149,13 @@ export class LaserView implements Host {
     this.#pin.ariaPressed = String(hasGhost);
     setLabel(this.#pin, hasGhost ? "Remove the ghost (g)" : "Keep this scan as a ghost to compare with (g)");
     this.#drawStrip(hasGhost);
+  }
+
+  /** It stands in the middle of the picture. */
+  get #emptyBox(): Box {
+    const { width, height } = this.#emptySize;
+    const { size } = this.card;
+    return { x: (size.width - width) / 2, y: (size.height - height) / 2, width, height };
   }
 
   #drawLegend(): void {

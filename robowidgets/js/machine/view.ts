@@ -64,11 +64,6 @@ export class MachineView {
     onChange(model, ["_outline"], this.#card.redraw, signal);
   }
 
-  /** Of the card: the picture leaves room for what fired where there is some. */
-  get #width(): number {
-    return this.#card.root.clientWidth;
-  }
-
   #draw(): void {
     const step = this.#stream.shown;
     const { mode = "running", version, fired = [], states = [] } = this.#stream.about as MachineAbout;
@@ -87,7 +82,7 @@ export class MachineView {
     const now = isLive ? mode : "last step";
     setText(this.#rate, now === "running" && rate ? `${toFixed(rate, 1)} Hz` : now);
     const end = paused ? "frozen" : now === "running" ? "now" : now;
-    this.#band.update(step ? states : [], step?.arrived ?? 0, paused, end, this.#width, this.#card.theme);
+    this.#band.update(step ? states : [], step?.arrived ?? 0, paused, end, this.#card.width, this.#card.theme);
     if (!step) return;
     this.#place(key, machines, step);
     const isCalm = matchMedia("(prefers-reduced-motion: reduce)").matches;
@@ -98,7 +93,8 @@ export class MachineView {
 
   /** Places the states anew for another version or width; where room is short, only active ones are unfolded. */
   #place(key: string, machines: MachineOutline[], step: Step): void {
-    const room = this.#width - 2 * PADDING;
+    // Of the card: the picture leaves room for what fired where there is some.
+    const room = this.#card.width - 2 * PADDING;
     const { font } = this.#card.theme;
     const base = [key, room, font].join();
     if (this.#placed === base || this.#placed === `${base} ${this.#active}`) return;

@@ -58,7 +58,7 @@ export class PathView {
     // Screen readers leave the arrow keys to it.
     picture.role = "application";
     this.#canvas = new Canvas(picture);
-    this.#popup = new Popup(picture);
+    this.#popup = new Popup(picture, signal);
     picture.append(this.#empty);
     footer.append(this.#pose, this.#way);
     onChange(model, ["_path"], () => this.#onPath(), signal);

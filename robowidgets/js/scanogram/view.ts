@@ -49,7 +49,7 @@ export class ScanogramView {
     const { picture } = this.#card;
     this.#scene = new Scene(picture);
     this.#legend = new Legend(this.#card, () => this.onClear(), signal);
-    this.#popup = new Popup(picture);
+    this.#popup = new Popup(picture, signal);
     picture.append(this.#empty, this.#chip);
     const closer = makeButton("rw-zoom", "Zoom in (+)", () => this.onZoom(0.5, null), signal, "+");
     const farther = makeButton("rw-zoom", "Zoom out (\u2212)", () => this.onZoom(2, null), signal, "\u2212");

@@ -1,11 +1,14 @@
 import { type Surface, sizeOf, watchSize } from "./canvas.ts";
 import { make, mount, setText } from "./dom.ts";
 import { keepKeys } from "./keys.ts";
+import { LaidOut } from "./laid_out.ts";
 import { type Model, onChange } from "./model.ts";
 import { Notice } from "./notice.ts";
 import { perAnimationFrame } from "./schedule.ts";
 import { followTheme, type Theme } from "./theme.ts";
 import type { CardTraits, Problem } from "./traits.ts";
+
+const BORDER = 1;
 
 /** The frame around a picture: title and controls above, a notice over it, a footer below. It has the picture drawn. */
 export class Card {
@@ -18,6 +21,7 @@ export class Card {
   readonly redraw: () => void;
   /** Of the picture. */
   size: Surface = { width: 0, height: 0, ratio: 1 };
+  readonly #outer: LaidOut;
   readonly #title = make("span", "rw-title");
   readonly #facts = make("span", "rw-facts");
   readonly #notice: Notice;
@@ -50,11 +54,13 @@ export class Card {
     this.picture.ariaLabel = "picture";
     this.#live.ariaLive = "polite";
     this.header.append(this.#title, this.#facts, this.controls);
-    this.#notice = new Notice(signal);
+    this.#notice = new Notice(this.redraw, signal);
     this.picture.append(this.#notice.element, this.#silence);
     this.root.append(this.header, this.picture, this.footer, this.#live);
     mount(element, this.root, signal);
     this.#theme = followTheme(this.root, signal, this.redraw);
+    // Before the picture: it may be drawn for this width.
+    this.#outer = new LaidOut(() => {}, signal).of(this.root);
     watchSize(this.picture, () => this.drawNow(), signal);
     onChange(model, ["title", "header", "footer"], this.redraw, signal);
     keepKeys(this.root, signal);
@@ -69,6 +75,11 @@ export class Card {
   /** Colours and fonts. Read it while drawing: an element outside the page has no computed style. */
   get theme(): Theme {
     return this.#theme();
+  }
+
+  /** Pixels within its borders, beside the picture too. */
+  get width(): number {
+    return this.#outer.width - 2 * BORDER;
   }
 
   /** Height of the notice at the top of the picture, in pixels. */

@@ -1,7 +1,11 @@
 import { make, makeButton, setText } from "./dom.ts";
 import { on } from "./events.ts";
 import { asSentence } from "./format.ts";
+import { LaidOut } from "./laid_out.ts";
 import type { Problem } from "./traits.ts";
+
+/** Pixels of one line. */
+const LINE = 26;
 
 /** A line on top of a picture, which unfolds to the problems in it and their remedies. */
 export class Notice {
@@ -9,10 +13,13 @@ export class Notice {
   readonly #text = make("span", "rw-notice-text");
   readonly #more: HTMLButtonElement;
   readonly #remedies = make("div", "rw-remedies");
+  readonly #size: LaidOut;
   #problems = "[]";
   #isOpen = false;
 
-  constructor(signal: AbortSignal) {
+  /** @param onResize called when it has another height */
+  constructor(onResize: () => void, signal: AbortSignal) {
+    this.#size = new LaidOut(onResize, signal, { width: 0, height: LINE }).of(this.element);
     this.#text.role = "status";
     this.#more = makeButton(
       "rw-unfold rw-more",
@@ -24,6 +31,7 @@ export class Notice {
     this.#more.ariaLabel = null;
     this.element.append(this.#text, this.#more, this.#remedies);
     this.#unfold(false);
+    this.element.hidden = true;
     // Escape folds it, and leaves what is pinned.
     const onKey = (event: KeyboardEvent) => {
       if (event.key !== "Escape" || !this.#isOpen) return;
@@ -35,7 +43,7 @@ export class Notice {
 
   /** Pixels that it covers. The remedies lie over the picture, so that nothing moves when they unfold. */
   get height(): number {
-    return this.element.offsetHeight;
+    return this.element.hidden ? 0 : this.#size.height;
   }
 
   update(lines: string[], problems: readonly Problem[], kind: "note" | "error" | "status"): void {

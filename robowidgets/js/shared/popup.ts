@@ -1,5 +1,6 @@
 import type { Box, Point, Size } from "./box.ts";
 import { make, setText } from "./dom.ts";
+import { LaidOut } from "./laid_out.ts";
 
 /** What the pop-up says of a ray, or of another place in a picture. */
 export interface PopupWords {
@@ -17,9 +18,12 @@ export class Popup {
   readonly element = make("div", "rw-floating rw-popup");
   /** One for each of the words, row by row. */
   readonly #places: HTMLElement[] = [];
+  readonly #size: LaidOut;
+  #place = (_size: Size): Point => ({ x: 0, y: 0 });
 
   /** @param foot stands below the words */
-  constructor(parent: HTMLElement, ...foot: HTMLElement[]) {
+  constructor(parent: HTMLElement, signal: AbortSignal, ...foot: HTMLElement[]) {
+    this.#size = new LaidOut(() => this.#move(), signal).of(this.element);
     for (const names of ROWS) {
       const row = make("div", "rw-popup-row");
       row.append(...names.split(" ").map((name) => make("span", name)));
@@ -40,10 +44,15 @@ export class Popup {
     this.element.hidden = false;
     const texts = [words.expression, words.distance, words.angle, words.details, words.side];
     for (const [i, place] of this.#places.entries()) setText(place, texts[i] ?? "");
-    const size = { width: this.element.offsetWidth, height: this.element.offsetHeight };
-    const { x, y } = place(size);
+    this.#place = place;
+    return this.#move();
+  }
+
+  #move(): Box {
+    const { width, height } = this.#size;
+    const { x, y } = this.#place({ width, height });
     this.element.style.transform = `translate(${Math.round(x)}px, ${Math.round(y)}px)`;
-    return { x, y, ...size };
+    return { x, y, width, height };
   }
 }
 

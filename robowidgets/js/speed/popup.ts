@@ -1,4 +1,6 @@
+import type { Box, Size } from "../shared/box.ts";
 import { make, setText } from "../shared/dom.ts";
+import { LaidOut } from "../shared/laid_out.ts";
 import type { AxisWords } from "./text.ts";
 
 const GAP = 10;
@@ -12,9 +14,13 @@ export class Popup {
   readonly #value = make("div", "rw-popup-distance");
   readonly #alarm = make("div", "rw-popup-alarm");
   readonly #details = make("div", "");
+  readonly #size: LaidOut;
   #words = "";
+  #beside: Box = { x: 0, y: 0, width: 0, height: 0 };
+  #picture: Size = { width: 0, height: 0 };
 
-  constructor(parent: HTMLElement) {
+  constructor(parent: HTMLElement, signal: AbortSignal) {
+    this.#size = new LaidOut(() => this.#place(), signal).of(this.#root);
     const head = make("div", "rw-popup-row");
     head.append(this.#expression, this.#direction);
     this.#root.append(head, this.#value, this.#alarm, this.#details);
@@ -26,8 +32,11 @@ export class Popup {
     this.#root.hidden = true;
   }
 
-  /** Shows words beside an element of the picture. */
-  show({ expression, direction, value, alarm, details }: AxisWords, beside: HTMLElement, picture: HTMLElement): void {
+  /**
+   * Shows words beside a box in the picture.
+   * @param picture its size
+   */
+  show({ expression, direction, value, alarm, details }: AxisWords, beside: Box, picture: Size): void {
     this.#root.hidden = false;
     setText(this.#expression, expression);
     setText(this.#direction, direction);
@@ -45,10 +54,16 @@ export class Popup {
         }),
       );
     }
-    const [box, target] = [picture.getBoundingClientRect(), beside.getBoundingClientRect()];
-    const { offsetWidth: width, offsetHeight: height } = this.#root;
-    const x = placeBeside(target.left - box.left, target.right - box.left, width, box.width);
-    const y = Math.max(MARGIN, Math.min(target.top - box.top + GAP, box.height - height - MARGIN));
+    this.#beside = beside;
+    this.#picture = picture;
+    this.#place();
+  }
+
+  #place(): void {
+    const { x: left, y: top, width: wide } = this.#beside;
+    const { width, height } = this.#size;
+    const x = placeBeside(left, left + wide, width, this.#picture.width);
+    const y = Math.max(MARGIN, Math.min(top + GAP, this.#picture.height - height - MARGIN));
     this.#root.style.transform = `translate(${Math.round(x)}px, ${Math.round(y)}px)`;
   }
 }

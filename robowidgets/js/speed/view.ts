@@ -1,5 +1,7 @@
-import { make, makeButton, makeIcon, setText } from "../shared/dom.ts";
+import type { Box } from "../shared/box.ts";
+import { boxWithin, make, makeButton, makeIcon, setText } from "../shared/dom.ts";
 import type { Speeds } from "../shared/frames/speeds.ts";
+import { LaidOut } from "../shared/laid_out.ts";
 import { type Model, onChange, setTraits } from "../shared/model.ts";
 import { SampleCard } from "../shared/sample_card.ts";
 import type { Stream } from "../shared/stream.ts";
@@ -46,7 +48,11 @@ export class SpeedView {
   readonly #lines: TimeLinesView;
   readonly #legend: Legend;
   readonly #popup: Popup;
+  /** All are as high as the first. */
+  readonly #track: LaidOut;
   #groups: GroupView[] = [];
+  #boxes = new Map<Column, Box>();
+  #boxKey = "";
   #isPlanar: boolean | null = null;
   #hovered: number | null = null;
   #picked: number | null = null;
@@ -64,7 +70,8 @@ export class SpeedView {
     // Screen readers leave the arrow keys to it.
     picture.role = "application";
     picture.append(this.#board, this.#empty);
-    this.#popup = new Popup(picture);
+    this.#popup = new Popup(picture, signal);
+    this.#track = new LaidOut(this.#card.redraw, signal);
     this.#lines = new TimeLinesView(picture, this.#card.redraw, signal);
     this.#legend = new Legend(footer);
     this.#planar = makeButton(
@@ -147,7 +154,7 @@ export class SpeedView {
     this.#layOut(planar);
     const hasLimits = shown.some(({ limits }) => limits);
     this.#drawCard(speeds, hasLimits, summarize(shown, hidden));
-    const clearance = toClearance(this.#columns[0]?.track.clientHeight ?? 0);
+    const clearance = toClearance(this.#track.height);
     for (const [g, view] of this.#groups.entries()) {
       const facts = groups[g];
       if (facts) view.update(facts, clearance);
@@ -175,6 +182,8 @@ export class SpeedView {
     this.#groups = GROUPS.map((group) => new GroupView(group, planar));
     this.#board.classList.toggle("rw-planar", planar);
     this.#board.replaceChildren(...this.#groups.map(({ root }) => root));
+    const [first] = this.#columns;
+    if (first) this.#track.of(first.track);
   }
 
   #drawCard(speeds: Speeds | null, hasLimits: boolean, summary: string): void {
@@ -201,7 +210,18 @@ export class SpeedView {
     if (this.#walked) this.#card.say(picked ? toSentence(describeAxis(picked)) : []);
     this.#walked = false;
     for (const { root, axis } of this.#columns) root.classList.toggle("rw-pointed", axis.index === index);
-    if (facts && column) this.#popup.show(describeAxis(facts), column.track, this.#card.picture);
+    if (facts && column) this.#popup.show(describeAxis(facts), this.#boxOf(column), this.#card.size);
     else this.#popup.hide();
+  }
+
+  /** Where the track of a column is in the picture: measured once for each size of the picture. */
+  #boxOf(column: Column): Box {
+    const { width, height } = this.#card.size;
+    const key = [width, height, this.#card.noticeHeight, this.#isPlanar, this.#track.height].join();
+    if (key !== this.#boxKey) this.#boxes.clear();
+    this.#boxKey = key;
+    const box = this.#boxes.get(column) ?? boxWithin(this.#card.picture, column.track);
+    this.#boxes.set(column, box);
+    return box;
   }
 }

@@ -1,0 +1,113 @@
+"""A picture that is drawn again asks the browser for no layout: what it needs is kept from the last resize."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import pytest
+from playwright.sync_api import expect
+
+from .laser import SETUP, eventually
+from .plain_page import PlainPage
+
+COUNT = """() => {
+    window.reads = [];
+    const note = () => {
+        const lines = new Error().stack.split("\\n");
+        reads.push(lines.slice(2, 6).join("\\n"));
+    };
+    const getters = [
+        [HTMLElement.prototype, ["offsetWidth", "offsetHeight", "offsetLeft", "offsetTop", "innerText"]],
+        [Element.prototype, ["clientWidth", "clientHeight", "scrollWidth", "scrollHeight", "scrollLeft", "scrollTop"]],
+    ];
+    for (const [prototype, names] of getters) {
+        for (const name of names) {
+            const own = Object.getOwnPropertyDescriptor(prototype, name);
+            Object.defineProperty(prototype, name, { ...own, get() { note(); return own.get.call(this); } });
+        }
+    }
+    for (const name of ["getBoundingClientRect", "getClientRects", "checkVisibility"]) {
+        const own = Element.prototype[name];
+        Element.prototype[name] = function (...given) { note(); return own.apply(this, given); };
+    }
+    window.drawn = 0;
+    const frame = requestAnimationFrame;
+    window.requestAnimationFrame = (draw) => frame((time) => { drawn += 1; draw(time); });
+}"""
+FRAMES = 12
+LASER = f"""{SETUP}
+def step(i):
+    laser.update(**fan({{9: 0.7 + 0.1 * (i % 5)}}))
+step(0)
+laser.sectors["ahead"] = ("-30deg", "30deg")
+laser.selection = "ahead"
+laser.pinned = 9
+laser.hovered = 3
+laser
+"""
+NOTED = f"""{SETUP}
+def step(i):
+    laser.update(**fan({{9: 1 + i / 20}}, angle_max=9.0))
+step(0)
+laser
+"""
+EMPTY = f"""{SETUP}
+def step(i):
+    laser.update(**fan() | dict(ranges=np.full(19, inf), angle_increment=0.1 + i / 1000))
+step(0)
+laser
+"""
+SPEED = """
+from robowidgets import SpeedWidget
+speed = SpeedWidget(limits={"linear.x": (-0.2, 0.3), "angular.z": (-1, 1)}, planar=True)
+def step(i):
+    speed.update(linear=(0.1 * (i % 4), 0, 0), angular=(0, 0, 0.2))
+step(0)
+speed
+"""
+TOUCH = """
+from robowidgets import TouchWidget
+touch = TouchWidget()
+def step(i):
+    touch.update(left=i % 2 == 0, right=False)
+step(0)
+touch
+"""
+MACHINE = """
+from robowidgets import MachineWidget, feeds
+from robowidgets.behaviors import Drive
+robot = feeds.simulator(wander=False, hz=20)
+@robot.program(rate=20)
+class Walker:
+    def forward():
+        return Drive(0.05)
+    def turn():
+        return Drive(0, 0.2)
+    moves = "forward -> turn after 60", "turn -> forward after 60"
+step = lambda i: None
+MachineWidget(robot)
+"""
+
+
+@pytest.mark.parametrize(
+    "cell", [LASER, NOTED, EMPTY, SPEED, TOUCH, MACHINE], ids=["laser", "noted", "empty", "speed", "touch", "machine"]
+)
+def test_drawing_again_has_the_browser_lay_out_nothing(plain_page: Callable[..., PlainPage], cell: str) -> None:
+    nb = plain_page([cell])
+    card = nb.widget(0).locator(".rw-card")
+    nb.resize(700)
+    if cell == SPEED:
+        for axis in card.locator(".rw-axis").all():
+            axis.hover()
+        expect(card.locator(".rw-popup")).to_be_visible()
+    nb.page.evaluate(COUNT)
+    # Once for each value that it takes: a pop-up is laid out when it becomes wider.
+    for i in range(8):
+        nb.python(f"step({i})")
+    nb.page.evaluate("() => { reads.length = drawn = 0; }")
+    for i in range(FRAMES):
+        before = nb.page.evaluate("() => drawn")
+        nb.python(f"step({i})")
+        eventually(lambda before=before: nb.page.evaluate("() => drawn") > before, True)
+    assert nb.page.evaluate("() => drawn") >= FRAMES
+    assert nb.page.evaluate("() => [...new Set(reads)]") == []
