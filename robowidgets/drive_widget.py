@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 from collections.abc import Callable
 from math import isfinite
 from numbers import Real
@@ -11,18 +12,19 @@ import traitlets
 
 from ._core.front_end import bundle
 from ._core.limit_traits import LARGEST
+from ._core.pacer import pacer
 from ._core.traits import Flag
-from .driving.command_watchdog import HOLD, PROGRAM, ZERO, CommandWatchdog
+from .driving.command_watchdog import HOLD, PROGRAM, CommandWatchdog, Velocity
 from .driving.driving_widget import DrivingWidget
 from .driving.press import PadMessage, PressLease
 from .samples import Speed
 
 
 class _Limit(traitlets.TraitType[Any, Any]):
-    """A finite number above 0, in a unit."""
+    """A finite number above 0, in a unit; or None, if that is the default."""
 
-    def __init__(self, default: float, unit: str, **more: Any) -> None:
-        super().__init__(default, **more)
+    def __init__(self, default: float | None, unit: str, **more: Any) -> None:
+        super().__init__(default, allow_none=default is None, **more)
         self.unit = unit
 
     def validate(self, _obj: Any, value: Any) -> float:
@@ -39,7 +41,8 @@ class DriveWidget(DrivingWidget):
     """A pad that drives a robot: drag its knob, or press arrow keys or W, A, S, D while it has the focus.
 
     Up is forward and left turns to the left (REP-103: linear x and angular z above 0). The knob's place is a share of
-    the limits; keys go to the limits. The pad shows the speed that was sent, its limits, and who drives.
+    the limits; keys go to the limits. The pad shows the speed that was sent, its limits, and who drives. Of a robot
+    that moves sideways it has a second knob below, and the keys Q and E (to the left: linear y above 0).
 
     The pad stops the robot on release, when it loses the focus or the page is hidden, and when something raises. The
     robot moves only while the page and the kernel answer each other: half a second without an answer ends a press, on
@@ -51,17 +54,21 @@ class DriveWidget(DrivingWidget):
     driving is refused until it is released, on the page or by ``stopped = False``.
 
     Args:
-        send: a function of linear (m/s) and angular (rad/s) that drives the robot. A thread of the pad calls it, ten
-            times a second while the pad is held, and with zero at the end.
+        send: a function of linear (m/s) and angular (rad/s) that drives the robot; if it has a parameter ``lateral``,
+            also of that (m/s to the left). A thread of the pad calls it, ten times a second while the pad is held, and
+            with zero at the end.
         title: the name of the robot for the header; usually the topic.
         linear_limit: m/s at the edge of the pad, forward and backward.
         angular_limit: rad/s at the edge of the pad, both ways.
+        lateral_limit: m/s at the ends of the knob for moving sideways, which it adds; None: ``max_lateral`` of the
+            feed's ``driving``, and no such knob without a feed.
         enabled: whether the pad drives at all.
         header: whether the header is shown.
 
     Raises:
         TypeError: an unknown keyword; ``send`` is no function.
-        traitlets.TraitError: a limit that is not a finite number above 0.
+        traitlets.TraitError: a limit that is not a finite number above 0; ``lateral_limit``, though ``send`` has no
+            parameter ``lateral``.
 
     Source: geometry_msgs/Twist, REP-103.
 
@@ -79,17 +86,20 @@ class DriveWidget(DrivingWidget):
 
     linear_limit = _Limit(0.5, "m/s", help="At the edge of the pad, m/s.").tag(sync=True)
     angular_limit = _Limit(1.0, "rad/s", help="At the edge of the pad, rad/s.").tag(sync=True)
+    lateral_limit = _Limit(None, "m/s", help="At the ends of the knob for sideways, m/s; None: the feed's.")
     enabled = Flag(True, help="Whether the pad drives.").tag(sync=True)
 
-    def __init__(self, *, send: Callable[[float, float], Any] | None = None, **kwargs: Any) -> None:
+    def __init__(self, *, send: Callable[..., Any] | None = None, **kwargs: Any) -> None:
         if send is not None and not callable(send):
             raise TypeError(f"send: expected a function of linear and angular speed, got {send!r}")
         self._lease = PressLease()
         self._driving = ""
         """The press of this pad that drove the robot last."""
+        self._takes_lateral = send is None or _takes_lateral(send)
+        """Whether what it drives can be told to move sideways."""
         super().__init__(**kwargs)
         if send is not None:
-            self._attach(CommandWatchdog(send), owns=True)
+            self._attach(CommandWatchdog(_sink_of(send)), owns=True)
 
     def connect(self, robot: Any) -> None:
         """Drive this robot from now on; the one that this pad drove until now is stopped.
@@ -97,16 +107,22 @@ class DriveWidget(DrivingWidget):
         When a feed is closed, the pad shows it.
 
         Args:
-            robot: a feed, or anything with ``drive(linear, angular)``. Its ``stop()`` is used where it has one.
+            robot: a feed, or anything with ``drive(linear, angular)``, perhaps with ``lateral`` as well. Its ``stop()``
+                is used where it has one.
 
         Raises:
-            TypeError: it has no ``drive``.
+            TypeError: it has no ``drive``, or one without ``lateral`` though the pad has a ``lateral_limit``.
         """
         watchdog = getattr(robot, "watchdog", None)
         if isinstance(watchdog, CommandWatchdog):
+            self._takes_lateral = True
             self._attach(watchdog, robot)
         else:
-            self._attach(CommandWatchdog(_sink_of(robot)), owns=True)
+            drive, stop = _drive_of(robot), getattr(robot, "stop", None)
+            if self.lateral_limit is not None and not _takes_lateral(drive):
+                raise TypeError(f"connect(): {_NOT_SIDEWAYS}")
+            self._takes_lateral = _takes_lateral(drive)
+            self._attach(CommandWatchdog(_sink_of(drive, stop)), owns=True)
         self._title_after_feed()
 
     def send_newest(self) -> int:
@@ -120,9 +136,18 @@ class DriveWidget(DrivingWidget):
 
     @property
     def commanded(self) -> Speed:
-        """The speed that was sent last: linear x in m/s, angular z in rad/s."""
-        linear, angular = self._watchdog.sent
-        return Speed((linear, 0.0, 0.0), (0.0, 0.0, angular))
+        """The speed that was sent last: linear x and y in m/s, angular z in rad/s."""
+        return self._watchdog.sent.as_speed
+
+    @property
+    def _lateral_limit(self) -> float:
+        """M/s at the ends of the knob for sideways; 0: it has none."""
+        if self.lateral_limit is not None:
+            return float(self.lateral_limit)
+        return 0.0 if self._feed is None else self._feed.driving.max_lateral
+
+    def _compose(self) -> dict[str, Any]:
+        return {**super()._compose(), "lateral_limit": self._lateral_limit}
 
     def _title_after_feed(self) -> None:
         feed = self._feed
@@ -162,15 +187,16 @@ class DriveWidget(DrivingWidget):
         kernel must not interrupt a program.
         """
         press, watchdog = message.press, self._watchdog
-        linear, angular = message.forward * self.linear_limit, message.turn * self.angular_limit
+        shares, limits = message[-3:], (self.linear_limit, self.angular_limit, self._lateral_limit)
+        velocity = Velocity(*(share * limit for share, limit in zip(shares, limits, strict=True)))
         try:
             if self._driving != press:
                 watchdog.take(press)
                 self._driving = press
             if self._feed is not None:
-                self._feed.driver.drive_by_hand(linear, angular, press)
+                self._feed.driver.drive_by_hand(velocity, press)
             else:
-                watchdog.drive((linear, angular), driver=press)
+                watchdog.drive(velocity, driver=press)
         except Exception as error:  # whatever the feed raises, the page must show it
             over = self._why_refused(press)
             if not over:
@@ -196,17 +222,52 @@ class DriveWidget(DrivingWidget):
             self._end_press("failed")
             self._log_once(failure)
 
+    @traitlets.validate("lateral_limit")
+    def _check_lateral(self, proposal: Any) -> Any:
+        if proposal["value"] is not None and not self._takes_lateral:
+            raise traitlets.TraitError(_NOT_SIDEWAYS)
+        return proposal["value"]
+
+    @traitlets.observe("lateral_limit")
+    def _after_lateral(self, _change: Any) -> None:
+        pacer.mark(self)
+
     @traitlets.observe("enabled")
     def _after_enabled(self, _change: Any) -> None:
         if not self.enabled:
             self._end_press("disabled")
 
 
-def _sink_of(robot: Any) -> Callable[[float, float], Any]:
-    drive, stop = getattr(robot, "drive", None), getattr(robot, "stop", None)
+_NOT_SIDEWAYS = "lateral_limit: what drives the robot has no parameter lateral: drive(linear, angular, lateral)"
+
+
+def _drive_of(robot: Any) -> Callable[..., Any]:
+    drive: Callable[..., Any] | None = getattr(robot, "drive", None)
     if not callable(drive):
         raise TypeError(
             f"connect(): expected a feed, or something with drive(linear, angular), got {robot!r}; "
             "a function goes to DriveWidget(send=...)"
         )
-    return lambda *speed: stop() if callable(stop) and speed == ZERO else drive(*speed)
+    return drive
+
+
+def _takes_lateral(drive: Callable[..., Any]) -> bool:
+    try:
+        return "lateral" in inspect.signature(drive).parameters
+    except (TypeError, ValueError):  # of a built-in one nobody knows
+        return False
+
+
+def _sink_of(drive: Callable[..., Any], stop: Any = None) -> Callable[[float, float, float], Any]:
+    """The sink for a function of two speeds, or, by its name, of the one to the left as well."""
+    sideways = _takes_lateral(drive)
+
+    def send(linear: float, angular: float, lateral: float) -> None:
+        if callable(stop) and not (linear or angular or lateral):
+            stop()
+        elif sideways:
+            drive(linear, angular, lateral=lateral)
+        else:
+            drive(linear, angular)
+
+    return send

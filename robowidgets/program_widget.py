@@ -98,9 +98,9 @@ class ProgramWidget(DrivingWidget):
             "rate": 0.0 if program.waiting else round(program.rate, 1),
             "step_ms": round(1000 * program.step_time, 2),
             "since": round(program.since),
-            "speed": (program.returned.linear, program.returned.angular),
+            "speed": (program.returned.linear, program.returned.angular, program.returned.lateral),
             "kept": program.kept,
-            "limits": (driving.max_linear, driving.max_angular) if driving else (0.5, 1.0),
+            "limits": (driving.max_linear, driving.max_angular, driving.max_lateral) if driving else (0.5, 1.0, 0.0),
             "active": " + ".join(function.active) if isinstance(function, Machine) else "",
             "prints": [(round(seconds, 2), text) for seconds, text in program.prints.lines],
         }

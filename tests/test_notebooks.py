@@ -14,6 +14,7 @@ import pytest
 from nbclient import NotebookClient
 
 from robowidgets import lessons
+from robowidgets.driving.command_watchdog import Velocity
 
 from .conftest import ROOT
 from .unit.waiting import wait_for
@@ -149,7 +150,7 @@ def test_the_lesson_of_the_pad_stands_when_its_first_cell_is_run_again() -> None
         exec(source, names)
     try:
         wait_for(lambda: sum("(live)" in thread.name for thread in threading.enumerate()) == 1, "one thread is left")
-        names["pad"]._watchdog.drive((0.3, 0.0))
+        names["pad"]._watchdog.drive(Velocity(0.3))
         wait_for(lambda: names["robot"].pose[:2] != (5.0, 0.4), "the new robot moves")
     finally:
         names["running"] = False

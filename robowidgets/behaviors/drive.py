@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 from ..samples.checks import finite
@@ -15,6 +15,7 @@ class Drive:
     Args:
         linear: forward, m/s.
         angular: counter-clockwise, rad/s.
+        lateral: to the left, m/s, for a robot that moves sideways.
 
     Raises:
         TypeError: no number. ValueError: NaN or infinite.
@@ -22,14 +23,21 @@ class Drive:
     Example:
         >>> Drive(0.2)
         Drive(linear=0.2, angular=0.0)
+        >>> Drive(lateral=-0.07)
+        Drive(linear=0.0, angular=0.0, lateral=-0.07)
     """
 
     linear: float = 0.0
     angular: float = 0.0
+    lateral: float = field(default=0.0, kw_only=True)
 
     def __post_init__(self) -> None:
-        for name, unit in (("linear", "m/s"), ("angular", "rad/s")):
+        for name, unit in (("linear", "m/s"), ("angular", "rad/s"), ("lateral", "m/s")):
             object.__setattr__(self, name, finite(name, getattr(self, name), unit))
+
+    def __repr__(self) -> str:
+        sideways = f", lateral={self.lateral!r}" if self.lateral else ""
+        return f"Drive(linear={self.linear!r}, angular={self.angular!r}{sideways})"
 
 
 STANDSTILL = Drive()

@@ -311,7 +311,7 @@ class Program(Observed):
             return False
         # Without the lock, so that whoever stops the program never waits for the robot. They abandon this thread before
         # they stop the robot, and the robot refuses an abandoned thread.
-        refused = self._robot.drive(drive.linear, drive.angular)
+        refused = self._robot.drive(drive.linear, drive.angular, drive.lateral)
         if self._thread is not me or self._interrupted:
             return False
         if refused:

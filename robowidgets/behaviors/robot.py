@@ -42,7 +42,8 @@ class Robot:
         is_gone: returns whether nothing outside refers to it any more.
         is_stopped: returns whether stop is latched.
         listen: makes inputs that call a function on each message of the topic ``on``, in the transport's thread.
-        drive: sends a speed, m/s and rad/s; returns why it was not sent, empty if it was.
+        drive: sends a speed, m/s forward, rad/s counter-clockwise and m/s to the left; returns why it was not sent,
+            empty if it was.
         halt: sends zero at once, if a program drives.
     """
 
@@ -50,5 +51,5 @@ class Robot:
     is_gone: Callable[[], bool]
     is_stopped: Callable[[], bool]
     listen: Callable[[Callable[[], None]], Inputs]
-    drive: Callable[[float, float], str]
+    drive: Callable[[float, float, float], str]
     halt: Callable[[], object]

@@ -72,6 +72,6 @@ def simulate(
         samples = {"scan": robot.scan, "speed": robot.speed, "touch": robot.touch}
         values = {name: samples[name]() if name in samples else own.get(name, now) for name in asks_for}
         drive = drive_of(function(**values), drive)
-        robot.drive(drive.linear, drive.angular)
+        robot.drive(drive.linear, drive.angular, drive.lateral)
         robot.step(period)
         yield Step(now, drive, function.active if isinstance(function, Machine) else ())

@@ -5,6 +5,7 @@ from __future__ import annotations
 import threading
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import NamedTuple
 
 from .._core.cells import on_failed_cell
 from .._core.clock import Clock, RealClock
@@ -12,12 +13,24 @@ from .._core.log_once import log_in_thread
 from .._core.observed import Observed
 from .._core.platform_fixes import run_beside_debugger
 from .._core.user_threads import why_refused
+from ..samples import Speed
 from .stop_all import SEND_TIMEOUT, running, stop_driven_by_cell
 
-Velocity = tuple[float, float]
-"""Linear in m/s and angular in rad/s."""
 
-ZERO: Velocity = (0.0, 0.0)
+class Velocity(NamedTuple):
+    """A speed in the plane (REP-103): m/s forward, rad/s counter-clockwise, and m/s to the left."""
+
+    linear: float = 0.0
+    angular: float = 0.0
+    lateral: float = 0.0
+
+    @property
+    def as_speed(self) -> Speed:
+        """It as a sample."""
+        return Speed((self.linear, self.lateral, 0.0), (0.0, 0.0, self.angular))
+
+
+ZERO = Velocity()
 
 HOLD = 0.5
 """Seconds for which a speed holds unless it is renewed."""
@@ -65,14 +78,14 @@ class CommandWatchdog(Observed):
     may call any method; a method does not wait unless its description says so.
 
     Args:
-        send: the sink, a function of linear m/s and angular rad/s.
+        send: the sink, a function of the three speeds of a `Velocity`.
         not_sent: errors by which the sink says that nothing reached the robot. After any other error zero is due at
             once.
     """
 
     def __init__(
         self,
-        send: Callable[[float, float], object],
+        send: Callable[[float, float, float], object],
         *,
         not_sent: type[Exception] | tuple[()] = (),
         clock: Clock = _REAL,

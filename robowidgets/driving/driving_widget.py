@@ -37,8 +37,8 @@ class DrivingWidget(NamedWidget):
 
     _state = traitlets.Dict(
         help="ready: whether there is something to drive; driver: 'program', the name of a press, or nobody; speed: "
-        "(m/s, rad/s) sent last; stopped: whether stop is latched; error, cause, status, topic: texts; number: of the "
-        "message."
+        "(m/s, rad/s, m/s to the left) sent last; stopped: whether stop is latched; error, cause, status, topic: "
+        "texts; number: of the message."
     ).tag(sync=True, echo_update=False)
 
     def __init__(self, **kwargs: Any) -> None:

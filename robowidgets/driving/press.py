@@ -21,13 +21,14 @@ class PadMessage(NamedTuple):
     token: int = 0
     forward: float = 0.0
     turn: float = 0.0
+    lateral: float = 0.0
 
 
 def to_pad_message(content: Any) -> PadMessage:
     """Check a message of the page, which is untrusted.
 
     ``act`` is press, hold or release; or stop, allow (driving again) or beat (the page is there), which need no press.
-    ``forward`` (ahead above 0) and ``turn`` (to the left above 0) are shares of the limits, within +-1.
+    ``forward`` (ahead above 0), ``turn`` and ``lateral`` (to the left above 0) are shares of the limits, within +-1.
 
     Raises:
         ValueError: anything else.
@@ -43,7 +44,7 @@ def to_pad_message(content: Any) -> PadMessage:
         raise ValueError(f"press: expected the name of a press, got {name!r}")
     if type(message.token) is not int:
         raise ValueError(f"token: expected a whole number, got {message.token!r}")
-    for field in ("forward", "turn"):
+    for field in ("forward", "turn", "lateral"):
         share = getattr(message, field)
         if type(share) not in (int, float) or not -1 <= share <= 1:
             raise ValueError(f"{field}: expected a share of the limit within -1 and 1, got {share!r}")

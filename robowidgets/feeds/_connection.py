@@ -318,6 +318,10 @@ class Connection(Observed):
             self.functions.put(self.topic_of(topic), speed, users)
             self._show_status(topic)
 
+    def on_driving(self) -> None:
+        """Show other settings of driving: a pad has a knob for each direction in which the robot moves."""
+        self._call_observers()
+
     def on_fork(self) -> None:
         """Close in a forked process: the threads stayed with its parent, perhaps holding the lock."""
         self._lock = threading.RLock()

@@ -9,7 +9,6 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from ..driving.command_watchdog import PROGRAM, ZERO, CommandWatchdog, RefusedError, Request, Velocity
-from ..samples import Speed
 from ._driving import USUAL, DriveStatus, Driving, heard_speeds, unheard
 from ._twist import TwistPublisher
 from .middleware import FeedError, Middleware, NotYetError
@@ -70,6 +69,7 @@ class Driver:
                     self.watchdog.sent_in_time(self.watchdog.stop())
             self._driving, self._connected_by = driving, None
             self._status.cut = self._status.taken = ""
+        self._connection.on_driving()
 
     @property
     def topic(self) -> str:
@@ -82,9 +82,9 @@ class Driver:
         reasons = self._status.reasons(self.topic, self._connection.adverts) if self._connection.is_listed else ()
         return self._connection.status or "; ".join(reasons)
 
-    def drive(self, linear: float, angular: float) -> None:
+    def drive(self, wanted: Velocity) -> None:
         """See `Feed.drive`."""
-        velocity, stops = self._within(linear, angular), self.watchdog.stops
+        velocity, stops = self._within(wanted), self.watchdog.stops
         self._connection.await_subscriber(self.topic)
         if self._connected_by is None:
             self._connected_by = time.monotonic() + CONNECT_TIMEOUT
@@ -94,13 +94,13 @@ class Driver:
         finally:
             self._log_status()
 
-    def drive_by_program(self, linear: float, angular: float) -> str:
+    def drive_by_program(self, linear: float, angular: float, lateral: float) -> str:
         """Publish the speed of a program's step, without waiting; returns why it was not sent, empty if it was.
 
         An error of an earlier speed is returned, because this one is sent by another thread.
         """
         try:
-            self._request(self._within(linear, angular), PROGRAM)
+            self._request(self._within(Velocity(linear, angular, lateral)), PROGRAM)
         except FeedError as error:
             return str(error)
         finally:
@@ -108,10 +108,10 @@ class Driver:
         error_before = self.watchdog.error
         return "" if error_before is None else f"cannot drive: {self._connection.status or error_before}"
 
-    def drive_by_hand(self, linear: float, angular: float, press: str) -> None:
+    def drive_by_hand(self, wanted: Velocity, press: str) -> None:
         """Publish the speed of a press on a pad, without waiting. Raises as `Feed.drive`."""
         self._by_hand = True
-        self._request(self._within(linear, angular), press)
+        self._request(self._within(wanted), press)
 
     def stop(self) -> None:
         """See `Feed.stop`."""
@@ -160,9 +160,9 @@ class Driver:
         self._status.unheard[topic] = reason
         return is_new
 
-    def _within(self, linear: float, angular: float) -> Velocity:
-        velocity = self._driving.within(linear, angular)
-        self._status.cut = "" if velocity == (linear, angular) else self._driving.cut(linear, angular)
+    def _within(self, wanted: Velocity) -> Velocity:
+        velocity = self._driving.within(wanted)
+        self._status.cut = "" if velocity == wanted else self._driving.cut(wanted)
         return velocity
 
     def _try_drive(self, velocity: Velocity, stops: int) -> bool:
@@ -209,12 +209,13 @@ class Driver:
             except RefusedError as error:
                 raise FeedError(f"cannot drive: {error}") from None
 
-    def _send(self, linear: float, angular: float) -> None:
+    def _send(self, linear: float, angular: float, lateral: float) -> None:
         """The sink of the watchdog, called in its thread."""
-        if linear or angular:
+        velocity = Velocity(linear, angular, lateral)
+        if velocity != ZERO:
             self._connection.check_open()
         self._choose(is_driven=False)
-        self._twists.send(self.topic, linear, angular, self._connection.adverts)
+        self._twists.send(self.topic, velocity, self._connection.adverts)
         self._status.refused = self._twists.refused
 
     def _choose(self, *, is_driven: bool) -> None:
@@ -251,5 +252,4 @@ class Driver:
         if self._by_hand and watchdog.sent == ZERO and not watchdog.driver:
             self._by_hand, self._status.cut = False, ""  # the press is over, and so is the cut of its speed
         if watchdog.error is None:
-            linear, angular = watchdog.sent
-            self._connection.show_sent(self.topic, Speed((linear, 0.0, 0.0), (0.0, 0.0, angular)))
+            self._connection.show_sent(self.topic, watchdog.sent.as_speed)

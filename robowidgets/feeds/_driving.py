@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 
 from .._core.limit_traits import is_past
 from .._core.log_once import LogOnce
-from ..driving.command_watchdog import HOLD
+from ..driving.command_watchdog import HOLD, Velocity
 from ..kinds import is_command
 from ..messages.standard import TWIST, TWIST_STAMPED
 from ..samples.checks import OF_DEGREES, finite, is_angle
-from .middleware import Advert
+from .middleware import Advert, FeedError
 
 log = logging.getLogger("robowidgets")
 
@@ -34,10 +34,12 @@ class Driving:
         needs_page: whether speeds are refused while no page shows the feed or a pad of it, so that a robot stops when
             the browser is closed. A page that is busy or hidden for minutes counts as closed; so does a page whose
             messages a busy kernel does not receive.
+        max_lateral: limit in m/s of a base that moves sideways, both ways; greater speeds are cut. 0: it does not, and
+            a speed with a sideways part is refused.
 
     Raises:
         TypeError: something is not a number, the topic no text, or needs_page neither True nor False.
-        ValueError: a limit that is not finite and above 0, or an empty topic.
+        ValueError: a limit that is not finite and above 0 (`max_lateral` may be 0), or an empty topic.
     """
 
     topic: str | None = None
@@ -45,6 +47,7 @@ class Driving:
     max_angular: float = 1.0
     hold: float = HOLD
     needs_page: bool = False
+    max_lateral: float = 0.0
 
     def __post_init__(self) -> None:
         if not isinstance(self.topic, str | None):
@@ -53,21 +56,40 @@ class Driving:
             raise ValueError(f"topic: expected the name of a topic, such as /cmd_vel, got {self.topic!r}")
         if not isinstance(self.needs_page, bool):
             raise TypeError(f"needs_page: expected True or False, got {self.needs_page!r}")
-        for field in fields(self)[1:4]:
-            value = finite(field.name, getattr(self, field.name), "SI units")
-            if value <= 0:
-                raise ValueError(f"{field.name}: expected a limit above 0, got {value!r}")
+        for name in ("max_linear", "max_angular", "hold", "max_lateral"):
+            value = finite(name, getattr(self, name), "SI units")
+            least = "of 0 or more" if name == "max_lateral" else "above 0"
+            if value < 0 or (value == 0 and least == "above 0"):
+                raise ValueError(f"{name}: expected a limit {least}, got {value!r}")
 
-    def within(self, linear: float, angular: float) -> tuple[float, float]:
-        """A speed in m/s and rad/s, cut to the limits. ValueError for NaN and infinity."""
-        return (
+    def within(self, wanted: Velocity) -> Velocity:
+        """A speed, cut to the limits.
+
+        Raises:
+            TypeError, ValueError: a part of it is no finite number.
+            FeedError: it leads sideways, and the robot does not.
+        """
+        linear, angular, lateral = wanted
+        cut = Velocity(
             _cut(finite("linear", linear, "m/s"), self.max_linear),
             _cut(finite("angular", angular, "rad/s"), self.max_angular),
+            _cut(finite("lateral", lateral, "m/s"), self.max_lateral),
         )
+        if lateral and not self.max_lateral:
+            raise FeedError(
+                f"cannot drive: lateral is {lateral:g} m/s, but this robot is not known to move sideways; "
+                "if it does, set its limit: feed.driving = feeds.Driving(max_lateral=0.3)"
+            )
+        return cut
 
-    def cut(self, linear: float, angular: float) -> str:
+    def cut(self, wanted: Velocity) -> str:
         """A text for the part of a speed that `within` cuts; empty if it cuts nothing."""
-        given = ((linear, self.max_linear, "m/s"), (angular, self.max_angular, "rad/s"))
+        linear, angular, lateral = wanted
+        given = (
+            (linear, self.max_linear, "m/s"),
+            (angular, self.max_angular, "rad/s"),
+            (lateral, self.max_lateral, "m/s sideways"),
+        )
         cuts = [
             f"{value:g} {unit} is cut to {_cut(value, limit):g}"
             for value, limit, unit in given

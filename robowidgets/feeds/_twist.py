@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from contextlib import ExitStack
 from typing import Any
 
-from ..driving.command_watchdog import RECENT
+from ..driving.command_watchdog import RECENT, ZERO, Velocity
 from ..messages.standard import TWIST, TWIST_STAMPED
 from .middleware import Advert, FeedError, Middleware
 
@@ -36,16 +36,16 @@ class TwistPublisher:
         since = time.monotonic() - RECENT
         self._owed |= {topic for topic, at in list(self._moved_at.items()) if at > since}
 
-    def send(self, topic: str, linear: float, angular: float, adverts: Sequence[Advert]) -> None:
-        """Publish a speed in m/s and rad/s.
+    def send(self, topic: str, velocity: Velocity, adverts: Sequence[Advert]) -> None:
+        """Publish a speed.
 
         Zero is published in every type in which a speed was published, too, and on every topic whose zero is overdue.
 
         Raises:
             FeedError: the topic has another type, and no speed was sent on it; or the middleware cannot publish.
         """
-        if linear or angular:
-            self._publish(topic, _types_to_send(topic, adverts), linear, angular)
+        if velocity != ZERO:
+            self._publish(topic, _types_to_send(topic, adverts), velocity)
             return
         with ExitStack() as each:  # every zero is sent, even after one of them raised
             for name in dict.fromkeys((topic, *self._owed)):  # from the last to the first, which may be new, and wait
@@ -58,17 +58,17 @@ class TwistPublisher:
         except FeedError:
             if not kinds:
                 raise
-        self._publish(topic, kinds, 0.0, 0.0)
+        self._publish(topic, kinds, ZERO)
         self._owed.discard(topic)
 
-    def _publish(self, topic: str, kinds: Iterable[str], linear: float, angular: float) -> None:
+    def _publish(self, topic: str, kinds: Iterable[str], velocity: Velocity) -> None:
         """Publish in each of these types; raises if none was sent, if one may have been, or if a robot gets no zero."""
-        moves, moved = bool(linear or angular), self._moved.setdefault(topic, [])
+        moves, moved = velocity != ZERO, self._moved.setdefault(topic, [])
         sent: list[str] = []
         failures: dict[str, Exception] = {}
         for kind in dict.fromkeys(kinds):
             try:
-                self._middleware.publish(topic, kind, twist(kind, linear, angular))
+                self._middleware.publish(topic, kind, twist(kind, velocity))
                 sent.append(kind)
             except Exception as failure:  # the other type must be sent, too
                 failures[kind] = failure
@@ -93,15 +93,15 @@ def _types_to_send(topic: str, adverts: Iterable[Advert]) -> list[str]:
     return [advert.type for advert in known if advert.wanted] or guessed[:1]
 
 
-def twist(message_type: str, linear: float, angular: float) -> dict[str, Any]:
-    """The fields of a Twist or TwistStamped, in m/s and rad/s.
+def twist(message_type: str, velocity: Velocity) -> dict[str, Any]:
+    """The fields of a Twist or TwistStamped.
 
     The stamp is 0, which makes controllers with a command time-out use the time of arrival. A stamp from this machine's
     clock, if that is ahead of the robot's, would keep the last speed valid for too long.
     """
     fields_of_twist = {
-        "linear": {"x": linear, "y": 0.0, "z": 0.0},
-        "angular": {"x": 0.0, "y": 0.0, "z": angular},
+        "linear": {"x": velocity.linear, "y": velocity.lateral, "z": 0.0},
+        "angular": {"x": 0.0, "y": 0.0, "z": velocity.angular},
     }
     if message_type == TWIST:
         return fields_of_twist

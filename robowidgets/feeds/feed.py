@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from .._core.tables import Table
 from ..behaviors.variables import Variables
+from ..driving.command_watchdog import Velocity
 from ..samples import Scan
 from ..samples.checks import finite
 from ._callbacks import Function
@@ -198,7 +199,7 @@ class Feed:
         self.connection.check_open(*topics)
         return Recorder(self.connection, path, topics)
 
-    def drive(self, linear: float = 0.0, angular: float = 0.0) -> None:
+    def drive(self, linear: float = 0.0, angular: float = 0.0, *, lateral: float = 0.0) -> None:
         """Publish a speed, cut to the limits of `driving`; unless it is renewed in time, zero follows.
 
         At most 50 speeds a second are published, the newest wins; zero is published at once. `drive_status` names a cut
@@ -208,13 +209,14 @@ class Feed:
         Args:
             linear: forward, m/s.
             angular: counter-clockwise, rad/s.
+            lateral: to the left, m/s, of a robot that moves sideways: see `max_lateral` of `driving`.
 
         Raises:
             TypeError: no number. ValueError: NaN or infinite.
-            FeedError: the robot cannot be reached or driven; a hand holds a pad, or stop is latched; the feed is
-                closed. Nothing is sent then.
+            FeedError: the robot cannot be reached or driven, or not sideways; a hand holds a pad, or stop is latched;
+                the feed is closed. Nothing is sent then.
         """
-        self.driver.drive(linear, angular)
+        self.driver.drive(Velocity(linear, angular, lateral))
 
     def stop(self) -> None:
         """Publish zero now, and return when it is sent.

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 
 from ..laser_widget import LaserWidget
@@ -57,6 +58,8 @@ class Simulated(ThreadedMiddleware):
         if topic != "/cmd_vel":
             raise FeedError(f"the simulated robot listens to /cmd_vel, not to {topic}")
         speed = to_speed(message)
+        if speed.linear[1] and not self._robot.motors.max_lateral:
+            raise FeedError("the simulated robot does not move sideways; feeds.simulator('pr2') does")
         if self._closed.is_set():
             raise FeedError("the simulated robot is closed")
         try:
@@ -98,6 +101,7 @@ class SimulatorFeed(Feed):
     def __init__(self, robot: Robot, hz: float, wander: bool, process: bool) -> None:
         self.robot = robot
         super().__init__(Simulated(robot, hz, wander, process))
+        self.driving = replace(self.driving, max_lateral=min(robot.motors.max_lateral, self.driving.max_linear))
 
     def drawn(self) -> list[dict[str, Any]]:
         """What programs draw on the laser widgets that are connected, as the page reads it.

@@ -109,7 +109,7 @@ MODELS: dict[str, Model] = {
     ),
     "pr2": Model(
         0.334,
-        Motors(1.0, 1.0, 1.0, 2.0, max_sideways=1.0),
+        Motors(1.0, 1.0, 1.0, 2.0, max_lateral=1.0),
         replace(SCANNERS["utm30lx"], mount=(0.275, 0.0, 0.0)),
         {},
         "",

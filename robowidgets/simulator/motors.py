@@ -19,7 +19,7 @@ class Motors:
         max_angular: rad/s, both ways.
         linear_acceleration: m/s², speeding up and slowing down.
         angular_acceleration: rad/s², as above.
-        max_sideways: m/s, both ways, of a base that drives sideways; it speeds up as it does forward.
+        max_lateral: m/s, both ways, of a base that drives sideways; it speeds up as it does forward.
 
     Raises:
         TypeError: something is not a number.
@@ -30,12 +30,12 @@ class Motors:
     max_angular: float = 2.0
     linear_acceleration: float = 1.0
     angular_acceleration: float = 4.0
-    max_sideways: float = 0.0
+    max_lateral: float = 0.0
 
     def __post_init__(self) -> None:
         for field in fields(self):
             value = finite(field.name, getattr(self, field.name), "SI units")
-            if value <= 0 and (field.name != "max_sideways" or value < 0):
+            if value <= 0 and (field.name != "max_lateral" or value < 0):
                 raise ValueError(f"{field.name}: expected a limit above 0, got {value!r}")
 
     def toward(self, speeds: Speeds, command: Speeds, dt: float) -> Speeds:
@@ -43,7 +43,7 @@ class Motors:
         return (
             _approach(speeds[0], _clip(command[0], self.max_linear), self.linear_acceleration * dt),
             _approach(speeds[1], _clip(command[1], self.max_angular), self.angular_acceleration * dt),
-            _approach(speeds[2], _clip(command[2], self.max_sideways), self.linear_acceleration * dt),
+            _approach(speeds[2], _clip(command[2], self.max_lateral), self.linear_acceleration * dt),
         )
 
 

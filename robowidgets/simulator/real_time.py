@@ -45,10 +45,10 @@ class RealTime:
         """Pass on the samples of these topics, out of /scan, /odom, /cmd_vel and /bumper, and of no others."""
         self._wanted = frozenset(topics)
 
-    def drive(self, linear: float, angular: float, sideways: float) -> None:
+    def drive(self, linear: float, angular: float, lateral: float) -> None:
         """Command a speed; see `Robot.drive`."""
         self._driven_at = time.monotonic()
-        self._driven = (linear, angular, sideways)
+        self._driven = (linear, angular, lateral)
 
     def end(self) -> None:
         """Have `run` return."""

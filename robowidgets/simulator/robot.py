@@ -116,7 +116,7 @@ class Robot(Observed):
         self._scan_pose = self._pose
         self._scan: Scan | None = None
         shortest_way_through = self.radius / 2
-        fastest = hypot(self.motors.max_linear, self.motors.max_sideways)
+        fastest = hypot(self.motors.max_linear, self.motors.max_lateral)
         self._substep_ns = max(1, min(_SUBSTEP_NS, int(shortest_way_through / fastest * 1e9)))
 
     @property
@@ -177,16 +177,20 @@ class Robot(Observed):
             self._pose = pose
         self._call_observers()
 
-    def drive(self, linear: float, angular: float, sideways: float = 0.0) -> None:
+    def drive(self, linear: float, angular: float, lateral: float = 0.0) -> None:
         """Command a speed, m/s forward, rad/s counter-clockwise and m/s to the left, until the next call.
 
-        A robot whose motors have no ``max_sideways`` does not drive sideways.
+        Raises:
+            TypeError, ValueError: no finite number; or it leads sideways, and the motors have no ``max_lateral``.
         """
-        self._command = (
+        command = (
             finite("linear", linear, "m/s"),
             finite("angular", angular, "rad/s"),
-            finite("sideways", sideways, "m/s"),
+            finite("lateral", lateral, "m/s"),
         )
+        if lateral and not self.motors.max_lateral:
+            raise ValueError(f"lateral: {lateral:g} m/s, but this robot does not move sideways; model='pr2' does")
+        self._command = command
 
     def step(self, dt: float) -> None:
         """Let dt seconds pass: above 0, at most 60."""
@@ -292,8 +296,8 @@ class Robot(Observed):
     def __setstate__(self, state: dict[str, Any]) -> None:
         vars(self).update(state, _lock=threading.Lock(), _observers=[], model=model_of(state["_model_name"]))
 
-    def _as_speed(self, linear: float, angular: float, sideways: float, pose: Pose | None = None) -> Speed:
-        return Speed((linear, sideways, 0.0), (0.0, 0.0, angular), self._time_ns, "base_link", pose)
+    def _as_speed(self, linear: float, angular: float, lateral: float, pose: Pose | None = None) -> Speed:
+        return Speed((linear, lateral, 0.0), (0.0, 0.0, angular), self._time_ns, "base_link", pose)
 
     def _scan_period_ns(self) -> int:
         return self.scanner.period_ns((self._seed, self._scan_number, 1))
@@ -338,19 +342,19 @@ class Robot(Observed):
         if self.has_fallen:
             self._speeds = (0.0, 0.0, 0.0)
             return
-        linear, angular, sideways = self.motors.toward(self._speeds, self._command, dt)
+        linear, angular, lateral = self.motors.toward(self._speeds, self._command, dt)
         (x, y, yaw), turned = self._pose, angular * dt
-        wanted = _moved(self._pose, linear * dt, sideways * dt, turned)
+        wanted = _moved(self._pose, linear * dt, lateral * dt, turned)
         place = wanted[:2]
         if not self._has_room(*place):
             place = push_out(self._around(*place), *place, self.radius) or (x, y)
         if place != wanted[:2]:
             dx, dy, heading = place[0] - x, place[1] - y, yaw + turned / 2
             linear = _slowed(linear, dx * cos(heading) + dy * sin(heading), dt)
-            sideways = _slowed(sideways, dy * cos(heading) - dx * sin(heading), dt)
-        self._speeds, self._pose = (linear, angular, sideways), Pose(*place, wanted.yaw)
+            lateral = _slowed(lateral, dy * cos(heading) - dx * sin(heading), dt)
+        self._speeds, self._pose = (linear, angular, lateral), Pose(*place, wanted.yaw)
         way_off, turn_off, bend = self._wheels
-        ahead, left = linear * dt * (1 + way_off), sideways * dt * (1 + way_off)
+        ahead, left = linear * dt * (1 + way_off), lateral * dt * (1 + way_off)
         self._odometry = _moved(self._odometry, ahead, left, turned * (1 + turn_off) + ahead * bend)
 
 

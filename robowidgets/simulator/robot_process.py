@@ -64,9 +64,9 @@ class RobotProcess:
         with contextlib.suppress(OSError):  # the next process gets them
             self._tell("want", topics)
 
-    def drive(self, linear: float, angular: float, sideways: float) -> None:
+    def drive(self, linear: float, angular: float, lateral: float) -> None:
         """See `RealTime`. ConnectionRefusedError if the process has not started; OSError if it cannot be reached."""
-        self._tell("drive", linear, angular, sideways)
+        self._tell("drive", linear, angular, lateral)
 
     def end(self) -> None:
         """End the process, and start no other."""

@@ -69,8 +69,8 @@ def says(nb: Notebook | PlainPage, words: str, cell: int = 0) -> None:
     expect(nb.widget(cell).locator(".rw-words")).to_have_text(words)
 
 
-def numbers(nb: Notebook | PlainPage, linear: str, angular: str) -> None:
-    expect(nb.widget(0).locator(".rw-readout-value")).to_have_text([linear, angular])
+def numbers(nb: Notebook | PlainPage, *speeds: str) -> None:
+    expect(nb.widget(0).locator(".rw-readout:visible .rw-readout-value")).to_have_text(speeds)
 
 
 def heard(nb: Notebook | PlainPage) -> list[list[float]]:
@@ -186,6 +186,90 @@ def test_a_finger_drives_and_a_cancelled_touch_stops(plain_page: Callable[..., P
     session.send("Input.dispatchTouchEvent", {"type": "touchCancel", "touchPoints": []})
     says(nb, "stopped")
     numbers(nb, "0.00", "0.00")
+
+
+SIDEWAYS = """
+from robowidgets import DriveWidget
+heard = []
+def send(linear, angular, lateral):
+    heard.append((0, round(linear, 2), round(angular, 2), round(lateral, 2)))
+pad = DriveWidget(send=send, title="pr2 /cmd_vel", linear_limit=0.4, lateral_limit=0.3)
+pad
+"""
+
+
+def test_of_a_robot_that_moves_sideways_a_second_knob_and_two_keys_do_so(plain_page: Callable[..., PlainPage]) -> None:
+    nb = plain_page([SIDEWAYS])
+    unhurried(nb)
+    numbers(nb, "0.00", "0.00", "0.00")
+    box: Any = nb.widget(0).locator(".rw-slide").bounding_box()
+    nb.page.mouse.move(box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)
+    nb.page.mouse.down()
+    nb.page.mouse.move(box["x"], box["y"] + 3 * box["height"])
+    says(nb, "driving")
+    numbers(nb, "0.00", "0.30", "0.00")
+    shoot(nb.widget(0), "drive-sideways")
+    nb.page.mouse.up()
+    says(nb, "stopped")
+    numbers(nb, "0.00", "0.00", "0.00")
+    pad_of(nb).focus()
+    nb.page.keyboard.down("e")
+    numbers(nb, "0.00", "\u22120.30", "0.00")
+    nb.page.keyboard.down("w")
+    numbers(nb, "0.40", "\u22120.30", "0.00")
+    nb.page.keyboard.up("e")
+    numbers(nb, "0.40", "0.00", "0.00")
+    nb.page.keyboard.up("w")
+    says(nb, "stopped")
+    assert heard(nb)[-1] == [0.0, 0.0, 0.0]
+
+
+def test_two_fingers_drive_by_two_knobs_and_each_lets_go_of_its_own(plain_page: Callable[..., PlainPage]) -> None:
+    nb = plain_page([SIDEWAYS], touch=True)
+    unhurried(nb)
+    pad, slide = pad_of(nb).bounding_box(), nb.widget(0).locator(".rw-slide").bounding_box()
+    assert pad
+    assert slide
+    ahead = {"x": pad["x"] + pad["width"] / 2, "y": pad["y"] + 5, "id": 1}
+    left = {"x": slide["x"] + 5, "y": slide["y"] + slide["height"] / 2, "id": 2}
+    again = {"x": pad["x"] + pad["width"] / 2, "y": pad["y"] + pad["height"] - 5, "id": 3}
+    session = nb.page.context.new_cdp_session(nb.page)
+
+    def touch(act: str, *points: dict[str, float]) -> None:
+        session.send("Input.dispatchTouchEvent", {"type": f"touch{act}", "touchPoints": list(points)})
+
+    touch("Start", ahead)
+    numbers(nb, "0.40", "0.00", "0.00")
+    touch("Start", ahead, left)
+    numbers(nb, "0.40", "0.30", "0.00")
+    touch("Start", ahead, left, again)  # a second one on the pad has no say
+    touch("Move", {**ahead, "y": pad["y"] + pad["height"]}, left, again)
+    numbers(nb, "\u22120.40", "0.30", "0.00")
+    touch("End", ahead)
+    numbers(nb, "0.00", "0.30", "0.00")
+    says(nb, "driving")
+    touch("Cancel")
+    says(nb, "stopped")
+    numbers(nb, "0.00", "0.00", "0.00")
+
+
+def test_a_feed_gives_the_pad_a_knob_for_sideways_where_its_robot_moves_so(
+    plain_page: Callable[..., PlainPage],
+) -> None:
+    nb = plain_page([FEED])
+    unhurried(nb)
+    slide = nb.widget(0).locator(".rw-slide")
+    expect(slide).not_to_be_visible()
+    pad_of(nb).focus()
+    nb.page.keyboard.down("q")
+    says(nb, "stopped")
+    nb.page.keyboard.up("q")
+    nb.python("pad.connect(feeds.simulator('pr2', wander=False))")
+    expect(slide).to_be_visible()
+    pad_of(nb).focus()
+    nb.page.keyboard.down("q")
+    numbers(nb, "0.00", "0.50", "0.00")
+    nb.page.keyboard.up("q")
 
 
 HANG = "() => setTimeout(() => { const end = Date.now() + 1500; while (Date.now() < end) continue; })"

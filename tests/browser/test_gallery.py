@@ -177,6 +177,29 @@ def test_pictures_of_the_drive_pad(plain_page: Callable[..., PlainPage], theme: 
     shoot(card, f"gallery-drive-{theme}")
 
 
+SIDEWAYS = """
+from robowidgets import DriveWidget
+from robowidgets.simulator import Robot, World
+pr2 = Robot(World.rooms(), model="pr2")
+pad = DriveWidget(send=pr2.drive, title="pr2 /cmd_vel", lateral_limit=0.2)
+pad
+"""
+
+
+@every_theme
+def test_pictures_of_a_pad_for_sideways(plain_page: Callable[..., PlainPage], theme: Literal["light", "dark"]) -> None:
+    nb = plain_page([SIDEWAYS], scale=2, theme=theme)
+    card = nb.widget(0).locator(".rw-card")
+    box = card.locator(".rw-slide").bounding_box()
+    assert box is not None
+    nb.page.mouse.move(box["x"] + 0.5 * box["width"], box["y"] + 0.5 * box["height"])
+    nb.page.mouse.down()
+    nb.page.mouse.move(box["x"] + 0.28 * box["width"], box["y"] + 0.4 * box["height"])
+    card.locator(".rw-words", has_text="driving").wait_for()
+    expect(card.locator(".rw-readout-value").nth(1)).to_have_text(re.compile("^0[.]1"))
+    shoot(card, f"gallery-drive-sideways-{theme}")
+
+
 PROGRAM = """
 from robowidgets import ProgramWidget, feeds
 from robowidgets.behaviors import Drive

@@ -155,7 +155,10 @@ def test_stop_acts_on_press_stays_in_its_place_and_is_released_by_hand_or_by_cod
     assert stop_of(nb).bounding_box() == place
     nb.python("runs = False")
     says(nb, "nobody drives")
-    nb.python("feed.watchdog.take('p-1'); feed.driver.drive_by_hand(-0.3, 0, 'p-1')")
+    nb.python(
+        "from robowidgets.driving.command_watchdog import Velocity; "
+        "feed.watchdog.take('p-1'); feed.driver.drive_by_hand(Velocity(-0.3), 'p-1')"
+    )
     says(nb, "nobody drives")
     assert (-0.3, 0) in [tuple(speed) for _, *speed in eval(nb.python("heard"))]
     nb.python("feed.connection.on_unheard('/cmd_vel', 'the robot does not take what is sent'); feed.watchdog.stop()")

@@ -25,20 +25,23 @@ test("the knob is drawn under the pointer", () => {
     [-100, 100],
     [-20, 8],
   ] as const) {
-    const place = toPlace(toKnob(right, below, 100));
+    const place = toPlace({ ...CENTER, ...toKnob(right, below, 100) });
     assert.ok(Math.abs(place.right - right / 100) < 1e-9 && Math.abs(place.below - below / 100) < 1e-9);
   }
 });
 
 test("keys add up and opposite ones cancel", () => {
   assert.deepEqual(ofKeys([]), CENTER);
-  assert.deepEqual(ofKeys(["ArrowUp", "KeyA"]), { forward: 1, turn: 1 });
-  assert.deepEqual(ofKeys(["ArrowUp", "KeyW", "ArrowRight"]), { forward: 1, turn: -1 });
+  assert.deepEqual(ofKeys(["ArrowUp", "KeyA"]), { forward: 1, turn: 1, lateral: 0 });
+  assert.deepEqual(ofKeys(["ArrowUp", "KeyW", "ArrowRight"]), { forward: 1, turn: -1, lateral: 0 });
+  assert.deepEqual(ofKeys(["KeyQ", "KeyS"]), { forward: -1, turn: 0, lateral: 1 });
+  assert.deepEqual(ofKeys(["KeyQ", "KeyE"]), CENTER);
   assert.deepEqual(ofKeys(["KeyW", "KeyS", "ArrowLeft", "KeyD"]), CENTER);
-  assert.ok(isDriving("KeyS") && !isDriving("KeyX"));
+  assert.ok(isDriving("KeyS", false) && !isDriving("KeyX", true));
+  assert.ok(isDriving("KeyQ", true) && !isDriving("KeyQ", false), "only where the robot moves sideways");
 });
 
-const FULL = { forward: 1, turn: 0 };
+const FULL = { ...CENTER, forward: 1 };
 
 function open(send: (message: PadMessage) => void = () => {}) {
   mock.timers.reset();
@@ -97,7 +100,7 @@ test("a knob that moves is told soon, but not at every step of the pointer", () 
   lease.onAnswer({ press: "pad-1", token: 1 });
   for (let i = 0; i < 8; i++) {
     pass(10);
-    lease.hold({ forward: i / 10, turn: 0 });
+    lease.hold({ ...CENTER, forward: i / 10 });
   }
   assert.deepEqual(
     sent.slice(2).map(({ forward }) => forward),
@@ -116,7 +119,7 @@ test("half a second of silence ends a press, and only a new one drives", () => {
   const count = sent.length;
   lease.onAnswer({ press: "pad-1", token: 2 });
   lease.onAnswer({ press: "pad-1", over: "released" });
-  lease.hold({ forward: 0.5, turn: 0 });
+  lease.hold({ ...CENTER, forward: 0.5 });
   pass(1000);
   assert.equal(lease.state, "late");
   assert.equal(sent.length, count);
@@ -170,7 +173,7 @@ test("words say what is going on and what to do", () => {
   assert.equal(say("free", { ready: false }).text, "no feed");
   assert.equal(say("nothing", { ready: false }).text, "no feed");
   assert.equal(say("free", {}, {}, false).text, "switched off");
-  assert.equal(say("free", { speed: [0.1, 0] }).text, "stopping");
+  assert.equal(say("free", { speed: [0.1, 0, 0] }).text, "stopping");
   for (const state of ["free", "nothing"] as const) {
     assert.deepEqual(say(state, { ready: false, cause: "the feed is closed" }), {
       text: "the feed is closed",
@@ -199,9 +202,9 @@ test("who else drives is named", () => {
 
 test("a kernel that does not answer is not said to have stopped what a program drives", () => {
   assert.deepEqual(say("silent"), { text: "kernel busy: stopped", hint: "it does not answer", kind: "warn" });
-  assert.equal(say("silent", { driver: "program", speed: [0.2, 0] }).text, "kernel busy; a program drives");
-  assert.equal(say("silent", { driver: "pad-1", speed: [0.2, 0] }).text, "kernel busy: stopping");
-  assert.equal(say("late", { driver: "program", speed: [0.2, 0] }).text, "no answer in time; a program drives");
+  assert.equal(say("silent", { driver: "program", speed: [0.2, 0, 0] }).text, "kernel busy; a program drives");
+  assert.equal(say("silent", { driver: "pad-1", speed: [0.2, 0, 0] }).text, "kernel busy: stopping");
+  assert.equal(say("late", { driver: "program", speed: [0.2, 0, 0] }).text, "no answer in time; a program drives");
   assert.equal(say("free", {}, { hears: false }).hint, "the kernel is busy");
   assert.equal(say("silent", { driver: "program" }, { silence: "no word" }).text, "no word");
 });

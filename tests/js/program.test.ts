@@ -9,9 +9,10 @@ const program = (more: object = {}) =>
 const slider: Variable = { name: "near", value: 0.5, before: 0.5, low: 0.2, high: 2, unit: "m" };
 
 test("a speed is written as Python writes it", () => {
-  assert.equal(toCode([0.25, -0.30000000000000004], false), "Drive(0.25, -0.3)");
-  assert.equal(toCode([0, 1], false), "Drive(0.0, 1.0)");
-  assert.equal(toCode([0, 1], true), "None, keeps Drive(0.0, 1.0)");
+  assert.equal(toCode([0.25, -0.30000000000000004, 0], false), "Drive(0.25, -0.3)");
+  assert.equal(toCode([0, 1, 0], false), "Drive(0.0, 1.0)");
+  assert.equal(toCode([0, 1, 0], true), "None, keeps Drive(0.0, 1.0)");
+  assert.equal(toCode([0, 0, -0.07], false), "Drive(0.0, 0.0, lateral=-0.07)");
 });
 
 test("Stop comes before all, and a program that does not drive is waiting", () => {

@@ -169,14 +169,14 @@ test("news make a page with slow timers beat", async () => {
   mock.method(performance, "now", () => clock);
   state({ driver: "program" });
   assert.equal(sent.length, 2);
-  state({ driver: "program", speed: [1, 0] });
+  state({ driver: "program", speed: [1, 0, 0] });
   assert.equal(sent.length, 2);
   close();
 });
 
 test("what was told of a robot holds for a moment, that there is none holds on", async () => {
   const { control, state, pass, close } = open();
-  state({ speed: [0.2, 0] });
+  state({ speed: [0.2, 0, 0] });
   await pass(PULSE_MS - 100);
   assert.equal(control.silence, "");
   await pass(200);
@@ -192,11 +192,17 @@ const say = (more: Partial<Told>, other: Partial<Situation> = {}) => toDriverTex
 
 test("the bar tells who drives and how fast", () => {
   assert.equal(say({}).text, "nobody drives");
-  assert.equal(say({ speed: [0.1, 0] }).text, "stopping");
+  assert.equal(say({ speed: [0.1, 0, 0] }).text, "stopping");
   const speed = "0.20\u00A0m/s,\u00A0\u22120.50\u00A0rad/s";
-  assert.equal(say({ driver: "program", speed: [0.2, -0.5] }).text, `a program drives /cmd_vel: ${speed}`);
-  assert.equal(say({ driver: "program", speed: [0.2, -0.5], topic: "" }).text, `a program drives: ${speed}`);
-  assert.equal(say({ driver: "p", speed: [0.2, -0.5] }).text, `a hand drives /cmd_vel from a pad: ${speed}`);
+  assert.equal(say({ driver: "program", speed: [0.2, -0.5, 0] }).text, `a program drives /cmd_vel: ${speed}`);
+  assert.equal(say({ driver: "program", speed: [0.2, -0.5, 0], topic: "" }).text, `a program drives: ${speed}`);
+  assert.equal(say({ driver: "p", speed: [0.2, -0.5, 0] }).text, `a hand drives /cmd_vel from a pad: ${speed}`);
+  const [left, right] = [0.07, -0.07].map(
+    (lateral) => say({ driver: "program", topic: "", speed: [0.2, 0, lateral] }).text,
+  );
+  assert.equal(left?.replaceAll("\u00A0", " "), "a program drives: 0.20 m/s, 0.07 m/s to the left, 0.00 rad/s");
+  assert.equal(right?.replaceAll("\u00A0", " "), "a program drives: 0.20 m/s, 0.07 m/s to the right, 0.00 rad/s");
+  assert.equal(say({ speed: [0, 0, 0.1] }).text, "stopping");
   assert.equal(say({ ready: false, cause: "the feed is closed" }).text, "the feed is closed");
   assert.equal(say({ status: "nobody listens to /cmd_vel" }).hint, "nobody listens to /cmd_vel");
   assert.equal(say({ driver: "program" }, { silence: SILENT }).text, SILENT);
@@ -220,7 +226,7 @@ test("stopped is only what Python confirmed", () => {
   assert.equal(text("ignored", false), "the kernel was interrupted, but its cell goes on");
   assert.equal(text("unreachable", false), "Stop cannot reach the busy kernel");
   assert.equal(text("", true), "nobody may drive");
-  assert.equal(say({ stopped: true, speed: [0.2, 0] }).text, "stopping", "zero was not sent yet");
+  assert.equal(say({ stopped: true, speed: [0.2, 0, 0] }).text, "stopping", "zero was not sent yet");
   assert.equal(say({ stopped: true }, { note: "refused" }).hint, "Allow came too late: press it again");
 });
 

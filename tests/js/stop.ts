@@ -6,7 +6,7 @@ export function told(more: Partial<Told> = {}): Told {
   return {
     ready: true,
     driver: "",
-    speed: [0, 0],
+    speed: [0, 0, 0],
     stopped: false,
     error: "",
     cause: "",

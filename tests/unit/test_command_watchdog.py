@@ -11,14 +11,14 @@ from itertools import pairwise
 
 import pytest
 
-from robowidgets.driving.command_watchdog import HOLD, INTERVAL, PROGRAM, ZERO, CommandWatchdog, RefusedError
+from robowidgets.driving.command_watchdog import HOLD, INTERVAL, PROGRAM, ZERO, CommandWatchdog, RefusedError, Velocity
 from robowidgets.driving.stop_all import running, stop_all, stop_driven_by_cell
 
 from .clocks import ManualClock
 from .waiting import wait_for
 
-FORWARD = (0.3, 0.0)
-LEFT = (0.0, 0.5)
+FORWARD = Velocity(0.3)
+LEFT = Velocity(angular=0.5)
 
 
 class Sink:
@@ -26,20 +26,20 @@ class Sink:
 
     def __init__(self, now: Callable[[], float] = time.monotonic) -> None:
         self.now = now
-        self.got: list[tuple[float, float, float]] = []
+        self.got: list[tuple[float, Velocity]] = []
         self.error: BaseException | None = None
         self.gate = threading.Event()
         self.gate.set()
 
-    def __call__(self, linear: float, angular: float) -> None:
-        self.got.append((self.now(), linear, angular))
+    def __call__(self, *speeds: float) -> None:
+        self.got.append((self.now(), Velocity(*speeds)))
         self.gate.wait(20.0)
         if self.error is not None:
             raise self.error
 
     @property
-    def speeds(self) -> list[tuple[float, float]]:
-        return [(linear, angular) for _, linear, angular in self.got]
+    def speeds(self) -> list[Velocity]:
+        return [velocity for _, velocity in self.got]
 
 
 @pytest.fixture
@@ -61,7 +61,7 @@ def threads() -> list[threading.Thread]:
     return [thread for thread in threading.enumerate() if thread.name == "robowidgets-drive"]
 
 
-def drive(watchdog: CommandWatchdog, velocity: tuple[float, float], driver: str = PROGRAM) -> None:
+def drive(watchdog: CommandWatchdog, velocity: Velocity, driver: str = PROGRAM) -> None:
     watchdog.sent_in_time(watchdog.drive(velocity, driver=driver))
 
 
@@ -72,10 +72,10 @@ def test_a_loop_without_a_pause_sends_at_most_50_speeds_a_second_the_newest_last
     count = 0
     while time.monotonic() < until:
         count += 1
-        watchdog.drive((0.1, count))
+        watchdog.drive(Velocity(0.1, count))
     watchdog.sent_in_time(watchdog.stop())
     assert count > 100
-    moves = [at for at, linear, _ in sink.got if linear]
+    moves = [at for at, velocity in sink.got if velocity.linear]
     assert len(moves) <= 0.5 / INTERVAL + 2
     assert all(later - before >= 0.9 * INTERVAL for before, later in pairwise(moves))
     assert sink.speeds[-1] == ZERO
@@ -280,9 +280,9 @@ def test_a_hand_that_is_not_renewed_lets_programs_drive_again(
     watchdog.take("hand")
     drive(watchdog, LEFT, "hand")
     clock.advance(HOLD - 0.001)
-    assert sink.got == [(1000.0, *LEFT)]
+    assert sink.got == [(1000.0, LEFT)]
     clock.advance(0.001)
-    assert sink.got == [(1000.0, *LEFT), (1000.0 + HOLD, *ZERO)]
+    assert sink.got == [(1000.0, LEFT), (1000.0 + HOLD, ZERO)]
     drive(watchdog, FORWARD)
 
 
@@ -293,7 +293,7 @@ def test_a_speed_of_a_hand_holds_for_half_a_second_at_most_because_its_page_may_
     watchdog.take("hand")
     watchdog.sent_in_time(watchdog.drive(FORWARD, hold=60.0, driver="hand"))
     clock.advance(HOLD)
-    assert sink.got == [(1000.0, *FORWARD), (1000.0 + HOLD, *ZERO)]
+    assert sink.got == [(1000.0, FORWARD), (1000.0 + HOLD, ZERO)]
     assert watchdog.driver == ""
 
 
@@ -302,10 +302,10 @@ def test_by_hand_a_loop_sends_at_most_50_speeds_a_second_the_newest_last(
 ) -> None:
     watchdog, sink = timed
     for count in range(500):
-        watchdog.drive((0.1, count))
+        watchdog.drive(Velocity(0.1, count))
         clock.advance(0.001)
     watchdog.sent_in_time(watchdog.stop())
-    moves = [at for at, linear, _ in sink.got if linear]
+    moves = [at for at, velocity in sink.got if velocity.linear]
     assert len(moves) == 0.5 / INTERVAL
     assert all(later - before == pytest.approx(INTERVAL) for before, later in pairwise(moves))
     assert sink.speeds[-1] == ZERO
@@ -403,9 +403,9 @@ def test_a_failed_cell_stops_its_robot_while_others_begin_and_end(monkeypatch: p
 def test_the_end_of_the_process_sends_zero(tmp_path: object) -> None:
     program = (
         "import sys\n"
-        "from robowidgets.driving.command_watchdog import CommandWatchdog\n"
-        "watchdog = CommandWatchdog(lambda linear, angular: (sys.stdout.write(f'{linear}\\n'), sys.stdout.flush()))\n"
-        "watchdog.sent_in_time(watchdog.drive((0.3, 0.0), hold=60.0))\n"
+        "from robowidgets.driving.command_watchdog import CommandWatchdog, Velocity\n"
+        "watchdog = CommandWatchdog(lambda linear, *_: (sys.stdout.write(f'{linear}\\n'), sys.stdout.flush()))\n"
+        "watchdog.sent_in_time(watchdog.drive(Velocity(0.3), hold=60.0))\n"
     )
     ended = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=60, check=False)
     assert (ended.returncode, ended.stdout.split(), ended.stderr) == (0, ["0.3", "0.0"], "")

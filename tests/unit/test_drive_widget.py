@@ -7,6 +7,7 @@ import logging
 import threading
 from collections.abc import Iterator
 from math import inf, nan
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
@@ -14,7 +15,7 @@ import traitlets
 
 from robowidgets import DriveWidget, Speed
 from robowidgets._core.pacer import pacer
-from robowidgets.driving.command_watchdog import HOLD, PROGRAM, ZERO
+from robowidgets.driving.command_watchdog import HOLD, PROGRAM, Velocity
 from robowidgets.driving.driving_widget import ALLOW_LIFETIME
 from robowidgets.driving.press import PressLease, Tokens
 from robowidgets.feeds import Driving, Feed, FeedError
@@ -22,6 +23,9 @@ from robowidgets.feeds import Driving, Feed, FeedError
 from .feeds.scripted import CMD_VEL, SCAN, Scripted
 from .pages import Page
 from .waiting import wait_for
+
+ZERO = (0.0, 0.0)
+"""As a function of two speeds gets it, and as the middleware of a test keeps it."""
 
 
 class Pad(DriveWidget):
@@ -205,6 +209,38 @@ class TestSink:
         assert pad.hear("press")["over"] == "nothing"
         assert pad.heard == []
 
+    def test_a_function_with_lateral_is_driven_sideways_by_name_and_others_know_nothing_of_it(self) -> None:
+        heard: list[tuple[float, float, float]] = []
+
+        def send(linear: float, angular: float, *, lateral: float) -> None:
+            heard.append((linear, angular, lateral))
+
+        pad = Pad(send=send, lateral_limit=0.2)
+        assert pad.told["lateral_limit"] == 0.2
+        pad.hear("hold", token=pad.press(), forward=0.2, lateral=-0.5)
+        wait_for(lambda: pad.commanded == Speed((0.1, -0.1, 0), (0, 0, 0)), "it was told")
+        pad.hear("release")
+        pad.rests()
+        assert heard == [(0.1, 0.0, -0.1), Velocity()]
+        pad.close()
+
+    def test_a_limit_for_sideways_needs_something_that_takes_it(self, pad: Pad) -> None:
+        def planar(linear: float, angular: float) -> None:
+            raise AssertionError(f"it was driven: {linear}, {angular}")
+
+        words = r"^lateral_limit: what drives the robot has no parameter lateral: drive\(linear, angular, lateral\)$"
+        with pytest.raises(traitlets.TraitError, match=words):
+            DriveWidget(send=planar, lateral_limit=0.2)
+        with pytest.raises(traitlets.TraitError, match=words):
+            pad.lateral_limit = 0.2
+        pad.hear("hold", token=pad.press(), lateral=1)
+        pad.rests()
+        assert set(pad.heard) <= {ZERO}, "without a limit its share is nothing"
+        sideways = Pad(send=None, lateral_limit=0.2)
+        with pytest.raises(TypeError, match=r"^connect\(\): lateral_limit: what drives the robot has no parameter"):
+            sideways.connect(SimpleNamespace(drive=planar))
+        sideways.close()
+
     def test_a_simulated_robot_can_be_connected(self, pad: Pad) -> None:
         from robowidgets.simulator import Robot, World
 
@@ -319,13 +355,29 @@ class TestFeed:
         wait_for(lambda: script.speeds == [(0.1, -1.0), ZERO], "it stops")
         assert pad.title == "/cmd_vel"
 
+    def test_sideways_it_drives_as_fast_as_the_feed_allows_or_less(
+        self, pad: Pad, feed: Feed, script: Scripted
+    ) -> None:
+        page = Page(pad)
+        assert page.state["_state"]["lateral_limit"] == 0.0
+        feed.driving = Driving(max_lateral=0.4)
+        wait_for(lambda: page.state["_state"]["lateral_limit"] == 0.4, "the page gets a knob for it")
+        pad.hold(lateral=0.5)
+        wait_for(lambda: pad.told["speed"] == (0.0, 0.0, 0.2), "it drives to the left")
+        assert script.sent[-1][2]["linear"] == {"x": 0.0, "y": 0.2, "z": 0.0}
+        pad.hear("release")
+        pad.lateral_limit = 0.1
+        wait_for(lambda: page.state["_state"]["lateral_limit"] == 0.1, "its own limit comes first")
+        pad.hold(lateral=-1)
+        wait_for(lambda: pad.told["speed"] == (0.0, 0.0, -0.1), "it drives to the right")
+
     def test_it_tells_the_speed_that_was_published_and_why_the_robot_would_not_move(
         self, pad: Pad, feed: Feed, script: Scripted
     ) -> None:
         feed.driving = Driving("/base/cmd_vel", max_linear=0.2)
         pad.connect(feed)
         pad.hold(forward=1, turn=1)
-        wait_for(lambda: pad.told["speed"] == (0.2, 1.0), "it drives")
+        wait_for(lambda: pad.told["speed"] == (0.2, 1.0, 0.0), "it drives")
         assert pad.told["topic"] == pad.title == "/base/cmd_vel"
         unheard = "nobody listens to /base/cmd_vel, but to /cmd_vel"
         assert pad.told["status"] == f"{unheard}; 0.5 m/s is cut to 0.2"
@@ -338,7 +390,7 @@ class TestFeed:
         self, pad: Pad, feed: Feed, script: Scripted
     ) -> None:
         feed.drive(0.2, 0.5)
-        wait_for(lambda: pad.told["speed"] == (0.2, 0.5), "the program drives")
+        wait_for(lambda: pad.told["speed"] == (0.2, 0.5, 0.0), "the program drives")
         assert pad.told["driver"] == PROGRAM
         token = pad.hold(turn=1)
         for _ in range(5):
@@ -398,14 +450,14 @@ class TestFeed:
         self, pad: Pad, script: Scripted, caplog: pytest.LogCaptureFixture
     ) -> None:
         token = pad.hold(forward=0.2)
-        wait_for(lambda: pad.told["speed"] == (0.1, 0.0), "it drives")
+        wait_for(lambda: pad.told["speed"] == (0.1, 0.0, 0.0), "it drives")
         script.broken = "no room"
         token = pad.hear("hold", token=token, forward=0.2)["token"]
         words = "The robot could not be driven: FeedError: no room"
         both = f"{words}. Nor could it be told to stop"
         wait_for(lambda: pad.told["error"] == both, "both are told")
         assert pad.told["cause"] == "no room"
-        assert pad.told["speed"] == (0.1, 0.0), "as far as is known it moves"
+        assert pad.told["speed"] == (0.1, 0.0, 0.0), "as far as is known it moves"
         assert pad.hear("hold", token=token, forward=0.2)["over"] == "failed"
         wait_for(lambda: words in caplog.text, "it is logged")
         script.broken = ""
@@ -416,7 +468,7 @@ class TestFeed:
 
     def test_a_connection_that_is_lost_ends_the_press_and_is_told(self, pad: Pad, script: Scripted) -> None:
         token = pad.hold(forward=0.2)
-        wait_for(lambda: pad.told["speed"] == (0.1, 0.0), "it drives")
+        wait_for(lambda: pad.told["speed"] == (0.1, 0.0, 0.0), "it drives")
         script.lose()
         assert pad.hear("hold", token=token, forward=0.2)["over"] == "failed"
         assert "could not be driven: FeedError: cannot drive: connection lost" in pad.told["error"]
@@ -458,7 +510,9 @@ class TestFeed:
             feed.drive(0.1)
         pad.hear("beat")
         feed.drive(0.1)
-        wait_for(lambda: page.state["_state"]["speed"] == ZERO and len(page.sent("_state")) > 4, "it is asked again")
+        wait_for(
+            lambda: page.state["_state"]["speed"] == Velocity() and len(page.sent("_state")) > 4, "it is asked again"
+        )
 
 
 class TestStop:
@@ -527,15 +581,15 @@ class TestToThePage:
         assert 0 < len(states) < 6, "a constant speed is told again and again"
         wait_for(lambda: page.state["_state"]["driver"] == "", "it stopped")
         assert set(page.threads) == {"robowidgets-pacer"}
-        assert page.state["_state"]["speed"] == ZERO
+        assert page.state["_state"]["speed"] == Velocity()
 
     def test_while_it_is_driven_the_page_hears_so_each_second_and_then_no_more(self, feed: Feed, other: Pad) -> None:
         page = Page(other)
-        feed.watchdog.drive((0.2, 0.5), 2.5)
+        feed.watchdog.drive(Velocity(0.2, 0.5), 2.5)
         driven: list[dict[str, Any]] = []
 
         def stopped() -> bool:
-            driven[:] = [state for state in page.sent("_state") if state["driver"] and state["speed"] != ZERO]
+            driven[:] = [state for state in page.sent("_state") if state["driver"] and state["speed"] != Velocity()]
             return bool(driven) and page.state["_state"]["driver"] == ""
 
         wait_for(stopped, "it stopped")
@@ -588,8 +642,10 @@ class TestProgram:
             assert pad.heard == [(0.5, 0.0), ZERO]
         assert [t.name for t in threading.enumerate() if t.name == "robowidgets-drive"] == []
 
-    @pytest.mark.parametrize("value", [0, -1, nan, inf, 1e7, "fast", True, None])
-    @pytest.mark.parametrize(("name", "unit"), [("linear_limit", "m/s"), ("angular_limit", "rad/s")])
+    @pytest.mark.parametrize("value", [0, -1, nan, inf, 1e7, "fast", True, [1.0]])
+    @pytest.mark.parametrize(
+        ("name", "unit"), [("linear_limit", "m/s"), ("angular_limit", "rad/s"), ("lateral_limit", "m/s")]
+    )
     def test_limits_are_numbers_above_zero(self, pad: Pad, name: str, unit: str, value: Any) -> None:
         with pytest.raises(traitlets.TraitError) as refusal:
             setattr(pad, name, value)
@@ -604,7 +660,8 @@ class TestProgram:
             DriveWidget(sned=print)
         assert str(refusal.value) == (
             "DriveWidget() has no keyword 'sned'; did you mean 'send'? "
-            "It takes: angular_limit, enabled, header, layout, linear_limit, send, tabbable, title, tooltip"
+            "It takes: angular_limit, enabled, header, lateral_limit, layout, linear_limit, send, tabbable, title, "
+            "tooltip"
         )
 
     @pytest.mark.parametrize("wrong", [{"send": 3}, {"sned": print}, {"linear_limit": -1}])
@@ -624,7 +681,8 @@ class TestProgram:
         assert state == {
             "ready": True,
             "driver": "",
-            "speed": ZERO,
+            "speed": Velocity(),
+            "lateral_limit": 0.0,
             "stopped": False,
             "error": "",
             "cause": "",

@@ -16,7 +16,7 @@ INTERRUPTED = """
 import os, random, signal, threading, time
 from robowidgets._core.coalesced_call import CoalescedCall
 from robowidgets._core.pacer import Pacer
-from robowidgets.driving.command_watchdog import CommandWatchdog
+from robowidgets.driving.command_watchdog import CommandWatchdog, Velocity
 
 class Sender:
     def __init__(self):
@@ -25,7 +25,7 @@ class Sender:
         self.was_sent.set()
         return 0
 
-watchdog = CommandWatchdog(lambda linear, angular: None)
+watchdog = CommandWatchdog(lambda *_: None)
 pacer, sender = Pacer(), Sender()
 calls = []
 call = CoalescedCall(lambda: calls.append(1))
@@ -48,7 +48,7 @@ for _ in range(400):
         {works}
 """
 LOOPS = {
-    "drive": ("watchdog.drive((0.3, 0.0), hold=60.0)", "watchdog.sent_in_time(watchdog.stop())"),
+    "drive": ("watchdog.drive(Velocity(0.3), hold=60.0)", "watchdog.sent_in_time(watchdog.stop())"),
     "flush": ("pacer.flush()", "sender.was_sent.clear(); pacer.mark(sender); assert sender.was_sent.wait(5.0)"),
     "call": ("call()", "calls.clear(); call(); assert calls"),
 }

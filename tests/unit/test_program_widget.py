@@ -11,7 +11,7 @@ import pytest
 from robowidgets import ProgramWidget
 from robowidgets.behaviors import Drive
 from robowidgets.driving import driving_widget
-from robowidgets.feeds import Feed
+from robowidgets.feeds import Driving, Feed
 
 from .feeds.scripted import CMD_VEL, SCAN, Scripted
 from .pages import Page
@@ -54,9 +54,9 @@ def test_it_tells_what_the_program_does_and_follows_the_next_one(robot: Feed, wi
         sys.stdout.write("on its way\n")
         return Drive(0.2, 0.1)
 
-    wait_for(lambda: (page.state["_state"]["program"] or {}).get("speed") == (0.2, 0.1), "its speed is told")
+    wait_for(lambda: (page.state["_state"]["program"] or {}).get("speed") == (0.2, 0.1, 0.0), "its speed is told")
     told = page.state["_state"]["program"]
-    assert (told["name"], told["version"], told["mode"], told["limits"]) == ("go", 1, "running", (0.5, 1.0))
+    assert (told["name"], told["version"], told["mode"], told["limits"]) == ("go", 1, "running", (0.5, 1.0, 0.0))
     wait_for(lambda: page.state["_state"]["program"]["prints"][-1][1] == "on its way", "its prints are told")
     assert not told["kept"]
 
@@ -65,7 +65,7 @@ def test_it_tells_what_the_program_does_and_follows_the_next_one(robot: Feed, wi
         Drive(0.3)
 
     wait_for(lambda: page.state["_state"]["program"]["kept"], "a step without a return is told")
-    assert page.state["_state"]["program"]["speed"] == (0.0, 0.0)
+    assert page.state["_state"]["program"]["speed"] == (0.0, 0.0, 0.0)
 
     @robot.program(rate=50)
     def fail():  # type: ignore[no-untyped-def]
@@ -155,3 +155,21 @@ def test_what_makes_no_sense_changes_nothing(robot: Feed, widget: ProgramWidget,
 def test_it_takes_a_feed_alone() -> None:
     with pytest.raises(TypeError, match=r"ProgramWidget\(\): expected a feed, got 3"):
         ProgramWidget(3)
+
+
+def test_a_program_that_drives_sideways_shows_it_and_one_of_a_robot_that_cannot_says_why(
+    robot: Feed, widget: ProgramWidget
+) -> None:
+    page = Page(widget)
+
+    @robot.program(rate=50)
+    def slide():  # type: ignore[no-untyped-def]
+        return Drive(lateral=-0.07)
+
+    refused = "cannot drive: lateral is -0.07 m/s, but this robot is not known to move sideways"
+    wait_for(lambda: refused in (page.state["_state"]["program"] or {}).get("waiting", ""), "it says why it stands")
+    robot.driving = Driving(max_lateral=0.05)
+    wait_for(lambda: page.state["_state"]["program"]["limits"] == (0.5, 1.0, 0.05), "the new limit is told")
+    wait_for(lambda: page.state["_state"]["speed"] == (0.0, 0.0, -0.05), "it drives to the right")
+    assert page.state["_state"]["program"]["speed"] == (0.0, 0.0, -0.07)
+    assert robot.drive_status == "-0.07 m/s sideways is cut to -0.05"

@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from robowidgets.driving.command_watchdog import PROGRAM, ZERO, CommandWatchdog
+from robowidgets.driving.command_watchdog import PROGRAM, ZERO, CommandWatchdog, Velocity
 from robowidgets.feeds import Driving, Feed, FeedError
 from robowidgets.stop_widget import StopWidget
 
@@ -44,7 +44,7 @@ def test_it_tells_who_drives_and_what_is_said_against_it(feed: Feed, bar: StopWi
     page = Page(bar)
     feed.driving = Driving(topic="/base/cmd_vel")
     feed.drive(0.2, 0.5)
-    wait_for(lambda: page.state["_state"]["speed"] == (0.2, 0.5), "the speed is told")
+    wait_for(lambda: page.state["_state"]["speed"] == (0.2, 0.5, 0.0), "the speed is told")
     state = page.state["_state"]
     assert (state["driver"], state["topic"]) == (PROGRAM, "/base/cmd_vel")
     assert state["status"] == "nobody listens to /base/cmd_vel, but to /cmd_vel"
@@ -59,7 +59,7 @@ def test_it_tells_who_drives_and_what_is_said_against_it(feed: Feed, bar: StopWi
 def test_stop_latches_and_closing_the_bar_releases_nothing(feed: Feed, script: Scripted, bar: StopWidget) -> None:
     feed.drive(0.2, 0.5)
     hear(bar, "stop")
-    wait_for(lambda: script.speeds == [(0.2, 0.5), ZERO], "it stops")
+    wait_for(lambda: script.speeds == [(0.2, 0.5), (0.0, 0.0)], "it stops")
     assert bar.stopped is feed.stopped is True
     bar.close()
     with pytest.raises(FeedError, match="stop is latched"):
@@ -67,16 +67,16 @@ def test_stop_latches_and_closing_the_bar_releases_nothing(feed: Feed, script: S
 
 
 def test_a_bare_watchdog_will_do() -> None:
-    heard: list[tuple[float, float]] = []
+    heard: list[tuple[float, ...]] = []
     watchdog = CommandWatchdog(lambda *speed: heard.append(speed))
     bar = StopWidget(watchdog)
     assert bar.get_state()["_state"]["ready"] is True
-    watchdog.drive((0.1, 0.0))
+    watchdog.drive(Velocity(0.1))
     wait_for(lambda: heard, "it drives")
     bar.stopped = True
-    wait_for(lambda: heard == [(0.1, 0.0), ZERO], "it stops")
+    wait_for(lambda: heard == [Velocity(0.1), ZERO], "it stops")
     bar.stopped = False
-    watchdog.drive((0.1, 0.0))
+    watchdog.drive(Velocity(0.1))
     bar.close()
     watchdog.close()
 
@@ -104,7 +104,7 @@ def test_a_zero_that_fails_is_told_until_it_was_sent(feed: Feed, script: Scripte
     bar.stopped = True
     text = "The robot could not be told to stop: FeedError: no room"
     wait_for(lambda: page.state["_state"]["error"] == text, "it is told")
-    assert page.state["_state"]["speed"] == (0.2, 0.5), "as far as is known it moves"
+    assert page.state["_state"]["speed"] == (0.2, 0.5, 0.0), "as far as is known it moves"
     script.broken = ""
     wait_for(lambda: page.state["_state"]["error"] == "", "the zero was sent after all")
     assert page.state["_state"]["speed"] == ZERO

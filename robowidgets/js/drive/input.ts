@@ -1,59 +1,88 @@
 import { isPlain, on, onAbort } from "../shared/events.ts";
-import { isDriving, type Knob, ofKeys, toKnob } from "./knob.ts";
+import { CENTER, isDriving, type Knob, ofKeys, toKnob, toSlide } from "./knob.ts";
 
 /** Pixels. */
 const KNOB_RADIUS = 19;
 
 /** What a person does to a pad. */
 interface PadInput {
+  /** Whether the robot moves sideways. */
+  readonly sideways: boolean;
   onHold(knob: Knob): void;
   onRelease(): void;
 }
 
-/** Follows pointer and keys on a pad. Losing the focus, the window or the page releases it. */
-export function watchInput(pad: HTMLElement, input: PadInput, signal: AbortSignal): void {
+/**
+ * Follows pointers and keys on a pad and on the slide for sideways: one pointer on each, or keys. What is let go of
+ * comes to rest, while the other goes on. Losing a pointer, the focus, the window or the page releases both.
+ */
+export function watchInput(pad: HTMLElement, slide: HTMLElement, input: PadInput, signal: AbortSignal): void {
   const held = new Set<string>();
-  let pointer: number | null = null;
+  const pointers = new Map<HTMLElement, number>();
+  let knob = CENTER;
   const release = () => {
-    const was = pointer;
-    pointer = null;
+    const before = [...pointers];
+    pointers.clear();
     held.clear();
-    if (was !== null && pad.hasPointerCapture(was)) pad.releasePointerCapture(was);
+    knob = CENTER;
+    for (const [surface, pointer] of before) {
+      if (surface.hasPointerCapture(pointer)) surface.releasePointerCapture(pointer);
+    }
     input.onRelease();
   };
-  const toPlace = ({ clientX, clientY }: PointerEvent): Knob => {
-    const { left, top, width, height } = pad.getBoundingClientRect();
-    return toKnob(clientX - left - width / 2, clientY - top - height / 2, Math.min(width, height) / 2 - KNOB_RADIUS);
+  const move = (part: Partial<Knob>) => {
+    knob = { ...knob, ...part };
+    input.onHold(knob);
   };
 
-  const onDown = (event: PointerEvent) => {
-    if (pointer !== null || event.button !== 0) return;
-    event.preventDefault();
-    pad.focus({ preventScroll: true });
-    pointer = event.pointerId;
-    pad.setPointerCapture(pointer);
-    input.onHold(toPlace(event));
+  const watchPointer = (
+    surface: HTMLElement,
+    toPart: (right: number, below: number, reach: number) => Partial<Knob>,
+    atRest: Partial<Knob>,
+  ) => {
+    const toPlace = ({ clientX, clientY }: PointerEvent): Partial<Knob> => {
+      const { left, top, width, height } = surface.getBoundingClientRect();
+      return toPart(clientX - left - width / 2, clientY - top - height / 2, width / 2 - KNOB_RADIUS);
+    };
+    const isOurs = ({ pointerId }: PointerEvent) => pointers.get(surface) === pointerId;
+    const onDown = (event: PointerEvent) => {
+      if (pointers.has(surface) || event.button !== 0) return;
+      event.preventDefault();
+      pad.focus({ preventScroll: true });
+      pointers.set(surface, event.pointerId);
+      surface.setPointerCapture(event.pointerId);
+      move(toPlace(event));
+    };
+    const onUp = (event: PointerEvent) => {
+      if (!isOurs(event)) return;
+      if (pointers.size === 1) return release();
+      pointers.delete(surface);
+      move(atRest);
+    };
+    on(surface, "pointerdown", onDown, signal);
+    on(surface, "pointermove", (event) => isOurs(event) && move(toPlace(event)), signal);
+    on(surface, "pointerup", onUp, signal);
+    for (const end of ["pointercancel", "lostpointercapture"] as const) {
+      on(surface, end, (event) => isOurs(event) && release(), signal);
+    }
   };
-  on(pad, "pointerdown", onDown, signal);
-  on(pad, "pointermove", (event) => event.pointerId === pointer && input.onHold(toPlace(event)), signal);
-  for (const end of ["pointerup", "pointercancel", "lostpointercapture"] as const) {
-    on(pad, end, (event) => event.pointerId === pointer && release(), signal);
-  }
+  watchPointer(pad, toKnob, { forward: 0, turn: 0 });
+  watchPointer(slide, (right, _below, reach) => toSlide(right, reach), { lateral: 0 });
 
   const onKey = (event: KeyboardEvent) => {
     if (event.key === " " || event.key === "Escape" || !isPlain(event)) {
       if (event.key === " ") event.preventDefault();
       release();
-    } else if (isDriving(event.code)) {
+    } else if (isDriving(event.code, input.sideways)) {
       event.preventDefault();
       if (event.repeat) return;
       held.add(event.code);
-      if (pointer === null) input.onHold(ofKeys(held));
+      if (!pointers.size) input.onHold(ofKeys(held));
     }
   };
   on(pad, "keydown", onKey, signal);
   const onKeyUp = ({ code }: KeyboardEvent) => {
-    if (!held.delete(code) || pointer !== null) return;
+    if (!held.delete(code) || pointers.size) return;
     if (held.size) input.onHold(ofKeys(held));
     else input.onRelease();
   };

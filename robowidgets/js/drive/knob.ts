@@ -1,10 +1,11 @@
-/** Where the knob is: shares of the limits within ±1, ahead and to the left above 0. */
+/** Where the knobs are: shares of the limits within ±1, ahead and to the left above 0. */
 export interface Knob {
   forward: number;
   turn: number;
+  lateral: number;
 }
 
-export const CENTER: Knob = { forward: 0, turn: 0 };
+export const CENTER: Knob = { forward: 0, turn: 0, lateral: 0 };
 
 /** Dead zone around the centre, as a share of the way to the edge, so that a person can drive straight. */
 const SLACK = 0.06;
@@ -17,38 +18,48 @@ function toShare(value: number): number {
 }
 
 /** The knob under a pointer, from pixels right of and below the middle of a pad that reaches so many pixels. */
-export function toKnob(right: number, below: number, reach: number): Knob {
+export function toKnob(right: number, below: number, reach: number): Pick<Knob, "forward" | "turn"> {
   return { forward: toShare(-below / reach), turn: toShare(-right / reach) };
 }
 
-/** Where the knob is drawn: shares of the reach, right of and below the middle. */
-export function toPlace({ forward, turn }: Knob): { right: number; below: number } {
-  const out = (share: number) => Math.sign(share) * (Math.abs(share) * (1 - SLACK) + SLACK);
-  return { right: -out(turn), below: -out(forward) };
+/** The knob for sideways under a pointer, from pixels right of the middle of a slide that reaches so many pixels. */
+export function toSlide(right: number, reach: number): Pick<Knob, "lateral"> {
+  return { lateral: toShare(-right / reach) };
 }
 
-const KEYS: Record<string, Knob> = {
-  ArrowUp: { forward: 1, turn: 0 },
-  ArrowDown: { forward: -1, turn: 0 },
-  ArrowLeft: { forward: 0, turn: 1 },
-  ArrowRight: { forward: 0, turn: -1 },
-  KeyW: { forward: 1, turn: 0 },
-  KeyS: { forward: -1, turn: 0 },
-  KeyA: { forward: 0, turn: 1 },
-  KeyD: { forward: 0, turn: -1 },
+/** Where the knobs are drawn: shares of the reach, right of and below the middle. */
+export function toPlace({ forward, turn, lateral }: Knob): { right: number; below: number; slide: number } {
+  const out = (share: number) => Math.sign(share) * (Math.abs(share) * (1 - SLACK) + SLACK);
+  return { right: -out(turn), below: -out(forward), slide: -out(lateral) };
+}
+
+const KEYS: Record<string, Partial<Knob>> = {
+  ArrowUp: { forward: 1 },
+  ArrowDown: { forward: -1 },
+  ArrowLeft: { turn: 1 },
+  ArrowRight: { turn: -1 },
+  KeyW: { forward: 1 },
+  KeyS: { forward: -1 },
+  KeyA: { turn: 1 },
+  KeyD: { turn: -1 },
+  KeyQ: { lateral: 1 },
+  KeyE: { lateral: -1 },
 };
 
-/** Whether a key drives. Keys are named by their place, so that W, A, S, D are where they are on any keyboard. */
-export function isDriving(code: string): boolean {
-  return code in KEYS;
+/**
+ * Whether a key drives a robot that moves sideways, or does not. Keys are named by their place, so that W, A, S, D are
+ * where they are on any keyboard.
+ */
+export function isDriving(code: string, sideways: boolean): boolean {
+  const knob = KEYS[code];
+  return knob !== undefined && (sideways || !knob.lateral);
 }
 
-/** The knob of the keys that are held: at the limits, and in the middle between opposite ones. */
+/** The knobs of the keys that are held: at the limits, and in the middle between opposite ones. */
 export function ofKeys(held: Iterable<string>): Knob {
-  let [forward, turn] = [0, 0];
+  const sum = { ...CENTER };
   for (const code of held) {
-    forward += KEYS[code]?.forward ?? 0;
-    turn += KEYS[code]?.turn ?? 0;
+    for (const [axis, share] of Object.entries(KEYS[code] ?? {})) sum[axis as keyof Knob] += share;
   }
-  return { forward: clamp(forward), turn: clamp(turn) };
+  return { forward: clamp(sum.forward), turn: clamp(sum.turn), lateral: clamp(sum.lateral) };
 }

@@ -1,8 +1,14 @@
-import type { StopTraits } from "../shared/driving/traits.ts";
+import type { StopTraits, Told } from "../shared/driving/traits.ts";
 
 export interface DriveTraits extends StopTraits {
+  _state: DriveTold;
   enabled: boolean;
   /** m/s and rad/s. */
   linear_limit: number;
   angular_limit: number;
+}
+
+/** State of the robot's driver, and m/s at the ends of the slide for sideways; 0: the robot does not move sideways. */
+export interface DriveTold extends Told {
+  lateral_limit: number;
 }

@@ -28,8 +28,11 @@ export class DriveView {
   readonly #knob = make("div", "rw-knob");
   readonly #text = make("div", "rw-words");
   readonly #hint = make("div", "rw-hint");
+  readonly #slide = make("div", "rw-slide");
+  readonly #sideways = make("div", "rw-sideways");
   readonly #linear = new Readout("linear", "m/s", 1, true);
-  readonly #angular = new Readout("angular", "rad/s", -1, true);
+  readonly #yaw = new Readout("yaw", "rad/s", -1, true);
+  readonly #lateral = new Readout("lateral", "m/s", -1, true);
   readonly #lease: PressLease;
   readonly #stop: StopControl;
   readonly #buttons: StopButtons;
@@ -48,9 +51,18 @@ export class DriveView {
     followTheme(this.#root, signal);
     onChange(model, SETTINGS, this.#redraw, signal);
     onMessage(model, (answer: Answer) => this.#lease.onAnswer(answer), signal);
-    watchInput(this.#pad, this, signal);
+    watchInput(this.#pad, this.#slide, this, signal);
     for (const change of ["focus", "blur"] as const) on(this.#pad, change, this.#redraw, signal);
     this.#draw();
+  }
+
+  get sideways(): boolean {
+    return this.#lateralLimit > 0;
+  }
+
+  /** A notebook that was saved by an earlier version has none. */
+  get #lateralLimit(): number {
+    return this.#model.get("_state").lateral_limit ?? 0;
   }
 
   onHold(knob: Knob): void {
@@ -70,18 +82,18 @@ export class DriveView {
     const texts = make("div", "rw-pad-words");
     texts.role = "status";
     texts.append(this.#text, this.#hint, this.#buttons.allow);
-    side.append(texts, this.#linear.root, this.#angular.root);
-    for (const edge of ["up", "left", "right", "down"]) {
-      const arrow = makeIcon(ARROW);
-      arrow.classList.add(`rw-${edge}`);
-      this.#pad.append(arrow);
-    }
+    side.append(texts, this.#linear.root, this.#lateral.root, this.#yaw.root);
+    addArrows(this.#pad, ["up", "left", "right", "down"]);
     this.#pad.append(this.#stem, this.#knob);
     this.#pad.tabIndex = 0;
     this.#pad.role = "application";
-    this.#pad.ariaLabel = "Drive pad: arrow keys or W, A, S, D drive, space lets go, escape stops";
+    addArrows(this.#slide, ["left", "right"]);
+    this.#slide.append(make("div", "rw-knob"));
+    this.#sideways.append(this.#slide, make("div", "rw-sideways-name", "sideways: Q and E"));
+    const knobs = make("div", "rw-knobs");
+    knobs.append(this.#pad, this.#sideways);
     const field = make("div", "rw-picture");
-    field.append(this.#pad, side);
+    field.append(knobs, side);
     this.#header.append(this.#title);
     this.#notice.role = "alert";
     // The notice is below the pad, so that it moves neither Stop nor the pad under a finger.
@@ -102,12 +114,24 @@ export class DriveView {
     this.#root.dataset.kind = kind;
     this.#root.classList.toggle("rw-off", !told.ready || !enabled || told.stopped);
     this.#linear.update(told.speed[0], model.get("linear_limit"));
-    this.#angular.update(told.speed[1], model.get("angular_limit"));
-    const { right, below } = held ? toPlace(this.#place) : { right: 0, below: 0 };
-    for (const [name, share] of Object.entries({ right, below })) {
-      this.#pad.style.setProperty(`--rw-${name}`, toFixed(share, 3).replace("\u2212", "-"));
+    this.#yaw.update(told.speed[1], model.get("angular_limit"));
+    this.#lateral.update(told.speed[2] ?? 0, this.#lateralLimit || 1);
+    this.#sideways.hidden = this.#lateral.root.hidden = !this.sideways;
+    const keys = this.sideways ? "W, A, S, D drive, Q and E drive sideways" : "W, A, S, D drive";
+    this.#pad.ariaLabel = `Drive pad: arrow keys or ${keys}, space lets go, escape stops`;
+    const { right, below, slide } = toPlace(held ? this.#place : CENTER);
+    for (const [name, share] of Object.entries({ right, below, slide })) {
+      this.#root.style.setProperty(`--rw-${name}`, toFixed(share, 3).replace("\u2212", "-"));
     }
     this.#stem.style.setProperty("--rw-angle", `${Math.atan2(below, right)}rad`);
     this.#stem.style.setProperty("--rw-length", String(Math.hypot(right, below)));
+  }
+}
+
+function addArrows(surface: HTMLElement, edges: string[]): void {
+  for (const edge of edges) {
+    const arrow = makeIcon(ARROW);
+    arrow.classList.add(`rw-${edge}`);
+    surface.append(arrow);
   }
 }

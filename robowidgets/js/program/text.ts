@@ -13,8 +13,9 @@ export function toMode(told: Told, program: Program, isKnown = true): string {
 }
 
 /** What a step returned, as Python code. */
-export function toCode([linear, angular]: [number, number], kept: boolean): string {
-  const drive = `Drive(${toPython(linear)}, ${toPython(angular)})`;
+export function toCode([linear, angular, lateral]: Program["speed"], kept: boolean): string {
+  const sideways = lateral ? `, lateral=${toPython(lateral)}` : "";
+  const drive = `Drive(${toPython(linear)}, ${toPython(angular)}${sideways})`;
   return kept ? `None, keeps ${drive}` : drive;
 }
 

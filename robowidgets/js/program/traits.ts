@@ -25,11 +25,12 @@ export interface Program {
   step_ms: number;
   /** Seconds since the version is in force. */
   since: number;
-  /** What the last step returned, m/s and rad/s. */
-  speed: [number, number];
+  /** What the last step returned: m/s forward, rad/s counter-clockwise, m/s to the left. */
+  speed: [number, number, number];
   /** Whether it returned None, which keeps the speed. */
   kept: boolean;
-  limits: [number, number];
+  /** Of each of them; 0: the robot does not move so. */
+  limits: [number, number, number];
   /** The active states of a state machine. */
   active: string;
   /** Seconds and text of the last lines, oldest first. */

@@ -26,7 +26,11 @@ export class ProgramView {
   readonly #facts = [make("b", ""), make("b", ""), make("b", "")];
   readonly #active = make("div", "rw-program-active");
   readonly #code = make("code", "rw-program-code");
-  readonly #axes = [new Readout("linear", "m/s", 1, false), new Readout("angular", "rad/s", -1, false)];
+  readonly #axes = [
+    new Readout("linear", "m/s", 1, false),
+    new Readout("yaw", "rad/s", -1, false),
+    new Readout("lateral", "m/s", -1, false),
+  ];
   readonly #prints = make("div", "rw-prints");
   readonly #hint = make("div", "rw-hint");
 
@@ -111,9 +115,13 @@ export class ProgramView {
     const numbers = program ? [program.rate.toFixed(1), program.step_ms.toFixed(2), String(program.since)] : [];
     for (const [i, fact] of this.#facts.entries()) setText(fact, numbers[i] ?? "\u2013");
     setText(this.#active, program?.active ?? "");
-    const speed = told.stopped ? ([0, 0] as [number, number]) : (program?.speed ?? [0, 0]);
+    const speed: Program["speed"] = (!told.stopped && program?.speed) || [0, 0, 0];
     setText(this.#code, program ? toCode(speed, program.kept && !told.stopped) : "\u2013");
-    for (const [i, axis] of this.#axes.entries()) axis.update(speed[i] ?? 0, program?.limits[i] ?? 1);
+    for (const [i, axis] of this.#axes.entries()) {
+      const [value, limit] = [speed[i] ?? 0, program?.limits[i] ?? 0];
+      axis.root.hidden = i === 2 && !limit && !value;
+      axis.update(value, limit || 1);
+    }
     this.#variables.update(told.variables ?? []);
     this.#drawPrints(program);
     const { text, hint, kind } = toDriverText(this.#control);

@@ -21,6 +21,7 @@ from robowidgets import SAMPLE, feeds
 from robowidgets.behaviors import Drive
 from robowidgets.behaviors.robot import NotReadyError
 from robowidgets.behaviors.variables import State
+from robowidgets.driving.command_watchdog import Velocity
 from robowidgets.feeds import Advert, Feed, FeedError
 from robowidgets.feeds._program_inputs import FeedInputs
 from robowidgets.samples import Scan, Speed, Touch
@@ -189,7 +190,7 @@ def test_a_hand_outranks_a_program_which_goes_on_after_it(robot: Feed, script: S
     robot.watchdog.take("press")
     wait_for(lambda: "a hand drives" in go.waiting, "it says who drives")
     count = len(script.speeds)
-    robot.driver.drive_by_hand(0.1, 0.0, "press")
+    robot.driver.drive_by_hand(Velocity(0.1), "press")
     wait_for(lambda: script.speeds[count:], "the hand drives")
     assert set(script.speeds[count:]) == {(0.1, 0.0)}
     robot.watchdog.let_go("press")
@@ -449,4 +450,4 @@ def test_the_same_program_runs_on_a_recording_beside_what_was_driven() -> None:
         wait_for(lambda: avoid.steps > 3, "it steps")
         wait_for(lambda: any("your program" in topic.name for topic in robot.topics), "its speeds are listed")
         assert "/odom" in view.widgets
-        wait_for(lambda: avoid.error == "" and robot.watchdog.sent != (0.0, 0.0), "it drives")
+        wait_for(lambda: avoid.error == "" and robot.watchdog.sent != Velocity(), "it drives")

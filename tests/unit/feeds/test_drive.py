@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 
 from robowidgets.behaviors import Drive
-from robowidgets.driving.command_watchdog import RefusedError
+from robowidgets.driving.command_watchdog import RefusedError, Velocity
 from robowidgets.feeds import Advert, Driving, Feed, FeedError
 from robowidgets.feeds.middleware import NotYetError
 
@@ -49,6 +49,38 @@ def test_a_speed_is_cut_to_the_limits(driven: Driven) -> None:
     topic, kind, message = script.sent[0]
     assert (topic, kind) == ("/cmd_vel", "geometry_msgs/msg/Twist")
     assert message == {"linear": {"x": 0.2, "y": 0.0, "z": 0.0}, "angular": {"x": 0.0, "y": 0.0, "z": -0.5}}
+
+
+@pytest.mark.parametrize("there", [CMD_VEL, STAMPED])
+def test_a_robot_that_moves_sideways_is_told_to_within_its_limit(driven: Driven, there: Advert) -> None:
+    feed, script = driven(there, max_lateral=0.3, hold=60.0)
+    for given, sent in ((0.07, 0.07), (-5.0, -0.3)):
+        feed.drive(0.1, lateral=given)
+        wait_for(lambda sent=sent: sidewards(script)[-1:] == [sent], "it is sent")  # type: ignore[misc]
+    assert feed.drive_status == "-5 m/s sideways is cut to -0.3"
+    assert feed.watchdog.sent.as_speed.linear == (0.1, -0.3, 0.0)
+    feed.stop()
+    assert (script.speeds[-1], sidewards(script)[-1]) == ((0.0, 0.0), 0.0)
+    with pytest.raises(ValueError, match="lateral: expected a finite number of m/s, got nan"):
+        feed.drive(lateral=nan)
+
+
+def test_a_robot_that_is_not_known_to_move_sideways_refuses_in_words_and_gets_nothing(driven: Driven) -> None:
+    feed, script = driven(CMD_VEL)
+    words = (
+        r"^cannot drive: lateral is 0.07 m/s, but this robot is not known to move sideways; "
+        r"if it does, set its limit: feed.driving = feeds.Driving\(max_lateral=0.3\)$"
+    )
+    with pytest.raises(FeedError, match=words):
+        feed.drive(0.2, 0.1, lateral=0.07)
+    assert script.sent == []
+    feed.drive(0.2, 0.1, lateral=0)
+    assert script.speeds == [(0.2, 0.1)]
+
+
+def sidewards(script: Scripted) -> list[float]:
+    """Linear y of the speeds that were published."""
+    return [message.get("twist", message)["linear"]["y"] for _, _, message in script.sent]
 
 
 @pytest.mark.parametrize(
@@ -255,7 +287,7 @@ def test_a_speed_that_comes_while_it_closes_is_not_sent(driven: Driven) -> None:
 
     def drive_while_closing() -> None:
         with pytest.raises(RefusedError, match="it is closed") as error:
-            feed.watchdog.drive((0.3, 0.0))
+            feed.watchdog.drive(Velocity(0.3))
         said.append(error)
 
     script.close = drive_while_closing  # type: ignore[method-assign]
@@ -696,6 +728,7 @@ def test_that_speeds_are_cut_is_logged_once_whatever_the_numbers(
     ("given", "error", "words"),
     [
         ({"max_linear": 0}, ValueError, "max_linear: expected a limit above 0, got 0"),
+        ({"max_lateral": -0.1}, ValueError, "max_lateral: expected a limit of 0 or more, got -0.1"),
         ({"hold": -1.0}, ValueError, "hold: expected a limit above 0, got -1.0"),
         ({"max_angular": inf}, ValueError, "max_angular: expected"),
         ({"max_angular": "fast"}, TypeError, "max_angular"),
@@ -725,7 +758,7 @@ def test_a_hand_on_a_pad_outranks_a_program_which_is_told(driven: Driven) -> Non
     feed.watchdog.take("press")
     with pytest.raises(FeedError, match="cannot drive: a hand drives from a pad"):
         feed.drive(0.2)
-    feed.driver.drive_by_hand(5.0, 0.0, "press")
+    feed.driver.drive_by_hand(Velocity(5.0), "press")
     wait_for(
         lambda: script.speeds == [(0.3, 0.0), (0.0, 0.0), (0.5, 0.0)], "the hand's speed is sent, cut to the limits"
     )
@@ -733,7 +766,7 @@ def test_a_hand_on_a_pad_outranks_a_program_which_is_told(driven: Driven) -> Non
     feed.watchdog.let_go("press")
     wait_for(lambda: feed.drive_status == "", "what was said of the hand's speed ends with it")
     with pytest.raises(FeedError, match="cannot drive: the press on the pad is over"):
-        feed.driver.drive_by_hand(0.1, 0.0, "press")
+        feed.driver.drive_by_hand(Velocity(0.1), "press")
     feed.drive(0.2)
 
 

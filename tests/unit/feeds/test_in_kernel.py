@@ -229,7 +229,7 @@ import time
 from robowidgets import DriveWidget
 file = open({str(log.path)!r}, "a", buffering=1)
 pad = DriveWidget(send=lambda *speeds: print((time.monotonic(), *speeds), file=file))
-pad._watchdog.drive((0.3, 0.0), hold=60.0)
+pad._watchdog.drive((0.3, 0.0, 0.0), hold=60.0)
 while True:
     time.sleep(0.1)  # a signal that comes just before it is noticed after it
 """

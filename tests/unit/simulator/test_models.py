@@ -4,12 +4,15 @@ from __future__ import annotations
 
 from dataclasses import replace
 from math import cos, inf, nan, pi, radians, sin
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
+import robowidgets
 from robowidgets import Validity, feeds
+from robowidgets.feeds import FeedError
 from robowidgets.messages import to_touch
 from robowidgets.simulator import Robot, Scanner, View, World, room, wander
 from robowidgets.simulator._models import MODELS
@@ -57,12 +60,14 @@ def test_a_bumper_is_told_in_the_messages_of_the_robot(name: str, angle: float, 
 
 
 def test_the_base_of_the_pr2_drives_sideways_and_others_do_not() -> None:
-    for name, expected in (("pr2", 0.5), ("kobuki", 0.0)):
-        robot = Robot(World(), model=name)
-        robot.drive(0.0, 0.0, 0.5)
-        robot.step(3.0)
-        assert robot.speed().linear[1] == pytest.approx(expected)
-        assert (robot.pose.y > 1.0) == (name == "pr2")
+    robot = Robot(World(), model="pr2")
+    robot.drive(0.0, 0.0, 0.5)
+    robot.step(3.0)
+    assert robot.speed().linear[1] == pytest.approx(0.5)
+    assert robot.pose.y > 1.0
+    words = r"^lateral: 0.5 m/s, but this robot does not move sideways; model='pr2' does$"
+    with pytest.raises(ValueError, match=words):
+        Robot(World(), model="kobuki").drive(0.0, 0.0, 0.5)
     robot = Robot(World([(-9.0, 0.6, 9.0, 0.6)]), model="pr2")
     robot.drive(0.3, 0.0, 1.0)
     robot.step(2.0)
@@ -176,3 +181,23 @@ def test_the_feed_of_a_robot_speaks_its_dialect_and_a_widget_reads_it() -> None:
         twist = {"linear": {"x": 0.0, "y": 0.4, "z": 0.0}, "angular": {"x": 0.0, "y": 0.0, "z": 0.0}}
         feed.connection.middleware.publish("/cmd_vel", "geometry_msgs/msg/Twist", twist)
         wait_for(lambda: feed.robot.speed().linear[1] > 0.1, "it drives sideways")
+
+
+def test_a_feed_of_the_pr2_drives_sideways_and_those_of_other_robots_say_that_they_cannot(tmp_path: Path) -> None:
+    with feeds.simulator("pr2", hz=100.0, wander=False) as feed:
+        assert feed.driving.max_lateral == 0.5
+        with feed.record(tmp_path / "run.mcap") as recorder:
+            feed.drive(lateral=-0.3)
+            wait_for(lambda: feed.robot.speed().linear[1] < -0.1, "it drives to the right")
+            wait_for(lambda: recorder.written["/cmd_vel"], "the speed is written")
+    sent = robowidgets.open(tmp_path / "run.mcap").speeds("/cmd_vel").values
+    assert -0.3 in sent[:, 1]
+    with feeds.simulator("turtlebot3", wander=False) as feed:
+        with pytest.raises(FeedError, match=r"lateral is 0.07 m/s, but this robot is not known to move sideways"):
+            feed.drive(0.1, lateral=0.07)
+        feed.driving = feeds.Driving(max_lateral=0.3)
+        with pytest.raises(
+            FeedError, match=r"the simulated robot does not move sideways; feeds.simulator\('pr2'\) does"
+        ):
+            feed.drive(0.1, lateral=0.07)
+        assert not any(feed.robot.command().values)

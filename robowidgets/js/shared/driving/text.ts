@@ -56,8 +56,8 @@ export function toDriverText(situation: Situation): Text {
 }
 
 /** Whether the speed that was sent last is not zero. */
-export function isMoving({ speed: [linear, angular] }: Told): boolean {
-  return linear !== 0 || angular !== 0;
+export function isMoving({ speed }: Told): boolean {
+  return speed.some((value) => value !== 0);
 }
 
 /** Where a bar from zero to a value begins, and its width, as parts of a track from -limit to limit. */
@@ -66,6 +66,8 @@ export function toBar(value: number, limit: number): { left: string; width: stri
   return { left: `${50 + Math.min(0, share)}%`, width: `${Math.abs(share)}%` };
 }
 
-function toSpeed({ speed: [linear, angular] }: Told): string {
-  return `${toFixed(linear, 2)}\u00A0m/s,\u00A0${toFixed(angular, 2)}\u00A0rad/s`;
+function toSpeed({ speed: [linear, angular, lateral] }: Told): string {
+  const side = lateral > 0 ? "left" : "right";
+  const sideways = lateral ? `${toFixed(Math.abs(lateral), 2)} m/s to the ${side}, ` : "";
+  return `${toFixed(linear, 2)} m/s, ${sideways}${toFixed(angular, 2)} rad/s`.replaceAll(" ", "\u00A0");
 }

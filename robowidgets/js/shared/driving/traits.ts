@@ -9,7 +9,8 @@ export interface Told {
   ready: boolean;
   /** "program", the name of a press, or empty. */
   driver: string;
-  speed: [number, number];
+  /** Sent last: m/s forward, rad/s counter-clockwise, m/s to the left. */
+  speed: [number, number, number];
   stopped: boolean;
   error: string;
   cause: string;
