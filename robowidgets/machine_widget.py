@@ -14,6 +14,7 @@ from ._core.robot_widget import RobotWidget
 from .behaviors.machine import Fired, Machine, MachineStep
 from .behaviors.program import Program
 from .behaviors.programs import Programs
+from .behaviors.step_clock import StepClock
 from .behaviors.version import Version
 from .samples.state_span import StateSpan, rows_of
 
@@ -75,8 +76,8 @@ class MachineWidget(RobotWidget[MachineStep]):
         self._programs = programs
         self._program: Program | None = None
         self._in_force: Version | None = None
-        self._origin = 0.0
-        """The monotonic time that the steps on show count from."""
+        self._clock = StepClock()
+        """That of the steps on show."""
         self._packed: MachineStep | None = None
         """The step of the newest frame."""
         self._packed_at = self._made_after = time.monotonic()
@@ -108,7 +109,7 @@ class MachineWidget(RobotWidget[MachineStep]):
             self._follow(program)
         machine = program.version.function
         if isinstance(machine, Machine):
-            self._origin = program.origin or 0.0
+            self._clock = program.clock
             self._show(machine.last_step, counts=machine.last_step is not self._newest.sample)
 
     def _follow(self, program: Program) -> None:
@@ -134,19 +135,19 @@ class MachineWidget(RobotWidget[MachineStep]):
         return {
             "mode": program.mode if is_machine else "ended",
             "version": program.version.number,
-            "fired": [_plain(fired, self._origin) for fired in sample.fired[-MOST_FIRED:]],
-            "states": _rows(sample, self._origin),
+            "fired": [_plain(fired, self._clock) for fired in sample.fired[-MOST_FIRED:]],
+            "states": _rows(sample, self._clock),
             "error": program.error if is_machine else "",
             "notes": [machine.note] if isinstance(machine, Machine) and machine.note else [],
         }
 
     def _pack(self, sample: MachineStep) -> bytes:
         if sample is not self._packed:
-            self._packed, self._made_after, self._packed_at = sample, self._packed_at, self._origin + sample.time
+            self._packed, self._made_after, self._packed_at = sample, self._packed_at, self._clock.at(sample.time)
         judged = {key: (one.value, one.text) for key, one in sample.judged.items()}
         # Not each step has a frame: events that made a move are true in the first frame after it.
         for fired in sample.fired:
-            if fired.event and self._origin + fired.time > self._made_after:
+            if fired.event and self._clock.at(fired.time) > self._made_after:
                 judged[fired.machine, fired.event] = True, fired.text
         told = {
             "key": self._outline.get("key", ""),
@@ -158,20 +159,20 @@ class MachineWidget(RobotWidget[MachineStep]):
         return json.dumps(told).encode()
 
 
-def _rows(step: MachineStep, origin: float) -> list[list[tuple[float, float | None, str]]]:
+def _rows(step: MachineStep, clock: StepClock) -> list[list[tuple[float, float | None, str]]]:
     """The states of the last seconds as rows, in monotonic time; one that is still active has no end."""
     left = [span for span in step.left if span.end > step.time - BAND]
     active = [StateSpan(entered, inf, f"{machine}.{name}") for machine, (name, entered) in step.states.items()]
     return [
-        [(origin + start, None if end == inf else origin + end, path) for start, end, path in row]
+        [(clock.at(start), None if end == inf else clock.at(end), path) for start, end, path in row]
         for row in rows_of([*left, *active])
     ]
 
 
-def _plain(fired: Fired, origin: float) -> dict[str, Any]:
+def _plain(fired: Fired, clock: StepClock) -> dict[str, Any]:
     nearest = fired.nearest
     return {
-        "at": origin + fired.time,
+        "at": clock.at(fired.time),
         "time": fired.time,
         "machine": fired.machine,
         "source": fired.source,

@@ -19,6 +19,7 @@ from .._core.user_threads import UserThread, frames_of
 from ._prints import Prints, capture, release
 from .drive import STANDSTILL, drive_of
 from .robot import GIVEN, NotReadyError, Robot
+from .step_clock import StepClock
 from .variables import State, Variables
 from .version import Version
 
@@ -32,6 +33,12 @@ LATEST_TICK = 0.1
 
 HUNG = 0.45
 """Seconds of looks without the return of a step, after which it counts as hung."""
+
+HELD = 1.0
+"""Seconds without any look, in which the process worked, after which a step counts as one that held the GIL."""
+
+WORKS = 0.05
+"""Seconds of processor time per second by which a process works whose threads wait for the GIL."""
 
 GRACE = 0.5
 """Seconds after which an abandoned step that has not returned is ended."""
@@ -53,6 +60,8 @@ class Program(Observed):
     - An exception stops the robot; the program waits for its next version, or for `run`.
     - A step that does not return for half a second is abandoned: the robot is stopped, and that step cannot drive any
       more. The next version runs in another thread.
+    - So is a step that held the GIL for a second or longer: then neither it could be abandoned, nor zero be sent.
+    - Its time counts while it can make steps: not while it is paused, waits, or the process stands still.
     - The speed of a version that was replaced while it was at work is not sent.
 
     Args:
@@ -72,7 +81,7 @@ class Program(Observed):
         returned: the speed that the last step asked for.
         kept: whether the last step returned None, which keeps the speed.
         prints: the last lines that it printed.
-        origin: the monotonic time that its steps count from; None before the first.
+        clock: the seconds that its steps count, from the first one on.
     """
 
     def __init__(self, name: str, robot: Robot, variables: Variables) -> None:
@@ -98,7 +107,10 @@ class Program(Observed):
         self._is_silent = False
         """Whether none came for so long that the program looks why."""
         self._interrupted = False
-        self.origin: float | None = None
+        self.clock = StepClock()
+        self._looked_at = self._unseen = 0.0
+        """The time of the last look at a step, and the seconds of this step for which there was none."""
+        self._step_began = 0.0
         self._since = time.monotonic()
         self._due = self._steps_a_second = 0.0
         self._waiting_since = 0.0
@@ -206,6 +218,7 @@ class Program(Observed):
             if self.mode == ENDED:
                 return
             self._leave()
+            self.clock.stop()
             self.mode, self.error, self.waiting = mode, error, ""
             self.note = note or self.note
             self._stand_still()
@@ -225,6 +238,7 @@ class Program(Observed):
                 if once:
                     with self._lock:
                         if self._thread is me:
+                            self.clock.stop(1 / version.rate if values is not None else 0.0)
                             self._leave()
                     self._call_observers()
                     return
@@ -259,6 +273,7 @@ class Program(Observed):
         """The version to call and its arguments; None while it cannot step."""
         version = self.version
         if self._robot.is_stopped():
+            self.clock.stop()
             self._stand_still()
             self._set_waiting("stop is latched")
             return version, None
@@ -267,13 +282,12 @@ class Program(Observed):
                 raise NotReadyError(self._inputs.why_silent(version.on))
             values = self._inputs.take()
         except NotReadyError as error:
+            self.clock.stop()
             self._robot.halt()
             self._stand_still()
             self._set_waiting(str(error))
             return version, None
-        now = time.monotonic()
-        self.origin = now if self.origin is None else self.origin
-        values.update(time=now - self.origin, state=self.state, variables=self.variables)
+        values.update(time=self.clock.start(), state=self.state, variables=self.variables)
         try:
             return version, {name: values[name] for name in version.asks_for}
         except KeyError:
@@ -288,7 +302,8 @@ class Program(Observed):
                 return True
             self._in_step = True
             self.steps += 1
-        began = time.perf_counter()
+            self._unseen, self._step_began = 0.0, time.monotonic()
+        began, worked = time.perf_counter(), time.process_time()
         error, raised = "", None
         try:
             result = version.function(**values)
@@ -297,10 +312,17 @@ class Program(Observed):
             line = line_of(_code_of(version.function), traceback.walk_tb(failure.__traceback__)).removeprefix(", ")
             say_what_was_meant(failure)
             error, raised = f"{line or self.name}: {type(failure).__name__}: {failure}", failure
-        passed = time.perf_counter() - began
+        passed, worked = time.perf_counter() - began, time.process_time() - worked
         with self._lock:
             if self._thread is not me:
                 return False
+            self._look_at_step()
+            # Where the process did not work, it was suspended: a step is not to blame, and the next one is due.
+            if not error and self._unseen >= HELD and worked >= WORKS * self._unseen:
+                error = (
+                    f"{self.name}: a step took {passed:.1f} s and let no other thread run, as a call does that holds "
+                    "the GIL: zero came late"
+                )
             self._in_step, self.step_time = False, passed
             if not error:
                 self.returned, self.kept, self.error = drive, result is None, ""
@@ -320,6 +342,14 @@ class Program(Observed):
         self._call_observers()
         return True
 
+    def _look_at_step(self) -> float:
+        """Note the time, and for how long this step was not looked at before. Called with the lock held."""
+        now = time.monotonic()
+        if self._in_step:
+            self._unseen += max(0.0, now - max(self._looked_at, self._step_began) - LATEST_TICK)
+        self._looked_at = now
+        return now
+
     def _stand_still(self) -> None:
         """What a step that returns None keeps is a standstill from now on."""
         self.returned, self.kept = STANDSTILL, False
@@ -330,16 +360,17 @@ class Program(Observed):
             self._call_observers()
 
     def _take_print(self, text: str) -> bool:
-        self.prints.add(text, time.monotonic() - (self.origin or time.monotonic()))
+        self.prints.add(text, self.clock.look())
         return self.has_view
 
     def _watch_steps(self) -> None:
         """Find steps that do not return, interrupts, and a deleted robot. In a thread of its own, while it runs."""
-        passed, seen, looked_at = 0.0, -1, time.monotonic()
+        passed, seen, self._looked_at = 0.0, -1, time.monotonic()
         while True:
             time.sleep(TICK)
-            before, looked_at = looked_at, time.monotonic()
+            self.clock.look()
             with self._lock:
+                before, looked_at = self._looked_at, self._look_at_step()
                 thread, steps = self._thread, self.steps
                 late = [one for one in self._abandoned if looked_at > (one.abandoned_at or looked_at) + GRACE]
                 self._abandoned = [one for one in self._abandoned if one not in late and one.is_alive()]

@@ -59,7 +59,7 @@ class Programs(Observed):
         if program is None or program.mode == ENDED:
             program = self._known[name] = Program(name, self._robot, self.variables)
             if known is not None:
-                program.state, program.origin = known.state, known.origin
+                program.state, program.clock = known.state, known.clock
             program.observe(self._call_observers)
         if isinstance(function, Machine) and isinstance(program.version.function, Machine):
             function.adopt(program.version.function)

@@ -249,9 +249,10 @@ class Feed:
         replaced at the next step. A program of another name ends it.
 
         The function gets what it names as parameters: the newest ``scan``, ``speed`` and ``touch`` of the robot;
-        ``time``, the seconds since its first step; ``state``, which it keeps from step to step and from version to
-        version; ``variables``, which a person sets. It returns a `robowidgets.behaviors.Drive`, or None to keep the
-        speed. It must return at once: after half a second it is abandoned. When it raises, and when a sample is
+        ``time``, the seconds since its first step in which it could make steps; ``state``, which it keeps from step to
+        step and from version to version; ``variables``, which a person sets. It returns a
+        `robowidgets.behaviors.Drive`, or None to keep the speed. It must return at once: after half a second it is
+        abandoned. When it raises, and when a sample is
         missing or old, the robot is stopped.
 
         Args:
