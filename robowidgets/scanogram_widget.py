@@ -92,9 +92,6 @@ class ScanogramWidget(SavesPng, NamedWidget):
 
     footer = Flag(True, help="Whether the legend stands below the picture.").tag(sync=True)
 
-    has_one_geometry = True
-    """Whether all scans have the same rays."""
-
     _frame = bytes_trait(echo_update=False)
     _about = traitlets.Dict().tag(sync=True, echo_update=False)
     _wanted = traitlets.List(traitlets.Float(), help="Start, end and columns that the page looks at.").tag(

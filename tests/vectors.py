@@ -10,7 +10,7 @@ from __future__ import annotations
 import base64
 import json
 import tempfile
-from math import inf, isfinite, nan
+from math import inf, isfinite, nan, pi
 from pathlib import Path
 from typing import Any
 from unittest.mock import patch
@@ -26,6 +26,8 @@ from robowidgets.player._frames import pack
 from robowidgets.samples.sector import SECTORS as SECTORS_BY_NAME
 from robowidgets.samples.sector_code import for_array, for_message, for_scan
 from robowidgets.samples.stretches import sector_of, stretches
+from robowidgets.scanogram.by_angle import rays_at
+from robowidgets.scanogram.scans import Sweep
 
 from .unit.recordings import sweeps
 
@@ -105,6 +107,20 @@ def make_codes() -> list[Any]:
     return [
         [sector.start, sector.end, offset, for_scan(sector), for_message(sector, offset), for_array(sector, scan)]
         for sector, offset in cases
+    ]
+
+
+def make_rays() -> list[Any]:
+    """The rays of two sweeps (angle of the first, step, number), and which of the first point where the second do."""
+    circle, front = Sweep(0.0, 2 * pi / 460, 0.1, 30.0, 460), Sweep(-0.5, 0.1, 0.1, 30.0, 10)
+    others = [Sweep(0.0, 2 * pi / count, 0.1, 30.0, count) for count in (455, 230)]
+    turned = [Sweep(-pi, pi / 180, 0.1, 30.0, 360), Sweep(1.0, -pi / 180, 0.1, 30.0, 360)]
+    short = [Sweep(-0.3, 0.1, 0.1, 30.0, 3), Sweep(0.2, 0.0, 0.1, 30.0, 1)]
+    pairs = [(of, circle) for of in (circle, *others, *turned)] + [(of, front) for of in short]
+    rays_of = [(one.angle_min, one.angle_increment, one.ray_count) for pair in pairs for one in pair]
+    return [
+        [list(of), list(on), rays_at(*pair).tolist()]
+        for of, on, pair in zip(rays_of[::2], rays_of[1::2], pairs, strict=True)
     ]
 
 
@@ -248,6 +264,7 @@ def _in_words(value: Any) -> Any:
 def write() -> None:
     """Put the frames of this Python into the file."""
     vectors = read() | {"frames": make(), "sectors": make_sectors(), "codes": make_codes(), "spreads": make_spreads()}
+    vectors["rays"] = make_rays()
     FILE.write_text(_to_text(vectors), encoding="utf-8")
 
 

@@ -11,6 +11,7 @@ from typing import NamedTuple
 
 from .._core.front_end import STATIC, built_file
 from .._core.output_file import whole_file
+from .._core.progress import Progress, without_bars
 from .._core.text import megabytes
 from .segments import compressed
 
@@ -72,7 +73,12 @@ class Page(NamedTuple):
         """Its bytes; estimated from some of its segments where there are many."""
         fixed = sum(map(len, self._pieces(())))
         step = -(-len(self.numbers) // _SAMPLED) or 1
-        some = [len(self.segment(number)) + _AROUND for number in self.numbers[step // 2 :: step]]
+        numbers = self.numbers[step // 2 :: step]
+        with Progress(len(numbers), "Measuring the page", " parts") as bar, without_bars():
+            some = []
+            for number in numbers:
+                some.append(len(self.segment(number)) + _AROUND)
+                bar.update(1)
         return fixed + round(sum(some) / max(1, len(some)) * len(self.numbers))
 
     def write(self, path: Path, max_size: int | None = MAX_SIZE) -> Path:
@@ -87,7 +93,7 @@ class Page(NamedTuple):
         size = 0
         try:
             with whole_file(path) as file:
-                for piece in self._pieces(map(self.segment, self.numbers)):
+                for piece in self._pieces(self._segments()):
                     file.write(piece)
                     size += len(piece)
                     if max_size is not None:
@@ -95,6 +101,15 @@ class Page(NamedTuple):
         except OSError as error:
             raise type(error)(f"{path} was not written: {error.strerror or error}") from None
         return path
+
+    def _segments(self) -> Iterator[bytes]:
+        """All segments, with a progress bar."""
+        with Progress(len(self.numbers), "Writing the page", " parts") as bar:
+            for number in self.numbers:
+                with without_bars():
+                    segment = self.segment(number)
+                yield segment
+                bar.update(1)
 
     def _pieces(self, segments: Iterable[bytes]) -> Iterator[bytes]:
         """The page, piece by piece, with these parts of segments.

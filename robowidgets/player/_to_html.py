@@ -148,7 +148,7 @@ def _scanogram(
 
 def _drawn_here(player: Player, picture: ScanogramWidget | None) -> dict[str, Any] | None:
     """The scanogram that the page draws from scans, and the number of the widget that shows them."""
-    if picture is None or not picture.has_one_geometry:
+    if picture is None:
         return None
     lasers = (i for i, view in enumerate(player.views) if view.choice.kind.name == LASER.name)
     return {"model": picture.model_id, "track": next(lasers)}
@@ -194,11 +194,8 @@ def _models(
             "_note": "",
         },
     )
-    if picture and picture.has_one_geometry:
+    if picture:
         models.add(picture, {**shown_at, "_frame": picture.frame_without_scans()})
-    elif picture:
-        # It says itself that nobody answers.
-        models.add(picture, {**shown_at, "layout": {"comm_live": False}})
     return models
 
 

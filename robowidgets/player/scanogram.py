@@ -153,7 +153,6 @@ def _put_scans(widget: ScanogramWidget, recording: RecordingData, scans: ScanSer
     first = next(like for like, _ in likes if len(like) == rays)
     mapper = RayMapper(Sweep.of(first))
     by_angle = not all(mapper.keeps_indices(like) for like, _ in likes)
-    widget.has_one_geometry = all(mapper.is_same(like) for like, _ in likes)
     source: Scans = (
         ScansInFile(series, mapper)
         if loaded is None

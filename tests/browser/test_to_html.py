@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import re
 from collections.abc import Callable, Iterator
+from math import pi
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +17,7 @@ import robowidgets
 from robowidgets import SAMPLE, LaserWidget, Scan
 from robowidgets._core.pacer import pacer
 
+from ..unit.recordings import sweeps
 from . import firefox
 from .chromium import PICTURES, SCREENSHOTS, shoot
 
@@ -114,6 +116,28 @@ def test_a_zoomed_scanogram_shows_the_measured_ranges(offline: Callable[..., Pag
         moment = recording.at("/scan", at + 0.006)
     assert moment
     expect(popup).to_contain_text(f"{moment.sample.ranges[index]:.2f} m")
+
+
+def test_scans_whose_number_of_rays_changes_stand_by_angle(offline: Callable[..., Page], tmp_path: Path) -> None:
+    """All rays of scan i measure 1 + i / 100 m, from 36 to 40 of them all round."""
+    scans = [
+        (i / 10, sweeps.scan(sweeps.START_NS + i * 10**8, [1 + i / 100] * rays, angle_min=-pi, increment=2 * pi / rays))
+        for i in range(50)
+        for rays in [36 + i % 5]
+    ]
+    with robowidgets.open(sweeps.write(tmp_path / "scans", scans)) as recording:
+        page = offline(recording.to_html(tmp_path / "a.html"), viewport={"width": 1100, "height": 800})
+    scanogram = page.locator(".rw-scanogram")
+    expect(scanogram).to_contain_text("50 scans")
+    expect(scanogram).to_contain_text("drawn by angle")
+    picture, popup = scanogram.locator(".rw-picture"), scanogram.locator(".rw-popup:visible")
+    for y in (100, 200, 400):
+        picture.hover(position={"x": 100 + y, "y": y})
+        expect(popup).to_contain_text(re.compile(r"scan \d+"))
+        text = popup.inner_text()
+        number = int(re.search(r"scan (\d+)", text)[1])  # type: ignore[index]
+        assert f"{1 + number / 100:.2f} m" in text
+    shoot(page.locator("body"), "to-html-by-angle")
 
 
 def test_the_samples_are_saved_exactly(offline: Callable[..., Page], file: Path) -> None:

@@ -1,5 +1,6 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
+import { onRays, type Rays, raysAt } from "../../robowidgets/js/export/by_angle.ts";
 import { toCsv } from "../../robowidgets/js/export/csv.ts";
 import { Feed, Segments } from "../../robowidgets/js/export/feed.ts";
 import { PageModel } from "../../robowidgets/js/export/model.ts";
@@ -20,6 +21,22 @@ for (const name of NAMES) {
     assert.equal(Buffer.from((made as DataView).buffer).toString("base64"), track);
   });
 }
+
+for (const [i, [of, on, rays]] of vectors.rays.entries()) {
+  test(`rays ${i} of another geometry stand where Python puts them`, () => {
+    const [from, to] = [of, on].map(([angleMin, angleIncrement, count]) => ({ angleMin, angleIncrement, count }));
+    assert.deepEqual([...raysAt(from as Rays, to as Rays)], rays);
+  });
+}
+
+test("a scan stands on its own rays, one with fewer by angle, and one with more or none nowhere", () => {
+  const on = { angleMin: 0, angleIncrement: 0.5, count: 3 };
+  const ranges = new Float32Array([1, 2, 3]);
+  assert.equal(onRays(ranges, { ...on }, on), ranges);
+  assert.deepEqual([...onRays(new Float32Array([1, 2]), { ...on, angleMin: 0.5, count: 2 }, on)], [NaN, 1, 2]);
+  assert.deepEqual([...onRays(new Float32Array(4), { ...on, count: 4 }, on)], [NaN, NaN, NaN]);
+  assert.deepEqual([...onRays(new Float32Array(0), { ...on, count: 0 }, on)], [NaN, NaN, NaN]);
+});
 
 function toBase85(bytes: Uint8Array): string {
   const digits = "0123456789ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz!#$%&()*+-;,=>?@^_`{|}~";

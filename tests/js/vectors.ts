@@ -46,6 +46,7 @@ interface Vectors {
     string,
     [held: [Stretch[], Word, number, Word, number][], own: [first: number, last: number, start: number, end: number][]]
   >;
+  rays: [of: [number, number, number], on: [number, number, number], rays: number[]][];
   spreads: [scans: Word[][], spread: Word[]][];
   codes: [start: number, end: number, offset: number, scan: string, message: string, slice: string][];
 }

@@ -102,6 +102,24 @@ def test_real_recordings_take_what_was_promised(tmp_path: Path, data: Path) -> N
         assert size <= 0.6 * mcap + 150_000, name
 
 
+@pytest.mark.slow
+def test_a_scanner_whose_number_of_rays_changes_takes_no_more(tmp_path: Path) -> None:
+    noise = np.random.default_rng(0)
+    scans = []
+    for i in range(100):
+        rays = int(noise.integers(926, 938))
+        angles = np.linspace(0, 2 * np.pi, rays, endpoint=False)
+        walls = 2 / np.maximum(np.abs(np.cos(angles + i / 50)), np.abs(np.sin(angles + i / 50)))
+        ranges = np.round((walls + noise.normal(0, 0.004, rays)) / 0.00025) * 0.00025
+        scans.append((i / 10, sweeps.scan(sweeps.START_NS, ranges, increment=2 * np.pi / rays)))
+    path = sweeps.write(tmp_path / "scans", scans)
+    with closing(open_source(path)) as source:
+        mcap = write(source, tmp_path / "a.mcap").size
+    with robowidgets.open(path) as recording:
+        size = recording.to_html(tmp_path / "a.html", scanogram=True).stat().st_size
+    assert size <= 0.6 * mcap + 150_000
+
+
 def test_every_second_scan_makes_it_smaller_and_is_said(tmp_path: Path) -> None:
     scans = [(i / 10, sweeps.scan(sweeps.START_NS, np.random.default_rng(i).random(500))) for i in range(40)]
     with robowidgets.open(sweeps.write(tmp_path / "scans", scans)) as recording:

@@ -41,6 +41,11 @@ def test_frames_are_packed_byte_by_byte() -> None:
     assert vectors.make() == VECTORS["frames"]
 
 
+def test_rays_stand_by_angle_as_in_the_front_end() -> None:
+    """Else the rule has changed: change the front end, then run `python -m tests.vectors`."""
+    assert vectors.make_rays() == VECTORS["rays"]
+
+
 def test_rays_scatter_as_in_the_front_end() -> None:
     """Else the rule has changed: change the front end, then run `python -m tests.vectors`."""
     assert vectors.make_spreads() == VECTORS["spreads"]

@@ -1,7 +1,8 @@
 import type { SegmentMessage } from "../player/traits.ts";
-import { type Facts, type Numbers, toCode, toSweep, unpack } from "../scanogram/data.ts";
+import { type Facts, type Numbers, type Sweep, toCode, toSweep, unpack } from "../scanogram/data.ts";
 import { Reader } from "../shared/bytes.ts";
 import { firstWhere } from "../shared/search.ts";
+import { onRays } from "./by_angle.ts";
 import type { Segments } from "./feed.ts";
 import type { PageModel } from "./model.ts";
 
@@ -14,8 +15,10 @@ const MARGIN = 0.5;
 /** Least length of a gap, relative to the 90th percentile of all pauses between two scans. */
 const GAP = 3;
 const NO_PAUSE = 0.1;
-/** Bytes of a laser's frame before its ranges; the last float64 of them is the number of rays. */
+/** Bytes of a laser's frame before its ranges; of these the last ones, which tell its rays; and of its limits there. */
 const HEAD = 72;
+const GEOMETRY = 40;
+const LIMITS = 16;
 
 interface TimedRanges {
   time: number;
@@ -38,6 +41,7 @@ export class ScanogramMaker {
   readonly #track: number;
   readonly #facts: Facts;
   readonly #others: Map<string, Numbers>;
+  readonly #sweep: Sweep;
   readonly #rayStep: number;
   readonly #rows: number;
   /** By segment, the times of its scans, and their codes one after the other. */
@@ -55,6 +59,7 @@ export class ScanogramMaker {
     const { facts, arrays } = unpack(model.get("_frame"));
     this.#facts = facts;
     this.#others = arrays;
+    this.#sweep = toSweep(facts);
     this.#rayStep = Math.max(1, Math.ceil(facts.ray_count / MOST_ROWS));
     this.#rows = Math.ceil(facts.ray_count / this.#rayStep);
     model.set_state({ _frame: null });
@@ -91,11 +96,10 @@ export class ScanogramMaker {
     if (this.#seen.has(message.segment)) return;
     const scans = this.#scansOf(message);
     const codes = new Uint16Array(scans.length * this.#rows).fill(0xffff);
-    const sweep = toSweep(this.#facts);
     for (const [i, { ranges }] of scans.entries()) {
       for (let ray = 0; ray < ranges.length; ray++) {
         const place = i * this.#rows + Math.floor(ray / this.#rayStep);
-        const code = toCode(ranges[ray] as number, sweep);
+        const code = toCode(ranges[ray] as number, this.#sweep);
         if (code < (codes[place] as number)) codes[place] = code;
       }
     }
@@ -194,8 +198,11 @@ export class ScanogramMaker {
   #scansOf(message: SegmentMessage): TimedRanges[] {
     return this.#segments.framesOf(message, this.#track).map(({ time, bytes }) => {
       const reader = new Reader(bytes);
-      reader.bytes(HEAD - 8);
-      return { time, ranges: reader.float32s(reader.float64()) };
+      reader.bytes(HEAD - GEOMETRY);
+      const [angleMin, angleIncrement] = [reader.float64(), reader.float64()];
+      reader.bytes(LIMITS);
+      const count = reader.float64();
+      return { time, ranges: onRays(reader.float32s(count), { angleMin, angleIncrement, count }, this.#sweep) };
     });
   }
 

@@ -98,3 +98,16 @@ def test_the_bar_of_a_search_comes_to_its_end(condition: Any, tmp_path: Path, mo
         recording.find(condition)
     (bar,) = bars
     assert bar._done == bar._options["total"] > 0
+
+
+def test_a_page_is_measured_and_written_with_a_bar(
+    recording: robowidgets.Recording,
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(progress, "SHOWN_AFTER", 0)
+    recording.html_size(start=0, end=5)
+    assert "Measuring the page:   0%" in capsys.readouterr().err
+    recording.to_html(tmp_path / "a.html", start=0, end=5)
+    assert "Writing the page:   0%" in capsys.readouterr().err
