@@ -77,6 +77,7 @@ SECTORS = (
     Sector(0.1, 0.35),
     Sector("170.5deg", "-170.25deg"),
     Sector("2.5deg", "-2.5deg"),
+    Sector(0.35, 0.1),
 )
 
 

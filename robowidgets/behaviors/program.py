@@ -16,8 +16,8 @@ from .._core.platform_fixes import run_beside_debugger
 from .._core.rate import RateMeter
 from .._core.user_function import line_of, say_what_was_meant
 from .._core.user_threads import UserThread, frames_of
-from ._prints import Prints, capture, release
 from .drive import STANDSTILL, drive_of
+from .prints import Prints, capture, release
 from .robot import GIVEN, NotReadyError, Robot
 from .step_clock import StepClock
 from .variables import State, Variables

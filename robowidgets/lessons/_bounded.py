@@ -2,69 +2,125 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable
 from functools import wraps
+from math import inf
 from typing import Any
 
 from .._core.user_function import error_in, line_of
 from .._core.user_threads import UserThread, frames_of
+from ..behaviors.prints import Prints, capture, release
+from ..behaviors.program import HUNG, LATEST_TICK, TICK
+from ..samples.hints import hearing
 
-LIMIT_S = 2.0
-"""Seconds that one call may take."""
+LIMIT_S = HUNG
+"""Seconds that one call may take, as on a live robot."""
+
+CASE_S = 10.0
+"""Seconds that all calls of a case may take together."""
 
 
 class WrongError(Exception):
-    """What is wrong with an answer, in words for the person who wrote it."""
+    """What is wrong with an answer, in words for the person who wrote it, and what to do, if that is not in them."""
+
+    def __init__(self, what: str, advice: str = "") -> None:
+        super().__init__(what)
+        self.advice = advice
 
 
 class BrokenError(WrongError):
     """The function gives no answer, or none of the right kind, so that there is no use in trying other cases."""
 
 
-def call(function: Callable[..., Any], sample: Any) -> Any:
-    """What a function returns for a sample.
+class Bounded:
+    """Calls functions of a person within limits of time, and keeps what they print and which hints they get.
 
-    Raises:
-        BrokenError: it raised, it returned None, or it took too long.
+    Args:
+        clock: seconds, from any start.
+
+    Attributes:
+        prints: the last lines that they printed.
+        hints: those that they got since `begin_case`.
     """
-    returned = bounded(function)(sample)
+
+    def __init__(self, clock: Callable[[], float] = time.monotonic) -> None:
+        self.prints = Prints()
+        self.hints: list[str] = []
+        self._clock = clock
+        self._passed, self._calls = 0.0, 0
+
+    def begin_case(self) -> None:
+        """Begin to count the calls and the time of another case."""
+        self._passed, self._calls = 0.0, 0
+        self.hints.clear()
+
+    def of(self, function: Callable[..., Any]) -> Callable[..., Any]:
+        """The same function, with `BrokenError` for what it raises, and where it or the case takes too long.
+
+        Each call runs in a thread of its own. One that is given up is ended at its next line of Python; one that waits
+        inside of a library stays until it returns.
+        """
+
+        @wraps(function)
+        def within_limit(*args: Any, **kwargs: Any) -> Any:
+            returned: list[Any] = []
+            raised: list[BaseException] = []
+
+            def run() -> None:
+                capture(self._take_print)
+                try:
+                    with hearing(self.hints.append):
+                        returned.append(function(*args, **kwargs))
+                except BaseException as error:
+                    raised.append(error)
+                finally:
+                    release()
+
+            self._run(UserThread(run, "lesson"), function)
+            if raised:
+                raise BrokenError(f"it raised an error, {error_in(raised[0])}") from None
+            return returned[0] if returned else None
+
+        return within_limit
+
+    def _run(self, thread: UserThread, function: Callable[..., Any]) -> None:
+        """Start the thread of a call and wait for it; end it where it takes too long."""
+        passed, looked_at = 0.0, self._clock()
+        self._calls += 1
+        thread.start()
+        is_over = False
+        while passed < LIMIT_S and not is_over:
+            thread.join(TICK)
+            is_over = not thread.is_alive()
+            before, looked_at = looked_at, self._clock()
+            passed += min(looked_at - before, LATEST_TICK)  # later looks: the whole process may have stood still
+        self._passed += passed
+        if not is_over:
+            at_work = getattr(function, "current", function)  # of a state machine: the function of the user
+            line = line_of(at_work, frames_of(thread)).removeprefix(", ")
+            thread.end()  # it would take the processor from all others
+            thread.join(0.5)
+            where = f"{line}: " if line else ""
+            raise BrokenError(f"{where}a step has not returned for half a second, and was abandoned{_AT_ONCE}")
+        if self._passed > CASE_S:
+            each = self._passed / self._calls
+            raise BrokenError(f"its {self._calls} steps took {CASE_S:g} s, {each:.2g} s each{_AT_ONCE}")
+
+    def _take_print(self, text: str) -> bool:
+        self.prints.add(text, 0.0)
+        return True
+
+
+_AT_ONCE = ". A step returns at once: it does not sleep or wait, and its loops end"
+
+
+def call(function: Callable[..., Any], sample: Any) -> Any:
+    """What a function returns for a sample; BrokenError for None."""
+    returned = function(sample)
     if returned is None:
         raise BrokenError("it returned None: does it end with a return, on every way through it?")
     return returned
-
-
-def bounded(function: Callable[..., Any]) -> Callable[..., Any]:
-    """The same function, with `BrokenError` for what it raises, and where it takes too long.
-
-    Each call runs in a thread of its own. One that is given up is ended at its next line of Python; one that waits
-    inside of a library stays until it returns.
-    """
-
-    @wraps(function)
-    def within_limit(*args: Any, **kwargs: Any) -> Any:
-        returned: list[Any] = []
-        raised: list[BaseException] = []
-
-        def run() -> None:
-            try:
-                returned.append(function(*args, **kwargs))
-            except BaseException as error:
-                raised.append(error)
-
-        thread = UserThread(run, "lesson")
-        thread.start()
-        thread.join(LIMIT_S)
-        if thread.is_alive():
-            at_work = getattr(function, "current", function)  # of a state machine: the function of the user
-            where = line_of(at_work, frames_of(thread))
-            thread.end()  # it would take the processor from all others
-            thread.join(0.5)
-            raise BrokenError(f"it did not return within {LIMIT_S:g} s{where}: does a loop in it never end?")
-        if raised:
-            raise BrokenError(f"it raised an error, {error_in(raised[0])}") from None
-        return returned[0] if returned else None
-
-    return within_limit
 
 
 def number(answer: Any, what: str) -> float:
@@ -94,6 +150,12 @@ def pair(answer: Any, what: str) -> tuple[float, float]:
     except (TypeError, ValueError):
         raise BrokenError(f"it returned {_short(answer)}: expected two numbers, {what}") from None
     return number(first, what), number(second, what)
+
+
+def beyond(value: float, low: float = -inf, high: float = inf, least: int = 2) -> str:
+    """A number beyond limits, with as many decimals as it takes to see that: 0.297 is not "0.30" below 0.3."""
+    texts = (f"{value:.{decimals}f}" for decimals in range(least, 7))
+    return next((text for text in texts if not low <= float(text) <= high), f"{value:g}")
 
 
 def _short(answer: Any) -> str:

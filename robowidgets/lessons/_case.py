@@ -3,16 +3,23 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from math import degrees, isinf, isnan
 from typing import Any, NamedTuple
 
-from ..samples import Scan
+import numpy as np
+
+from ..samples import Pose, Scan
 from ..samples.sector import Asked
 from ..simulator import Robot
-from ._bounded import WrongError, call, number
+from ._bounded import WrongError, beyond, call, number
 
 Answer = Callable[..., Any]
 
 _EXACT_M = 0.02
+_SAME_M = 0.001
+"""Metres within which a distance is taken for that of a ray."""
+_BESIDE_M = 0.1
+"""Metres beyond the distance asked for within which a robot may have stopped for something beside its way."""
 
 
 class Case(NamedTuple):
@@ -23,19 +30,72 @@ class Case(NamedTuple):
     judge: Callable[[Answer], None]
 
 
-def nearest_in(sector: Asked, title: str, scan: Scan, hint: str = "") -> Case:
-    """Whether an answer is the distance of the nearest thing in a sector, in metres."""
+def nearest_in(sector: Asked, title: str, scan: Scan, hint: str) -> Case:
+    """Whether an answer is the distance of the nearest thing in a sector, in metres.
+
+    Args:
+        sector: the sector.
+        title: of the case.
+        scan: its sample.
+        hint: what to do, for an answer that took another ray.
+    """
     expected, ray = scan.distance(sector), scan.nearest(sector)
 
     def judge(answer: Answer) -> None:
         given = number(call(answer, scan), "distance in metres")
         if given != expected and not abs(given - expected) <= _EXACT_M:
             what = f"it is {expected:.2f} m, at ranges[{ray.index}]" if ray else "nothing is met there, which is inf"
-            raise WrongError(f"you returned {given:.4g}; {what}{hint}")
+            origin, advice = _origin(given, scan, sector, hint)
+            raise WrongError(f"you returned {given:.4g}; {what}{origin}", advice)
 
     return Case(title, scan, judge)
+
+
+def _origin(given: float, scan: Scan, sector: Asked, hint: str) -> tuple[str, str]:
+    """Where a wrong distance comes from, as far as the scan tells, and what to do then."""
+    if isnan(given):
+        return "", hint if scan.nearest(sector) is None else "nan is no distance: scan.distance() leaves it out"
+    if isinf(given):
+        return "", "inf says that nothing is met"
+    found = np.flatnonzero(np.abs(scan.ranges - np.float32(given)) <= _SAME_M)
+    if not found.size:
+        return f". No ray says {given:.4g}", "Is it computed from the scan?"
+    inside = np.intersect1d(found, scan.indices(sector))
+    index = int(inside[0] if inside.size else found[0])
+    return f". ranges[{index}], at {degrees(scan[index].angle):.0f}°, says that", hint
 
 
 def touches(robot: Robot) -> bool:
     """Whether any bumper of a robot is touched."""
     return any(robot.touch().touched.values())
+
+
+def why_hit(robot: Robot, else_: str) -> str:
+    """Why a robot hit what is in its way: because the ray straight ahead misses that, or for another reason."""
+    scan = robot.scan()
+    ahead, near = scan.at(0.0), scan.nearest(("-90deg", "90deg"))
+    if ahead and near and ahead.range > near.range + 0.3:
+        return (
+            f"it is at {degrees(near.angle):.0f}°, and the ray straight ahead passes it: one ray is not enough, take a "
+            "sector as wide as the robot"
+        )
+    return else_
+
+
+def check_rest(robot: Robot, start: Pose, ahead: float, low: float, high: float) -> None:
+    """`WrongError` unless a robot has come to rest between two distances from what is ahead, at an x in metres."""
+    left, speed = ahead - robot.pose.x, robot.speed().linear[0]
+    if robot.pose == start:
+        raise WrongError(f"it did not move in {robot.time:.0f} s: return a speed above 0 while there is room ahead")
+    if abs(speed) > 0.02:
+        shown = beyond(speed, -0.02, 0.02)
+        raise WrongError(f"after {robot.time:.0f} s it still drives with {shown} m/s, {left:.2f} m from what is ahead")
+    if not low <= left <= high:
+        why = "it needs a few centimetres to stop, so stop earlier"
+        if left > high:
+            near = robot.scan().nearest("front")
+            why = "drive closer"
+            if near is not None and near.range <= high + _BESIDE_M:
+                why = f"what is at {degrees(near.angle):.0f}° is beside its way, so take a narrower sector"
+        shown = beyond(left, low, high)
+        raise WrongError(f"it stands {shown} m from what is ahead, not {low:g} to {high:g} m: {why}")

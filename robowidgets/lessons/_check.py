@@ -6,7 +6,8 @@ from collections.abc import Callable, Sequence
 from html import escape
 from typing import Any
 
-from ._bounded import BrokenError, WrongError
+from ..behaviors.simulation import function_of
+from ._bounded import Bounded, BrokenError, WrongError
 from ._case import Case
 from ._programs import back_off, follow_wall, stop_before_wall, wall_ahead
 from ._tasks import bumper_reflex, fits_through, nearest_on_the_left, slow_in_doorway, stop_at_wall
@@ -21,6 +22,9 @@ TASKS: dict[str, Callable[[], Sequence[Case]]] = {
 """By the name that the answer has, in the order of the two lessons."""
 
 
+_PRINTED = "It printed last:"
+
+
 class Result:
     """What the check of an answer found; true when the answer is right, and printed in plain words.
 
@@ -30,10 +34,14 @@ class Result:
         right: the number of cases that are right.
         cases: the number of all cases.
         sample: the first scan, or touch, on which it was wrong; None when all is right.
+        prints: the last lines that the function printed.
     """
 
-    def __init__(self, name: str, wrong: Sequence[str], right: int, cases: int, sample: Any = None) -> None:
+    def __init__(
+        self, name: str, wrong: Sequence[str], right: int, cases: int, sample: Any = None, prints: Sequence[str] = ()
+    ) -> None:
         self.name = name
+        self.prints = tuple(prints)
         self.wrong = tuple(wrong)
         self.right = right
         self.cases = cases
@@ -43,12 +51,15 @@ class Result:
         return not self.wrong
 
     def __repr__(self) -> str:
-        return "\n".join((self._head(), *(f"  - {line}" for line in self.wrong)))
+        printed = [_PRINTED, *(f"  {line}" for line in self.prints)] if self.prints else []
+        return "\n".join((self._head(), *(f"  - {line}" for line in self.wrong), *printed))
 
     def _repr_html_(self) -> str:
         # A notebook breaks the lines of text in the middle of words.
         lines = "".join(f"<li>{escape(line)}</li>" for line in self.wrong)
-        return f"<div>{escape(self._head())}</div><ul>{lines}</ul>"
+        printed = "\n".join(map(escape, self.prints))
+        printed = printed and f"<div>{_PRINTED}</div><pre>{printed}</pre>"
+        return f"<div>{escape(self._head())}</div><ul>{lines}</ul>{printed}"
 
     def _head(self) -> str:
         if not self.wrong:
@@ -59,7 +70,8 @@ class Result:
 def check(function: Callable[..., Any], task: str | None = None) -> Result:
     """Check the answer to a task: a function, or a program or state machine that drives the simulated robot.
 
-    It never raises what the function raises, and gives up a function that does not return.
+    It never raises what the function raises. A step has half a second, as on a live robot, and all steps of a case have
+    10 s of the computer's time together. What the function prints is kept: the last three lines are in the result.
 
     Args:
         function: ``nearest_on_the_left(scan)``, ``fits_through(scan)``, ``stop_at_wall(scan)``,
@@ -83,18 +95,27 @@ def check(function: Callable[..., Any], task: str | None = None) -> Result:
         raise TypeError(f"check: expected the function that answers a task, without brackets, got {function!r}")
     name = task or str(getattr(function, "__name__", "") or getattr(function, "name", ""))
     cases = _cases("check", name, "" if task else f"; name the task, as in check({name}, 'stop_before_wall')")
-    right, wrong = 0, []
+    return judged(function, name, cases, Bounded())
+
+
+def judged(function: Callable[..., Any], name: str, cases: Sequence[Case], bounded: Bounded) -> Result:
+    """The result of a function on some cases, within limits."""
+    right, wrong, told = 0, list[str](), set[str]()
     sample = None
     for case in cases:
-        error = _error_of(case, function)
+        bounded.begin_case()
+        error = _error_of(case, function, bounded)
         if error is None:
             right += 1
             continue
-        wrong.append(f"{case.title}: {error}")
+        hints = dict.fromkeys(bounded.hints)  # who gets one need not look for what else may be wrong
+        advice = [hint for hint in hints if hint not in told] if hints else [error.advice][: bool(error.advice)]
+        told.update(hints)
+        wrong.append(". ".join((f"{case.title}: {error}", *advice)))
         sample = case.sample if sample is None else sample
         if isinstance(error, BrokenError):
             break
-    return Result(name, wrong, right, len(cases), sample)
+    return Result(name, wrong, right, len(cases), sample, [text for _, text in bounded.prints.lines])
 
 
 def example(name: str) -> Any:
@@ -106,9 +127,13 @@ def example(name: str) -> Any:
     return _cases("example", name)[0].sample
 
 
-def _error_of(case: Case, function: Callable[..., Any]) -> WrongError | None:
+def _error_of(case: Case, function: Callable[..., Any], bounded: Bounded) -> WrongError | None:
     try:
-        case.judge(function)
+        answer = function_of(function)
+    except (TypeError, ValueError) as error:
+        return BrokenError(str(error))
+    try:
+        case.judge(bounded.of(answer))
     except WrongError as error:
         return error
     return None

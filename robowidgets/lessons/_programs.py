@@ -4,14 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from functools import partial
-from math import dist, inf, pi
+from math import dist, inf, nan, pi
 from typing import Any
 
-from ..behaviors.simulation import function_of, simulate
+import numpy as np
+
+from ..behaviors.simulation import simulate
 from ..samples import Scan
 from ..simulator import Robot, Scanner, World
-from ._bounded import BrokenError, WrongError, bounded
-from ._case import Answer, Case, nearest_in, touches
+from ._bounded import BrokenError, WrongError, beyond
+from ._case import Answer, Case, check_rest, nearest_in, touches, why_hit
 
 _WALL_AHEAD = (2.5, -4.0, 2.5, 4.0)
 
@@ -28,11 +30,11 @@ def wall_ahead() -> Sequence[Case]:
     circle = Scanner(360, 2 * pi)
     ahead = partial(nearest_in, ("-20deg", "20deg"))
     return [
-        ahead("a wall ahead", Robot(world, seed=11).scan(), ": take the nearest of all rays there"),
-        ahead("a wall close beside", Robot(beside, seed=11).scan(), ": look 20 degrees to both sides, and no farther"),
-        ahead("a chair leg", Robot(chair_leg, seed=11).scan(), ": one ray is not enough: take a sector"),
-        ahead("rays that fail", Robot(world, scanner=failing, seed=11).scan(), ": nan is no distance"),
-        ahead("another scanner", Robot(world, scanner=circle, seed=11).scan(), ": ask for angles, not for a slice"),
+        ahead("a wall ahead", Robot(world, seed=11).scan(), "Take the nearest of all rays there"),
+        ahead("a wall close beside", Robot(beside, seed=11).scan(), "Look 20 degrees to both sides, and no farther"),
+        ahead("a chair leg", Robot(chair_leg, seed=11).scan(), "One ray is not enough: take a sector"),
+        ahead("rays that fail", Robot(world, scanner=failing, seed=11).scan(), "Take the nearest of all rays there"),
+        ahead("another scanner", Robot(world, scanner=circle, seed=11).scan(), "Ask for angles, not for a slice"),
     ]
 
 
@@ -42,39 +44,58 @@ def wall_ahead() -> Sequence[Case]:
 def stop_before_wall() -> Sequence[Case]:
     """Come to rest 0.5 m from the wall ahead."""
     beside = (1.0, 0.3, 2.5, 0.3)
+    leg = (1.5, 0.05, 0.02)
     return [
-        _stop("a wall ahead", World([_WALL_AHEAD])),
-        _stop("a wall ahead, and one close beside the way", World([_WALL_AHEAD, beside]), ": look ahead alone"),
+        _stop("a wall ahead", World([_WALL_AHEAD]), _WALL_AHEAD[0]),
+        _stop("a wall ahead, and one close beside the way", World([_WALL_AHEAD, beside]), _WALL_AHEAD[0]),
+        _stop("a chair leg ahead", World([_WALL_AHEAD], [leg]), leg[0] - leg[2]),
         _blind("a covered scanner, which sends NaN alone"),
     ]
 
 
-def _stop(title: str, world: World, hint: str = ": drive closer") -> Case:
+def _stop(title: str, world: World, ahead: float) -> Case:
     def judge(answer: Answer) -> None:
         robot = Robot(world, seed=12)
+        start = robot.pose
         for _ in _steps(answer, robot, 25):
             if touches(robot):
-                raise WrongError(f"it hit a wall at {robot.time:.1f} s: return Drive() where the wall is near")
-        left, speed = _WALL_AHEAD[0] - robot.pose.x, robot.speed().linear[0]
-        if abs(speed) > 0.02:
-            raise WrongError(f"after 25 s it still drives with {speed:.2f} m/s, {left:.2f} m from the wall")
-        if not 0.4 <= left <= 0.6:
-            why = hint if left > 0.6 else ": stop earlier"
-            raise WrongError(f"it stands {left:.2f} m from the wall, not 0.4 to 0.6 m{why}")
+                why = why_hit(robot, "return Drive() where something is near ahead")
+                raise WrongError(f"it hit what is ahead at {robot.time:.1f} s: {why}")
+        check_rest(robot, start, ahead, 0.4, 0.6)
 
     return Case(title, Robot(world, seed=12).scan(), judge)
 
 
-def _blind(title: str) -> Case:
-    covered = Robot(World([_WALL_AHEAD]), scanner=Scanner(dropout=1.0), seed=13)
+class _Covered(Robot):
+    """A robot whose scanner can be covered, and sends NaN alone then."""
+
+    is_covered = False
+
+    def scan(self) -> Scan:
+        scan = super().scan()
+        return scan.again(np.full(len(scan), nan), None, scan.stamp_ns) if self.is_covered else scan
+
+
+def _blind(title: str, seconds: float = 0.0) -> Case:
+    """Whether an answer stands still while the scanner is covered, after some seconds of driving."""
+    world = World([_WALL_AHEAD])
+
+    def covered() -> _Covered:
+        robot = _Covered(world, seed=13)
+        robot.is_covered = not seconds
+        return robot
 
     def judge(answer: Answer) -> None:
-        robot = Robot(covered.world, scanner=covered.scanner, seed=13)
-        for _ in _steps(answer, robot, 2):
-            if robot.speed().linear[0] > 0.02:
-                raise WrongError("it drives blind. Drive while the distance is greater: no comparison with NaN is true")
+        robot = covered()
+        for _ in _steps(answer, robot, seconds + 2):
+            robot.is_covered = robot.time >= seconds
+            if robot.time > (seconds + 1 if seconds else 0) and robot.speed().linear[0] > 0.02:
+                when = f"at {robot.time:.1f} s " if seconds else ""
+                raise WrongError(
+                    f"{when}it drives blind. Drive while the distance is greater: no comparison with NaN is true"
+                )
 
-    return Case(title, covered.scan(), judge)
+    return Case(title, covered().scan(), judge)
 
 
 # -- follow it ---------------------------------------------------------------------------------------------------------
@@ -86,6 +107,8 @@ def follow_wall() -> Sequence[Case]:
     return [
         _follow("a wall ahead", World([(2.5, -4.0, 2.5, 9.0)]), 30),
         _follow("the corners of a room", World(room), 60),
+        _blind("a covered scanner, which sends NaN alone"),
+        _blind("a scanner that is covered on the way", 20),
     ]
 
 
@@ -102,14 +125,14 @@ def _follow(title: str, world: World, seconds: float) -> Case:
                 arrived, way = robot.time, 0.0
             if robot.time > arrived + 5 and not 0.3 <= distance <= 0.7:
                 to_do = "turn right where it is far" if distance > 0.7 else "turn left where it is near"
-                raise WrongError(f"at {robot.time:.1f} s the wall is {distance:.2f} m away, not 0.3 to 0.7 m: {to_do}")
+                shown = beyond(distance, 0.3, 0.7)
+                raise WrongError(f"at {robot.time:.1f} s the wall is {shown} m away, not 0.3 to 0.7 m: {to_do}")
         if arrived == inf:
             raise WrongError(f"after {seconds:g} s it has not come to the wall: drive on while there is room ahead")
         expected = 0.1 * (seconds - arrived)
         if way < expected:
-            raise WrongError(
-                f"it went {way:.1f} m along the wall, not {expected:.1f} m or more: turn left, and drive on"
-            )
+            shown = beyond(way, low=round(expected, 1), least=1)
+            raise WrongError(f"it went {shown} m along the wall, not {expected:.1f} m or more: turn left, and drive on")
         if not robot.scan().distance("right") < 0.8:
             raise WrongError("the wall is not on its right: turn left at the wall")
 
@@ -169,7 +192,7 @@ def _steps(program: Any, robot: Robot, seconds: float) -> Iterator[None]:
     """Have a program drive a robot; `BrokenError` where it is no program, or never drives."""
     start = robot.pose
     try:
-        for _ in simulate(bounded(function_of(program)), robot, seconds):
+        for _ in simulate(program, robot, seconds):
             yield
     except (TypeError, ValueError) as error:
         raise BrokenError(str(error)) from None

@@ -5,16 +5,19 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
-from math import inf, isfinite, isnan, nan, pi
+from math import inf, isfinite, nan, pi, radians
 
 import numpy as np
 
 from ..samples import Scan, Touch, TouchMode
 from ..simulator import Robot, Scanner, World
 from ._bounded import WrongError, call, number, pair, yes_or_no
-from ._case import Answer, Case, nearest_in, touches
+from ._case import Answer, Case, check_rest, nearest_in, touches, why_hit
 
 _STEP_S = 0.1
+
+_FASTEST, _FASTEST_TURN = 2.0, 2 * pi
+"""m/s and rad/s, beyond which a small robot does not drive."""
 
 
 # -- nearest on the left -----------------------------------------------------------------------------------------------
@@ -29,17 +32,15 @@ def nearest_on_the_left() -> Sequence[Case]:
     free = Robot(World([(2.0, -4.0, 2.0, 1.5)]), seed=6).scan()
     on_the_left = partial(nearest_in, "left")
     return [
-        on_the_left("a hall", hall),
-        on_the_left("something near on the right", near_right, '. Look on the left alone: scan.distance("left")'),
+        on_the_left("a hall", hall, 'scan.distance("left") takes the nearest of all rays there'),
+        on_the_left("something near on the right", near_right, 'Look on the left alone, as scan.distance("left") does'),
         on_the_left(
             "a scanner that counts clockwise",
             _clockwise(circle),
-            ". Its left has other indices: ask for angles, not for a slice",
+            "Its left has other indices: ask for angles, not for a slice",
         ),
-        on_the_left(
-            "a scanner that sends 0.0 for nothing", zeros, ". 0.0 is its code for nothing seen, and no distance"
-        ),
-        on_the_left("nothing on the left", free, ". The least of nothing is inf: there is room"),
+        on_the_left("a scanner that sends 0.0 for nothing", zeros, "0.0 is its code for nothing seen, and no distance"),
+        on_the_left("nothing on the left", free, "The least of nothing is inf: there is room"),
     ]
 
 
@@ -89,7 +90,7 @@ def _gap(title: str, width: float, centre: float) -> Case:
 def stop_at_wall() -> Sequence[Case]:
     """The speed forward, for each scan, with which the robot comes to rest 0.4 m from the wall ahead."""
     ahead = (2.5, -3.0, 2.5, 3.0)
-    beside = (-1.0, 0.26, 2.5, 0.26)
+    beside = (0.5, 0.26, 2.5, 0.26)
     covered = Robot(World([ahead]), seed=8).scan()
     covered = replace(covered, ranges=np.full(len(covered), nan, np.float32))
 
@@ -101,14 +102,13 @@ def stop_at_wall() -> Sequence[Case]:
                 "a limit: no comparison with NaN is true"
             )
 
+    leg = (1.5, 0.05, 0.02)
     return [
-        _stop("a wall ahead", World([ahead]), 2.5),
-        _stop(
-            "a wall ahead and one close beside", World([ahead, beside]), 2.5,
-            'the wall beside is in "front", a quarter of the circle: take a narrower sector',
-        ),
+        _stop("a wall ahead", World([ahead]), ahead[0]),
+        _stop("a wall ahead and one close beside", World([ahead, beside]), ahead[0]),
+        _stop("a chair leg ahead", World([ahead], [leg]), leg[0] - leg[2]),
         Case("a covered scanner, which sends NaN alone", covered, blind),
-    ]  # fmt: skip
+    ]
 
 
 def _drive(robot: Robot, answer: Answer) -> None:
@@ -122,20 +122,16 @@ def _drive(robot: Robot, answer: Answer) -> None:
     robot.step(_STEP_S)
 
 
-def _stop(title: str, world: World, wall: float, hint: str = "") -> Case:
+def _stop(title: str, world: World, ahead: float) -> Case:
     def judge(answer: Answer) -> None:
         robot = Robot(world, seed=9)
+        start = robot.pose
         while robot.time < 25:
             _drive(robot, answer)
             if touches(robot):
-                raise WrongError(f"it hit the wall at {robot.time:.1f} s. Slow down earlier")
-        left, speed = wall - robot.pose.x, robot.speed().linear[0]
-        if abs(speed) > 0.02:
-            raise WrongError(f"after 25 s it still drives with {speed:.2f} m/s, {left:.2f} m from the wall")
-        if not 0.35 <= left <= 0.45:
-            short = left > 0.45
-            why = hint if short and hint else "it needs a few centimetres to stop" if not short else "drive closer"
-            raise WrongError(f"it stands {left:.2f} m from the wall, not 0.35 to 0.45 m: {why}")
+                why = why_hit(robot, "slow down earlier")
+                raise WrongError(f"it hit what is ahead at {robot.time:.1f} s: {why}")
+        check_rest(robot, start, ahead, 0.35, 0.45)
 
     return Case(title, Robot(world, seed=9).scan(), judge)
 
@@ -176,11 +172,25 @@ def _reflex(title: str, states: tuple[bool | None, ...], rule: Callable[[float, 
 
     def judge(answer: Answer) -> None:
         linear, turn = pair(call(answer, touch), "speed forward and turn")
-        wrong = rule(linear, turn)
-        if wrong or isnan(linear) or isnan(turn):
+        wrong = _no_speed(linear, turn) or rule(linear, turn)
+        if wrong:
             raise WrongError(f"you returned {linear:g} m/s and {turn:g} rad/s; {wrong}")
 
     return Case(title, touch, judge)
+
+
+def _no_speed(linear: float, turn: float) -> str:
+    """Why no robot of this size drives with these speeds; empty if one may."""
+    if not (isfinite(linear) and isfinite(turn)):
+        return "a speed is a finite number"
+    if abs(turn) > _FASTEST_TURN:
+        return (
+            f"{turn:g} rad/s are {abs(turn) / (2 * pi):.1f} turns a second. Are they degrees? "
+            f"math.radians({turn:g}) makes {radians(turn):.2f} of them"
+        )
+    if abs(linear) > _FASTEST:
+        return f"{linear:g} m/s are {abs(linear) * 3.6:.0f} km/h. Are they centimetres? The speed is in m/s"
+    return ""
 
 
 # -- slow in a doorway -------------------------------------------------------------------------------------------------

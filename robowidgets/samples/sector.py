@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .checks import ANGLE_ROUNDING, decimals, finite, in_radians, not_negative
+from .hints import give_hint
 
 HYSTERESIS = 0.05
 """Metres."""
@@ -161,7 +162,41 @@ def to_sector(sector: Any) -> Sector:
         start, end = sector
     except (TypeError, ValueError):
         raise TypeError(f"sector: expected {_TWO_ANGLES}, got {sector!r}") from None
-    return Sector(start, end)
+    found = Sector(start, end)
+    if _is_long_way_back(found):
+        given, swapped = f"({angle_code(found.start)}, {angle_code(found.end)})", angles_code(Sector(end, start))
+        long, short = (f"{decimals(degrees(angle), 1)}°" for angle in (found.sweep, 2 * pi - found.sweep))
+        give_hint(
+            f"sector {given} covers {long}: it goes counter-clockwise from the first angle to the second. {swapped} "
+            f"covers the {short} between them: are the two swapped? If not, {angles_code(found)} says so"
+        )
+    return found
+
+
+def angles_code(sector: Sector) -> str:
+    """The two angles of a sector as a program writes them, such that the second is larger where it goes far round."""
+    turns = (0, 0)
+    if _is_long_way_back(sector):
+        turns = (0, 1) if sector.end <= 0 else (-1, 0)
+    return f"({angle_code(sector.start, turns[0])}, {angle_code(sector.end, turns[1])})"
+
+
+def angle_code(angle: float, turns: int = 0) -> str:
+    """An angle as a program writes it, after some full turns: ``"20deg"`` where that is exact, else radians."""
+    if angle_text(angle):
+        return f'"{decimals(degrees(angle) + 360 * turns, 4)}deg"'
+    return radians_code(angle + 2 * pi * turns)
+
+
+def radians_code(angle: float) -> str:
+    """An angle in radians as a program writes it."""
+    text = decimals(angle, 7)
+    return text if "." in text else f"{text}.0"
+
+
+def _is_long_way_back(sector: Sector) -> bool:
+    """Whether a sector goes more than half round, to a smaller angle: often the two angles are swapped."""
+    return sector.start > sector.end and sector.sweep > pi
 
 
 def in_sector(angles: NDArray[np.float64], sector: Sector) -> NDArray[np.bool_]:

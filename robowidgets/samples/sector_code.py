@@ -6,7 +6,7 @@ from math import degrees
 
 from .checks import decimals
 from .scan import Scan
-from .sector import SECTORS, Sector, angle_text
+from .sector import SECTORS, Sector, angles_code, radians_code
 from .stretches import expression, stretches
 
 MESSAGE = '''\
@@ -33,8 +33,8 @@ distance(msg)
 def for_scan(sector: Sector) -> str:
     """An expression of a `Scan` named ``scan``."""
     name = next((name for name, known in SECTORS.items() if (known.start, known.end) == (sector.start, sector.end)), "")
-    angles = f'"{name}"' if name else f"({_angle(sector.start)}, {_angle(sector.end)})"
-    return f"scan.distance({angles})"
+    asked = f'"{name}"' if name else angles_code(sector)
+    return f"scan.distance({asked})"
 
 
 def for_message(sector: Sector, angle_offset: float = 0.0) -> str:
@@ -47,7 +47,9 @@ def for_message(sector: Sector, angle_offset: float = 0.0) -> str:
     words = f"from {_degrees(sector.start)} to {_degrees(sector.end)}"
     if angle_offset:
         words += f" of a picture turned by {_degrees(angle_offset)}"
-    return MESSAGE.format(start=_radians(sector.start - angle_offset), sweep=_radians(sector.sweep), words=words)
+    return MESSAGE.format(
+        start=radians_code(sector.start - angle_offset), sweep=radians_code(sector.sweep), words=words
+    )
 
 
 def for_array(sector: Sector, scan: Scan) -> str:
@@ -56,16 +58,6 @@ def for_array(sector: Sector, scan: Scan) -> str:
     if len(found) < 2:
         return expression(found, len(scan))
     return f"np.concatenate(({expression(found, len(scan)).replace(' +', ',')}))"
-
-
-def _angle(angle: float) -> str:
-    text = angle_text(angle)
-    return f'"{text}"' if text else _radians(angle)
-
-
-def _radians(angle: float) -> str:
-    text = decimals(angle, 7)
-    return text if "." in text else f"{text}.0"
 
 
 def _degrees(angle: float) -> str:

@@ -28,6 +28,7 @@ const SECTORS = [
   { start: 0.1, end: 0.35 },
   between(170.5, -170.25),
   between(2.5, -2.5),
+  { start: 0.35, end: 0.1 },
 ];
 
 for (const given of vectors.scans) {

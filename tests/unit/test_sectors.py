@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import re
+import warnings
 from collections.abc import Callable
 from math import inf, isnan, nan, pi, radians
 from types import SimpleNamespace
@@ -14,6 +16,7 @@ import pytest
 from robowidgets import LaserWidget, Scan, Sector, conditions
 from robowidgets.laser.sectors import _plain
 from robowidgets.samples.sector import ALL_ROUND
+from robowidgets.samples.sector_code import for_scan
 from robowidgets.samples.stretches import parse, sector_of, stretches
 from robowidgets.samples.verdict import judged
 
@@ -127,6 +130,41 @@ class TestRays:
                 call(none)
         assert scan.distance() == scan.distance(ALL_ROUND) == 1.0
         laser.close()
+
+    @pytest.mark.parametrize(
+        ("swapped", "words"),
+        [
+            (
+                ("20deg", "-20deg"),
+                '("20deg", "-20deg") covers 320°: it goes counter-clockwise from the first angle to the second. '
+                '("-20deg", "20deg") covers the 40° between them: are the two swapped? '
+                'If not, ("20deg", "340deg") says so',
+            ),
+            ((0.25, -0.25), "(0.25, -0.25) covers 331.4°: "),
+            (("135deg", "45deg"), '("45deg", "135deg") covers the 90° between them: are the two swapped? '),
+        ],
+    )
+    def test_angles_that_are_probably_swapped_get_a_hint_at_the_line_that_gives_them(
+        self, swapped: Any, words: str
+    ) -> None:
+        scan = circle()
+        for call in (scan.distance, scan.nearest, scan.indices, lambda sector: conditions.nearest_below(1, sector)):
+            with pytest.warns(UserWarning, match=f"^sector .*{re.escape(words)}") as told:
+                call(swapped)
+            assert told[0].filename == __file__
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            pasted(for_scan(Sector(*swapped)), scan=scan)
+
+    @pytest.mark.parametrize(
+        "meant",
+        [("135deg", "-135deg"), ("350deg", "10deg"), ("-170deg", "170deg"), ("20deg", "340deg"), ("90deg", "-90deg")],
+    )
+    def test_a_sector_across_the_seam_gets_none(self, meant: Any) -> None:
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            circle().distance(meant)
+            circle().distance(Sector("20deg", "-20deg"))
 
     def test_they_are_in_the_order_of_the_sector_across_the_seam_and_for_any_scanner(self) -> None:
         assert circle().indices(("-2deg", "2deg")).tolist() == [358, 359, 0, 1, 2]

@@ -20,11 +20,16 @@ export function toCode(sector: Sector, form: Form, sweep: Sweep, angleOffset = 0
 function toScanCode({ start, end }: Sector): string {
   const isQuarter = ([from, to]: [number, number]) => from * DEGREE === start && to * DEGREE === end;
   const name = Object.keys(QUARTERS).find((key) => isQuarter(QUARTERS[key] as [number, number]));
-  const angle = (radians: number) => {
-    const text = toAngleText(radians);
-    return text ? `"${text}"` : toRadiansText(radians);
-  };
-  return `scan.distance(${name ? `"${name}"` : `(${angle(start)}, ${angle(end)})`})`;
+  if (name) return `scan.distance("${name}")`;
+  // Where a sector goes far round to a smaller angle, Python would ask whether the two are swapped.
+  const turns = start > end && sweepOf({ start, end }) > Math.PI ? (end <= 0 ? [0, 1] : [-1, 0]) : [0, 0];
+  return `scan.distance((${toAngleCode(start, turns[0])}, ${toAngleCode(end, turns[1])}))`;
+}
+
+/** An angle as a program writes it, after some full turns. */
+function toAngleCode(radians: number, turns = 0): string {
+  if (toAngleText(radians)) return `"${toDecimals(inDegrees(radians) + 360 * turns, 4)}deg"`;
+  return toRadiansText(radians + 2 * Math.PI * turns);
 }
 
 function toArrayCode(sector: Sector, sweep: Sweep): string {
