@@ -152,7 +152,8 @@ class FunctionCaller:
         Those that never drove are called as before.
         """
         with self._lock:
-            here = [function for function in self._functions if is_same_cell((function.cell, function.run), cell)]
+            there = () if self._closed else self._functions
+            here = [function for function in there if is_same_cell((function.cell, function.run), cell)]
         for function in here:
             function.refused = OFF
         off = [function for function in here if function.is_off]

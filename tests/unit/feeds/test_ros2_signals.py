@@ -27,6 +27,7 @@ from robowidgets import feeds
 """
 OPEN = "feed = feeds.ros2(domain_id=7); feed.driving = feeds.Driving(hold=60.0)"
 INIT = "rclpy.init(domain_id=7)"
+INIT_WITHOUT = "rclpy.init(domain_id=7, signal_handler_options=rclpy.signals.SignalHandlerOptions.NO)"
 DRIVE = """
 def drive():
     while True: feed.drive(0.3)
@@ -77,8 +78,14 @@ def test_sigterm_sends_zero_and_lets_a_program_of_rclpy_end_itself(
         (f"{INIT}\n{OPEN}", signal.SIGHUP),
         (f"{INIT}\n{OPEN}\nrclpy.shutdown()", signal.SIGTERM),
         (f"{INIT}\nsignal.signal(signal.SIGTERM, signal.SIG_DFL)\n{OPEN}", signal.SIGTERM),
+        (f"{INIT_WITHOUT}\n{OPEN}", signal.SIGTERM),
     ],
-    ids=["SIGHUP", "SIGTERM after rclpy.shutdown", "SIGTERM that ends the process again"],
+    ids=[
+        "SIGHUP",
+        "SIGTERM after rclpy.shutdown",
+        "SIGTERM that ends the process again",
+        "SIGTERM that is kept from rclpy",
+    ],
 )
 def test_a_signal_that_rclpy_does_not_handle_sends_zero_before_it_ends_the_process(
     ended: Callable[[str, int], tuple[int, str, float]], program: str, number: int
