@@ -9,6 +9,9 @@ import ipywidgets
 WIDE = {"flex_flow": "row wrap", "align_items": "flex-start", "width": "100%"}
 """Layout of a box that holds columns."""
 
+UNDER_MAIN = 3
+"""Small widgets that fit into one row under the main ones: usually speeds, touches and the path."""
+
 _COLUMNS = {"wide": "2 1 460px", "narrow": "1 1 340px", "map": "1 1 340px"}
 """How the columns share the width, from left to right."""
 _WIDEST = "764px"
@@ -29,3 +32,30 @@ def _column(name: str, widgets: Sequence[ipywidgets.Widget]) -> ipywidgets.VBox:
     box = ipywidgets.VBox(list(widgets), layout=layout)
     box.add_class(f"rw-{name}-column")
     return box
+
+
+def on_one_screen(
+    main: Sequence[ipywidgets.Widget], wide: Sequence[ipywidgets.Widget], small: Sequence[ipywidgets.Widget]
+) -> ipywidgets.Box:
+    """Widgets in two columns that share the height of the window; the stylesheet `screen.css` gives places and heights.
+
+    Left stand the main ones, side by side, with up to three small ones in a low row below them, and right the wide
+    ones; the other small ones share the width below. Without main ones the wide ones stand left, and all small ones
+    right. On a narrow page the columns stand one above the other, the wide ones first. The view around the box has the
+    class ``rw-one-screen``.
+    """
+    if not main:
+        return _box("rw-screen", *_boxes("rw-wides", wide), *_boxes("rw-smalls", small))
+    left = _box("rw-whole", *_boxes("rw-mains", main), *_boxes("rw-smalls", small[:UNDER_MAIN]))
+    return _box("rw-screen", left, *_boxes("rw-wides", wide), *_boxes("rw-below", small[UNDER_MAIN:]))
+
+
+def _box(name: str, *children: ipywidgets.Widget) -> ipywidgets.Box:
+    box = ipywidgets.Box(children)
+    box.add_class(name)
+    return box
+
+
+def _boxes(name: str, children: Sequence[ipywidgets.Widget]) -> list[ipywidgets.Box]:
+    """A box with a class; none without children."""
+    return [_box(name, *children)] if children else []

@@ -25,6 +25,8 @@ _FRAME = struct.Struct("<ddqd24d")
 
 _MEASURED, _COMMANDED = 1, 2
 _NO_VALUES = (nan,) * 6
+OUT_OF_PLANE = slice(2, 5)
+"""Linear z, angular x and y among `AXES`, which a planar widget does not show."""
 _NO_SPEED: dict[str, Any] = {"linear": _NO_VALUES[:3], "angular": _NO_VALUES[3:]}
 
 
@@ -140,6 +142,7 @@ class SpeedWidget(RobotWidget[Reading]):
     def __init__(self, **kwargs: Any) -> None:
         self._reading = Reading()
         self._errors: dict[str, str] = {}
+        self._planar_by_itself = False
         super().__init__(**kwargs)
 
     def update(self, message: Any = None, *unnamed: Any, **fields: Any) -> None:
@@ -163,6 +166,10 @@ class SpeedWidget(RobotWidget[Reading]):
     def command(self, message: Any = None, *unnamed: Any, **fields: Any) -> None:
         """Show a commanded speed, as a tick on each measured bar. Arguments and errors are those of `update`."""
         self._take("command", message, unnamed, fields)
+
+    def show_used_axes(self) -> None:
+        """Be `planar` for as long as the other axes are 0, measured and commanded, or until somebody sets it."""
+        self.planar = self._planar_by_itself = True
 
     def reset_peaks(self) -> None:
         """Let the peaks start anew, from the speed measured last."""
@@ -233,6 +240,8 @@ class SpeedWidget(RobotWidget[Reading]):
                 self._reading = replace(self._reading, commanded=speed)
             # Rate and count are those of the measured speed, once there is one.
             self._put_up(counts=method == "update" or self._reading.measured is None)
+        if self._planar_by_itself and any(value and not isnan(value) for value in speed.values[OUT_OF_PLANE]):
+            self.planar = False
 
     def _put_up(self, *, counts: bool) -> None:
         shown = self._reading.measured or self._reading.commanded
@@ -240,6 +249,10 @@ class SpeedWidget(RobotWidget[Reading]):
         if self._errors:
             about["error"] = " ".join(self._errors.values())
         self._show(self._reading, about, counts=counts)
+
+    @traitlets.observe("planar")
+    def _leave_planar(self, _change: Any) -> None:
+        self._planar_by_itself = False
 
     @traitlets.observe("_resets")
     def _reset(self, _change: Any) -> None:

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
+import traitlets
+
 from ._core.front_end import bundle
 from .driving.command_watchdog import CommandWatchdog
 from .driving.driving_widget import DrivingWidget
@@ -12,8 +14,8 @@ from .driving.driving_widget import DrivingWidget
 class StopWidget(DrivingWidget):
     """A slim bar: Stop, who drives and how fast, and why the robot may not move as commanded.
 
-    Stop is latched: it sends zero, and all driving is refused until it is released, on the page or by
-    ``stopped = False``.
+    In the view of a feed it also freezes all pictures of the view. Stop is latched: it sends zero, and all driving is
+    refused until it is released, on the page or by ``stopped = False``.
 
     Args:
         robot: a feed, or a watchdog.
@@ -29,6 +31,11 @@ class StopWidget(DrivingWidget):
 
     _esm, _css = bundle("stop_widget")
     _unnamed = 1
+
+    _together = traitlets.Unicode(help="Name of the group that its Freeze freezes; empty: it has none.").tag(
+        sync=True, echo_update=False
+    )
+    _robot = traitlets.Unicode(help="Name of the robot of that group.").tag(sync=True, echo_update=False)
 
     def __init__(self, robot: Any, **kwargs: Any) -> None:
         watchdog = robot if isinstance(robot, CommandWatchdog) else getattr(robot, "watchdog", None)

@@ -46,6 +46,7 @@ def write(widget: Any, path: Path, title: str, note: str) -> Path:
         stack.callback(close_all, bar)
         root = ipywidgets.VBox([bar, widget] if moves else [widget], layout={"max_width": _WIDTH})
         root.add_class("rw-recording")
+        root.add_class("rw-one-screen")
         stack.callback(root.close)
         stack.callback(root.layout.close)
         models.add(widget, {**still, "_frame": b"", "_about": {}} if moves else still)

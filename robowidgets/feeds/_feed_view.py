@@ -1,4 +1,4 @@
-"""A running robot on the page: Stop, the widgets that fit its topics and its program, and a status line."""
+"""A running robot on one screen: Stop, the widgets that fit its topics and its program, and a status line."""
 
 from __future__ import annotations
 
@@ -12,11 +12,13 @@ import ipywidgets
 from .._core.cells import take_the_place
 from .._core.coalesced_call import CoalescedCall
 from .._core.freezing import freeze_together
-from .._layout import WIDE, columns
+from .._layout import on_one_screen
 from .._widget_choice import WidgetChoice, choose_widgets
 from ..behaviors.machine import Machine
+from ..kinds import PATH
 from ..machine_widget import MachineWidget
 from ..program_widget import ProgramWidget
+from ..speed_widget import SpeedWidget
 from ..stop_widget import StopWidget
 from ._subscription import Target
 from ._topics import Topic, decided, is_open
@@ -29,14 +31,17 @@ if TYPE_CHECKING:
 class FeedView(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
     """The widgets of a feed: of each topic, of its program and of its state machine, added when these appear.
 
-    `Feed.show` returns it. `close` removes all of it from the page; the feed stays open.
+    They share the height of the window. The bar with Stop stays in view, and freezes all of them. A simulated robot is
+    shown in its room, which has the path, too. `Feed.show` returns it. `close` removes all of it from the page; the
+    feed stays open.
 
     Args:
         feed: the feed.
-        topics: names of topics; none: all that have a widget, and the program.
+        topics: names of topics; none: all that have a widget, the program, and the room of a simulated robot.
 
     Attributes:
         program, machine: the widgets of the program and of its state machine; None before the first one.
+        room: the view of a simulated robot; None for any other robot.
         refresh: makes widgets for topics that have appeared, and shows the status; the feed calls it.
     """
 
@@ -50,12 +55,15 @@ class FeedView(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no type
         self._closed = False
         self.refresh = CoalescedCall(self._refresh)
         self._status = ipywidgets.HTML()
-        self._columns = ipywidgets.Box([], layout=WIDE)
+        self._screen = ipywidgets.Box()
         self._stop = StopWidget(feed)
+        self._stop._robot = self._connection.page_name
         self.program: ProgramWidget | None = None
         self.machine: MachineWidget | None = None
-        super().__init__([self._stop, self._status, self._columns])
+        self.room = None if topics else feed.room_view()
+        super().__init__([self._stop, self._status, self._screen])
         self.add_class("rw-feed")
+        self.add_class("rw-one-screen")
         take_the_place(self)
         self._connection.observe(self.refresh)
         self.refresh()
@@ -76,9 +84,10 @@ class FeedView(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no type
         self._connection.unobserve(self.refresh)
         self._closed = True
         self.refresh()
-        for widget in (self._stop, self.program, self.machine):
+        for widget in (self._stop, self.program, self.machine, self.room):
             if widget is not None:
                 widget.close()
+        _close_boxes(self._screen)
         super().close()
         self._feed = None  # a feed of which only closed views are left is deleted
 
@@ -88,6 +97,8 @@ class FeedView(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no type
         try:
             self._probe(() if self._closed else topics)
             wanted = () if self._closed else choose_widgets(list(self._known.values()))
+            if self.room is not None:  # which shows the path
+                wanted = tuple(choice for choice in wanted if choice.shown is not PATH)
             if self._add_program() or set(wanted) != self._shown.keys():
                 self._set_widgets(wanted)
         except FeedError:
@@ -129,6 +140,8 @@ class FeedView(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no type
             before = there.pop((choice.shown, choice.topic, choice.commanded), None)
             if before is None:
                 shown[choice] = choice.make()
+                if isinstance(shown[choice], SpeedWidget):
+                    shown[choice].show_used_axes()
                 self._connection.connect(choice.topic, shown[choice])
             else:
                 shown[choice] = self._shown[before]
@@ -139,14 +152,28 @@ class FeedView(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no type
             self._change_command(widget, choice.command, "")
             widget.close()
         self._shown = shown
+        sensors = list(shown.values())
         machine = [] if self.machine is None else [self.machine]
-        freeze_together([*shown.values(), *machine])
+        freeze_together([*sensors, *machine])
+        self._stop._together = next((widget._together for widget in sensors), "")
         for widget in machine:
             widget._together = self._connection.page_name  # also with the widgets of the robot that are elsewhere
-        program = [] if self.program is None else [self.program]
-        old, self._columns.children = self._columns.children, columns([*program, *shown.values(), *machine])
-        for column in old:
-            column.close()
+        self._arrange(sensors)
+
+    def _arrange(self, sensors: Sequence[Any]) -> None:
+        """Give all widgets their places."""
+        maps = [widget for widget in sensors if widget.column == "map"]
+        wide = [widget for widget in sensors if widget.column == "wide"]
+        small = [widget for widget in sensors if widget.column not in ("map", "wide")]
+        if self.room is not None:
+            maps.append(self.room)
+        main = [widget for widget in (self.program, self.machine) if widget is not None]
+        # A machine needs the room in which else the map stands.
+        main, wide = (main, [*maps, *wide]) if self.machine is not None else ([*maps, *main], wide)
+        old = self._screen
+        self._screen = on_one_screen(main, wide, small)
+        self.children = [self._stop, self._status, self._screen]
+        _close_boxes(old)
 
     def _change_command(self, widget: Any, before: str, after: str) -> None:
         """Show the commanded speed of another topic, or of none."""
@@ -183,6 +210,15 @@ class FeedView(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no type
         if text != self._status.value:
             self._status.value = text
         self._status.layout.display = None if lines else "none"
+
+
+def _close_boxes(box: ipywidgets.Widget) -> None:
+    """Close a box and those in it, without what they show."""
+    if type(box) is ipywidgets.Box:
+        for child in box.children:
+            _close_boxes(child)
+        box.layout.close()
+        box.close()
 
 
 def _not_shown(topic: Topic) -> str:

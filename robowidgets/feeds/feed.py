@@ -174,6 +174,10 @@ class Feed:
         self.connection.await_topics(topics)
         return FeedView(self, topics)
 
+    def room_view(self) -> Any:
+        """A widget that shows the room of a simulated robot from above; None for any other robot."""
+        return None
+
     def record(self, path: str | os.PathLike[str], *topics: str) -> Recorder:
         """Write what the robot sends into an MCAP file, until the result is closed, as a context manager or by `close`.
 

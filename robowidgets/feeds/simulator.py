@@ -14,6 +14,7 @@ from ..simulator import Robot, Scanner, World
 from ..simulator import room as room_of
 from ..simulator.real_time import RealTime
 from ..simulator.robot_process import RobotProcess
+from ..simulator.view import View
 from ._threaded import ThreadedMiddleware
 from .feed import Feed
 from .middleware import Advert, FeedError, Listener, NotYetError
@@ -102,6 +103,10 @@ class SimulatorFeed(Feed):
         self.robot = robot
         super().__init__(Simulated(robot, hz, wander, process))
         self.driving = replace(self.driving, max_lateral=min(robot.motors.max_lateral, self.driving.max_linear))
+
+    def room_view(self) -> View:
+        """See `Feed`."""
+        return View(self)
 
     def drawn(self) -> list[dict[str, Any]]:
         """What programs draw on the laser widgets that are connected, as the page reads it.

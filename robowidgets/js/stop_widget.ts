@@ -1,5 +1,5 @@
-import type { StopTraits } from "./shared/driving/traits.ts";
 import type { Rendered } from "./shared/model.ts";
+import type { StopTraits } from "./stop/traits.ts";
 import { StopView } from "./stop/view.ts";
 
 export default {

@@ -16,6 +16,7 @@ from ..samples import Scan
 from ..scanogram.levels import Levels
 from ..scanogram.scans import ScansInMemory, Sweep
 from ..scanogram_widget import ScanogramWidget
+from ..speed_widget import OUT_OF_PLANE
 from .scanogram import MEMORY_BYTES, Span, scanogram
 
 LONGEST = 10.0
@@ -25,9 +26,6 @@ FEW = 5_000_000
 """Readings that take no time worth measuring."""
 
 _LOOKED_AT = 20
-
-_OUT_OF_PLANE = slice(2, 5)
-"""Linear z, angular x and y among `AXES`."""
 
 _MEASURED = 0.2
 """Seconds for which scans are read to measure how many fit into a second."""
@@ -67,7 +65,7 @@ def whole_drive(
 
 def is_planar(recording: RecordingData, topics: Iterable[str]) -> bool:
     """Whether the speeds of topics use no other axes than a planar widget shows. It reads all of them."""
-    return not any(np.nan_to_num(recording.speeds(topic).values[:, _OUT_OF_PLANE]).any() for topic in topics)
+    return not any(np.nan_to_num(recording.speeds(topic).values[:, OUT_OF_PLANE]).any() for topic in topics)
 
 
 def _too_long(recording: RecordingData, topic: str, span: Span) -> str:

@@ -21,7 +21,7 @@ from .._core.freezing import freeze_together
 from .._core.output_file import checked_output
 from .._core.time_traits import Marks, Seconds, TimeSpan
 from .._core.traits import Flag
-from .._layout import WIDE, columns
+from .._layout import WIDE, columns, on_one_screen
 from .._widget_choice import WidgetChoice, choose_widgets
 from ..export.html import MAX_SIZE, SUFFIXES
 from ..find.silence import longest_pause, usual_step
@@ -39,7 +39,6 @@ from ._frames import Track
 from ._leader import Leader
 from ._overview import is_planar, whole_drive
 from ._prefetcher import SEGMENT, Prefetcher, segment
-from ._screen import on_one_screen
 from ._to_html import Wanted, page_of
 
 _EARLY = 0.1
@@ -120,6 +119,7 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
         self.bar = self._make_bar(note)
         super().__init__(self.arranged(self.scanogram))
         self.add_class("rw-recording")  # the bar takes the keys of this element
+        self.add_class("rw-one-screen")
         for name in ("time", "playing", "speed", "loop", "selection", "marks"):
             setattr(self, name, getattr(self.bar, name))
             self.observe(self._to_bar, name)
@@ -281,7 +281,9 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
         moves = self.recording.duration and self.views
         widgets = [view.widget for view in self.views]
         if moves and not self.rerun:
-            return [self._problems, self.bar, on_one_screen(scanogram, widgets)]
+            wide = [widget for widget in widgets if widget.column == "wide"]
+            small = [widget for widget in widgets if widget.column != "wide"]
+            return [self._problems, self.bar, on_one_screen([scanogram] if scanogram else [], wide, small)]
         above = [self._problems, *([self.bar, *([scanogram] if scanogram else [])] if moves else [])]
         shown = ipywidgets.Box(columns(widgets), layout=WIDE)
         if not self.rerun:

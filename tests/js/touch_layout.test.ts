@@ -61,6 +61,20 @@ test("rectangles of many are lower, and higher again where their words need line
   assert.equal(height(["left"], 600, 50), many);
 });
 
+test("where the height is short, rows are fewer and lower, but high enough for a label and a state", () => {
+  const { boxes, bottom } = layRows(KOBUKI, 385, 0, 80);
+  assert.equal(boxes.size, 8);
+  assert.equal(new Set([...boxes.values()].map(({ y }) => y)).size, 2);
+  assert.equal(bottom, 80);
+  assertApart(boxes.values(), 385, bottom);
+  assert.equal(layRows(["left", "right"], 385, 0, 80).bottom, 80, "a single row, too");
+  assert.deepEqual(layRows(KOBUKI, 385, 0, 1000), layRows(KOBUKI, 385, 0), "with room enough nothing changes");
+  const lowest = layRows(KOBUKI, 100, 0, 80);
+  assert.ok([...lowest.boxes.values()].every(({ height }) => height === 31));
+  assert.ok(lowest.bottom > 80, "it scrolls");
+  assert.deepEqual(layRows([], 385, 0, 10), { boxes: new Map(), bottom: 0 });
+});
+
 test("no sensors take no room", () => {
   assert.deepEqual(layRows([], 300, 40), { boxes: new Map(), bottom: 40 });
 });

@@ -1,6 +1,6 @@
-import type { StopTraits, Told } from "../shared/driving/traits.ts";
+import type { DrivingTraits, Told } from "../shared/driving/traits.ts";
 
-export interface DriveTraits extends StopTraits {
+export interface DriveTraits extends DrivingTraits {
   _state: DriveTold;
   enabled: boolean;
   /** m/s and rad/s. */

@@ -4,7 +4,7 @@ import { History } from "./history.ts";
 import { type Model, onChange, setTraits } from "./model.ts";
 import { throttle } from "./schedule.ts";
 import { firstWhere } from "./search.ts";
-import { join, type Member, othersOf } from "./together.ts";
+import { join, type Member, othersOf, setFrozen, tellOthers } from "./together.ts";
 import type { About, Moment, Recent, SampleTraits } from "./traits.ts";
 
 /** The header of a frame, as far as the page uses it. */
@@ -99,6 +99,7 @@ export class Stream<F extends Frame> implements Member {
     onChange(model, ["_frozen_frame"], () => this.#onFrozen(), signal);
     onChange(model, ["_about"], () => this.#onAbout(), signal);
     onChange(model as Model<Recent>, ["_recent"], () => this.#tell(), signal);
+    onChange(model, ["_together"], () => tellOthers(this), signal);
     onAbort(signal, () => clearTimeout(this.#stale));
     join(this, signal);
   }
@@ -202,9 +203,7 @@ export class Stream<F extends Frame> implements Member {
 
   /** Freezes the picture, or releases it, with the others of its view. */
   toggle(): void {
-    const all = [this, ...othersOf(this)];
-    if (this.paused) for (const one of all) one.release();
-    else for (const one of all) one.freeze();
+    setFrozen([this, ...othersOf(this)], !this.paused);
   }
 
   freeze(): void {
@@ -338,6 +337,7 @@ export class Stream<F extends Frame> implements Member {
     if (this.paused) this.#history.freeze(performance.now());
     else this.#history.release(this.#seconds);
     this.#onFrozen();
+    tellOthers(this);
   }
 
   #tell(): void {

@@ -8,10 +8,13 @@ export interface Member {
   readonly robot: string;
   /** Arrival of the oldest sample it can step back to; -Infinity when it has dropped none. */
   readonly oldest: number;
+  readonly paused: boolean;
   freeze(): void;
   release(): void;
   /** Shows what was the newest sample at a moment. */
   showAt(arrived: number): void;
+  /** Another one of its view was frozen, released, added or removed. */
+  onOthers?(): void;
 }
 
 const KEY: unique symbol = Symbol.for("robowidgets together") as never;
@@ -23,7 +26,24 @@ const page = globalThis as { [KEY]?: Set<Member> };
 export function join(member: Member, signal: AbortSignal): void {
   page[KEY] ??= new Set();
   page[KEY].add(member);
-  onAbort(signal, () => page[KEY]?.delete(member));
+  tellOthers(member);
+  onAbort(signal, () => {
+    page[KEY]?.delete(member);
+    tellOthers(member);
+  });
+}
+
+/** Tells the other members of its view that a member was frozen or released. */
+export function tellOthers(member: Member): void {
+  for (const other of othersOf(member)) other.onOthers?.();
+}
+
+/** Freezes members, or releases them. */
+export function setFrozen(members: Member[], isFrozen: boolean): void {
+  for (const member of members) {
+    if (isFrozen) member.freeze();
+    else member.release();
+  }
 }
 
 /** The other members of a member's group. A group that is named after a robot has all members of the robot. */

@@ -2,15 +2,17 @@ import { make, mount, setText } from "../shared/dom.ts";
 import { StopButtons } from "../shared/driving/buttons.ts";
 import { StopControl } from "../shared/driving/control.ts";
 import { toDriverText } from "../shared/driving/text.ts";
-import type { StopTraits } from "../shared/driving/traits.ts";
 import { type Model, newName } from "../shared/model.ts";
 import { perAnimationFrame } from "../shared/schedule.ts";
 import { followTheme } from "../shared/theme.ts";
+import { Freeze } from "./freeze.ts";
+import type { StopTraits } from "./traits.ts";
 
-/** A bar: Stop, who drives and how fast, and what is wrong. */
+/** A bar: Stop, who drives and how fast, what is wrong, and the Freeze of its view. */
 export class StopView {
   readonly #control: StopControl;
   readonly #buttons: StopButtons;
+  readonly #freeze: Freeze;
   readonly #root = make("div", "rw-card rw-stop-bar");
   readonly #text = make("div", "rw-stop-text");
   readonly #hint = make("div", "rw-hint");
@@ -20,12 +22,13 @@ export class StopView {
     const redraw = perAnimationFrame(() => this.#draw(), signal);
     this.#control = new StopControl(model, newName(), redraw, signal);
     this.#buttons = new StopButtons(this.#root, this.#control, signal);
+    this.#freeze = new Freeze(model, redraw, signal);
     const texts = make("div", "rw-stop-words");
     texts.role = "status";
     texts.append(this.#text, this.#hint);
     this.#notice.role = "alert";
     const row = make("div", "rw-stop-row");
-    row.append(this.#buttons.stop, texts, this.#buttons.allow);
+    row.append(this.#buttons.stop, texts, this.#buttons.allow, this.#freeze.button);
     this.#root.append(row, this.#notice);
     mount(element, this.#root, signal);
     followTheme(this.#root, signal);
@@ -34,6 +37,7 @@ export class StopView {
 
   #draw(): void {
     this.#buttons.update();
+    this.#freeze.update();
     const { text, hint, kind } = toDriverText(this.#control);
     this.#root.dataset.kind = kind;
     setText(this.#text, text);

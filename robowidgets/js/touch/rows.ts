@@ -9,6 +9,8 @@ const FEW = 4;
 /** Height of a rectangle that is one of many. */
 const LOW = 58;
 const HIGH = 92;
+/** Where even that is too high for the room: a label and a state, without details. */
+const LEAST = 31;
 /** Below this width the words in a rectangle stand on lines of their own. */
 export const NARROW = 150;
 
@@ -35,12 +37,30 @@ export function toRows(names: string[], columns: number): string[][] {
   });
 }
 
-/** A rectangle for each name, in rows that fill a width, from y downwards; and where they end. A single row is high. */
-export function layRows(names: string[], width: number, y: number): { boxes: Map<string, Box>; bottom: number } {
-  const narrowest = names.length > FEW ? NARROWEST : NARROWEST_OF_FEW;
-  const rows = toRows(names, Math.max(1, Math.floor((width + GAP) / (narrowest + GAP))));
+/** Sensors in as few rows as there can be, evenly filled. */
+function toFewRows(names: string[], columns: number): string[][] {
+  const length = Math.ceil(names.length / Math.ceil(names.length / columns));
+  return Array.from({ length: Math.ceil(names.length / length) }, (_, i) => names.slice(i * length, (i + 1) * length));
+}
+
+/**
+ * A rectangle for each name, in rows that fill a width, from y downwards; and where they end. A single row is high.
+ * Where that is more than the room, there are fewer and lower rows.
+ */
+export function layRows(
+  names: string[],
+  width: number,
+  y: number,
+  room = Infinity,
+): { boxes: Map<string, Box>; bottom: number } {
+  const columnsOf = (narrowest: number) => Math.max(1, Math.floor((width + GAP) / (narrowest + GAP)));
+  let rows = toRows(names, columnsOf(names.length > FEW ? NARROWEST : NARROWEST_OF_FEW));
   const longest = Math.max(...rows.map((row) => row.length));
-  const height = rows.length > 1 || y > 0 ? heightOf((width + GAP) / longest - GAP) : HIGH;
+  let height = rows.length > 1 || y > 0 ? heightOf((width + GAP) / longest - GAP) : HIGH;
+  if (y + rows.length * (height + GAP) - GAP > room) {
+    rows = toFewRows(names, columnsOf(NARROWEST_OF_FEW));
+    height = Math.min(height, Math.max(LEAST, (room - y + GAP) / rows.length - GAP));
+  }
   const boxes = new Map<string, Box>();
   rows.forEach((row, i) => {
     const each = (width - GAP * (row.length - 1)) / row.length;

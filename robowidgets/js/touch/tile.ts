@@ -1,7 +1,7 @@
 import type { Box } from "../shared/box.ts";
 import { make, setBox, setText } from "../shared/dom.ts";
 import type { Sensor } from "../shared/frames/touch.ts";
-import { NARROW } from "./rows.ts";
+import { heightOf, NARROW } from "./rows.ts";
 import { detailOf, tellAll } from "./text.ts";
 
 /** The rectangle of one sensor: its label, and its state in colour and in words. */
@@ -21,6 +21,7 @@ export class Tile {
   place(box: Box): void {
     setBox(this.element, box);
     this.element.classList.toggle("rw-narrow", box.width < NARROW);
+    this.element.classList.toggle("rw-flat", box.height < heightOf(box.width));
   }
 
   update(sensor: Sensor, label: string, elapsed: number | null): void {

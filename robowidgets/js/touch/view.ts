@@ -38,6 +38,10 @@ export class TouchView {
   readonly #body = new Body();
   readonly #tiles = new Map<string, Tile>();
   #tick: ReturnType<typeof setTimeout> | undefined;
+  /** Size of the picture at which `#isLow` was read. */
+  #sized = "";
+  /** Whether rectangles have to fit into the picture, as the stylesheet says it. */
+  #isLow = false;
 
   constructor(
     model: Model<TouchTraits>,
@@ -70,6 +74,21 @@ export class TouchView {
     this.#say(sensors, still ? 0 : this.#clock.elapsed, this.#clock.runs && !still);
   }
 
+  /** Height for rectangles where they have to fit into the picture; else the picture is as high as they are. */
+  get #room(): number {
+    const { width, height } = this.#card.size;
+    const sized = `${width} ${height}`;
+    if (sized !== this.#sized) {
+      this.#sized = sized;
+      this.#isLow = getComputedStyle(this.#card.picture).getPropertyValue("--rw-is-low") !== "";
+    }
+    return this.#isLow ? height - 2 * this.#padding - this.#card.noticeHeight : Infinity;
+  }
+
+  get #padding(): number {
+    return this.#isLow ? PADDING / 2 : PADDING;
+  }
+
   /** Puts every rectangle in its place. */
   #lay(sensors: Sensor[]): void {
     const width = this.#card.size.width - 2 * PADDING;
@@ -83,8 +102,9 @@ export class TouchView {
       names.filter((name) => !around?.boxes.has(name)),
       width,
       below,
+      this.#room,
     );
-    this.#card.picture.style.paddingTop = `${PADDING + this.#card.noticeHeight}px`;
+    this.#card.picture.style.paddingTop = `${this.#padding + this.#card.noticeHeight}px`;
     this.#field.style.height = `${rows.boxes.size ? rows.bottom : (around?.height ?? 0)}px`;
     this.#putTiles(names, new Map([...(around?.boxes ?? []), ...rows.boxes]));
     if (around) this.#field.prepend(this.#body.element);

@@ -4,10 +4,13 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable, Iterator
+from math import nan
+from typing import Any
 
 import pytest
+from ipywidgets import Box
 
-from robowidgets import LaserWidget, PathWidget, Speed, SpeedWidget, TouchWidget
+from robowidgets import LaserWidget, PathWidget, Speed, SpeedWidget, TouchWidget, feeds
 from robowidgets._widget_choice import choose_widgets
 from robowidgets.behaviors import Drive
 from robowidgets.feeds import Advert, Feed, FeedError
@@ -43,8 +46,12 @@ def words(view: FeedView) -> str:
     return str(status.value)
 
 
+def leaves(box: Any) -> list[Any]:
+    return [leaf for child in box.children for leaf in leaves(child)] if type(box) is Box else [box]
+
+
 def on_page(view: FeedView) -> list[str]:
-    return [widget.title for column in view.children[2].children for widget in column.children]
+    return [widget.title for widget in leaves(view.children[2])]
 
 
 def test_every_topic_that_can_be_shown_gets_its_widget(opened: Opened) -> None:
@@ -53,7 +60,7 @@ def test_every_topic_that_can_be_shown_gets_its_widget(opened: Opened) -> None:
     kinds = {"/scan": LaserWidget, "/odom": SpeedWidget, "/bumper": TouchWidget}
     assert view.widgets.keys() == kinds.keys()
     assert all(isinstance(widget, kinds[name]) for name, widget in view.widgets.items())
-    assert on_page(view) == ["/scan", "/odom", "/bumper", "/odom"]
+    assert on_page(view) == ["/odom", "/odom", "/bumper", "/scan"], "the path, then the bars below it"
     assert repr(view) == "<FeedView: /scan, /odom, /bumper>"
     assert view.widgets["/odom"].command_title == "/cmd_vel"
     assert words(view) == ""
@@ -63,8 +70,7 @@ def test_every_topic_that_can_be_shown_gets_its_widget(opened: Opened) -> None:
     assert view.widgets["/scan"].scan.ranges[0] == 1.5
     assert view.widgets["/odom"].speed.linear[0] == 0.2
     assert view.widgets["/odom"].commanded.linear[0] == 0.3
-    (path,) = view.children[2].children[-1].children
-    assert isinstance(path, PathWidget)
+    (path,) = [widget for widget in leaves(view.children[2]) if isinstance(widget, PathWidget)]
     assert path.pose is not None
     assert path.pose.x == 1.5
 
@@ -108,7 +114,7 @@ def test_named_topics_get_theirs_when_they_appear_and_others_none(opened: Opened
     assert on_page(view) == ["/odom", "/odom"]
     assert words(view) == "no such topic /scna; there are /odom, /imu<br>no widget shows /imu, a sensor_msgs/msg/Imu"
     script.listener.on_topics([ODOM, IMU, SCAN, SCAN._replace(name="/scna")])
-    assert on_page(view) == ["/scna", "/odom", "/odom"]
+    assert on_page(view) == ["/odom", "/odom", "/scna"]
     assert words(view) == "no widget shows /imu, a sensor_msgs/msg/Imu"
 
 
@@ -147,6 +153,84 @@ def test_a_program_and_its_machine_are_shown_from_the_first_on_and_the_machine_f
     view.close()
     assert machine.comm is None
     assert program.comm is None
+
+
+def places(view: FeedView) -> dict[str, list[str]]:
+    """The boxes of the screen, with the classes of the widgets in them."""
+
+    def found(box: Any) -> Iterator[tuple[str, list[str]]]:
+        shown = [type(widget).__name__ for widget in box.children if type(widget) is not Box]
+        if shown:
+            yield box._dom_classes[0], shown
+        for inner in box.children:
+            if type(inner) is Box:
+                yield from found(inner)
+
+    return dict(found(view.children[2]))
+
+
+def test_a_simulated_robot_is_shown_in_its_room_which_makes_way_for_a_machine() -> None:
+    with feeds.simulator(wander=False) as feed:
+        view, named = feed.show(), feed.show("/scan", "/odom")
+        low = ["SpeedWidget", "TouchWidget"]
+        assert places(view) == {"rw-mains": ["View"], "rw-smalls": low, "rw-wides": ["LaserWidget"]}
+        assert places(named) == {"rw-mains": ["PathWidget"], "rw-smalls": low[:1], "rw-wides": ["LaserWidget"]}
+        assert named.room is None
+
+        @feed.program
+        def still() -> Drive:
+            return Drive()
+
+        assert places(view)["rw-mains"] == ["View", "ProgramWidget"]
+        before = view.children[2]
+
+        class Walker:
+            forward = turn = None
+            moves = "forward -> turn after 2", "turn -> forward after 1"
+
+        feed.program(Walker)
+        assert places(view) == {
+            "rw-mains": ["ProgramWidget", "MachineWidget"],
+            "rw-smalls": low,
+            "rw-wides": ["View", "LaserWidget"],
+        }
+        assert before.comm is None, "boxes that are no longer on the page are closed"
+        screen, room = view.children[2], view.room
+        assert room is not None
+        view.close()
+        assert [box.comm for box in (screen, *screen.children)] == [None] * 3
+        assert room.comm is None
+
+
+def test_speeds_are_planar_for_as_long_as_the_other_axes_are_zero_and_nobody_says_otherwise(opened: Opened) -> None:
+    feed, script = opened(ODOM, CMD_VEL)
+    view, by_hand = feed.show(), feed.show()
+    flat, climbing = Speed((0.2, 0.1, 0), (0, 0, 0.5)), Speed((0.2, 0, 0.01), (0, 0, 0))
+    script.listener.on_message("/odom", flat)
+    by_hand.widgets["/odom"].planar = False
+    by_hand.widgets["/odom"].planar = True
+    assert view.widgets["/odom"].planar
+    script.listener.on_message("/odom", Speed((0.2, 0, nan), (nan, nan, 0.5)))
+    assert view.widgets["/odom"].planar, "an axis without a value is not in use"
+    script.listener.on_message("/odom", climbing)
+    assert not view.widgets["/odom"].planar
+    assert by_hand.widgets["/odom"].planar
+    view.widgets["/odom"].planar = True
+    script.listener.on_message("/odom", climbing)
+    assert view.widgets["/odom"].planar, "now it is the user's"
+    commanded = feed.show()
+    script.listener.on_message("/cmd_vel", climbing)
+    assert not commanded.widgets["/odom"].planar
+
+
+def test_the_bar_freezes_the_group_of_the_view(opened: Opened) -> None:
+    feed, script = opened(SCAN)
+    view, empty = feed.show(), feed.show("/odom")
+    bar, laser = view.children[0], view.widgets["/scan"]
+    assert bar._together == laser._together != ""
+    assert empty.children[0]._together == ""
+    script.listener.on_topics([SCAN, BUMPER])
+    assert bar._together == laser._together == view.widgets["/bumper"]._together
 
 
 def test_types_of_unknown_names_are_told_by_their_first_message(opened: Opened) -> None:

@@ -399,7 +399,8 @@ def test_the_whole_drive_stands_above_as_one_picture_if_it_is_wanted_or_short(
 ) -> None:
     def has_one(*topics: str, **more: bool) -> bool:
         with shown(path, *topics, **more) as player:
-            return player.scanogram is not None and player.scanogram in player.children[-1].children[0].children
+            mains = player.children[-1].children[0].children[0]
+            return player.scanogram is not None and player.scanogram in mains.children
 
     assert has_one()
     assert not has_one(scanogram=False)

@@ -1,7 +1,7 @@
 import { onAbort } from "../events.ts";
 import { lacksKernel, type Model, onChange, onMessage } from "../model.ts";
 import { Pulse } from "../pulse.ts";
-import type { StopTraits, Told } from "./traits.ts";
+import type { DrivingTraits, Told } from "./traits.ts";
 
 /** Milliseconds between two heartbeats. */
 export const BEAT_MS = 1000;
@@ -43,10 +43,10 @@ interface Answer {
  */
 export class StopControl {
   note: Note = "";
-  readonly #model: Model<StopTraits>;
+  readonly #model: Model<DrivingTraits>;
   readonly #name: string;
   readonly #tell: () => void;
-  readonly #pulse: Pulse<StopTraits>;
+  readonly #pulse: Pulse<DrivingTraits>;
   #timer: ReturnType<typeof setTimeout> | undefined;
   #token = 0;
   #beatAt = Number.NEGATIVE_INFINITY;
@@ -57,7 +57,7 @@ export class StopControl {
    * @param name unique among the views of all pages
    * @param tell called when something has changed, and once a second
    */
-  constructor(model: Model<StopTraits>, name: string, tell: () => void, signal: AbortSignal) {
+  constructor(model: Model<DrivingTraits>, name: string, tell: () => void, signal: AbortSignal) {
     this.#model = model;
     this.#name = name;
     this.#tell = tell;

@@ -1,6 +1,6 @@
 import type { NamedTraits } from "../traits.ts";
 
-export interface StopTraits extends NamedTraits {
+export interface DrivingTraits extends NamedTraits {
   _state: Told;
 }
 

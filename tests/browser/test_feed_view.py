@@ -1,0 +1,176 @@
+"""The view of a feed: one screen with Stop, the room, the laser, the program, its machine, speeds and touches."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import pytest
+from playwright.sync_api import expect
+
+from .chromium import LOOKS, shoot
+from .notebook import Notebook
+from .plain_page import PlainPage
+
+ROBOT = """
+from robowidgets import feeds
+from robowidgets.behaviors import Drive
+
+robot = feeds.simulator({robot!r}, wander=False)
+robot.variables.slider("f_vel", 0.2, 0.0, 0.5, "m/s")
+robot.variables.slider("near", 0.5, 0.2, 2.0, "m")
+
+class SimpleAvoid:
+    obstacle = lambda scan, variables: scan.distance("front") < variables.near
+    free = lambda scan, variables: scan.distance("front") > variables.near + 0.2
+
+    def forward(variables):
+        return Drive(variables.f_vel)
+
+    class avoid:
+        def stop():
+            print("near")
+            return Drive()
+
+        def turn():
+            return Drive(0, 0.5)
+
+        moves = "stop -> turn after 0.4"
+
+    moves = "forward -> avoid on obstacle", "avoid -> forward on free"
+"""
+SHOW = "view = robot.show()\nview"
+RUN = "robot.program(SimpleAvoid, rate=20)"
+BOXES = """() => Object.fromEntries([...document.querySelectorAll(".rw-feed, .rw-feed .rw-card")].map((element) => {
+    const { x, y, width, height } = element.getBoundingClientRect();
+    return [/rw-(feed|stop-bar|simulator|laser|program|machine|speed|touch|path)\\b/.exec(element.className)[1],
+        { x, y, width, height, right: x + width, bottom: y + height }];
+}))"""
+COVERED = """(cards) => cards.flatMap((card) => {
+    const { left, top, width, height } = card.getBoundingClientRect();
+    const seen = (x, y) => card.contains(document.elementFromPoint(left + x * width, top + y * height));
+    return [[0.04, 0.12], [0.5, 0.5], [0.96, 0.88]].every(([x, y]) => seen(x, y)) ? [] : [card.className];
+})"""
+"""The cards of which something is out of the window or under another one."""
+CUT = """(cards) => cards.filter((card) => card.scrollWidth > card.clientWidth + 1).map((card) => card.className)"""
+
+
+def boxes(nb: Notebook | PlainPage) -> dict[str, dict[str, float]]:
+    found: dict[str, dict[str, float]] = nb.page.evaluate(BOXES)
+    return found
+
+
+def opened(plain_page: Callable[..., PlainPage], robot: str, **more: object) -> PlainPage:
+    nb = plain_page([ROBOT.format(robot=robot), RUN, SHOW], height=720, **more)
+    expect(nb.output(2).locator(".rw-machine-state[data-active='leaf']")).to_be_visible()
+    expect(nb.output(2).locator(".rw-tile").first).to_be_visible()
+    return nb
+
+
+@pytest.mark.parametrize("robot", ["turtlebot3", "kobuki"])
+def test_a_robot_with_a_program_and_its_machine_stands_on_one_screen(
+    plain_page: Callable[..., PlainPage], robot: str
+) -> None:
+    nb = opened(plain_page, robot)
+    cards = nb.output(2).locator(".rw-card")
+    for width in (1112, 900):
+        nb.resize(width, 720)
+        at = boxes(nb)
+        assert at["feed"]["height"] == 562
+        assert at["feed"]["width"] == width
+        assert cards.evaluate_all(CUT) == []
+        bar, room, laser = (at[name] for name in ("stop-bar", "simulator", "laser"))
+        assert bar["y"] == room["y"] == at["feed"]["y"]
+        assert bar["right"] < room["x"]
+        assert room["bottom"] < laser["y"]
+        assert laser["height"] > 320
+        for name in ("program", "machine"):
+            assert bar["bottom"] < at[name]["y"]
+            assert at[name]["height"] > 290
+        for name in ("speed", "touch"):
+            assert at[name]["height"] in (150, 188)
+            assert at[name]["bottom"] == laser["bottom"] == at["feed"]["bottom"]
+        tiles = nb.output(2).locator(".rw-touch > .rw-picture")
+        assert tiles.evaluate("tiles => tiles.scrollHeight <= tiles.clientHeight"), "all sensors are in view"
+        expect(nb.output(2).locator(".rw-speed [data-axis] .rw-value")).to_have_count(3)
+        expect(nb.output(2).locator(".rw-screen .rw-freeze:visible")).to_have_count(0)
+        shoot(nb.output(2), f"feed-{robot}-{width}-light")
+    nb.resize(1500, 900)
+    assert boxes(nb)["feed"]["height"] == 742
+    shoot(nb.output(2), f"feed-{robot}-1500-light")
+
+
+@pytest.mark.parametrize(("theme", "scale"), LOOKS)
+def test_in_narrow_cells_nothing_is_cut_and_stop_comes_first(
+    plain_page: Callable[..., PlainPage], theme: str, scale: int
+) -> None:
+    nb = opened(plain_page, "turtlebot3", theme=theme, scale=scale)
+    for width in (860, 600, 400, 320):
+        nb.resize(width, 720)
+        at = boxes(nb)
+        assert at["feed"]["width"] == width
+        assert nb.output(2).locator(".rw-card").evaluate_all(CUT) == []
+        assert all(box["right"] <= at["feed"]["right"] for box in at.values())
+        tops = [at[name]["y"] for name in ("feed", "simulator", "laser", "program", "machine", "speed", "touch")]
+        assert tops == sorted(tops)
+        if width >= 600:
+            assert at["simulator"]["y"] == at["laser"]["y"], "two stand side by side"
+            assert at["program"]["y"] == at["machine"]["y"]
+        shoot(nb.output(2), f"feed-{width}-{theme}")
+    nb.page.mouse.move(200, 400)
+    nb.page.mouse.wheel(0, 900)
+    nb.page.wait_for_function("() => scrollY >= 800")
+    assert nb.output(2).locator(".rw-stop-bar .rw-stop").evaluate_all(COVERED) == [], "Stop stays in view"
+
+
+def test_one_freeze_freezes_all_pictures_of_the_view_beside_a_busy_cell(plain_page: Callable[..., PlainPage]) -> None:
+    nb = opened(plain_page, "turtlebot3")
+    nb.resize(1112, 720)
+    freeze, cards = nb.output(2).locator(".rw-freeze-all"), nb.output(2).locator(".rw-frozen")
+    expect(freeze).to_have_text("Freeze")
+    with nb.busy():
+        freeze.click()
+        expect(cards).to_have_count(4)
+        expect(freeze).to_have_text("Frozen")
+        expect(freeze).to_have_attribute("aria-pressed", "true")
+        shoot(nb.output(2), "feed-frozen")
+        freeze.click()
+        expect(cards).to_have_count(0)
+        expect(freeze).to_have_attribute("aria-pressed", "false")
+        nb.output(2).locator(".rw-laser > .rw-picture").press(" ")
+        expect(freeze).to_have_text("Frozen")
+        freeze.click()
+        expect(cards).to_have_count(0)
+    nb.python("view.widgets['/odom'].paused = True")
+    expect(cards).to_have_count(4)
+    expect(freeze).to_have_text("Frozen")
+    nb.python("view.widgets['/odom'].paused = False")
+    expect(freeze).to_have_text("Freeze")
+
+
+def test_in_jupyterlab_all_of_it_is_in_view_at_1280_by_720_and_in_a_narrow_window_stop_stays_in_view(
+    notebook: Callable[..., Notebook],
+) -> None:
+    nb = notebook([ROBOT.format(robot="turtlebot3"), SHOW, RUN], width=1280, height=720)
+    feed = nb.output(1).locator(".rw-feed")
+    expect(feed.locator(".rw-machine-state[data-active='leaf']")).to_be_visible()
+    feed.evaluate("feed => feed.scrollIntoView()")
+    assert boxes(nb)["feed"]["height"] == 562
+    cards = feed.locator(".rw-card")
+    expect(cards).to_have_count(7)
+    assert cards.evaluate_all(COVERED) == []
+    shoot(nb.page.locator(".jp-NotebookPanel"), "feed-lab")
+    feed.locator(".rw-freeze-all").click()
+    expect(feed.locator(".rw-frozen")).to_have_count(4)
+    nb.reload()
+    feed = nb.output(1).locator(".rw-feed")
+    expect(feed.locator(".rw-freeze-all")).to_have_text("Frozen")
+    feed.locator(".rw-freeze-all").click()
+    expect(feed.locator(".rw-frozen")).to_have_count(0)
+    nb.resize(500, 720)
+    feed.locator(".rw-touch").scroll_into_view_if_needed()
+    notebook_at, stop_at = (
+        shown.bounding_box() for shown in (nb.page.locator(".jp-WindowedPanel-outer"), feed.locator(".rw-stop").first)
+    )
+    assert notebook_at is not None
+    assert stop_at is not None
+    assert 0 <= stop_at["y"] - notebook_at["y"] < 20, "Stop stays at the top of the notebook"
