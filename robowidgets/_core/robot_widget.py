@@ -26,6 +26,9 @@ SHORTEST_SILENCE, LONGEST_SILENCE = 1.0, 10.0
 """Seconds without a sample after which a source is silent: three of its periods, within these limits, and the longest
 where it has no rate yet. The page follows the same rule (shared/stream.ts)."""
 
+PATIENCE = 2.0
+"""Seconds after which a thread that waits is told that what it waits for is missing, if that is known."""
+
 PAGES = "robowidgets.export.widget_page"
 """Makes the pages. Named as entry points do: it lies in a layer above the widgets."""
 
@@ -69,7 +72,7 @@ class RobotWidget(SavesPng, JudgesConditions, PacedWidget, Generic[S]):
     )
 
     def __init__(self, **kwargs: Any) -> None:
-        self._png_error = ""
+        self._png_error = self._missing = ""
         self._packed_version = 0
         self._plotted = PlottedNumbers()
         super().__init__(**kwargs)
@@ -101,8 +104,14 @@ class RobotWidget(SavesPng, JudgesConditions, PacedWidget, Generic[S]):
                 return False
             return not self.has_rate or (newest.is_new() and newest.age <= limit)
 
+        left = seconds
+        if self._source and seconds > PATIENCE:
+            with newest.lock:
+                left -= 0.0 if newest.wait_for(has_next, PATIENCE) else PATIENCE
+            if left < seconds and (why := self._missing):
+                self._log_once(f"{why}; waiting for {seconds:g} s, in case it comes")
         with newest.lock:
-            if not newest.wait_for(has_next, min(seconds, threading.TIMEOUT_MAX)):
+            if not newest.wait_for(has_next, min(left, threading.TIMEOUT_MAX)):
                 raise TimeoutError(self._why_none(seconds))
             newest.take()
             return self._newest_measured()
@@ -219,8 +228,12 @@ class RobotWidget(SavesPng, JudgesConditions, PacedWidget, Generic[S]):
             none = f"no new {type(sample).__name__.lower()} for {age:.{'1f' if age >= 1 else '2g'}} s"
         return f"{type(self).__name__} {self.title}".rstrip() + f" had {none}" + f": {why}" * bool(why)
 
-    def _set_source(self, source: dict[str, Any]) -> None:
-        """Set the trait without a call of its observers: threads of a feed that carry speeds call this."""
+    def _set_source(self, source: dict[str, Any], missing: str = "") -> None:
+        """Set the trait without a call of its observers: threads of a feed that carry speeds call this.
+
+        ``missing`` tells why nothing will come unless something changes.
+        """
+        self._missing = missing
         if source != self._source:
             self._trait_values["_source"] = source
             self.send_state("_source")

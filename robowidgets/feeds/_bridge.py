@@ -12,7 +12,7 @@ from typing import Any
 
 from ._threaded import ThreadedMiddleware
 from ._topics import queue_length
-from ._websocket import LARGEST, Frame, WebSocket, checked
+from ._websocket import COMPARE, LARGEST, Frame, WebSocket, checked
 from .middleware import MOST_UNREAD, FeedError, Listener
 
 _MATCHED = 0.3
@@ -44,6 +44,7 @@ class Bridge(ThreadedMiddleware):
         self._socket: WebSocket | None = None
         """The newest connection."""
         self._listener: Listener
+        self._was_tried = False
         self._followed: frozenset[str] = frozenset()
         """The wanted topics, as far as this thread has subscribed to them."""
         self._received: set[str] = set()
@@ -109,6 +110,7 @@ class Bridge(ThreadedMiddleware):
                 return ""
             socket = self._socket = WebSocket(self.where, self, self._subprotocols)
         reason = await socket.run()
+        self._was_tried = True
         if socket.has_lasted:
             self._backoff.reset()
         if socket.too_big:
@@ -166,6 +168,15 @@ class Bridge(ThreadedMiddleware):
     def on_frame(self, frame: Frame) -> None:
         """A frame was received: keep it, in place of an older one of its topic if the newest is enough."""
         raise NotImplementedError
+
+    def on_silent(self) -> None:
+        """Nobody has answered for a moment: what to compare is told, unless the robot was reached or told of before."""
+        if not self._was_tried:
+            self._listener.on_nobody(f"no answer from {self.where} yet: {COMPARE}")
+
+    async def other_bridge(self) -> str:
+        """Text for the bridge of another protocol that listens at the address; empty if none is known to."""
+        return ""
 
     def _begin(self) -> None:
         """Reset the state of the protocol, for a new connection."""

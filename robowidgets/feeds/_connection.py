@@ -24,7 +24,7 @@ from ._open_feeds import open_feeds
 from ._program_inputs import robot_of
 from ._subscription import Target, sorted_targets
 from ._subscription_table import SubscriptionTable
-from ._topics import Topic, check_name, topics_of, unlisted
+from ._topics import Topic, check_name, no_such, topics_of, unlisted
 from .middleware import Advert, FeedError, Middleware
 
 log = logging.getLogger("robowidgets")
@@ -48,6 +48,7 @@ class Connection(Observed):
         adverts: the topics as the middleware listed them last.
         is_closed: whether `close` was called, or this is a forked process.
         is_forked: whether it stayed with the process that was forked.
+        nobody: why nobody may be there, though it could be connected; empty if somebody is.
         unsent: why zero could not be sent when it was closed; empty if it was.
         driver, watchdog, programs: what drives the robot.
     """
@@ -60,7 +61,7 @@ class Connection(Observed):
         self.functions = FunctionCaller(self._show_status)
         self._table = SubscriptionTable(f"connecting to {middleware.where}", self.functions)
         self.adverts: tuple[Advert, ...] = ()
-        self.unsent = ""
+        self.nobody = self.unsent = ""
         self._reached = self._listed = self.is_closed = self.is_forked = False
         self._driven: str | None = None
         """The topic on which this feed publishes speeds and nobody else publishes anything."""
@@ -165,7 +166,7 @@ class Connection(Observed):
         with self._lock:
             if self.is_closed:
                 return
-            self._table.down, self._reached = "", True
+            self._table.down, self.nobody, self._reached = "", "", True
             self._table.show_all()
             self._changed.notify_all()
         self.driver.on_connected()
@@ -176,9 +177,20 @@ class Connection(Observed):
         with self._lock:
             if self.is_closed:
                 return
+            self.nobody = ""
             lost = "connection lost" if self._reached else f"cannot reach {self.where}"
             self._table.lose(f"{lost}, trying again in {again_in:.2g} s: {reason}")
         self.watchdog.on_lost()
+        self._call_observers()
+
+    def on_nobody(self, reason: str) -> None:
+        """See `Listener`."""
+        with self._lock:
+            if self.is_closed or self.nobody == reason:
+                return
+            self.nobody = reason
+            self._table.lose(reason)
+            self._changed.notify_all()
         self._call_observers()
 
     def on_topics(self, topics: Sequence[Advert]) -> None:
@@ -269,6 +281,13 @@ class Connection(Observed):
             lambda: self._reached and (bool(self.status) or self._has_subscriber(topic)),
             self._opened + PATIENCE - time.monotonic(),
         )
+
+    def why_missing(self, topic: str) -> str:
+        """Why no message of a topic will come unless something changes, once that is known; empty if one may come."""
+        if time.monotonic() < self._opened + PATIENCE:
+            return ""
+        topics = self._table.topics
+        return self.status or (no_such(topic, topics) if topics is not None and topic not in topics else "")
 
     def topic_of(self, name: str) -> Topic:
         """A topic as it is known now."""

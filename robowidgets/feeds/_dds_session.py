@@ -20,7 +20,7 @@ from cyclonedds.util import duration
 from ..messages.decoding import Decode, DecodeError
 from ._dds_domain import configured
 from ._dds_types import NODES, dds_topic, decoder, definition_of, opaque, ros_topic, ros_type, struct, type_hash
-from ._ros2_common import adverts_of, not_coming, not_received, queue_depth, speed_types
+from ._ros2_common import ALONE, adverts_of, is_alone, not_coming, not_received, queue_depth, speed_types
 from .middleware import EVENTS, MOST_UNREAD, Advert, FeedError, Listener
 
 _MANY = 1000
@@ -77,12 +77,20 @@ class _Reader(NamedTuple):
 class Session:
     """Our participant in a domain. Only the thread that made it may use it, except for `wake` and `publish`.
 
+    Args:
+        domain: its number.
+        listener: gets messages and reports.
+        interface: the network interface to use.
+        no_robot: what is said a moment later when there is no robot, until there is one.
+
     Raises:
         DDSException: the network cannot be used.
     """
 
-    def __init__(self, domain: int, listener: Listener, interface: str | None = None) -> None:
-        self._listener = listener
+    def __init__(self, domain: int, listener: Listener, interface: str | None = None, no_robot: str = "") -> None:
+        self._listener, self._no_robot = listener, no_robot
+        self._alone_until: float | None = time.monotonic() + ALONE
+        """The time from which it is said that no robot is there; None once one was there."""
         self._domain = configured(domain, interface)
         self._participant = DomainParticipant(domain)
         self._own = self._participant.guid
@@ -103,6 +111,8 @@ class Session:
         self._writing = threading.Lock()
         self._writers: dict[tuple[str, str], Any] = {}
         self._changed = True
+        self._topics: list[Advert] = []
+        self._is_told = False
 
     def wake(self) -> None:
         """Make `wait` return."""
@@ -125,8 +135,24 @@ class Session:
                 if missing := self._without_writer(topic):
                     with self._writing:
                         self._create_writers(topic, missing)
-            self._listener.on_topics(self._adverts())
+            self._topics = self._adverts()
+            self._is_told = False
+        self._report_topics()
         self._report_unheard()
+
+    def _report_topics(self) -> None:
+        """Report the topics if they changed; none at all only when there was time to discover some."""
+        if not is_alone(self._topics):
+            if self._alone_until is not None:
+                self._listener.on_nobody("")
+            self._alone_until = None
+        elif self._alone_until is not None:
+            if time.monotonic() < self._alone_until:
+                return
+            self._listener.on_nobody(self._no_robot)
+        if not self._is_told:
+            self._is_told = True
+            self._listener.on_topics(self._topics)
 
     def follow(self, topics: Iterable[str], each: frozenset[str]) -> None:
         """Create readers for the publishers of these topics, a second one for each message; remove all others."""

@@ -5,13 +5,14 @@ from __future__ import annotations
 import contextlib
 import threading
 import time
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from ..driving.command_watchdog import PROGRAM, ZERO, CommandWatchdog, RefusedError, Request, Velocity
 from ._driving import USUAL, DriveStatus, Driving, heard_speeds, unheard
 from ._twist import TwistPublisher
-from .middleware import FeedError, Middleware, NotYetError
+from .middleware import Advert, FeedError, Middleware, NotYetError
 
 if TYPE_CHECKING:
     from ._connection import Connection
@@ -79,8 +80,7 @@ class Driver:
     @property
     def status(self) -> str:
         """See `Feed.drive_status`."""
-        reasons = self._status.reasons(self.topic, self._connection.adverts) if self._connection.is_listed else ()
-        return self._connection.status or "; ".join(reasons)
+        return self._connection.status or "; ".join(self._status.reasons(self.topic, self._listed))
 
     def drive(self, wanted: Velocity) -> None:
         """See `Feed.drive`."""
@@ -125,8 +125,8 @@ class Driver:
             raise FeedError(f"cannot stop: {self._connection.status or error}{follows}") from None
         finally:
             self._log_status()
-        if elsewhere := self._heard_elsewhere():
-            raise FeedError(f"cannot stop: {elsewhere}")
+        if nobody := self._connection.nobody or self._heard_elsewhere():
+            raise FeedError(f"cannot stop: {nobody}")
 
     def close(self) -> None:
         """Send zero if one is owed, and refuse every speed from now on. A subscriber that is connecting is awaited.
@@ -218,6 +218,11 @@ class Driver:
         self._twists.send(self.topic, velocity, self._connection.adverts)
         self._status.refused = self._twists.refused
 
+    @property
+    def _listed(self) -> Sequence[Advert] | None:
+        """The topics; None before they are listed."""
+        return self._connection.adverts if self._connection.is_listed else None
+
     def _choose(self, *, is_driven: bool) -> None:
         """Choose the topic if none is set: the usual one, or, when nobody listens to it, the only one that is heard.
 
@@ -244,8 +249,8 @@ class Driver:
 
     def _log_status(self) -> None:
         """Log why the robot may not move as commanded; after a speed was requested, which may be zero."""
-        if not self._connection.status and self._connection.is_listed:
-            self._status.log(self._connection.where, self.topic, self._connection.adverts)
+        if not self._connection.status:
+            self._status.log(self._connection.where, self.topic, self._listed)
 
     def _after_send(self) -> None:
         watchdog = self.watchdog

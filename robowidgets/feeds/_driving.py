@@ -119,18 +119,18 @@ class DriveStatus:
         self.unheard: dict[str, str] = {}
         self._log = LogOnce(log.warning)
 
-    def reasons(self, topic: str, adverts: Sequence[Advert]) -> list[str]:
-        """All reasons for a command topic."""
+    def reasons(self, topic: str, adverts: Sequence[Advert] | None) -> list[str]:
+        """All reasons for a command topic, with all topics; None: these are not known yet."""
         reasons = (
-            unheard(topic, adverts),
+            "" if adverts is None else unheard(topic, adverts),
             self.unheard.get(topic),
             self.refused,
-            _contested(topic, adverts),
+            _contested(topic, adverts or ()),
             self.cut,
         )
         return list(filter(None, reasons))
 
-    def log(self, where: str, topic: str, adverts: Sequence[Advert]) -> None:
+    def log(self, where: str, topic: str, adverts: Sequence[Advert] | None) -> None:
         """Log each reason once, a cut only once whatever its numbers: speeds may come at any rate."""
         for reason in filter(None, (self.taken, *self.reasons(topic, adverts))):
             self._log(f"{where}: {reason}", "cut" if reason == self.cut else reason)

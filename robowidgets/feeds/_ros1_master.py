@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 from urllib.parse import urlsplit
 from xml.parsers.expat import ExpatError
 
-TIMEOUT = 2.0
+TIMEOUT = 1.5
 """Seconds for an answer."""
 
 

@@ -10,6 +10,11 @@ from .middleware import EVENTS, Advert
 
 LAST_DOMAIN = 232
 
+ALONE = 1.4
+"""Seconds after which a new participant that has discovered no topic says so."""
+
+_OF_EVERY_NODE = ("/rosout", "/parameter_events")
+
 _DEPTH = 5
 """Length of the queue of a subscription, as ROS 2 has it for sensor data."""
 
@@ -44,6 +49,18 @@ def adverts_of(
         Advert(*key, key in publishers, key in subscribed, tuple(sorted(filter(None, publishers.get(key, ())))))
         for key in sorted({*publishers, *subscribed})
     ]
+
+
+def is_alone(adverts: Iterable[Advert]) -> bool:
+    """Whether there are no topics but those of every node: of a program of this machine, say, and of no robot."""
+    return all(advert.name in _OF_EVERY_NODE for advert in adverts)
+
+
+def no_robot(domain: int, *questions: str) -> str:
+    """Text for a domain in which no robot is, with what to compare."""
+    first = 7400 + 250 * domain
+    asked = f"Is {domain} the robot's ROS_DOMAIN_ID?", f"Does a firewall block the UDP ports {first} to {first + 249}?"
+    return " ".join((f"no robot in domain {domain}.", *asked, *questions))
 
 
 def speed_types(expected: Iterable[str]) -> set[str]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import time
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
@@ -13,6 +14,8 @@ from ..samples import Scan
 if TYPE_CHECKING:
     from ._connection import Connection
 
+log = logging.getLogger("robowidgets")
+
 FIRST_TIMEOUT = 10.0
 """Seconds for the first scan: the robot may have to be connected and its topic discovered."""
 
@@ -22,7 +25,7 @@ def scans_of(connection: Connection, topic: str, timeout: float) -> Iterator[Sca
     newest: NewestSample[Any] = NewestSample()
     taken = 0
     target = connection.attach(topic, lambda message: newest.put(message, {}, counts=True))
-    limit = max(timeout, FIRST_TIMEOUT)
+    limit, told = max(timeout, FIRST_TIMEOUT), False
 
     def has_next() -> bool:  # not one that came early in a loop body which took long: nothing has come since
         return newest.sequence > taken and newest.age <= timeout
@@ -34,6 +37,9 @@ def scans_of(connection: Connection, topic: str, timeout: float) -> Iterator[Sca
                 # In short steps, to notice when the feed is closed.
                 while not (there := has_next()) and not connection.is_closed and (left := until - time.monotonic()) > 0:
                     newest.wait_for(has_next, min(left, 0.1))
+                    if not (taken or told) and (why := connection.why_missing(topic)):
+                        told = True
+                        log.warning("%s; waiting for %s for %g s, in case it comes", why, topic, limit)
                 message, arrived, taken = newest.sample, newest.arrived, newest.sequence
             if not there:
                 why = connection.status_of(topic)

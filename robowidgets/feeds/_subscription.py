@@ -132,7 +132,7 @@ class Subscription:
                 filter(None, (self.trouble, self._failed, several or self._retyped, self._scanners.status))
             )
         topic = topics.get(self.topic) if topics is not None else None
-        missing = no_such(self.topic, topics) if topics is not None and not topic and not self.has_received else ""
+        missing = self.why_missing(topics)
         if missing or self.trouble:
             return "; ".join(filter(None, (missing, self.trouble)))
         if not is_primary:
@@ -140,6 +140,11 @@ class Subscription:
         if topics is not None and (topic is None or not topic.offered):
             return f"nobody publishes {self.topic} {'any more' if self.has_received else 'yet'}"
         return f"waiting for {self.topic}"
+
+    def why_missing(self, topics: dict[str, Topic] | None) -> str:
+        """Text for a topic that does not exist and never did; empty if it does, or may."""
+        is_missing = topics is not None and self.topic not in topics and not self.has_received
+        return no_such(self.topic, topics) if topics is not None and is_missing else ""
 
     def _pass_on(self, target: Target, message: Any) -> str:
         """Call a target; returns its error as text, empty if it raised none."""

@@ -122,7 +122,7 @@ class SubscriptionTable:
             "error": "; ".join(filter(None, failed)),
             "lost": bool(self.down) and not first.receives,
         }
-        widget._set_source(source)
+        widget._set_source(source, self.down or first.why_missing(self.topics))
 
     def _without_replaced(self, widget: RobotWidget[Any], connected: Sequence[_Connected]) -> list[Subscription]:
         """The subscriptions, except those to missing topics whose target gets messages of a topic connected later."""

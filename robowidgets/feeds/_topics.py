@@ -109,8 +109,8 @@ def no_such(name: str, there: Iterable[str]) -> str:
     names = list(there)
     if not names:
         return f"no topic {name} yet; there is none at all"
-    near = difflib.get_close_matches(name, names, n=1)
-    hint = f"; did you mean {near[0]}?" if near else ""
+    near = difflib.get_close_matches(name, names)
+    hint = f"; did you mean {' or '.join(near)}?" if near else ""
     rest = ", …" if len(names) > _MANY else ""
     return f"no such topic {name}; there are {', '.join(names[:_MANY])}{rest}{hint}"
 

@@ -29,11 +29,17 @@ LARGEST = 50_000_000
 PATIENCE = 5.0
 """Seconds within which a robot must answer a connection attempt."""
 
+SILENT = 1.5
+"""Seconds after which it is said that nobody has answered an attempt so far."""
+
+COMPARE = "is the robot on, and in this network? Is the address right? Does a firewall block the port?"
+
 _ALIVE = 10.0  # seconds without an answer after which the connection is given up
 _PINGS = 10  # pings in that time
 _SILENCE = 1.0  # seconds without an answer after which only zero is sent: what is sent then waits, and arrives late
 _OVERDUE = 0.005  # seconds for which a flood of frames may delay everything else in the thread
 _GOODBYE = 0.5
+_TIMED_OUT = 599  # tornado's code for a time-out, which no server sends
 
 
 class _Ping:
@@ -83,6 +89,8 @@ class WebSocket:
         self._kept_since: float | None = None
         self._opened_at = math.inf
         self._silent = False
+        self._is_refused = False
+        """Whether a server answered that speaks another protocol."""
         self.too_big = self.is_cancelled = False
 
     @property
@@ -98,12 +106,18 @@ class WebSocket:
     async def run(self) -> str:
         """Connect, and run until the connection ends; returns the reason."""
         try:
-            return await self._run_connection(await self._connect())
-        except Exception as error:  # whatever the network, tornado or the other side raise
-            return self._failure(error)
+            reason = await self._run_to_end()
+            return (self._is_refused and await self._bridge.other_bridge()) or reason
         finally:
             with self._lock:
                 self._loop = None
+
+    async def _run_to_end(self) -> str:
+        try:
+            return await self._run_connection(await self._connect())
+        except Exception as error:  # whatever the network, tornado or the other side raise
+            self._is_refused = getattr(error, "code", _TIMED_OUT) != _TIMED_OUT
+            return self._failure(error)
 
     def cancel(self) -> None:
         """End the connection, and so what runs it."""
@@ -171,16 +185,20 @@ class WebSocket:
                 subprotocols=self._subprotocols,
             )
         )
+        silence = asyncio.get_running_loop().call_later(SILENT, self._bridge.on_silent)
         try:
             return await asyncio.shield(connecting)
         except asyncio.CancelledError:
             await close_when_connected(connecting, _GOODBYE)
             raise
+        finally:
+            silence.cancel()
 
     async def _run_connection(self, connection: Any) -> str:
         stream = connection.protocol.stream
         if self._subprotocols and connection.selected_subprotocol is None:
             stream.close()
+            self._is_refused = True
             return f"{self.address} supports none of {', '.join(self._subprotocols)}: another program listens there"
         self._connection, self._stream = connection, stream
         stream.set_nodelay(True)
@@ -317,11 +335,14 @@ class WebSocket:
 
     def _failure(self, error: BaseException) -> str:
         if isinstance(error, ConnectionRefusedError):
-            return f"nothing listens at {self.address}; is the robot's bridge running?"
+            return (
+                f"nothing listens at {self.address}; is the robot's bridge running, and the port right? Usual are 8765 "
+                "for foxglove_bridge and 9090 for rosbridge"
+            )
         if isinstance(error, socket.gaierror):
-            return f"the name {urlsplit(self.address).hostname} cannot be resolved"
-        if getattr(error, "code", None) == 599 or isinstance(error, asyncio.TimeoutError):
-            return f"no answer from {self.address} within {PATIENCE:g} s"
+            return f"the name {urlsplit(self.address).hostname} cannot be resolved; try the robot's IP address"
+        if getattr(error, "code", None) == _TIMED_OUT or isinstance(error, asyncio.TimeoutError):
+            return f"no answer from {self.address} within {PATIENCE:g} s: {COMPARE}"
         return f"{self.address} cannot be connected to: {one_line(str(error)) or type(error).__name__}"
 
     def _ending(self, connection: Any) -> str:

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import socket
 from collections.abc import Mapping
+from contextlib import suppress
+from ipaddress import IPv4Address, IPv6Address, ip_address
 from typing import TYPE_CHECKING, Any
 
 from ..messages.encoding import encode
 from ..messages.standard import TWIST_STAMPED
-from ._ros2_common import checked_domain
+from ._ros2_common import checked_domain, no_robot
 from ._threaded import ThreadedMiddleware
 from .feed import Feed
 from .middleware import FeedError, Listener
@@ -64,14 +67,15 @@ class Dds(ThreadedMiddleware):
         try:
             self._in_domain(listener)
         except DDSException as error:
-            return f"{self.where} cannot be used: {error.msg or error}"
+            missing = _why_not(self._interface) if self._interface else ""
+            return missing or f"{self.where} cannot be used: {error.msg or error}"
         return ""
 
     def _in_domain(self, listener: Listener) -> None:
         from ._dds_session import Session
         from ._dds_types import struct
 
-        session = Session(self._domain, listener, self._interface)
+        session = Session(self._domain, listener, self._interface, self._no_robot())
         # Encoding the first message of a process takes 0.15 s, and no speed or zero should wait for it.
         encode("cdr", TWIST_STAMPED, {})
         struct(TWIST_STAMPED)
@@ -86,6 +90,16 @@ class Dds(ThreadedMiddleware):
             with self._lock:
                 self._session = None
 
+    def _no_robot(self) -> str:
+        if self._interface == "lo":
+            return no_robot(self._domain, "On 'lo' only this machine is heard.")
+        others = [name for name in _interfaces() if name not in ("lo", self._interface)]
+        if not others:
+            return no_robot(self._domain)
+        likely = min(others, key=lambda name: not name.startswith(("e", "w")))  # cable or radio, not of containers
+        asked = f"Is it in another network, as in dds({self._domain}, interface={likely!r})?"
+        return no_robot(self._domain, f"{asked} There are {', '.join(others)}.")
+
     def _step(self, session: Session) -> None:
         session.look()
         session.follow(self._wanted, self._each)
@@ -94,6 +108,29 @@ class Dds(ThreadedMiddleware):
                 session.messages(wish)
         if not self._closed.is_set():
             session.wait()
+
+
+def _interfaces() -> list[str]:
+    """The names of the network interfaces of this machine."""
+    return [name for _, name in socket.if_nameindex()]
+
+
+def _why_not(interface: str) -> str:
+    """Text for a name or an address that no interface of this machine has; empty if one has it."""
+    try:
+        has_it = _is_ours(ip_address(interface))
+    except ValueError:
+        has_it = interface in _interfaces()
+    there = ", ".join(_interfaces())
+    return "" if has_it else f"this machine has no network interface {interface!r}; there are {there}"
+
+
+def _is_ours(address: IPv4Address | IPv6Address) -> bool:
+    family = socket.AF_INET if address.version == 4 else socket.AF_INET6
+    with socket.socket(family, socket.SOCK_DGRAM) as probe, suppress(OSError):
+        probe.bind((str(address), 0))
+        return True
+    return False
 
 
 def dds(domain: int = 0, *, interface: str | None = None) -> Feed:

@@ -18,12 +18,12 @@ from ..messages.encoding import encode
 from ..messages.standard import TWIST_STAMPED
 from ._bridge import Bridge, Read, UnreadableError, short_type, strings
 from ._foxglove_channels import Graph, channel_of, decoder
+from ._other_bridge import FOXGLOVE, is_rosbridge
 from ._twist import is_zero
 from ._websocket import Frame, one_line
 from .feed import Feed
 from .middleware import FeedError
 
-_SUBPROTOCOLS = ["foxglove.sdk.v1", "foxglove.websocket.v1"]
 _WRITTEN = ("cdr", "ros1", "json")
 _DATA = Struct("<BIQ")
 _CLIENT_DATA = Struct("<BI")
@@ -58,7 +58,7 @@ class Foxglove(Bridge):
             "connectionGraphUpdate": self._on_graph,
             "status": self._on_status,
         }
-        super().__init__(address, _SUBPROTOCOLS)
+        super().__init__(address, FOXGLOVE)
 
     def publish(self, topic: str, message_type: str, message: Mapping[str, Any]) -> None:
         """See `Middleware`."""
@@ -101,6 +101,11 @@ class Foxglove(Bridge):
                 react(operation)
         else:
             self._report_on_all(f"{self.where} does not speak foxglove: it said {one_line(frame[:80])!r}")
+
+    async def other_bridge(self) -> str:
+        """See `Bridge`."""
+        is_other = await is_rosbridge(self.where)
+        return f"a rosbridge listens there: use feeds.rosbridge({self.where!r})" if is_other else ""
 
     def _begin(self) -> None:
         self._info: dict[str, Any] | None = None

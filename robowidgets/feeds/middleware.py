@@ -56,6 +56,9 @@ class Listener(Protocol):
     def on_lost(self, reason: str, again_in: float) -> None:
         """The robot cannot be reached, or no longer; the next attempt follows in so many seconds."""
 
+    def on_nobody(self, reason: str) -> None:
+        """The reason why nobody may be there, a moment after opening, as what to compare; empty: somebody is there."""
+
     def on_topics(self, topics: Sequence[Advert]) -> None:
         """All topics that are known now. Called when the list changes."""
 

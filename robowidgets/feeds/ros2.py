@@ -127,14 +127,14 @@ class Ros2(ThreadedMiddleware):
             listener.on_lost(f"{self.where} cannot be used: rclpy was shut down", 0.0)
         listener.on_connected()
         self._backoff.reset()
-        listener.on_topics(adverts)
+        session.report(adverts)
         due = 0.0
         followed: tuple[frozenset[str], frozenset[str]] = frozenset(), frozenset()
         while not self._closed.is_set() and session.ok():
             wanted = self._wanted, self._each
             if wanted != followed or time.monotonic() >= due:
                 followed, due = wanted, time.monotonic() + (EARLY_LOOK if session.is_young else LOOK)
-                listener.on_topics(session.look())
+                session.report(session.look())
                 session.follow(*wanted)
             session.spin_once(max(0.0, due - time.monotonic()))
 

@@ -14,6 +14,7 @@ from typing import Any
 from ..kinds import counts_every_message
 from ..messages.standard import TWIST, TWIST_STAMPED
 from ._bridge import Bridge, UnreadableError, full_type, other_nodes, short_type, strings
+from ._other_bridge import is_foxglove
 from ._rosbridge_frames import has_cbor, read, topic_of
 from ._twist import is_zero
 from ._websocket import Frame, one_line
@@ -114,6 +115,11 @@ class Rosbridge(Bridge):
         super().on_open()
         self._listener.on_connected()
         self._poll()
+
+    async def other_bridge(self) -> str:
+        """See `Bridge`."""
+        is_other = await is_foxglove(self.where)
+        return f"a foxglove server listens there: use feeds.foxglove({self.where!r})" if is_other else ""
 
     def _begin(self) -> None:
         self._types: dict[str, str] = {}

@@ -153,7 +153,7 @@ def test_another_program_at_the_address_of_a_publisher_that_has_gone_is_not_take
         known = _ros1_master.Master(f"http://127.0.0.1:{master.port}")
         known.register_publisher("/gone", topic, "sensor_msgs/LaserScan", f"http://{address}")
         feed.connect(topic, laser)
-        words = f"{topic} is published, but its node /gone cannot be reached at {address} (no answer within 2 s)"
+        words = f"{topic} is published, but its node /gone cannot be reached at {address} (no answer within 1.5 s)"
         wait_for(lambda: laser._source["status"].startswith(words), "the widget says so")
         publish(topic, "scan", 5)
         wait_for(lambda: rays(laser) == 5, "a scan of a publisher comes that is there")

@@ -15,6 +15,7 @@ class Ears:
     def __init__(self) -> None:
         self.connected = 0
         self.lost: list[str] = []
+        self.nobody = ""
         self.pauses: list[float] = []
         self.topics: list[Advert] | None = None
         self.messages: list[tuple[str, Any]] = []
@@ -33,6 +34,9 @@ class Ears:
     def on_lost(self, reason: str, again_in: float) -> None:
         self.pauses.append(again_in)
         self.lost.append(reason)
+
+    def on_nobody(self, reason: str) -> None:
+        self.nobody = reason
 
     def on_topics(self, topics: Sequence[Advert]) -> None:
         self.topics = list(topics)

@@ -8,6 +8,7 @@ import os
 import queue
 import resource
 import signal
+import socket
 import struct
 import subprocess
 import sys
@@ -663,8 +664,50 @@ def test_a_network_that_is_not_there_is_tried_again(heard: Ears) -> None:
     wait_for(lambda: len(heard.lost) > 1, "it was tried again")
     dds.close()
     assert heard.connected == 0
-    assert heard.lost[0].startswith(f"DDS domain {DOMAIN} on nowhere0 cannot be used: ")
+    there = ", ".join(name for _, name in socket.if_nameindex())
+    assert heard.lost[0] == f"this machine has no network interface 'nowhere0'; there are {there}"
     assert heard.pauses[1] > heard.pauses[0]
+
+
+def test_an_address_that_no_interface_has_is_told_with_the_interfaces_there_are(heard: Ears) -> None:
+    dds = Dds(DOMAIN, interface="192.0.2.1")
+    dds.open(heard)
+    wait_for(lambda: heard.lost, "it is told")
+    dds.close()
+    assert heard.lost[0].startswith("this machine has no network interface '192.0.2.1'; there are ")
+
+
+def test_a_domain_without_a_robot_says_what_to_compare_until_there_is_one(
+    heard: Ears, start: Callable[[], Robot], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    assert _dds_session.ALONE + 0.5 < 2.0, "the longest wait for a change comes on top"
+    monkeypatch.setattr(_dds_session, "ALONE", 0.5)
+    dds = Dds(DOMAIN, interface="lo")
+    dds.open(heard)
+    wait_for(lambda: heard.nobody or heard.topics is not None, "it is told")
+    first = 7400 + 250 * DOMAIN
+    assert heard.nobody == (
+        f"no robot in domain {DOMAIN}. Is {DOMAIN} the robot's ROS_DOMAIN_ID? Does a firewall block the UDP ports "
+        f"{first} to {first + 249}? On 'lo' only this machine is heard."
+    )
+    wait_for(lambda: heard.topics == [], "then the topics count as known")
+    robot = start()
+    publish_until(robot, lambda: heard.topics, "the robot is found", "/scan", "LaserScan", [1.0], 0.5)
+    assert heard.nobody == ""
+    robot.kill()
+    wait_for(lambda: heard.topics == [], "it is gone")
+    assert heard.nobody == "", "whoever was there once has the right settings"
+    dds.close()
+
+
+def test_on_other_interfaces_what_to_compare_names_them(monkeypatch: pytest.MonkeyPatch) -> None:
+    names = [(1, "lo"), (2, "docker0"), (3, "wlan0"), (4, "eth0")]
+    monkeypatch.setattr(socket, "if_nameindex", lambda: names)
+    network = "Is it in another network, as in dds(7, interface='wlan0')? There are docker0, wlan0"
+    assert Dds(7)._no_robot().endswith(f" {network}, eth0.")
+    assert Dds(7, interface="eth0")._no_robot().endswith(f" {network}.")
+    names[:] = names[:1]
+    assert Dds(7)._no_robot().endswith(" Does a firewall block the UDP ports 9150 to 9399?")
 
 
 def test_wrong_arguments_are_refused_by_name() -> None:

@@ -582,6 +582,23 @@ def test_that_nobody_listens_is_not_said_while_nothing_is_connected(
     assert feed.drive_status == "nobody listens to /cmd_vel"
 
 
+def test_where_no_robot_is_driving_and_stopping_say_what_to_compare(
+    driven: Driven, caplog: pytest.LogCaptureFixture
+) -> None:
+    feed, script = driven()
+    script.listener.on_nobody("no robot in domain 79. Is 79 the robot's ROS_DOMAIN_ID?")
+    for do in (lambda: feed.drive(0.1), feed.stop):
+        with pytest.raises(FeedError, match=r"cannot (drive|stop): no robot in domain 79"):
+            do()
+    assert feed.drive_status == feed.status == "no robot in domain 79. Is 79 the robot's ROS_DOMAIN_ID?"
+    assert caplog.records == []
+    script.listener.on_nobody("")
+    script.listener.on_topics([CMD_VEL])
+    feed.drive(0.1)
+    feed.stop()
+    assert (feed.status, feed.drive_status, script.speeds[-2:]) == ("", "", [(0.1, 0.0), (0.0, 0.0)])
+
+
 # -- which topic -------------------------------------------------------------------------------------------------------
 
 ROBOT_1, ROBOT_2 = (CMD_VEL._replace(name=f"/robot{number}/cmd_vel") for number in (1, 2))

@@ -23,6 +23,7 @@ from robowidgets.feeds.foxglove import Foxglove
 from robowidgets.feeds.middleware import Advert, FeedError
 
 from ..waiting import wait_for
+from .bridge import Rosbridge
 from .bursts import EVERY, record_bursts
 from .ears import Ears
 from .fox import NOETIC, SCAN, OldFoxglove, cdr, channel, definition, scan
@@ -230,7 +231,10 @@ def test_a_refused_connection_is_told_and_tried_again_ever_more_rarely(ears: Ear
     middleware = opened(address, ears)
     wait_for(lambda: len(ears.lost) == 2, "it was tried twice")
     middleware.close()
-    assert ears.lost[0] == f"nothing listens at {address}; is the robot's bridge running?"
+    assert ears.lost[0] == (
+        f"nothing listens at {address}; is the robot's bridge running, and the port right? Usual are 8765 for "
+        "foxglove_bridge and 9090 for rosbridge"
+    )
     assert ears.pauses[0] < ears.pauses[1]
     assert ears.connected == 0
 
@@ -572,6 +576,17 @@ def test_every_event_of_a_bumper_is_handed_on(ears: Ears) -> None:
         wait_for(lambda: len(ears.messages) == 60, "all came")
         middleware.close()
     assert [message["bumper"] for message in ears.of("/bumper")] == 20 * [0, 1, 2]
+
+
+def test_a_rosbridge_at_the_port_is_told_with_the_feed_for_it(ears: Ears) -> None:
+    for rosapi in (True, False):
+        with Rosbridge({}, rosapi=rosapi) as server:
+            middleware = Foxglove(server.address)
+            middleware.open(ears)
+            wait_for(lambda: ears.lost, "it is told")
+            middleware.close()
+        assert ears.lost[0] == f"a rosbridge listens there: use feeds.rosbridge({server.address!r})"
+        ears.lost.clear()
 
 
 def test_each_message_of_a_burst_is_recorded_and_the_newest_are_shown(real: Real, tmp_path: Path) -> None:

@@ -391,6 +391,28 @@ class TestScans:
         with pytest.raises(TimeoutError, match=r"no scan of /scna for 0.1 s: no such topic /scna; there are /scan"):
             next(feed.scans("/scna", timeout=0.1))
 
+    @pytest.mark.parametrize("how", ["scans", "wait"])
+    def test_a_topic_that_is_not_there_is_told_while_it_is_awaited_and_may_come_late(
+        self, opened: Opened, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture, how: str
+    ) -> None:
+        for module in ("feeds._connection", "_core.robot_widget"):
+            monkeypatch.setattr(f"robowidgets.{module}.PATIENCE", 0.02)
+        feed, script = opened(SCAN, ODOM)
+        laser, got = LaserWidget(), []
+        feed.connect("/scna", laser)
+        loop = {"scans": lambda: next(feed.scans("/scna")), "wait": lambda: laser.wait(30.0)}[how]
+        thread = threading.Thread(target=lambda: got.append(loop()))
+        thread.start()
+        wait_for(lambda: caplog.records, "it is told")
+        assert thread.is_alive()
+        (record,) = caplog.records
+        assert "no such topic /scna; there are /scan, /odom; did you mean /scan?; waiting for " in record.message
+        script.listener.on_topics([SCAN, ODOM, SCAN._replace(name="/scna")])
+        script.listener.on_message("/scna", scan(1.0))
+        thread.join()
+        assert got[0].ranges[0] == 1.0
+        assert len(caplog.records) == 1
+
     def test_a_feed_that_is_closed_ends_the_wait(self, opened: Opened) -> None:
         feed, _ = opened(SCAN)
         closer = threading.Timer(0.05, feed.close)

@@ -17,7 +17,7 @@ import pytest
 from robowidgets import feeds
 from robowidgets.feeds import _ros2_session
 from robowidgets.feeds.middleware import CLOSE_TIMEOUT, SEND_TIMEOUT, Advert, FeedError, NotYetError
-from robowidgets.feeds.ros2 import LOOK, Ros2
+from robowidgets.feeds.ros2 import EARLY_LOOK, LOOK, Ros2
 
 from ..waiting import wait_for
 from .bursts import EVERY, LAST, record_bursts
@@ -132,6 +132,29 @@ def test_topics_tell_what_others_publish_and_listen_to(ros2: Ros2, graph: Graph,
     wait_for(lambda: heard.topics == expected, "the topics are told")
     assert graph.contexts[0].domain_id == 7
     assert ros2.where == "ROS 2, domain 7"
+
+
+def test_a_domain_without_a_robot_says_what_to_compare_until_there_is_one(
+    graph: Graph, heard: Ears, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    assert _ros2_session.ALONE + EARLY_LOOK < 2.0
+    monkeypatch.setattr(_ros2_session, "ALONE", 0.3)
+    offer(graph, "/rosout", "rcl_interfaces/msg/Log")  # as every node has, also a program of this machine
+    ros2 = Ros2(domain_id=7)
+    ros2.open(heard)
+    wait_for(lambda: heard.nobody or heard.topics is not None, "it is told")
+    assert heard.nobody == (
+        "no robot in domain 7. Is 7 the robot's ROS_DOMAIN_ID? Does a firewall block the UDP ports 9150 to 9399? "
+        "Do both sides have the same RMW_IMPLEMENTATION? Does one have ROS_LOCALHOST_ONLY or "
+        "ROS_AUTOMATIC_DISCOVERY_RANGE set?"
+    )
+    robot = offer(graph, "/scan", SCAN)
+    wait_for(lambda: len(heard.topics or ()) == 2, "the robot is found")
+    assert heard.nobody == ""
+    robot.node.destroy_node()
+    wait_for(lambda: len(heard.topics or ()) == 1, "it is gone")
+    assert heard.nobody == "", "whoever was there once has the right settings"
+    ros2.close()
 
 
 def test_other_nodes_that_publish_are_named_as_far_as_their_names_are_known(

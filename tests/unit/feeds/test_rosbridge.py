@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import cbor2
+import foxglove
 import numpy as np
 import pytest
 
@@ -448,6 +449,17 @@ def test_a_feed_of_it_shows_what_is_there() -> None:
 
 def _threads() -> list[str]:
     return [thread.name for thread in threading.enumerate() if thread.name.startswith("robowidgets ws")]
+
+
+def test_a_foxglove_server_at_the_port_is_told_with_the_feed_for_it(ears: Ears) -> None:
+    server = foxglove.start_server(host="127.0.0.1", port=0, context=foxglove.Context())
+    address = f"ws://127.0.0.1:{server.port}"
+    middleware = Rosbridge(address)
+    middleware.open(ears)
+    wait_for(lambda: ears.lost, "it is told")
+    middleware.close()
+    server.stop()
+    assert ears.lost[0] == f"a foxglove server listens there: use feeds.foxglove({address!r})"
 
 
 def test_each_message_of_a_burst_is_recorded_though_a_widget_asked_for_fewer(tmp_path: Path, quick: None) -> None:

@@ -115,6 +115,27 @@ def test_it_may_be_closed_in_a_callback(scanning: tuple[OldFoxglove, Foxglove], 
     assert ears.lost == []
 
 
+def test_an_attempt_that_nobody_answers_says_what_to_compare_while_it_goes_on(
+    ears: Ears, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    assert _websocket.SILENT < 2.0
+    monkeypatch.setattr(_websocket, "SILENT", 0.05)
+    monkeypatch.setattr(_websocket, "PATIENCE", 1.0)
+    with Raw(lambda taken: taken.recv(1)) as silent:
+        middleware = Foxglove(silent.address)
+        middleware.open(ears)
+        wait_for(lambda: ears.nobody, "it is told")
+        assert ears.lost == []
+        words = "is the robot on, and in this network? Is the address right? Does a firewall block the port?"
+        assert ears.nobody == f"no answer from {silent.address} yet: {words}"
+        wait_for(lambda: ears.lost, "the attempt has ended")
+        assert ears.lost == [f"no answer from {silent.address} within 1 s: {words}"]
+        ears.nobody = ""
+        wait_for(lambda: len(ears.lost) == 2, "the next one has, too")
+        assert ears.nobody == "", "the reason of the first one is on show meanwhile"
+        middleware.close()
+
+
 def test_a_connection_that_is_cut_is_made_again_and_what_was_asked_for_comes(
     scanning: tuple[OldFoxglove, Foxglove], ears: Ears
 ) -> None:
@@ -468,7 +489,7 @@ def test_a_server_that_never_answers_is_told(ears: Ears, monkeypatch: pytest.Mon
         middleware.open(ears)
         wait_for(lambda: ears.lost, "it gave up")
         middleware.close()
-    assert ears.lost[0] == f"no answer from {server.address} within 0.2 s"
+    assert ears.lost[0].startswith(f"no answer from {server.address} within 0.2 s: is the robot on, ")
 
 
 def test_closing_does_not_wait_for_an_answer(ears: Ears) -> None:

@@ -1,0 +1,55 @@
+"""Whether a foxglove server or a rosbridge listens at an address, to tell a person who has taken one for the other."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+from contextlib import suppress
+from typing import Any
+
+FOXGLOVE = ["foxglove.sdk.v1", "foxglove.websocket.v1"]
+"""The names of the foxglove protocol."""
+
+PATIENCE = 1.0
+"""Seconds for an answer."""
+
+
+async def is_foxglove(address: str) -> bool:
+    """Whether a foxglove server listens there."""
+    with suppress(Exception):  # whatever tornado and the other side raise
+        return await asyncio.wait_for(_knows_foxglove(address), PATIENCE)
+    return False
+
+
+async def is_rosbridge(address: str) -> bool:
+    """Whether a rosbridge listens there."""
+    with suppress(Exception):
+        return await asyncio.wait_for(_answers_as_rosbridge(address), PATIENCE)
+    return False
+
+
+async def _knows_foxglove(address: str) -> bool:
+    connection = await _connected(address, FOXGLOVE)
+    try:
+        return connection.selected_subprotocol in FOXGLOVE
+    finally:
+        connection.close()
+
+
+async def _answers_as_rosbridge(address: str) -> bool:
+    connection = await _connected(address, None)
+    try:
+        # It answers, too, where no rosapi runs.
+        service = "/rosapi/topics"
+        asked = {"op": "call_service", "service": service, "id": "who", "args": {}}
+        await connection.write_message(json.dumps(asked))
+        answer = json.loads(await connection.read_message())
+        return (answer["op"], answer["service"]) == ("service_response", service)
+    finally:
+        connection.close()
+
+
+async def _connected(address: str, subprotocols: list[str] | None) -> Any:
+    from tornado.websocket import websocket_connect
+
+    return await websocket_connect(address, subprotocols=subprotocols)
