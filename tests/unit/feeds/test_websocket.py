@@ -16,15 +16,14 @@ from typing import Any
 import pytest
 
 from robowidgets import DriveWidget, feeds
-from robowidgets.feeds import Feed, FeedError, _websocket
+from robowidgets.feeds import Feed, FeedError, _other_bridge, _websocket
 from robowidgets.feeds.foxglove import Foxglove
 from robowidgets.feeds.middleware import CLOSE_TIMEOUT
 
 from ..waiting import wait_for
-from .bridge import Rosbridge
 from .ears import Ears
 from .fox import OldFoxglove, cdr, channel
-from .servers import free_port
+from .servers import Server, free_port
 
 # A connection does the same whatever is spoken on it: here it is foxglove.
 
@@ -530,8 +529,9 @@ def test_a_server_that_is_no_websocket_server_is_told(answer: bytes, words: str,
     assert ears.connected == 0
 
 
-def test_a_server_of_another_protocol_is_told(ears: Ears) -> None:
-    with Rosbridge({"/scan": "sensor_msgs/msg/LaserScan"}) as server:
+def test_a_server_of_another_protocol_is_told(ears: Ears, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(_other_bridge, "PATIENCE", 0.1)
+    with Server() as server:
         middleware = Foxglove(server.address)
         middleware.open(ears)
         wait_for(lambda: ears.lost, "it gave up")
@@ -551,7 +551,7 @@ def test_a_name_that_nobody_knows_is_told(ears: Ears, monkeypatch: pytest.Monkey
     middleware.open(ears)
     wait_for(lambda: ears.lost, "it gave up")
     middleware.close()
-    assert ears.lost[0] == "the name robot.invalid cannot be resolved"
+    assert ears.lost[0] == "the name robot.invalid cannot be resolved; try the robot's IP address"
 
 
 def test_a_server_that_takes_calls_and_drops_them_is_called_ever_more_rarely(ears: Ears) -> None:
