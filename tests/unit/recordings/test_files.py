@@ -156,7 +156,7 @@ LFS_POINTER = b"version https://git-lfs.github.com/spec/v1\noid sha256:4d7a\nsiz
         ("drive.bag", tar(), "drive.bag: expected a ROS 1 bag of format 2.0, got a tar archive; unpack it first"),
         ("drive.db3", tar(), "got a tar archive"),
         ("drive.mcap", tar("FLASER 1"), "got a tar archive"),
-        ("drive.tar.gz", gzip.compress(tar()), "got a tar archive; unpack it first, with tar -xf"),
+        ("drive.tar.gz", gzip.compress(tar(), mtime=0), "got a tar archive; unpack it first, with tar -xf"),
         ("drive.tar.zst", zstd.compress(tar()), "got a tar archive; unpack it first, with tar -xf"),
         ("drive.gz", gzip.compress(b"It rained.", mtime=0), "drive.gz: expected a ROS bag"),
         ("drive.gz", b"\x1f\x8b\x08nonsense", "got gzip data"),
