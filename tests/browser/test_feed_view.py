@@ -86,6 +86,7 @@ def test_a_robot_with_a_program_and_its_machine_stands_on_one_screen(
         for name in ("program", "machine"):
             assert bar["bottom"] < at[name]["y"]
             assert at[name]["height"] > 290
+            assert at[name]["bottom"] < at["speed"]["y"], "what it has no room for scrolls"
         for name in ("speed", "touch"):
             assert at[name]["height"] in (150, 188)
             assert at[name]["bottom"] == laser["bottom"] == at["feed"]["bottom"]
