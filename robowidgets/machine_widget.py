@@ -10,9 +10,10 @@ from typing import Any
 import traitlets
 
 from ._core.front_end import bundle
+from ._core.platform_fixes import route_by_message
 from ._core.robot_widget import RobotWidget
 from .behaviors.machine import Fired, Machine, MachineStep
-from .behaviors.program import Program
+from .behaviors.program import FAILED, Program
 from .behaviors.programs import Programs
 from .behaviors.step_clock import StepClock
 from .behaviors.version import Version
@@ -20,6 +21,9 @@ from .samples.state_span import StateSpan, rows_of
 
 MOST_FIRED = 30
 """Moves that are listed on the page."""
+
+LATEST_BEATS = 3
+"""Beats that may have come since the one that the page names with what it asks for."""
 
 BAND = 30.0
 """Seconds of states that the page shows as a band."""
@@ -87,7 +91,13 @@ class MachineWidget(RobotWidget[MachineStep]):
         self._robot = self._together = robot.connection.page_name
         self._source = {"robot": self._robot, "status": "waiting for a state machine"}
         programs.observe(self._on_step)
+        self.on_msg(self._on_page)
         self._on_step()
+
+    def open(self) -> None:
+        """Connect to the page."""
+        super().open()
+        route_by_message(self.comm)
 
     def close(self) -> None:
         """Remove the widget from the page; the program goes on."""
@@ -100,6 +110,19 @@ class MachineWidget(RobotWidget[MachineStep]):
         active = program.version.function.active if program and isinstance(program.version.function, Machine) else ()
         return " + ".join(active)
 
+    def _on_page(self, _widget: Any, content: Any, _buffers: Any) -> None:
+        """Go to a state, unless a busy kernel delayed the message. In the main thread or a subshell's."""
+        if not isinstance(content, dict) or "go" not in content:
+            return
+        state, beat, program = content["go"], content.get("beat"), self._program
+        if type(beat) is not int or not self._beat - LATEST_BEATS <= beat <= self._beat:
+            self.send({"refused": "the kernel was busy: press it again"})
+        elif program is not None and isinstance(state, str):
+            try:
+                program.go_to(state)
+            except (RuntimeError, TypeError, ValueError) as error:
+                self.send({"refused": str(error)})
+
     def _on_step(self) -> None:
         """Store what the last step left, for the pacer. In the thread of the program, as a rule."""
         program = self._programs.current
@@ -110,6 +133,7 @@ class MachineWidget(RobotWidget[MachineStep]):
         machine = program.version.function
         if isinstance(machine, Machine):
             self._clock = program.clock
+            self._set_source({**self._source, "error": program.error})
             self._show(machine.last_step, counts=machine.last_step is not self._newest.sample)
 
     def _follow(self, program: Program) -> None:
@@ -137,8 +161,8 @@ class MachineWidget(RobotWidget[MachineStep]):
             "version": program.version.number,
             "fired": [_plain(fired, self._clock) for fired in sample.fired[-MOST_FIRED:]],
             "states": _rows(sample, self._clock),
-            "error": program.error if is_machine else "",
-            "notes": [machine.note] if isinstance(machine, Machine) and machine.note else [],
+            "notes": [note for note in (machine.note, machine.turns) if note] if isinstance(machine, Machine) else [],
+            "failed": machine.at if isinstance(machine, Machine) and program.mode == FAILED else "",
         }
 
     def _pack(self, sample: MachineStep) -> bytes:

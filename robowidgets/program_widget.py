@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import reprlib
 from math import isfinite
 from typing import Any
+
+import numpy as np
 
 from ._core.front_end import bundle
 from ._core.pacer import pacer
 from .behaviors.machine import Machine
-from .behaviors.program import Program
+from .behaviors.program import ENDED, Program
 from .behaviors.programs import Programs
 from .driving.driving_widget import DrivingWidget
 
@@ -80,7 +83,12 @@ class ProgramWidget(DrivingWidget):
         pacer.mark(self)
 
     def _compose(self) -> dict[str, Any]:
-        return {**super()._compose(), "program": self._program_state(), "variables": self._variables()}
+        return {
+            **super()._compose(),
+            "program": self._program_state(),
+            "variables": self._variables(),
+            "kept": self._kept(),
+        }
 
     def _program_state(self) -> dict[str, Any] | None:
         program = self._shown
@@ -105,6 +113,11 @@ class ProgramWidget(DrivingWidget):
             "prints": [(round(seconds, 2), text) for seconds, text in program.prints.lines],
         }
 
+    def _kept(self) -> list[tuple[str, str]]:
+        """What the program keeps in its state, as texts."""
+        program = self._shown
+        return [] if program is None else [(str(key), _shortened(value)) for key, value in program.state.copy().items()]
+
     def _variables(self) -> list[dict[str, Any]]:
         table = self._programs.variables.table
         return [
@@ -123,8 +136,8 @@ class ProgramWidget(DrivingWidget):
             self.send({"refused": content.get("press")})  # a busy kernel delayed it: its sender may have left since
         elif act == "set":
             self._set(content.get("name"), content.get("value"))
-        elif act in ("run", "step") and program is not None:
-            (program.run if act == "run" else program.step)()
+        elif act in ("run", "step", "restart") and program is not None and program.mode != ENDED:
+            {"run": program.run, "step": program.step, "restart": program.restart}[act]()
         pacer.mark(self)
 
     def _set(self, name: Any, value: Any) -> None:
@@ -132,6 +145,33 @@ class ProgramWidget(DrivingWidget):
             self._programs.variables.set(name, value)
         except (KeyError, TypeError, ValueError) as error:
             self._log_once(f"the page could not set a variable: {type(error).__name__}: {error}")
+
+
+class _Short(reprlib.Repr):
+    """Short texts of plain values; of others the name of their class, since their own may take any time."""
+
+    def repr_instance(self, x: Any, level: int) -> str:  # noqa: ARG002
+        """The name of a class."""
+        return f"<{type(x).__name__}>"
+
+    def repr_float(self, x: float, level: int) -> str:  # noqa: ARG002
+        """A number as a person reads it."""
+        return f"{x:.6g}"
+
+
+_SHORT = _Short()
+_SHORT.maxstring = _SHORT.maxother = 40
+
+
+def _shortened(value: Any) -> str:
+    if isinstance(value, np.generic):
+        value = value.item()
+    if isinstance(value, np.ndarray):
+        return f"<array of {' x '.join(map(str, value.shape))}>"
+    try:
+        return _SHORT.repr(value)
+    except RuntimeError:  # the program changed it meanwhile
+        return f"<{type(value).__name__}>"
 
 
 def _plain(value: Any) -> Any:

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import difflib
+import dis
 import inspect
 import re
 import sys
 from collections import ChainMap
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from types import FunctionType
 from typing import Any
 
@@ -16,6 +17,8 @@ ACTIONS = ("entry", "running", "exit")
 DONE = "done"
 """The event that is true when the nested machines of a state are in a state that no move leaves."""
 
+_VALUES = (bool, int, float, str, tuple, list, dict)
+"""What a member of a class is that is a variable."""
 _SECONDS = r"(?:\d+\.?\d*|\.\d+)(?:e[+-]?\d+)?|[^\W\d]\w*"
 _MOVE = re.compile(rf"(\w+|\*)\s*->\s*(\w+)(?:\s+on\s+(\w+)|\s+after\s+({_SECONDS})(?:\s+s)?|\s+at\s+once)")
 _FORMS = "'state -> state on event', 'state -> state after 0.5', 'state -> state at once', '* -> state on event'"
@@ -44,12 +47,13 @@ class Move:
 
 @dataclass(frozen=True, eq=False)
 class Node:
-    """A state: its actions, and the machines that run side by side while it is active."""
+    """A state: its actions, the machines that run side by side while it is active, and the variables that it sets."""
 
     name: str
     path: str
     actions: Mapping[str, Callable[..., Any]]
     machines: tuple[Outline, ...] = ()
+    values: Mapping[str, Any] = field(default_factory=dict)
 
     def nodes(self) -> Iterator[Node]:
         """The state and all states within."""
@@ -113,7 +117,12 @@ def described(machine: Outline) -> dict[str, Any]:
 def _compares(machine: Outline, name: str | None) -> bool:
     """Whether an event may tell the numbers that it compares."""
     event = None if name in (None, DONE) else machine.look_up(str(name))
-    return hasattr(event, "judge") or (event is not None and "scan" in inspect.signature(event).parameters)
+    if event is None or isinstance(event, bool):
+        return False
+    if hasattr(event, "judge") or "scan" in inspect.signature(event).parameters:
+        return True
+    code = getattr(event, "__code__", None)
+    return code is not None and any(step.opname == "COMPARE_OP" for step in dis.get_instructions(code))
 
 
 def outline_of(cls: type) -> Node:
@@ -139,8 +148,9 @@ def _node(name: str, value: Any, path: str, scopes: tuple[Mapping[str, Any], ...
         return Node(name, path, {"running": value})
     body = _body(value)
     actions = {action: _plain(body[action]) for action in ACTIONS if action in body}
+    values = {key: part for key, part in body.items() if _is_value(key, part)}
     if "moves" in body:
-        return Node(name, path, actions, (_machine(value, path, scopes),))
+        return Node(name, path, actions, (_machine(value, path, scopes),), values)
     inner = _classes_in(body)
     if inner:
         still = [key for key, part in inner.items() if "moves" not in _body(part)]
@@ -153,12 +163,12 @@ def _node(name: str, value: Any, path: str, scopes: tuple[Mapping[str, Any], ...
             raise TypeError(
                 f"class {path} has no 'moves', so {lost[0]} is no state, and no event of the machines in the class"
             )
-    others = [key for key in body if not (key.startswith("_") or key in ACTIONS)]
+    others = [key for key in body if not (key.startswith("_") or key in ACTIONS or key in values)]
     if not inner and (others or not actions):
         got = f"; got {others[0]!r}" if others else ""
         raise TypeError(f"class {path}: expected entry, running, exit, or states and moves{got}")
     machines = tuple(_machine(part, f"{path}.{key}", (body, *scopes)) for key, part in inner.items())
-    return Node(name, path, actions, machines)
+    return Node(name, path, actions, machines, values)
 
 
 def _machine(cls: type, path: str, scopes: tuple[Mapping[str, Any], ...]) -> Outline:
@@ -233,6 +243,11 @@ def _is_state(name: str, value: Any, events: set[str]) -> bool:
     return isinstance(value, FunctionType) and not _is_lambda(name, value)
 
 
+def _is_value(name: str, value: Any) -> bool:
+    """Whether a member of a class is a variable of it, with its initial value."""
+    return not name.startswith("_") and name != "moves" and isinstance(value, _VALUES)
+
+
 def _is_lambda(name: str, value: Any) -> bool:
     """Whether a member of a class is a function without a name of its own."""
     value = _plain(value)
@@ -267,7 +282,7 @@ def _check(outline: Outline, move: Move) -> None:
         event = outline.look_up(move.event)
     except LookupError as error:
         raise TypeError(f"{move}: {error}") from None
-    if not callable(event) and not hasattr(event, "judge"):
+    if not callable(event) and not hasattr(event, "judge") and not isinstance(event, bool):
         raise TypeError(
             f"{move}: expected a function or a condition as event, got {event!r}; "
             "a function is, for example, lambda scan: scan.distance() < 0.5"

@@ -8,7 +8,7 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from ..kinds import KINDS
-from .robot import GIVEN
+from .robot import GIVEN, ODOMETRY
 
 
 def program_name(function: Callable[..., Any]) -> str:
@@ -31,7 +31,7 @@ def parameters_of(function: Callable[..., Any], name: str, topics: Mapping[str, 
     if not callable(function) or isinstance(function, type):
         raise TypeError(f"program: expected a function that returns a Drive, got {function!r}")
     samples = [kind.sample_name for kind in KINDS.values()]
-    given = (*samples, *GIVEN)
+    given = (*samples, *GIVEN, *ODOMETRY)
     asked = asked_by(function, name, (*given, *topics))
     for one in asked:
         if one not in (*given, *topics):

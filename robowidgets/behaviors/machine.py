@@ -11,6 +11,7 @@ from __future__ import annotations
 import logging
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Mapping
+from copy import deepcopy
 from functools import lru_cache
 from types import SimpleNamespace
 from typing import Any, NamedTuple
@@ -25,7 +26,7 @@ from ..samples.verdict import Trace, Verdict
 from ._outline import DONE, Move, Node, Outline, described, outline_of
 from ._parameters import asked_by
 from .drive import Drive
-from .robot import GIVEN
+from .robot import DRIVEN, GIVEN, ODOMETRY, TURNED
 
 log = logging.getLogger("robowidgets")
 
@@ -35,7 +36,12 @@ ROUNDS = 20
 KEPT = 100
 """Moves that are kept in `Machine.fired`, and spans of states beside them."""
 
+TURNS = 5
+"""Steps one after the other in which two moves take turns, after which the machine says so."""
+
 SINCE = "since"
+BY_HAND = "by hand"
+"""Why a machine is in a state that a person chose."""
 
 
 class Fired(NamedTuple):
@@ -98,8 +104,10 @@ class Machine:
     notebook, where it may be redefined. The event ``done`` is true when the machines in a state have come to an end.
 
     Per step, each machine makes one move on an event or after a time, of an outer machine before those within, and
-    after it those at once. Functions take the parameters of a program, and ``since``, the seconds in their state. The
-    last `Drive` that one of them returns is the speed; without one the speed stays.
+    after it those at once. Functions take the parameters of a program, and ``since``, the seconds in their state, from
+    whose beginning on ``driven`` and ``turned`` count, too. The last `Drive` that one of them returns is the speed;
+    without one the speed stays. A value in a class, such as ``aligned = False``, is put into the program's ``state``
+    each time that the machine or the state of that class is entered; one that is True or False may be an event.
 
     Args:
         cls: the class.
@@ -109,7 +117,9 @@ class Machine:
         fired: the last moves, oldest first.
         last_step: what the last step left, for other threads; at first, what the version before left.
         note: what a new version could not keep, and what no move names; empty if there is nothing to say.
+        turns: which two moves take turns at every step now; empty if none do.
         current: the function that runs now, or ran last.
+        at: the path of the state to which it belongs.
         asking: by what it asks for, which of its functions does.
 
     Raises:
@@ -133,11 +143,20 @@ class Machine:
         self._left: deque[StateSpan] = deque(maxlen=KEPT)
         self.last_step = MachineStep()
         self.note = "; ".join(note for node in self.root.nodes() for machine in node.machines for note in machine.notes)
+        self.turns = self.at = ""
         self.current: Callable[..., Any] = self.__call__
         self.asking = _asked_for(self.root)
         self.asks_for = list(self.asking)
         self._states: dict[str, tuple[str, float]] = {}
         """By path of a machine: its active state, and the time at which it was entered."""
+        self._marks: dict[str, tuple[float, float]] = {}
+        """By path of a machine: metres driven and radians turned when that state was entered."""
+        self._odometer = 0.0, 0.0
+        self._chosen: tuple[tuple[Outline, str], ...] = ()
+        """The states that a person chose, outer ones first, until the next step."""
+        self._steps = 0
+        self._last_moves: dict[str, tuple[int, tuple[str, str], int]] = {}
+        """By path of a machine: the step of its last move on an event, its states, and how often it undid the last."""
         self._is_whole = False
         """Whether the active states are known down to the leaves: not at first, nor after an error."""
         self._is_new = True
@@ -164,34 +183,87 @@ class Machine:
         """Go on in the states of another version that still exist; where one is gone, in the initial state."""
         self._before, self.last_step = before, before.last_step
 
+    def fresh(self) -> Machine:
+        """The machine of the same class, in its initial state."""
+        return Machine(self.cls)
+
+    def go_to(self, path: str) -> None:
+        """Go to a state at the next step, named as in `active`: ``"avoid.turn"``.
+
+        Raises:
+            ValueError: there is no such state.
+        """
+        wanted, start = path.removeprefix(f"{self.root.path}."), len(self.root.path) + 1
+        ways = {node.path[start:]: way for way, node in _ways_to_states(self.root)}
+        if wanted not in ways:
+            raise ValueError(f"{self.name} has no state {wanted!r}; there are {', '.join(ways)}")
+        self._chosen = ways[wanted]
+
     def __call__(self, **values: Any) -> Drive | None:
         """Make a step; returns the speed, None to keep it."""
         self._values, self._drive = values, None
         self._judged, self._seconds = {}, {}
         now: float = values["time"]
+        self._odometer = values.get(DRIVEN, 0.0), values.get(TURNED, 0.0)
+        self._steps += 1
         if self._before is not None:
             before, self._before = self._before, None
             while before._before is not None:  # a version that made no step has no states of its own
                 before = before._before
             self._states, self.fired, self._is_new = dict(before._states), before.fired, before._is_new
-            self._left = before._left
+            self._left, self._marks = before._left, dict(before._marks)
+            for node in (self.root, *(node for node, _ in self._active_nodes(self.root))):
+                self._set_values(node, anew=False)
+        try:
+            self._make_step(now)
+        finally:  # after an error the states in which it came are shown
+            self.last_step = MachineStep(
+                now, dict(self._states), self._judged, self._seconds, tuple(self.fired), tuple(self._left)
+            )
+        return self._drive
+
+    # -- within --------------------------------------------------------------------------------------------------------
+
+    def _make_step(self, now: float) -> None:
         if not self._is_whole:
             if self._is_new:
+                self._set_values(self.root)
                 self._act(self.root, "entry", now)
             self._resume(self.root, now)
             self._forget_gone(now)
         self._is_whole = self._is_new = False
+        chosen, self._chosen = self._chosen, ()
+        for machine, name in chosen:
+            if self._states[machine.path][0] != name:
+                self._make(machine, Move("*", name, None, None), now, BY_HAND)
         self._step(self.root, now)
         self._act(self.root, "running", 0.0)
         for node, entered in list(self._active_nodes(self.root)):
             self._act(node, "running", now - entered)
         self._is_whole = True
-        self.last_step = MachineStep(
-            now, dict(self._states), self._judged, self._seconds, tuple(self.fired), tuple(self._left)
-        )
-        return self._drive
+        self._look_for_turns()
 
-    # -- within --------------------------------------------------------------------------------------------------------
+    def _set_values(self, node: Node, *, anew: bool = True) -> None:
+        """Give the variables of a class their initial values; or only those that have no value yet."""
+        for name, value in node.values.items():
+            if anew or name not in self._values["state"]:
+                self._values["state"][name] = deepcopy(value)
+
+    def _note_move(self, machine: Outline, source: str, move: Move) -> None:
+        """Note a move on an event, to find two that take turns at every step."""
+        step, before, count = self._last_moves.get(machine.path, (0, ("", ""), 0))
+        undoes = step == self._steps - 1 and before == (move.target, source)
+        self._last_moves[machine.path] = self._steps, (source, move.target), count + 1 if undoes else 0
+
+    def _look_for_turns(self) -> None:
+        now = [(states, count) for step, states, count in self._last_moves.values() if step == self._steps]
+        states = next((states for states, count in now if count >= TURNS), None)
+        before, self.turns = self.turns, ""
+        if states is not None:
+            names = " and ".join(sorted(states))
+            self.turns = f"{names} take turns at every step: leave a gap between the limits of their events"
+            if not before:
+                log.warning("program %s: %s", self.name, self.turns)
 
     def _active_nodes(self, node: Node) -> Iterator[tuple[Node, float]]:
         for machine in node.machines:
@@ -233,6 +305,8 @@ class Machine:
                 self._step(machine.states[name], now)
                 continue
             self._make(machine, move, now)
+            if move.event is not None:
+                self._note_move(machine, name, move)
             self._settle(machine, now)
 
     def _settle(self, machine: Outline, now: float) -> None:
@@ -262,16 +336,19 @@ class Machine:
         if move.event == DONE:
             judged = Judged(bool(node.machines) and all(m.is_last(self._states[m.path][0]) for m in node.machines))
         else:
-            judged = self._judge(machine.look_up(move.event), move.event, since)
+            self.at = node.path
+            judged = self._judge(machine.look_up(move.event), move.event, since, machine.path)
         self._judged[machine.path, move.event] = judged
         return judged.value is True
 
-    def _judge(self, event: Any, name: str, since: float) -> Judged:
+    def _judge(self, event: Any, name: str, since: float, owner: str) -> Judged:
+        if isinstance(event, bool):
+            return Judged(bool(self._values["state"].get(name, event)))
         if hasattr(event, "judge"):
             verdict: Verdict = event.judge(SimpleNamespace(**self._given(event.reads, name)))
             return Judged(verdict.value, verdict)
         trace = Trace()
-        result = self._call(event, since, trace.of)
+        result = self._call(event, since, owner, trace.named)
         if isinstance(result, (bool, np.bool_)) or result is None:
             # True moves the machine, whatever it rests on. A False of unknown distances is shown as unknown.
             return Judged(bool(result) or trace.value(result), trace)
@@ -287,17 +364,19 @@ class Machine:
         self._seconds[machine.path, after] = seconds
         return seconds
 
-    def _make(self, machine: Outline, move: Move, now: float) -> None:
+    def _make(self, machine: Outline, move: Move, now: float, why: str = "") -> None:
         source, _ = self._states[machine.path]
         saw = self._judged.get((machine.path, str(move.event)), Judged(None))
         self._leave(machine, now)
-        why, event = move.why, move.event or ""
+        why, event = why or move.why, move.event or ""
         self.fired.append(Fired(now, machine.path, source, move.target, why, event, saw.text, saw.nearest))
         self._enter(machine, move.target, now)
 
     def _enter(self, machine: Outline, name: str, now: float) -> None:
         self._states[machine.path] = name, now
+        self._marks[machine.path] = self._odometer
         node = machine.states[name]
+        self._set_values(node)
         self._act(node, "entry", 0.0)
         for inner in node.machines:
             self._enter(inner, inner.initial, now)
@@ -315,7 +394,8 @@ class Machine:
         function = node.actions.get(action)
         if function is None:
             return
-        result = self._call(function, since)
+        self.at = node.path
+        result = self._call(function, since, node.path.rpartition(".")[0])
         if isinstance(result, Drive):
             self._drive = result
         elif result is not None:
@@ -324,12 +404,23 @@ class Machine:
             )
             raise TypeError(f"{node.path} returned {result!r}: expected a Drive, or None to keep the speed{hint}")
 
-    def _call(self, function: Callable[..., Any], since: float, of: Callable[[Any], Any] = lambda value: value) -> Any:
-        """Call a function of the user with what it asks for; ``of`` wraps the samples."""
+    def _call(
+        self,
+        function: Callable[..., Any],
+        since: float,
+        owner: str,
+        wrap: Callable[[str, Any], Any] = lambda _, value: value,
+    ) -> Any:
+        """Call a function of the user with what it asks for.
+
+        ``owner`` is the path of the machine to whose active state it belongs, empty for the root. ``wrap`` makes what
+        it is given, of a name and a value.
+        """
         self.current = function
-        self._values[SINCE] = since
+        began, now = self._marks.get(owner, (0.0, 0.0)), self._odometer
+        self._values |= {SINCE: since, DRIVEN: now[0] - began[0], TURNED: now[1] - began[1]}
         given = self._given(_parameters(function), function.__name__)
-        return function(**{name: of(value) for name, value in given.items()})
+        return function(**{name: wrap(name, value) for name, value in given.items()})
 
     def _given(self, asked: Iterable[str], name: str) -> dict[str, Any]:
         """The values that a function or a condition asks for; TypeError if it was redefined, and asks for others."""
@@ -341,12 +432,22 @@ class Machine:
             ) from None
 
 
-_KNOWN = (*(kind.sample_name for kind in KINDS.values()), *GIVEN, SINCE)
+_KNOWN = (*(kind.sample_name for kind in KINDS.values()), *GIVEN, *ODOMETRY, SINCE)
 
 
 @lru_cache(maxsize=500)
 def _parameters(function: Callable[..., Any]) -> tuple[str, ...]:
     return tuple(asked_by(function, getattr(function, "__name__", "an action"), _KNOWN))
+
+
+def _ways_to_states(
+    node: Node, way: tuple[tuple[Outline, str], ...] = ()
+) -> Iterator[tuple[tuple[tuple[Outline, str], ...], Node]]:
+    """All states below one, each with the states to choose on the way to it, outer ones first."""
+    for machine in node.machines:
+        for name, state in machine.states.items():
+            yield (*way, (machine, name)), state
+            yield from _ways_to_states(state, (*way, (machine, name)))
 
 
 def _asked_for(root: Node) -> dict[str, str]:
@@ -355,6 +456,8 @@ def _asked_for(root: Node) -> dict[str, str]:
     machines = [machine for node in root.nodes() for machine in node.machines]
     unnamed = {f"{machine.path}.{name}" for machine in machines for name in machine.unnamed}
     for node in root.nodes():
+        if node.values:
+            asked.setdefault("state", node.path)
         who = f"{node.path}, a state because no move names it as an event," if node.path in unnamed else node.path
         for one in (one for action in node.actions.values() for one in _parameters(action)):
             asked.setdefault(one, who)
@@ -362,6 +465,8 @@ def _asked_for(root: Node) -> dict[str, str]:
         for name in dict.fromkeys(move.event for move in machine.moves):
             if name is not None and name != DONE:
                 event = machine.look_up(name)
+                if isinstance(event, bool):
+                    continue
                 reads = event.reads if hasattr(event, "judge") else _parameters(event)
                 for one in reads:
                     asked.setdefault(one, f"the event {name}")

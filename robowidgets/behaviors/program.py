@@ -7,6 +7,7 @@ import threading
 import time
 import traceback
 from collections.abc import Callable
+from dataclasses import replace
 from math import isnan
 from typing import Any
 
@@ -18,7 +19,7 @@ from .._core.user_function import line_of, say_what_was_meant
 from .._core.user_threads import UserThread, frames_of
 from .drive import STANDSTILL, drive_of
 from .prints import Prints, capture, release
-from .robot import GIVEN, NotReadyError, Robot
+from .robot import DRIVEN, GIVEN, TURNED, NotReadyError, Robot
 from .step_clock import StepClock
 from .variables import State, Variables
 from .version import Version
@@ -91,6 +92,8 @@ class Program(Observed):
         self.mode, self.error, self.waiting, self.note = PAUSED, "", "", ""
         self.steps, self.step_time, self.returned, self.kept = 0, 0.0, STANDSTILL, False
         self.prints = Prints()
+        self.keeps = False
+        """Whether, after its end, another run of its cell goes on with its `state` and its time."""
         self.has_view = False
         """Whether a widget shows what it prints."""
         self._robot = robot
@@ -111,6 +114,8 @@ class Program(Observed):
         self._looked_at = self._unseen = 0.0
         """The time of the last look at a step, and the seconds of this step for which there was none."""
         self._step_began = 0.0
+        self._began: dict[str, float] = {}
+        """What odometry said at the first step, for metres and radians since then."""
         self._since = time.monotonic()
         self._due = self._steps_a_second = 0.0
         self._waiting_since = 0.0
@@ -163,6 +168,39 @@ class Program(Observed):
                 self._start()
         self._call_observers()
 
+    def restart(self) -> None:
+        """Start it anew: with an empty `state`, at time 0, and a state machine in its initial state.
+
+        Raises:
+            RuntimeError: it has ended.
+        """
+        with self._lock:
+            self._check_not_ended()
+            self._leave()
+            if hasattr(self.version.function, "fresh"):
+                self.version = replace(self.version, function=self.version.function.fresh())
+            self.state, self.clock, self._began, self.prints = State(), StepClock(), {}, Prints()
+            self.error = self.note = self.waiting = ""
+            self._stand_still()
+            self._start()
+            self._changed.notify_all()
+        self._call_observers()
+
+    def go_to(self, state: str) -> None:
+        """Have its state machine go to a state at the next step, named as in `Machine.active`: ``"avoid.turn"``.
+
+        Raises:
+            TypeError: it is no state machine. ValueError: it has no such state. RuntimeError: it has ended.
+        """
+        self._check_not_ended()
+        function = self.version.function
+        if not hasattr(function, "go_to"):
+            raise TypeError(f"{self.name} is no state machine, and has no state {state!r} to go to")
+        function.go_to(state)
+        if self.mode != RUNNING:
+            self.note = f"goes to {state} at its next step"
+        self._call_observers()
+
     def pause(self, note: str = "") -> None:
         """Make no more steps, and stop the robot."""
         self._end(PAUSED, note)
@@ -175,10 +213,13 @@ class Program(Observed):
                 self._start(once=True)
         self._call_observers()
 
-    def close(self, note: str = "") -> None:
-        """End it, and stop the robot."""
+    def close(self, note: str = "", *, keeps: bool = False) -> None:
+        """End it, stop the robot, and forget its `state`, unless ``keeps`` it for the next run of its cell."""
         self._end(ENDED, note)
         self._inputs.close()
+        self.keeps = keeps
+        if not keeps:
+            self.state = State()
 
     def interrupt(self) -> None:
         """Stop the robot now, and pause in a moment. For a signal handler: it takes no lock of the program."""
@@ -189,6 +230,10 @@ class Program(Observed):
             self._robot.halt()
 
     # -- within --------------------------------------------------------------------------------------------------------
+
+    def _check_not_ended(self) -> None:
+        if self.mode == ENDED:
+            raise RuntimeError(f"the program {self.name} has ended: run its cell again")
 
     def _wake(self) -> None:
         with self._lock:
@@ -287,6 +332,9 @@ class Program(Observed):
             self._stand_still()
             self._set_waiting(str(error))
             return version, None
+        for name in (DRIVEN, TURNED):
+            if name in values:
+                values[name] -= self._began.setdefault(name, values[name])
         values.update(time=self.clock.start(), state=self.state, variables=self.variables)
         try:
             return version, {name: values[name] for name in version.asks_for}

@@ -53,12 +53,12 @@ class Programs(Observed):
         note = ""
         if before is not None and before.name != name and before.mode != ENDED:
             note = f"replaces the program {before.name}"
-            before.close(f"replaced by the program {name}")
+            before.close(f"replaced by the program {name}", keeps=True)
             log.warning("%s: the program %s %s", self._robot.where, name, note)
         program, number = known, known.version.number + 1 if known else 1
         if program is None or program.mode == ENDED:
             program = self._known[name] = Program(name, self._robot, self.variables)
-            if known is not None:
+            if known is not None and known.keeps:
                 program.state, program.clock = known.state, known.clock
             program.observe(self._call_observers)
         if isinstance(function, Machine) and isinstance(program.version.function, Machine):

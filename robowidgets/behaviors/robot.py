@@ -9,6 +9,9 @@ from typing import Any, Protocol
 GIVEN = ("time", "state", "variables")
 """The parameters that every program may have, beside samples."""
 
+ODOMETRY = POSE, DRIVEN, TURNED = "pose", "driven", "turned"
+"""The parameters that a program may have where odometry comes: the `Pose`, and metres and radians since it began."""
+
 
 class NotReadyError(Exception):
     """A sample that a program asks for is missing or too old; the text says which."""

@@ -9,7 +9,9 @@ from ..simulator import Robot
 from ._parameters import parameters_of, program_name
 from .drive import STANDSTILL, Drive, drive_of
 from .machine import Machine
+from .odometer import Odometer
 from .program import Program
+from .robot import DRIVEN, POSE, TURNED
 from .variables import State, Variables
 from .version import RATE, to_rate
 
@@ -66,9 +68,11 @@ def simulate(
     function = function_of(program)
     asks_for = parameters_of(function, program_name(function), {})
     period = 1 / to_rate(rate)
-    own = {"state": State(), "variables": Variables() if variables is None else variables}
-    start, drive = robot.time, STANDSTILL
+    own: dict[str, Any] = {"state": State(), "variables": Variables() if variables is None else variables}
+    start, drive, odometer = robot.time, STANDSTILL, Odometer()
     while (now := robot.time - start) < seconds and not (until and until()):
+        odometer.add(robot.odometry)
+        own |= {POSE: odometer.pose, DRIVEN: odometer.driven, TURNED: odometer.turned}
         samples = {"scan": robot.scan, "speed": robot.speed, "touch": robot.touch}
         values = {name: samples[name]() if name in samples else own.get(name, now) for name in asks_for}
         drive = drive_of(function(**values), drive)

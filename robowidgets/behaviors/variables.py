@@ -118,6 +118,12 @@ class Variables(Observed):
         self._edited.clear()
         self._call_observers()
 
+    def take_first_values(self) -> None:
+        """Give every variable its first value, as in the code."""
+        for name, known in self.table.items():
+            self._table[name] = replace(known, value=known.first)
+        self._call_observers()
+
     @property
     def table(self) -> dict[str, Variable]:
         """All variables, by name."""

@@ -10,9 +10,10 @@ from functools import partial
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
-from ..behaviors.robot import NotReadyError, Robot
-from ..kinds import KINDS, Kind
-from ..samples import Touch
+from ..behaviors.odometer import Odometer
+from ..behaviors.robot import ODOMETRY, POSE, NotReadyError, Robot
+from ..kinds import KINDS, PATH, SPEED, Kind
+from ..samples import Speed, Touch
 from ..samples.touch_tracker import TouchTracker
 from ._subscription import Target
 from ._topics import queue_length, sample_of
@@ -22,6 +23,9 @@ if TYPE_CHECKING:
 
 STALE = 0.4
 """Seconds without a message after which a sample is too old to drive by; for slow topics, twice their period."""
+
+MOST_POSES = 1000
+"""Messages of odometry that wait for a step, each of which counts for the way."""
 
 LONGEST = 2.0
 """Seconds after which every sample is too old, however slow its topic."""
@@ -48,7 +52,11 @@ def robot_of(connection: Connection, is_deleted: Callable[[], bool]) -> Robot:
 class _Latest:
     """The newest message of a topic, read as a sample when the program asks for it."""
 
-    def __init__(self, connection: Connection, topic: str, on_message: Callable[[], None]) -> None:
+    def __init__(
+        self, connection: Connection, topic: str, on_message: Callable[[], None], odometer: Odometer | None
+    ) -> None:
+        self.odometer = odometer
+        """What each pose of the topic is added to; None: only the newest message counts."""
         self._connection, self.topic, self._on_message = connection, topic, on_message
         self._lock = threading.Lock()
         self._messages: deque[Any] = deque()
@@ -89,6 +97,8 @@ class _Latest:
             except (TypeError, ValueError) as error:
                 raise NotReadyError(f"a message of {self.topic} cannot be read: {error}") from None
             self._sample = sample
+            if self.odometer is not None and isinstance(sample, Speed) and sample.pose is not None:
+                self.odometer.add(sample.pose)
             if isinstance(sample, Touch):
                 touched |= {sensor for sensor, state in sample.touched.items() if state}
                 self._touches = self._touches or TouchTracker()
@@ -100,7 +110,8 @@ class _Latest:
         """Store a message; of touch sensors each one counts. In the transport's thread."""
         with self._lock:
             if not self._messages:
-                self._messages = deque(maxlen=queue_length(self._connection.topic_of(self.topic).type))
+                kept = queue_length(self._connection.topic_of(self.topic).type)
+                self._messages = deque(maxlen=kept if self.odometer is None else MOST_POSES)
             self._messages.append(message)
             self._times.append(time.monotonic())
         self._on_message()
@@ -126,6 +137,7 @@ class FeedInputs:
         """By topic."""
         self._chosen: dict[str, str] = {}
         """The topic of each parameter."""
+        self._odometer = Odometer()
 
     def choose(self, wanted: Mapping[str, str | None], on: str | None) -> None:
         """See `Inputs`."""
@@ -143,7 +155,8 @@ class FeedInputs:
             for name in self._wanted:
                 if name not in self._chosen:
                     raise NotReadyError(self._missing(name))
-            return {name: self._latest[topic].read(name) for name, topic in self._chosen.items()}
+            values = {name: self._latest[topic].read(name) for name, topic in self._chosen.items()}
+            return {name: self._odometry(name) if name in ODOMETRY else value for name, value in values.items()}
 
     def why_silent(self, on: str) -> str:
         """See `Inputs`."""
@@ -162,14 +175,29 @@ class FeedInputs:
                 continue
             found = [topic] if topic else self._candidates(name)
             if len(found) == 1:
-                self._attach(found[0])
+                self._attach(found[0], is_odometry=name in ODOMETRY)
                 self._chosen[name] = found[0]
         if self._on is not None:
             self._attach(self._on)
 
-    def _attach(self, topic: str) -> None:
+    def _attach(self, topic: str, *, is_odometry: bool = False) -> None:
+        def wake() -> None:
+            if self._on == topic:
+                self._wake()
+
         if topic not in self._latest:
-            self._latest[topic] = _Latest(self._connection, topic, lambda: self._wake() if self._on == topic else None)
+            self._latest[topic] = _Latest(self._connection, topic, wake, None)
+        if is_odometry and self._latest[topic].odometer is None:
+            self._odometer.leave_out()
+            for latest in self._latest.values():
+                latest.odometer = None
+            self._latest[topic].odometer = self._odometer
+
+    def _odometry(self, name: str) -> Any:
+        """A value of the odometer. NotReadyError while there is none."""
+        if self._odometer.pose is None:
+            raise NotReadyError(f"no pose comes on {self._chosen[name]}: is it odometry?")
+        return self._odometer.pose if name == POSE else getattr(self._odometer, name)
 
     def _prune(self) -> None:
         for topic in [topic for topic in self._latest if topic not in self._chosen.values() and topic != self._on]:
@@ -178,7 +206,12 @@ class FeedInputs:
     def _candidates(self, name: str) -> list[str]:
         """The topics with a kind of sample; the topic that wakes the program comes before the others."""
         kind = _kind(name)
-        found = [topic.name for topic in self._connection.topics if topic.widget == kind.name and not topic.commanded]
+        topics = [topic for topic in self._connection.topics if topic.widget == kind.name and not topic.commanded]
+        if name in ODOMETRY:
+            if named := next((topic for other, topic in self._wanted.items() if other in ODOMETRY and topic), None):
+                return [named]
+            topics = [topic for topic in topics if not PATH.types.isdisjoint(topic.type.split(", "))]
+        found = [topic.name for topic in topics]
         return [self._on] if self._on in found else found
 
     def _missing(self, name: str) -> str:
@@ -187,8 +220,10 @@ class FeedInputs:
         found = self._candidates(name)
         if found:
             return f"{len(found)} topics have a {name}: {', '.join(found)}; name one: program({name}={found[0]!r})"
-        return f"waiting for a topic with {_kind(name).noun}"
+        return f"waiting for a topic with {'odometry' if name in ODOMETRY else _kind(name).noun}"
 
 
 def _kind(name: str) -> Kind:
+    if name in ODOMETRY:
+        return SPEED
     return next(kind for kind in KINDS.values() if kind.sample_name == name)

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
+from ..behaviors.program import ENDED
 from ..laser_widget import LaserWidget
 from ..messages import to_speed
 from ..messages.standard import TWIST
@@ -107,6 +108,17 @@ class SimulatorFeed(Feed):
     def room_view(self) -> View:
         """See `Feed`."""
         return View(self)
+
+    def reset(self) -> None:
+        """Start the simulation anew: robot and obstacles where they were, variables with their first values.
+
+        The program restarts: in its initial state, with an empty ``state``.
+        """
+        self.robot.reset()
+        self.variables.take_first_values()
+        program = self.programs.current
+        if program is not None and program.mode != ENDED:
+            program.restart()
 
     def drawn(self) -> list[dict[str, Any]]:
         """What programs draw on the laser widgets that are connected, as the page reads it.

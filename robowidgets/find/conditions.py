@@ -26,7 +26,8 @@ from ..samples import AXES, HasAge, Scan, Speed, Touch, TouchMode, TouchState
 from ..samples.checks import number
 from ..samples.distances import distances, inside, ray_distances
 from ..samples.sector import ALL_ROUND, Asked, to_sector
-from ..samples.verdict import Verdict, fact
+from ..samples.traced_numbers import fact
+from ..samples.verdict import Verdict
 from ._instant import NotYetError
 from ._steps import NO, UNKNOWN, YES, Steps, combined, steps
 from .base import VALUES, Condition, Function

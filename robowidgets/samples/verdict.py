@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import operator
 from collections.abc import Callable
 from copy import copy
 from math import isnan
@@ -17,13 +16,11 @@ from .distances import inside, ray_distances
 from .ray import Ray
 from .scan import Scan
 from .sector import ALL_ROUND, Asked
+from .speed import Speed
+from .traced_numbers import OPERATORS, UNITS, NumberComparison, fact, plain, traced, traced_fields, traced_values
 
 NO_RAYS: NDArray[np.intp] = frozen(np.empty(0, np.intp))
 
-_OPERATORS: dict[str, Callable[[Any, Any], Any]] = {
-    "<": operator.lt, "≤": operator.le, ">": operator.gt, "≥": operator.ge,
-}  # fmt: skip
-_OPPOSITE = {"<": "≥", "≤": ">", ">": "≤", "≥": "<"}
 _MOST_TEXTS = 3
 
 
@@ -45,13 +42,6 @@ class Verdict(NamedTuple):
 UNKNOWN = Verdict(None)
 
 
-def fact(value: float, relation: str, limit: float, unit: str = "m") -> str:
-    """A comparison as it came out: ``"1.24 < 1.50 m"``; the opposite relation where it did not hold."""
-    shown = relation if _OPERATORS[relation](value, limit) else _OPPOSITE[relation]
-    decimals = next((n for n in range(2, 6) if f"{value:.{n}f}" != f"{limit:.{n}f}"), 2)
-    return f"{value:.{decimals}f} {shown} {limit:.{decimals}f} {unit}".replace("-", "\N{MINUS SIGN}")
-
-
 class _Comparison(NamedTuple):
     """A distance of a scan that was compared to a limit."""
 
@@ -62,10 +52,20 @@ class _Comparison(NamedTuple):
     limit: float
     holds: bool
 
+    @property
+    def is_known(self) -> bool:
+        """Whether the distance is known."""
+        return not isnan(self.distance)
+
+    @property
+    def text(self) -> str:
+        """The comparison as it came out."""
+        return fact(self.distance, self.relation, self.limit)
+
     def rays(self) -> NDArray[np.bool_]:
         """Whether the comparison came out the same for each ray of the sector, shape (R,)."""
         away = ray_distances(self.scan.ranges, self.scan)
-        alike = _OPERATORS[self.relation](away, self.limit) == self.holds
+        alike = OPERATORS[self.relation](away, self.limit) == self.holds
         result: NDArray[np.bool_] = alike & ~np.isnan(away) & inside(self.scan, self.sector)
         return result
 
@@ -139,6 +139,8 @@ class Trace:
 
     def __init__(self) -> None:
         self._comparisons: list[_Comparison] = []
+        self._all: list[_Comparison | NumberComparison] = []
+        """What was compared, distances and other numbers, in that order."""
         self._rays: list[Ray] = []
         self._sectors: list[tuple[Scan, Asked]] = []
         self._parts: list[tuple[Scan, Any]] = []
@@ -159,6 +161,15 @@ class Trace:
         traced.__dict__.update(sample.__dict__, ranges=ranges, _scan=sample, _trace=self)
         return traced
 
+    def named(self, name: str, value: Any) -> Any:
+        """What a step is given under a name: a scan as `of` makes it; numbers note what they are compared to."""
+        note = self._all.append
+        if name in ("state", "variables"):
+            return traced_values(value, note)
+        if isinstance(value, Speed):
+            return traced_fields(value, ("linear", "angular", "pose"), note)
+        return self.of(value) if isinstance(value, Scan) else traced(value, name, note, UNITS.get(name, ""))
+
     def read(self, scan: Scan, sector: Asked, distance: float) -> float:
         """Note that the distance in a sector was read."""
         self._sectors.append((scan, sector))
@@ -167,12 +178,15 @@ class Trace:
         def compare(relation: str, limit: Any) -> bool:
             # As a plain number: Python would ask another such distance first, which would note it the other way round.
             outcome: Any
+            limit = float(limit) if isinstance(limit, _Distance) else plain(limit)
             try:
-                outcome = _OPERATORS[relation](distance, float(limit) if isinstance(limit, _Distance) else limit)
+                outcome = OPERATORS[relation](distance, limit)
             except TypeError:
                 outcome = NotImplemented  # Python then raises the error itself, on the line that compares.
             if isinstance(outcome, (bool, np.bool_)):
-                self._comparisons.append(_Comparison(scan, sector, distance, relation, float(limit), bool(outcome)))
+                comparison = _Comparison(scan, sector, distance, relation, float(limit), bool(outcome))
+                self._comparisons.append(comparison)
+                self._all.append(comparison)
             result: bool = outcome
             return result
 
@@ -203,8 +217,8 @@ class Trace:
         None stands for unknown. So does a result that rests on distances of which none is known: a comparison with NaN
         is False, and neither it nor its opposite is meant.
         """
-        compared = self._comparisons
-        if result is None or (compared and all(isnan(comparison.distance) for comparison in compared)):
+        compared = self._comparisons or self._all
+        if result is None or (compared and not any(comparison.is_known for comparison in compared)):
             return None
         return bool(np.any(result)) if _is_mask(result) else bool(result)
 
@@ -224,7 +238,8 @@ class Trace:
     @property
     def text(self) -> str:
         """What was compared, as `Verdict.text`."""
-        texts = [fact(c.distance, c.relation, c.limit) for c in self._decisive if not isnan(c.distance)]
+        decisive = [comparison for comparison in self._all if comparison.holds] or self._all
+        texts = [comparison.text for comparison in decisive if comparison.is_known]
         return " · ".join([*dict.fromkeys(texts)][:_MOST_TEXTS])
 
     @property

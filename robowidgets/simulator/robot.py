@@ -104,6 +104,7 @@ class Robot(Observed):
         if self.radius <= 0:
             raise ValueError(f"radius: expected metres above 0, got {radius!r}")
         self._pose = self._fitting(*to_pose("pose", world.start if pose is None else pose))
+        self._start = world, self._pose
         self._command: Speeds = (0.0, 0.0, 0.0)
         self._speeds: Speeds = (0.0, 0.0, 0.0)
         self._time_ns = 0
@@ -176,6 +177,21 @@ class Robot(Observed):
         with self._lock:
             self._pose = pose
         self._call_observers()
+
+    def place(self, world: World, pose: Pose) -> None:
+        """Put the robot into a world at a pose; it keeps its speed.
+
+        Raises:
+            ValueError: the body does not fit there.
+        """
+        with self._lock:
+            self._check_room(world, pose.x, pose.y, self.radius - _EXACT)
+            self._world, self._pose = world, pose
+        self._call_observers()
+
+    def reset(self) -> None:
+        """Put the robot, and the obstacles and walls of its world, where they were at the start. Time goes on."""
+        self.place(*self._start)
 
     def drive(self, linear: float, angular: float, lateral: float = 0.0) -> None:
         """Command a speed, m/s forward, rad/s counter-clockwise and m/s to the left, until the next call.

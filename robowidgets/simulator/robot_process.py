@@ -197,9 +197,7 @@ def serve() -> None:
             if act == "edit":
                 edits, pose, world = rest
                 try:
-                    robot.world = world or robot.world
-                    if pose:
-                        robot.move_to(*pose)
+                    robot.place(world or robot.world, pose or robot.pose)
                 except ValueError:  # it has moved to where there is no room for that any more
                     newest.put(WORLD, robot.world)
             else:

@@ -191,6 +191,9 @@ class View(BeatingWidget):
         if not isinstance(content, dict):
             raise TypeError(f"expected an edit, got {repr(content)[:60]}")
         robot, act = self._robot, content["act"]
+        if act == "reset":
+            getattr(self._feed(), "reset", robot.reset)()
+            return
         if act == "robot":
             robot.move_to(content["x"], content["y"], content["yaw"])
             return
@@ -206,7 +209,7 @@ class View(BeatingWidget):
             else:
                 raise ValueError(f"expected at most {_MOST_OBSTACLES} obstacles")
         else:
-            raise ValueError(f"act: expected robot, put, move or remove, got {act!r}")
+            raise ValueError(f"act: expected robot, put, move, remove or reset, got {act!r}")
         robot.world = robot.world.with_obstacles(obstacles)
 
 

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable
+from typing import Literal
 
+import pytest
 from playwright.sync_api import Locator, expect
 
 from ..unit.waiting import wait_for
-from .chromium import shoot
+from .chromium import LOOKS, shoot
 from .plain_page import PlainPage
 
 OPEN = """
@@ -189,4 +191,50 @@ def test_a_machine_fits_a_narrow_page_and_rings_step_by_tenths_where_motion_is_r
     card = widget.locator(".rw-card")
     wait_for(lambda: card.evaluate("card => card.offsetHeight") <= 300, "the card has the height of its layout")
     assert widget.locator(".rw-picture").evaluate("picture => picture.scrollHeight <= picture.clientHeight")
+    nb.python("robot.close()")
+
+
+GO = """
+robot.variables.bad = False
+class Goer:
+    def wait(state):
+        state.way = 0.04
+        return Drive()
+
+    def fail(variables):
+        return Drive(0.1 / (not variables.bad))
+
+    moves = "wait -> fail on done_by", "fail -> wait after 600"
+    done_by = lambda state: state.get("way", 0) >= 0.1
+
+program = robot.program(Goer, rate=20)
+"""
+
+
+@pytest.mark.parametrize(("theme", "scale"), LOOKS)
+def test_a_click_goes_to_a_state_numbers_stand_beside_events_and_a_failed_state_is_marked(
+    plain_page: Callable[..., PlainPage], theme: Literal["light", "dark"], scale: int
+) -> None:
+    nb = plain_page([OPEN, GO], width=740, theme=theme, scale=scale)
+    widget = nb.widget(0, 2)
+    expect(move(widget, "done_by").locator(".rw-move-numbers")).to_have_text("way 0.04 < 0.10")
+    go = state(widget, "fail").get_by_role("button", name="Go to the state fail")
+    expect(go).to_have_css("opacity", "0")
+    state(widget, "fail").hover()
+    expect(go).to_have_css("opacity", "1")
+    shoot(widget, f"machine-go-{theme}")
+    go.click()
+    expect(state(widget, "fail")).to_have_attribute("data-active", "leaf")
+    expect(widget.locator(".rw-fired-row").first).to_contain_text("by hand")
+    state(widget, "wait").get_by_role("button", name="Go to the state wait").press("Enter")
+    expect(state(widget, "wait")).to_have_attribute("data-active", "leaf")
+    go.press("Enter")
+    expect(state(widget, "fail")).to_have_attribute("data-active", "leaf")
+    expect(state(widget, "fail")).to_have_attribute("data-failed", "false")
+    nb.python("robot.variables.bad = True")
+    expect(state(widget, "fail")).to_have_attribute("data-failed", "true")
+    expect(widget.locator(".rw-notice-text")).to_have_text("line 9: ZeroDivisionError: float division by zero")
+    shoot(widget, f"machine-failed-{theme}")
+    widget.locator(".rw-freeze").click()
+    expect(state(widget, "wait").get_by_role("button")).to_be_hidden()
     nb.python("robot.close()")

@@ -118,6 +118,13 @@ def test_a_program_is_seen_set_stopped_run_and_replaced(plain_page: Callable[...
     button(widget, "Make one step").click()
     wait_for(lambda: int(told("avoid.steps")) == steps + 1, "one step is made")
 
+    expect(widget.locator(".rw-program-kept dt")).to_have_text(["n"])
+    assert int(widget.locator(".rw-program-kept dd").inner_text()) > 5
+    nb.python("avoid.state.n = 1000")
+    button(widget, "Restart from the beginning, with an empty state, and let programs drive").click()
+    expect(widget.locator(".rw-program-mode")).to_have_text("running")
+    expect(widget.locator(".rw-program-kept dd")).to_have_text(re.compile(r"^\d{1,3}$"))
+
     nb.run(2)
     expect(widget.locator(".rw-prints")).to_have_text("line 4: ZeroDivisionError: float division by zero")
     expect(widget.locator(".rw-program-mode")).to_have_text("failed")

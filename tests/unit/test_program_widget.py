@@ -6,6 +6,7 @@ import sys
 from collections.abc import Iterator
 from typing import Any
 
+import numpy as np
 import pytest
 
 from robowidgets import ProgramWidget
@@ -173,3 +174,34 @@ def test_a_program_that_drives_sideways_shows_it_and_one_of_a_robot_that_cannot_
     wait_for(lambda: page.state["_state"]["speed"] == (0.0, 0.0, -0.05), "it drives to the right")
     assert page.state["_state"]["program"]["speed"] == (0.0, 0.0, -0.07)
     assert robot.drive_status == "-0.07 m/s sideways is cut to -0.05"
+
+
+def test_what_a_program_keeps_is_told_in_short_plain_texts(robot: Feed, widget: ProgramWidget) -> None:
+    page = Page(widget)
+
+    class Own:
+        def __repr__(self) -> str:
+            raise AssertionError("it may take any time")
+
+    @robot.program(rate=50)
+    def keep(state):  # type: ignore[no-untyped-def]
+        state.update(n=3, way=0.1 + 0.2, side="left", own=Own(), many=[*range(100)])
+        state.scan, state.mean = np.zeros((2, 3)), np.float32(0.25)
+
+    wait_for(lambda: page.state["_state"]["kept"], "it is told")
+    assert dict(page.state["_state"]["kept"]) == {
+        "n": "3",
+        "way": "0.3",
+        "side": "'left'",
+        "own": "<Own>",
+        "many": "[0, 1, 2, 3, 4, 5, ...]",
+        "scan": "<array of 2 x 3>",
+        "mean": "0.25",
+    }
+    keep.pause()
+    hear(widget, program="restart")
+    wait_for(lambda: keep.mode == "running", "it runs from the beginning")
+    keep.close()
+    hear(widget, program="restart")
+    assert keep.mode == "ended"
+    wait_for(lambda: page.state["_state"]["kept"] == [], "a program that is closed keeps nothing")

@@ -14,12 +14,22 @@ interface Shown {
   isInForce: boolean;
   /** Whether rings empty by tenths. */
   isCalm: boolean;
+  /** Path of the state in which a step failed. */
+  failed: string;
+  /** Whether a person may choose a state. */
+  canGo: boolean;
 }
 
 /** The states of a machine as boxes, and its moves as arrows with words. */
 export class Picture {
   readonly root = make("div", "rw-machine-board rw-pale");
   #updates: ((shown: Shown) => void)[] = [];
+  readonly #onGo: (path: string) => void;
+
+  /** @param onGo called with the path of a state that a person chose */
+  constructor(onGo: (path: string) => void) {
+    this.#onGo = onGo;
+  }
 
   /** Draws other places. */
   draw(placed: Placed): void {
@@ -62,8 +72,16 @@ export class Picture {
     const isWithRing = isTimed(machine, state);
     if (isWithRing) element.append(left, ring);
     if (isInitial) start(svg, box);
-    this.#updates.push(({ step, isInForce, isCalm }) => {
+    const go = make("button", "rw-machine-go", "go");
+    go.type = "button";
+    go.ariaLabel = `Go to the state ${state.name}`;
+    go.title = go.ariaLabel;
+    go.onclick = () => this.#onGo(state.path);
+    element.append(go);
+    this.#updates.push(({ step, isInForce, isCalm, failed, canGo }) => {
+      element.dataset.failed = String(failed === state.path);
       const isLit = isInForce && isActive(machine, state, step);
+      go.hidden = !canGo || (isLit && !isOpen);
       element.dataset.active = isLit ? (isOpen ? "frame" : "leaf") : "";
       element.ariaCurrent = String(isLit);
       if (isFolded) setText(within, (isLit && activeText(state.machines, step)) || "\u2026");

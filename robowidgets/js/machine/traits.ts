@@ -46,6 +46,8 @@ export interface MachineAbout extends About {
   /** The last moves that were made, oldest first. */
   fired?: Fired[];
   states?: Rows;
+  /** Path of the state in which a step failed; empty where none did. */
+  failed?: string;
 }
 
 /** A move that was made. */

@@ -1,7 +1,7 @@
 import { make, setText } from "../shared/dom.ts";
 import { onAbort } from "../shared/events.ts";
 import { toFixed } from "../shared/format.ts";
-import { lacksKernel, type Model, onChange } from "../shared/model.ts";
+import { lacksKernel, type Model, onChange, onMessage } from "../shared/model.ts";
 import { SampleCard } from "../shared/sample_card.ts";
 import { throttle } from "../shared/schedule.ts";
 import type { Stream } from "../shared/stream.ts";
@@ -26,7 +26,7 @@ export class MachineView {
   readonly #stream: Stream<Step>;
   readonly #outlines: Outlines;
   readonly #card: SampleCard;
-  readonly #picture = new Picture();
+  readonly #picture = new Picture((path) => this.#go(path));
   readonly #entries: Entries;
   readonly #band: MachineBand;
   readonly #empty = make("div", "rw-empty");
@@ -62,6 +62,7 @@ export class MachineView {
     onAbort(signal, () => clearTimeout(this.#refused));
     this.#sayActive = throttle(() => this.#say(), SAY_MS, signal);
     onChange(model, ["_outline"], this.#card.redraw, signal);
+    onMessage(model, ({ refused }: { refused?: string }) => refused && this.#refuse(refused), signal);
   }
 
   #draw(): void {
@@ -86,7 +87,9 @@ export class MachineView {
     if (!step) return;
     this.#place(key, machines, step);
     const isCalm = matchMedia("(prefers-reduced-motion: reduce)").matches;
-    this.#picture.update({ step, fired, isInForce: mode !== "ended", isCalm });
+    const { failed = "" } = this.#stream.about as MachineAbout;
+    const canGo = isLive && !paused && mode !== "ended";
+    this.#picture.update({ step, fired, isInForce: mode !== "ended", isCalm, failed, canGo });
     this.#follow();
     if (this.#active !== this.#said) this.#sayActive();
   }
@@ -125,9 +128,18 @@ export class MachineView {
     if (!isSeen) picture.scrollLeft = left + (width - picture.clientWidth) / 2;
   }
 
+  /** Has the machine go to a state at its next step. Python takes no message that a busy kernel has delayed. */
+  #go(path: string): void {
+    this.#model.send({ go: path, beat: this.#model.get("_beat") });
+  }
+
   #show(time: number): void {
+    this.#refuse(this.#stream.freezeAt(time) ? "" : REFUSAL);
+  }
+
+  /** Says for a while why what a person asked for was not done. */
+  #refuse(words: string): void {
     clearTimeout(this.#refused);
-    const words = this.#stream.freezeAt(time) ? "" : REFUSAL;
     setText(this.#refusal, words);
     if (!words) return;
     this.#card.say([words]);

@@ -9,6 +9,8 @@ export interface ProgramTraits extends NamedTraits {
 export interface ProgramTold extends Told {
   program: Program | null;
   variables: Variable[];
+  /** Names and texts of what the program keeps in its state. */
+  kept: [name: string, value: string][];
 }
 
 /** State of a program. */

@@ -11,6 +11,8 @@ import { NOT_KNOWN, toCode, toMode, toNotice } from "./text.ts";
 import type { Program, ProgramTraits } from "./traits.ts";
 import { VariableRows } from "./variables.ts";
 
+const RESTART = "Restart from the beginning, with an empty state, and let programs drive";
+
 /** A program: what it does, its variables, its prints or its error, and Stop. */
 export class ProgramView {
   readonly #model: Model<ProgramTraits>;
@@ -23,6 +25,7 @@ export class ProgramView {
   readonly #mode = make("span", "rw-program-mode");
   readonly #run: HTMLButtonElement;
   readonly #step: HTMLButtonElement;
+  readonly #restart: HTMLButtonElement;
   readonly #facts = [make("b", ""), make("b", ""), make("b", "")];
   readonly #active = make("div", "rw-program-active");
   readonly #code = make("code", "rw-program-code");
@@ -31,6 +34,7 @@ export class ProgramView {
     new Readout("yaw", "rad/s", -1, false),
     new Readout("lateral", "m/s", -1, false),
   ];
+  readonly #kept = make("dl", "rw-program-kept rw-pale");
   readonly #prints = make("div", "rw-prints");
   readonly #hint = make("div", "rw-hint");
 
@@ -48,6 +52,7 @@ export class ProgramView {
       signal,
       "Step",
     );
+    this.#restart = makeButton("", RESTART, () => this.#onRestart(), signal, "Restart");
     on(window, "keydown", ({ key }) => key === "Escape" && this.#variables.cancel(), signal, { capture: true });
     this.#build();
     mount(element, this.#root, signal);
@@ -61,7 +66,7 @@ export class ProgramView {
 
   #build(): void {
     const controls = make("div", "rw-controls");
-    controls.append(this.#run, this.#step);
+    controls.append(this.#run, this.#step, this.#restart);
     const header = make("div", "rw-header");
     header.append(this.#name, this.#version, this.#mode, controls);
     const facts = make("div", "rw-program-facts");
@@ -79,13 +84,18 @@ export class ProgramView {
     this.#prints.role = "status";
     const stop = make("div", "rw-program-stop");
     stop.append(this.#buttons.stop, this.#hint);
-    this.#root.append(header, driving, this.#variables.root, this.#prints, stop);
+    this.#root.append(header, driving, this.#variables.root, this.#kept, this.#prints, stop);
   }
 
   #onRun(): void {
     const isRunning = this.#isRunning;
     if (!isRunning && this.#control.told.stopped) this.#control.allow();
     this.#control.send({ program: isRunning ? "pause" : "run" });
+  }
+
+  #onRestart(): void {
+    if (this.#control.told.stopped) this.#control.allow();
+    this.#control.send({ program: "restart" });
   }
 
   get #isRunning(): boolean {
@@ -111,6 +121,7 @@ export class ProgramView {
     const isOver = !program || program.mode === "ended" || !this.#control.hasKernel;
     const isUnknown = mode === NOT_KNOWN;
     this.#run.disabled = isOver || (isUnknown && !this.#isRunning);
+    this.#restart.disabled = isOver || isUnknown;
     this.#step.disabled = isOver || isUnknown || this.#isRunning || told.stopped;
     const numbers = program ? [program.rate.toFixed(1), program.step_ms.toFixed(2), String(program.since)] : [];
     for (const [i, fact] of this.#facts.entries()) setText(fact, numbers[i] ?? "\u2013");
@@ -123,10 +134,25 @@ export class ProgramView {
       axis.update(value, limit || 1);
     }
     this.#variables.update(told.variables ?? []);
+    this.#drawKept(told.kept ?? []);
     this.#drawPrints(program);
     const { text, hint, kind } = toDriverText(this.#control);
     setText(this.#hint, [text, hint].filter(Boolean).join(" \u00b7 "));
     this.#hint.dataset.kind = kind;
+  }
+
+  /** What the program keeps, a row for each. */
+  #drawKept(kept: [name: string, value: string][]): void {
+    this.#kept.hidden = kept.length === 0;
+    while (this.#kept.children.length > 2 * kept.length) this.#kept.lastChild?.remove();
+    for (const [i, [name, value]] of kept.entries()) {
+      if (!this.#kept.children[2 * i]) this.#kept.append(make("dt", ""), make("dd", ""));
+      const [label, text] = [this.#kept.children[2 * i], this.#kept.children[2 * i + 1]] as HTMLElement[];
+      if (!label || !text) continue;
+      setText(label, name);
+      setText(text, value);
+      text.title = value;
+    }
   }
 
   /** The last three lines; the error, or why it does not drive, in their place. */

@@ -8,7 +8,8 @@ type Edit =
   | { act: "robot"; x: number; y: number; yaw: number }
   | { act: "put"; x: number; y: number }
   | { act: "move"; index: number; x: number; y: number }
-  | { act: "remove"; index: number };
+  | { act: "remove"; index: number }
+  | { act: "reset" };
 
 /** Python's answer to an edit, null if it had no name: why it was not made; empty if it was. */
 interface Answer {

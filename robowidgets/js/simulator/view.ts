@@ -28,6 +28,7 @@ const SLOP = 6;
 const TOUCH_SLOP = 16;
 /** Metres from the middle of the robot to an obstacle that the key puts ahead of it. */
 const AHEAD = 0.9;
+const RESET = "Start the simulation anew: the robot and its room, variables and program";
 const HINT = "drag the robot or an obstacle \u00B7 press o for another";
 
 interface Drag {
@@ -49,6 +50,7 @@ export class SimulatorView {
   readonly #pointed = make("span", "");
   readonly #put: HTMLButtonElement;
   readonly #remove: HTMLButtonElement;
+  readonly #reset: HTMLButtonElement;
   readonly #tell: () => void;
   readonly #pulse: Pulse<SimulatorTraits>;
   #scene: Scene | null;
@@ -71,7 +73,8 @@ export class SimulatorView {
     this.#put = makeButton("", "Put an obstacle: press, then press a place", () => this.#onPut(), signal, "Obstacle");
     this.#put.ariaPressed = "false";
     this.#remove = makeButton("", "Remove the selected obstacle", () => this.#onRemove(), signal, "Remove");
-    controls.append(this.#put, this.#remove);
+    this.#reset = makeButton("", RESET, () => this.#onReset(), signal, "Reset");
+    controls.append(this.#put, this.#remove, this.#reset);
     footer.append(this.#pose, this.#pointed);
     this.#pulse = new Pulse(
       model,
@@ -159,6 +162,7 @@ export class SimulatorView {
     setText(this.#pose, words);
     setText(this.#pointed, this.#pointer ? toWords(this.#pointer) : isEditable ? HINT : "");
     this.#put.disabled = !isEditable;
+    this.#reset.disabled = !isEditable;
     this.#remove.disabled = !isEditable || typeof this.#selected !== "number";
     const drops = this.#drops.length ? `, ${toMany(this.#drops.length / 4, "drop")}` : "";
     picture.ariaLabel = `robot at ${words}, ${toMany(obstacles.length, "obstacle")}${drops}`;
@@ -188,6 +192,13 @@ export class SimulatorView {
     this.#edits.remove(this.#selected);
     this.#select("robot");
     this.#card.say(["obstacle removed"]);
+  }
+
+  #onReset(): void {
+    this.#cancel();
+    this.#edits.send({ act: "reset" });
+    this.#select("robot");
+    this.#card.say(["reset"]);
   }
 
   #select(thing: Thing): void {

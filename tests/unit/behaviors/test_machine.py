@@ -10,12 +10,12 @@ from robowidgets import conditions
 from robowidgets.behaviors import Drive, Machine, Variables
 from robowidgets.behaviors.variables import State
 from robowidgets.feeds import Feed
-from robowidgets.samples import Scan
+from robowidgets.samples import Scan, Speed
 
 from ..feeds.scripted import CMD_VEL, Scripted
 from ..waiting import wait_for
 
-# ruff: noqa: N801, N805
+# ruff: noqa: E731, N801, N805
 
 
 class Run:
@@ -293,7 +293,7 @@ def test_a_class_with_actions_that_no_move_names_is_a_state_and_events_of_inner_
 
 def test_what_no_move_names_is_told() -> None:
     class Walker:
-        free = lambda scan: scan.distance() > 1  # noqa: E731
+        free = lambda scan: scan.distance() > 1
 
         def forward():
             return Drive(0.2)
@@ -509,3 +509,187 @@ def test_a_machine_drives_a_feed_names_the_line_of_an_error_and_goes_on_in_its_n
         assert robot.program(Walker, rate=100) is program
         wait_for(lambda: script.speeds[-1:] == [(0.1, 0.0)], "it drives on")
         assert program.version.function.active == ("forward",)
+
+
+def test_an_event_tells_every_number_that_it_compares_with_its_limit() -> None:
+    class Walker:
+        far = lambda state: state.way >= 0.1
+        late = lambda since, variables: since > variables.most
+        near = lambda scan: scan.distance() < 0.5
+        fast = lambda speed: abs(speed.linear[0]) > 0.3
+        often = lambda state: state["count"] == 3
+        asked = lambda state, variables: state.is_asked or variables.name == "go"
+        a = b = None
+        moves = tuple(f"a -> b on {event}" for event in ("far", "late", "near", "fast", "often", "asked"))
+
+    run = Run(Walker)
+    run.state.update(way=0.04, count=2, is_asked=False)
+    run.variables.most, run.variables.name = 2.0, "stop"
+    scan = Scan([1.0, 0.8], angle_min=0.0, angle_increment=0.1, range_min=0.1, range_max=4.0)
+    values: dict[str, Any] = {"scan": scan, "speed": Speed((-0.25, 0.0, 0.0))}
+    run.at(0.0, **values)
+    run.at(0.5, **values)
+    assert {name: one.text for (_, name), one in run.machine.last_step.judged.items()} == {
+        "far": "way 0.04 < 0.10",
+        "late": "since 0.50 \u2264 2.00 s",
+        "near": "0.80 \u2265 0.50 m",
+        "fast": "|linear[0]| 0.25 \u2264 0.30",
+        "often": "count 2 \u2260 3",
+        "asked": "",
+    }
+    compares = {move["event"]: move["compares"] for move in run.machine.describe()[0]["moves"]}
+    assert compares.pop("asked") is True  # it compares a text
+    assert set(compares.values()) == {True}
+    run.state.way = 0.12
+    run.at(0.6, **values)
+    assert run.machine.fired[-1].text == "way 0.12 \u2265 0.10"
+    assert type(run.state.way) is float
+
+
+def test_what_an_event_stores_and_calculates_are_plain_numbers() -> None:
+    def count(state, variables):
+        state.total = 2 * state.total + variables.more
+        state["twice"] = 2 * state.get("total", 0.0)
+        return 1.0 < state.total - state.start <= 5.0
+
+    class Walker:
+        a = b = None
+        full = count
+        moves = "a -> b on full"
+
+    run = Run(Walker)
+    run.variables.more = 1.5
+    run.state.update(total=1, start=0.5)
+    run.at(0.0)
+    assert (run.state.total, run.state.twice) == (3.5, 7.0)
+    assert {type(run.state.total), type(run.state.twice)} == {float}
+    assert run.machine.fired[-1].text == "total \u2212 start 3.00 > 1.00 \u00b7 total \u2212 start 3.00 \u2264 5.00"
+
+
+def test_a_machine_has_variables_of_its_own_which_its_entry_sets_anew() -> None:
+    class Walker:
+        class search:
+            aligned, seen = False, []
+
+            def look(state):
+                state.seen.append(1)
+                state.aligned = len(state.seen) == 2
+
+            ready = None
+            moves = "look -> ready on aligned"
+
+        class rest:
+            tired = True
+
+            def running(state):
+                state.log.append(state.tired)
+
+        moves = "search -> rest on done", "rest -> search after 1"
+
+    run = Run(Walker)
+    assert run.at(0.0)[-1] == "search.look"
+    assert run.at(0.1)[-1] == "search.look"
+    assert (run.state.aligned, run.state.seen) == (True, [1, 1])
+    assert run.at(0.2)[-1] == "search.ready"
+    assert run.at(0.3) == ("rest",)
+    assert run.state.log == [True]
+    assert run.at(1.4)[-1] == "search.look"
+    assert (run.state.aligned, run.state.seen) == (False, [1])
+
+
+def test_metres_and_radians_count_from_the_entry_of_a_state() -> None:
+    class Square:
+        far = lambda driven: driven >= 0.5
+        around = lambda turned: turned >= 1.5
+        forward = turn = None
+        moves = "forward -> turn on far", "turn -> forward on around"
+
+    run = Run(Square)
+    assert {"driven", "turned"} <= set(run.machine.asks_for)
+    ways = [(0.0, 0.0), (0.4, 0.1), (0.5, 0.1), (0.6, 1.4), (0.6, 1.6), (1.0, 1.6), (1.1, 1.6)]
+    states = [run.at(0.1 * i, driven=way, turned=turn)[0] for i, (way, turn) in enumerate(ways)]
+    assert states == ["forward", "forward", "turn", "turn", "forward", "forward", "turn"]
+    assert run.machine.fired[-1].text == "driven 0.50 \u2265 0.50 m"
+
+
+def test_a_person_sends_a_machine_to_a_state_which_is_entered_at_the_next_step() -> None:
+    def note(word: str) -> Any:
+        return lambda state: state.log.append(word)
+
+    class Walker:
+        class forward:
+            exit = note("leave forward")
+
+        class avoid:
+            entry = note("enter avoid")
+            stop = None
+
+            class turn:
+                entry = note("enter turn")
+
+            moves = "stop -> turn after 60"
+
+        moves = "forward -> avoid after 60", "avoid -> forward after 60"
+
+    run = Run(Walker)
+    assert run.at(0.0) == ("forward",)
+    run.machine.go_to("avoid.turn")
+    assert run.machine.active == ("forward",)
+    assert run.at(0.1) == ("avoid", "avoid.turn")
+    assert run.state.log == ["leave forward", "enter avoid", "enter turn"]
+    assert [(fired.source, fired.target, fired.why) for fired in run.machine.fired] == [
+        ("forward", "avoid", "by hand"),
+        ("stop", "turn", "by hand"),
+    ]
+    assert run.at(0.2) == ("avoid", "avoid.turn")
+    with pytest.raises(ValueError, match=r"has no state 'fly'; there are forward, avoid, avoid\.stop, avoid\.turn"):
+        run.machine.go_to("fly")
+
+
+def test_two_moves_that_take_turns_at_every_step_are_told_while_they_do(caplog: pytest.LogCaptureFixture) -> None:
+    class Walker:
+        near = lambda variables: variables.way < 0.5
+        free = lambda variables: variables.way < 0.6
+        forward = avoid = None
+        moves = "forward -> avoid on near", "avoid -> forward on free"
+
+    run = Run(Walker)
+    run.variables.way = 1.0
+    for i in range(10):
+        run.at(0.1 * i)
+    assert run.machine.turns == ""
+    run.variables.way = 0.4
+    for i in range(10, 20):
+        run.at(0.1 * i)
+    told = "avoid and forward take turns at every step: leave a gap between the limits of their events"
+    assert run.machine.turns == told
+    assert caplog.messages == [f"program Walker: {told}"]
+    run.variables.way = 1.0
+    run.at(2.0)
+    assert run.machine.turns == ""
+
+
+@pytest.mark.parametrize("where", ["event", "entry", "running"])
+def test_the_state_in_which_a_step_failed_is_known_and_shown_as_the_active_one(where: str) -> None:
+    def fail(state):
+        raise ZeroDivisionError
+
+    class Walker:
+        a = None
+
+        class b:
+            entry = fail if where == "entry" else lambda: None
+            running = fail if where == "running" else lambda: None
+
+        bad = fail if where == "event" else lambda: False
+        moves = "a -> b after 0.1", "b -> a on bad"
+
+    run = Run(Walker)
+    run.at(0.0)
+    run.at(0.05)
+    if where == "event":
+        run.at(0.1)
+    with pytest.raises(ZeroDivisionError):
+        run.at(0.2)
+    assert run.machine.at == "Walker.b"
+    assert run.machine.last_step.states["Walker"][0] == "b"

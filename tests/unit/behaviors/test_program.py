@@ -11,7 +11,7 @@ import weakref
 from collections.abc import Iterator
 from contextlib import suppress
 from functools import partial
-from math import inf
+from math import cos, hypot, inf, pi, sin
 from typing import Any
 
 import numpy as np
@@ -28,6 +28,8 @@ from robowidgets.samples import Scan, Speed, Touch
 
 from ..feeds.scripted import CMD_VEL, IMU, ODOM, SCAN, Scripted, scan, twist
 from ..waiting import wait_for
+
+# ruff: noqa: N805
 
 BUMPER = Advert("/bumper", "kobuki_msgs/msg/BumperEvent")
 
@@ -451,3 +453,149 @@ def test_the_same_program_runs_on_a_recording_beside_what_was_driven() -> None:
         wait_for(lambda: any("your program" in topic.name for topic in robot.topics), "its speeds are listed")
         assert "/odom" in view.widgets
         wait_for(lambda: avoid.error == "" and robot.watchdog.sent != Velocity(), "it drives")
+
+
+def odometry(x: float, y: float, yaw: float) -> dict[str, Any]:
+    return {
+        "pose": {
+            "pose": {
+                "position": {"x": x, "y": y, "z": 0.0},
+                "orientation": {"x": 0.0, "y": 0.0, "z": sin(yaw / 2), "w": cos(yaw / 2)},
+            }
+        },
+        "twist": twist(0.1),
+    }
+
+
+def test_pose_and_the_way_since_the_program_began_come_from_all_messages_of_odometry(
+    robot: Feed, script: Scripted
+) -> None:
+    got: list[tuple[Any, float, float]] = []
+
+    @robot.program(on="/scan")
+    def go(pose, driven, turned):  # type: ignore[no-untyped-def]
+        got.append((pose, driven, turned))
+
+    script.listener.on_message("/scan", scan())
+    wait_for(lambda: go.waiting == "waiting for /odom", "it says what is missing")
+    script.listener.on_message("/odom", odometry(1.0, 2.0, 3.0))
+    script.listener.on_message("/scan", scan())
+    wait_for(lambda: got, "it steps")
+    assert got[-1] == (pytest.approx((1.0, 2.0, 3.0)), 0.0, 0.0)
+    for pose in ((1.3, 2.0, 3.1), (1.0, 2.0, -3.1), (1.0, 2.4, -2.9)):  # there and back, and across the seam
+        script.listener.on_message("/odom", odometry(*pose))
+    script.listener.on_message("/scan", scan())
+    wait_for(lambda: len(got) > 1, "it steps again")
+    assert got[-1] == (
+        pytest.approx((1.0, 2.4, -2.9)),
+        pytest.approx(1.0),
+        pytest.approx(2 * pi - 5.9),
+    )
+    go.restart()
+    script.listener.on_message("/scan", scan())
+    wait_for(lambda: len(got) > 2, "it begins anew")
+    assert got[-1][1:] == (0.0, 0.0)
+
+
+def test_without_odometry_it_says_what_is_missing() -> None:
+    with Feed(Scripted(SCAN, CMD_VEL)) as robot:
+
+        @robot.program(rate=100)
+        def go(driven):  # type: ignore[no-untyped-def]
+            return Drive()
+
+        wait_for(lambda: go.waiting == "waiting for a topic with odometry", "it says so")
+
+
+def test_restart_begins_with_an_empty_state_at_time_zero_in_the_initial_state(robot: Feed) -> None:
+    class Walker:
+        def first(state, time):
+            state.at = time
+
+        def second(state):
+            state.n = state.get("n", 0) + 1
+            return Drive(0.1)
+
+        moves = "first -> second after 0.05"
+
+    program = robot.program(Walker, rate=100)
+    before = program.version.function
+    wait_for(lambda: program.state.get("n", 0) > 3, "it has been in the second state")
+    program.pause()
+    program.restart()
+    assert program.mode == "running"
+    wait_for(lambda: program.state.get("n", 0) == 1, "it begins anew")
+    fired = program.version.function.fired  # type: ignore[attr-defined]
+    assert program.version.function is not before
+    assert [(move.source, move.target) for move in fired] == [("first", "second")]
+    assert fired[0].time < 1
+    assert program.version.number == 1
+
+
+def test_a_program_goes_to_a_state_at_its_next_step_also_after_a_pause(robot: Feed) -> None:
+    class Walker:
+        first = second = None
+        moves = "first -> second after 600"
+
+    program = robot.program(Walker, rate=100)
+    machine: Any = program.version.function
+    wait_for(lambda: machine.active == ("first",), "it runs")
+    program.pause()
+    program.go_to("second")
+    assert program.note == "goes to second at its next step"
+    assert machine.active == ("first",)
+    program.step()
+    wait_for(lambda: machine.active == ("second",), "it has gone there")
+    with pytest.raises(ValueError, match="no state 'third'"):
+        program.go_to("third")
+    with pytest.raises(TypeError, match="go is no state machine"):
+        robot.program(function("go")).go_to("first")
+
+
+def function(name: str) -> Any:
+    def step() -> Drive:
+        return Drive()
+
+    step.__name__ = name
+    return step
+
+
+def test_a_program_that_was_closed_has_forgotten_its_state_and_can_only_be_run_by_its_cell(robot: Feed) -> None:
+    def go(state):  # type: ignore[no-untyped-def]
+        state.n = state.get("n", 0) + 1
+
+    program = robot.program(go, rate=100)
+    wait_for(lambda: program.state.get("n", 0) > 3, "it counts")
+    program.close()
+    assert program.state == {}
+    for act in (program.restart, partial(program.go_to, "a")):
+        with pytest.raises(RuntimeError, match="the program go has ended: run its cell again"):
+            act()
+    again = robot.program(go, rate=1)
+    wait_for(lambda: again.state.get("n") == 1, "it counts from the beginning")
+
+
+def test_a_simulation_is_reset_with_its_room_its_variables_and_its_program() -> None:
+    with feeds.simulator(wander=False) as robot:
+        robot.variables.slider("near", 0.5, 0.0, 1.0)
+
+        @robot.program(rate=50)
+        def go(state):  # type: ignore[no-untyped-def]
+            state.n = state.get("n", 0) + 1
+            return Drive(0, 0.5)
+
+        world, pose = robot.robot.world, robot.robot.pose
+        wait_for(lambda: robot.robot.pose != pose, "it turns")
+        robot.variables.near = 0.9
+        robot.robot.move_to(pose.x + 0.1, pose.y, 1.0)
+        robot.robot.world = world.with_obstacles([])
+        program = robot.programs.current
+        assert program is not None
+        go.pause()
+        n = go.state.n
+        wait_for(lambda: robot.robot.speed().angular[2] == 0, "it stands")
+        robot.reset()
+        assert robot.robot.world is world
+        assert hypot(robot.robot.pose.x - pose.x, robot.robot.pose.y - pose.y) < 0.01
+        assert robot.variables.near == 0.5
+        wait_for(lambda: 0 < go.state.get("n", 0) <= n + 1, "the program counts from the beginning")

@@ -100,6 +100,9 @@ def test_edits_of_the_page_move_robot_and_obstacles() -> None:
     assert robot.world.walls is WORLD.walls
     assert edit(view, act="remove", index=0) == ""
     assert shown(view)[3].tolist() == [[-1.0, 0.0, pytest.approx(0.2)]]
+    assert edit(view, act="put", x=0.0, y=0.0) == ""  # where the robot began
+    assert edit(view, act="reset") == ""
+    assert (robot.world, robot.pose) == (WORLD, (0, 0, 0))
 
 
 @pytest.mark.parametrize(
@@ -111,7 +114,7 @@ def test_edits_of_the_page_move_robot_and_obstacles() -> None:
         ({"act": "put", "x": "<b>", "y": 0}, "x: expected a number, got '<b>'"),
         ({"act": "move", "index": 1, "x": 0, "y": 0}, "index: expected an obstacle, 0 to 0, got 1"),
         ({"act": "remove", "index": True}, "index: expected an obstacle, 0 to 0, got True"),
-        ({"act": "fly"}, "act: expected robot, put, move or remove, got 'fly'"),
+        ({"act": "fly"}, "act: expected robot, put, move, remove or reset, got 'fly'"),
         ({"act": "put"}, "x"),
     ],
 )
