@@ -11,9 +11,13 @@ _CELLS = "IPython.core.interactiveshell"
 
 
 def ipython_shell() -> Any:
-    """The shell of IPython that runs cells; None elsewhere."""
-    ipython = sys.modules.get("IPython")
-    return ipython and ipython.get_ipython()
+    """The shell of IPython that runs cells; None elsewhere.
+
+    What a host without cells has in its place, as Solara does, is none: each has other parts of it.
+    """
+    cells: Any = sys.modules.get(_CELLS)
+    shell = cells and sys.modules["IPython"].get_ipython()
+    return shell if cells and isinstance(shell, cells.InteractiveShell) else None
 
 
 def called_from_cell() -> bool:

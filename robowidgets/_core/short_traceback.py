@@ -28,10 +28,10 @@ def shorten_tracebacks() -> None:
     traceback. It stays whole in a log, in a debugger and outside notebooks. Where Python alone shows an error, it says
     what was meant by a wrong name, which IPython leaves out.
     """
-    shell = ipython_shell()
-    if shell is None:
+    shows = getattr(ipython_shell(), "InteractiveTB", None)  # a nicety, which a shell may do without
+    if shows is None:
         return
-    whole = shell.InteractiveTB.structured_traceback
+    whole = shows.structured_traceback
 
     @wraps(whole)
     def shortened(
@@ -41,7 +41,7 @@ def shorten_tracebacks() -> None:
             say_what_was_meant(error)
             return whole(kind, error, _of_the_user(traceback), *args, **options)
 
-    shell.InteractiveTB.structured_traceback = shortened
+    shows.structured_traceback = shortened
 
 
 @contextmanager

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Callable
 from types import SimpleNamespace
 
@@ -10,6 +9,8 @@ import pytest
 
 from robowidgets import feeds
 from robowidgets._core import cells as _cells
+
+from .shells import put_in_place
 
 Run = Callable[[str, str], "Made"]
 
@@ -27,8 +28,7 @@ class Made:
 def begin(monkeypatch: pytest.MonkeyPatch) -> Callable[[str, str], None]:
     """Begins a run of a cell, as the kernel names both."""
     request: dict[str, dict[str, str]] = {}
-    shell = SimpleNamespace(get_parent=lambda: request)
-    monkeypatch.setitem(sys.modules, "IPython", SimpleNamespace(get_ipython=lambda: shell))
+    put_in_place(monkeypatch, get_parent=lambda: request)
     monkeypatch.setattr(_cells, "_made", {})
 
     def named(cell: str, number: str) -> None:
@@ -67,7 +67,7 @@ def test_what_other_cells_made_stays(run: Run) -> None:
 def test_where_nobody_tells_which_cell_runs_nothing_is_closed(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
     first = run("", "1")
     run("", "2")
-    monkeypatch.setitem(sys.modules, "IPython", SimpleNamespace(get_ipython=lambda: None))
+    monkeypatch.setattr("IPython.get_ipython", lambda: None)
     run("a", "3")
     assert not first.closed
     assert not _cells._made
@@ -97,10 +97,11 @@ def test_the_traceback_of_a_cell_is_shown_and_each_robot_stopped_though_one_cann
     def cannot() -> None:
         raise RuntimeError("can't start new thread")
 
-    shell = SimpleNamespace(
-        events=SimpleNamespace(register=lambda *_: None), showtraceback=lambda: done.append("the traceback is shown")
+    shell = put_in_place(
+        monkeypatch,
+        events=SimpleNamespace(register=lambda *_: None),
+        showtraceback=lambda: done.append("the traceback is shown"),
     )
-    monkeypatch.setitem(sys.modules, "IPython", SimpleNamespace(get_ipython=lambda: shell))
     monkeypatch.setattr(_cells, "_on_failed", [])
     _cells.on_failed_cell(cannot)
     _cells.on_failed_cell(lambda: done.append("the other is stopped"))

@@ -5,7 +5,6 @@ from __future__ import annotations
 import logging
 import os
 import select
-import sys
 import threading
 import time
 from types import SimpleNamespace
@@ -16,6 +15,7 @@ from robowidgets._core.pacer import Pacer
 from robowidgets._core.pacer import pacer as global_pacer
 
 from .senders import MOST_IN_A_SECOND, ByHand, Failing, Gated, Restless, Sender, most_in_a_second
+from .shells import put_in_place
 from .waiting import wait_for
 
 
@@ -220,8 +220,7 @@ class TestFlush:
     def test_the_end_of_a_cell_flushes(self, pacer: Pacer, monkeypatch: pytest.MonkeyPatch) -> None:
         registered = []
         events = SimpleNamespace(register=lambda name, callback: registered.append((name, callback)))
-        shell = SimpleNamespace(events=events)
-        monkeypatch.setitem(sys.modules, "IPython", SimpleNamespace(get_ipython=lambda: shell))
+        put_in_place(monkeypatch, events=events)
         slow = Gated()
         pacer.mark(slow)
         assert slow.begun.wait(20)

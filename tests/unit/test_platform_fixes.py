@@ -20,10 +20,18 @@ from robowidgets._core.platform_fixes import (
     route_by_message,
 )
 
+from .shells import put_in_place
+
 EVERY_FIX = """
 import asyncio, json, signal, socket, sys
 from types import SimpleNamespace
+import IPython
 from robowidgets._core import platform_fixes as fixes
+from IPython.core.interactiveshell import InteractiveShell
+
+class Shell(InteractiveShell):
+    def __init__(self, **members):
+        vars(self).update(members)
 
 async def close_a_pending_connection():
     closed = []
@@ -40,8 +48,8 @@ fixes.route_by_message(comm)
 fixes.call_on_interrupt(lambda: None)
 fixes.call_before_end(lambda: None)
 stream = SimpleNamespace(_thread_to_parent={})
-shell = SimpleNamespace(kernel=SimpleNamespace(_stdout=stream, _stderr=stream))
-sys.modules["IPython"] = SimpleNamespace(get_ipython=lambda: shell)
+shell = Shell(kernel=SimpleNamespace(_stdout=stream, _stderr=stream))
+IPython.get_ipython = lambda: shell
 fixes.let_threads_print()
 options = []
 fixes.acknowledge_at_once(SimpleNamespace(setsockopt=lambda *option: options.append(option)))
@@ -92,8 +100,7 @@ def test_a_kernel_without_subshells_is_left_alone() -> None:
 
 def test_threads_whose_identifiers_are_used_again_form_no_circle(monkeypatch: pytest.MonkeyPatch) -> None:
     stream = SimpleNamespace(_thread_to_parent={threading.get_ident(): threading.get_ident()})
-    shell = SimpleNamespace(kernel=SimpleNamespace(_stdout=stream, _stderr=None))
-    monkeypatch.setattr("IPython.get_ipython", lambda: shell)
+    put_in_place(monkeypatch, kernel=SimpleNamespace(_stdout=stream, _stderr=None))
     let_threads_print()
     parents = stream._thread_to_parent
     for thread, starter in ((2, 1), (3, 2), (1, 3), (2, 1), (3, 9), (1, 3)):
