@@ -368,8 +368,8 @@ class Program(Observed):
             # Where the process did not work, it was suspended: a step is not to blame, and the next one is due.
             if not error and self._unseen >= HELD and worked >= WORKS * self._unseen:
                 error = (
-                    f"{self.name}: a step took {passed:.1f} s and let no other thread run, as a call does that holds "
-                    "the GIL: zero came late"
+                    f"{self.name}: a step took {passed:.1f} s, in which it, or another thread, held the GIL: "
+                    "nothing else could run, and zero came late"
                 )
             self._in_step, self.step_time = False, passed
             if not error:
