@@ -57,7 +57,7 @@ def on_failed_cell(call: Callable[[], None]) -> None:
     The main thread calls it, perhaps in a signal handler, so it must not wait. Each cell that wants this must register
     it again, from the main thread.
     """
-    shell = _shell_of_cells()
+    shell = ipython_shell()
     if shell is None:
         return
     _listen(shell)
@@ -79,7 +79,7 @@ def on_cell_error(call: Callable[[CellRun], Iterable[str]]) -> None:
     It is called before IPython shows the traceback, in the main thread, so it must not wait; and once more after that:
     the lines that it returns then are printed below the traceback. Does nothing outside cells.
     """
-    shell = _shell_of_cells()
+    shell = ipython_shell()
     if shell is None:
         return
     _listen(shell)
@@ -96,7 +96,7 @@ def on_interrupt(call: Callable[[], None]) -> None:
     The main thread calls it in a signal handler, so it must not wait. Does nothing outside a kernel; there an interrupt
     ends the program, and the robot gets zero.
     """
-    shell = _shell_of_cells()
+    shell = ipython_shell()
     if shell is None or not hasattr(shell, "kernel"):
         return
     if not _on_interrupt:
@@ -116,12 +116,6 @@ _listened: list[Any] = []
 """The shell whose cells are watched."""
 _shown: set[CellRun] = set()
 """The run whose error is shown already: also that of a script, which does not end the cell."""
-
-
-def _shell_of_cells() -> Any:
-    """The shell that runs cells; None where there is none, or one that stands in for it, as Solara's, and runs none."""
-    shell = ipython_shell()
-    return shell if hasattr(shell, "events") and hasattr(shell, "showtraceback") else None
 
 
 def _listen(shell: Any) -> None:

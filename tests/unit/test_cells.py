@@ -108,14 +108,3 @@ def test_the_traceback_of_a_cell_is_shown_and_each_robot_stopped_though_one_cann
     shell.showtraceback()
     assert done == ["the other is stopped", "the traceback is shown"]
     assert "a robot may drive on, as it could not be stopped: can't start new thread" in caplog.text
-
-
-def test_a_feed_is_connected_driven_and_programmed_where_a_bare_stand_in_of_a_shell_runs_no_cells(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    shell = SimpleNamespace(kernel=SimpleNamespace())
-    monkeypatch.setitem(sys.modules, "IPython", SimpleNamespace(get_ipython=lambda: shell))
-    with feeds.simulator(wander=False) as feed:
-        feed.connect("/scan", lambda _: None)
-        feed.drive(0.1)
-        assert feed.program(lambda: None).mode == "running"
