@@ -25,7 +25,7 @@ def shorten_tracebacks() -> None:
     """Have IPython, if it is running, leave out our frames where we raised an error.
 
     IPython asks only errors of other classes than Python's own how they are shown, so this wraps what makes the
-    traceback. It stays whole in a log, in a debugger and outside notebooks. Where Python alone shows an error, it says
+    traceback. It stays whole in a debugger and outside notebooks. Where Python alone shows an error, it says
     what was meant by a wrong name, which IPython leaves out.
     """
     shows = getattr(ipython_shell(), "InteractiveTB", None)  # a nicety, which a shell may do without
@@ -42,6 +42,16 @@ def shorten_tracebacks() -> None:
             return whole(kind, error, _of_the_user(traceback), *args, **options)
 
     shows.structured_traceback = shortened
+
+
+@contextmanager
+def without_our_frames(error: BaseException | None) -> Iterator[Any]:
+    """An error as a log takes it, ``exc_info=``, without our frames, and what it was raised from; None for None."""
+    if error is None:
+        yield None
+        return
+    with _shortened_causes(error):
+        yield type(error), error, _of_the_user(error.__traceback__)
 
 
 @contextmanager

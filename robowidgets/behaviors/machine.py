@@ -8,7 +8,6 @@ because it takes back a move whose entry raises, and has no way on from an activ
 
 from __future__ import annotations
 
-import logging
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from copy import deepcopy
@@ -18,6 +17,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from .._core.inform import inform
 from ..kinds import KINDS
 from ..samples import Ray
 from ..samples.checks import finite
@@ -27,8 +27,6 @@ from ._outline import DONE, Move, Node, Outline, described, outline_of
 from ._parameters import asked_by
 from .drive import Drive
 from .robot import DRIVEN, GIVEN, ODOMETRY, TURNED
-
-log = logging.getLogger("robowidgets")
 
 ROUNDS = 20
 """Moves at once in one step, after which they are taken to go round for ever."""
@@ -263,7 +261,7 @@ class Machine:
             names = " and ".join(sorted(states))
             self.turns = f"{names} take turns at every step: leave a gap between the limits of their events"
             if not before:
-                log.warning("program %s: %s", self.name, self.turns)
+                inform(f"program {self.name}: {self.turns}")
 
     def _active_nodes(self, node: Node) -> Iterator[tuple[Node, float]]:
         for machine in node.machines:
@@ -280,7 +278,7 @@ class Machine:
             if known is None or known[0] not in machine.states:
                 if known is not None:
                     self.note = f"the state {known[0]} is gone: {machine.initial} takes over"
-                    log.warning("program %s: %s", self.name, self.note)
+                    inform(f"program {self.name}: {self.note}")
                     self._note_left(machine.path, now)
                 self._enter(machine, machine.initial, now)
                 self._settle(machine, now)

@@ -7,14 +7,17 @@ import threading
 import time
 import traceback
 from collections.abc import Callable
+from contextvars import copy_context
 from dataclasses import replace
 from math import isnan
 from typing import Any
 
+from .._core.inform import inform
 from .._core.log_once import LogOnce
 from .._core.observed import Observed
 from .._core.platform_fixes import run_beside_debugger
 from .._core.rate import RateMeter
+from .._core.short_traceback import without_our_frames
 from .._core.user_function import line_of, say_what_was_meant
 from .._core.user_threads import UserThread, frames_of
 from .drive import STANDSTILL, drive_of
@@ -83,6 +86,7 @@ class Program(Observed):
         kept: whether the last step returned None, which keeps the speed.
         prints: the last lines that it printed.
         clock: the seconds that its steps count, from the first one on.
+        context: that of the cell which defined it last: so what it prints and logs appears below that cell.
     """
 
     def __init__(self, name: str, robot: Robot, variables: Variables) -> None:
@@ -121,6 +125,7 @@ class Program(Observed):
         self._waiting_since = 0.0
         self._rate = RateMeter()
         self._log = LogOnce(log.warning)
+        self.context = copy_context()
 
     def __call__(self, *args: Any, **kwargs: Any) -> Any:
         """Call the function of the newest version, without driving."""
@@ -154,6 +159,7 @@ class Program(Observed):
             self._due = min(self._due, self._since + 1 / version.rate)
             self.error = self.note = self.waiting = ""
             self._log = LogOnce(log.warning)
+            self.context = copy_context()
             if self._thread is None or self._in_step or self.mode != RUNNING:
                 self._leave()
                 self._start()
@@ -291,7 +297,7 @@ class Program(Observed):
             error = f"{type(failure).__name__}: {failure}"
             if self._thread is me:
                 self._end(FAILED, error=error)
-            log.error("program %s: %s", self.name, error, exc_info=failure)
+            self._log_error(error, failure)
         finally:
             release()
 
@@ -354,7 +360,7 @@ class Program(Observed):
         began, worked = time.perf_counter(), time.process_time()
         error, raised = "", None
         try:
-            result = version.function(**values)
+            result = self._in_cell(version.function, **values)
             drive = drive_of(result, self.returned)
         except BaseException as failure:  # not even a SystemExit may end the thread without a word
             line = line_of(_code_of(version.function), traceback.walk_tb(failure.__traceback__)).removeprefix(", ")
@@ -377,7 +383,7 @@ class Program(Observed):
                 self._steps_a_second = self._rate.rate(self.steps, time.monotonic())
         if error:
             self._end(FAILED, error=error)
-            log.error("program %s: %s", self.name, error, exc_info=raised)  # after zero, as every log: it may hang
+            self._log_error(error, raised)  # after zero, as every log: it may hang
             return False
         # Without the lock, so that whoever stops the program never waits for the robot. They abandon this thread before
         # they stop the robot, and the robot refuses an abandoned thread.
@@ -406,6 +412,14 @@ class Program(Observed):
         if why != self.waiting:
             self.waiting, self._waiting_since = why, time.monotonic()
             self._call_observers()
+
+    def _in_cell(self, call: Callable[..., Any], *args: Any, **kwargs: Any) -> Any:
+        """Call a function such that what it prints and logs appears below the cell of the program."""
+        return self.context.copy().run(call, *args, **kwargs)
+
+    def _log_error(self, error: str, raised: BaseException | None) -> None:
+        with without_our_frames(raised) as shown:
+            self._in_cell(log.error, "program %s: %s", self.name, error, exc_info=shown)
 
     def _take_print(self, text: str) -> bool:
         self.prints.add(text, self.clock.look())
@@ -438,17 +452,17 @@ class Program(Observed):
                 self._interrupted = False
                 note = "paused, because the kernel was interrupted"
                 self.pause(note)
-                self._log(f"program {self.name}: {note}")
+                self._in_cell(inform, f"program {self.name}: {note}")
             elif thread is not None and self._robot.is_gone():
                 note = "ended, because its robot was deleted"
                 self.close(note)
-                self._log(f"program {self.name}: {note}")
+                self._in_cell(inform, f"program {self.name}: {note}")
             elif is_hung:
                 error = f"{where or self.name}: a step has not returned for half a second, and was abandoned"
                 self._end(FAILED, error=error)
-                self._log(f"program {self.name}: {error}")
+                self._in_cell(self._log, f"program {self.name}: {error}")
             elif waiting:
-                self._log(f"program {self.name}: {waiting}")
+                self._in_cell(self._log, f"program {self.name}: {waiting}")
 
 
 def _code_of(function: Callable[..., Any]) -> Callable[..., Any]:

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-import logging
 from collections.abc import Callable, Mapping
+from contextvars import copy_context
 from typing import Any
 from weakref import WeakSet
 
 from .._core.cells import CellRun, is_same_cell, on_cell_error, on_interrupt, running_cell
+from .._core.inform import inform
 from .._core.observed import Observed
 from .._core.user_function import calling_text
 from ._parameters import parameters_of, program_name
@@ -16,8 +17,6 @@ from .program import ENDED, RUNNING, Program
 from .robot import Robot
 from .variables import Variables
 from .version import RATE, Version, to_rate
-
-log = logging.getLogger("robowidgets")
 
 
 class Programs(Observed):
@@ -54,7 +53,7 @@ class Programs(Observed):
         if before is not None and before.name != name and before.mode != ENDED:
             note = f"replaces the program {before.name}"
             before.close(f"replaced by the program {name}", keeps=True)
-            log.warning("%s: the program %s %s", self._robot.where, name, note)
+            inform(f"{self._robot.where}: the program {name} {note}")
         program, number = known, known.version.number + 1 if known else 1
         if program is None or program.mode == ENDED:
             program = self._known[name] = Program(name, self._robot, self.variables)
@@ -67,6 +66,8 @@ class Programs(Observed):
         self.variables.begin_version()
         program.replace(Version(function, asks_for, dict(topics), steps, on, number, calling_text(), running_cell()))
         program.note = note
+        if isinstance(function, Machine) and function.note:
+            inform(f"program {name}: {function.note}")
         _all.add(program)
         on_interrupt(_interrupt_all)
         on_cell_error(_name_running)
@@ -93,6 +94,7 @@ def _name_running(cell: CellRun) -> list[str]:
     for program in list(_all):
         version = program.version
         if program.mode == RUNNING and is_same_cell(version.cell, cell):
+            program.context = copy_context()  # what it says appears below this run, which has cleared the one before
             whose = "which this run made before its error" if version.cell == cell else "the one before"
             lines.append(f"the program {program.name} goes on, in version {version.number}, {whose}")
     return lines

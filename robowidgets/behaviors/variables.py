@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, TypeGuard
 
 import numpy as np
 
@@ -36,7 +36,7 @@ class Variable:
     """A variable: its value, and how the page lets a person set it.
 
     ``first`` is the value in the code, ``before`` that of the version before; ``low`` and ``high`` are the ends of a
-    slider, None without one.
+    slider, None without one. A ``whole`` number is an integer, and a slider of integers has no others.
     """
 
     value: bool | float | str
@@ -45,6 +45,7 @@ class Variable:
     low: float | None = None
     high: float | None = None
     unit: str = ""
+    whole: bool = False
 
 
 class Variables(Observed):
@@ -72,6 +73,8 @@ class Variables(Observed):
     def slider(self, name: str, value: float, low: float, high: float, unit: str = "") -> None:
         """Declare a number with a slider. Declared again with the same first value, it keeps what was set meanwhile.
 
+        Where value, low and high are integers, it has integers alone: write 1.0 for a number with decimals.
+
         Args:
             name: an identifier.
             value: its first value.
@@ -86,28 +89,35 @@ class Variables(Observed):
         first, least, most = (finite(key, given, unit or "any unit") for key, given in named)
         if not least <= first <= most or least == most:
             raise ValueError(f"{name}: expected low <= value <= high, got {least:g}, {first:g}, {most:g}")
+        whole = all(_is_whole(given) for _, given in named)
+        if whole:
+            first, least, most = int(first), int(least), int(most)
         known = self._table.get(name, Variable(first, first, first))
         now, before = first, known.before
-        if known.first == first and isinstance(known.value, float):
-            now = min(max(known.value, least), most)
+        if known.first == first and _is_number(known.value):
+            now = _as(whole, min(max(float(known.value), least), most))
         elif name not in self._edited:
             self._edited.add(name)
             before = known.value  # that of the version which runs until the end of this cell
-        self._put(name, Variable(now, first, before, least, most, unit))
+        self._put(name, Variable(now, first, before, least, most, unit, whole))
 
     def set(self, name: str, value: Any) -> None:
         """Set a variable, as the page does: to a value of its own kind, within the ends of its slider.
+
+        A number that is whole stays an integer as long as it is set to one.
 
         Raises:
             KeyError: there is none of that name. TypeError, ValueError: no value for it.
         """
         known, checked = self._table[name], _checked(name, value)
-        if type(checked) is not type(known.value):
+        if _KINDS[type(checked)] != _KINDS[type(known.value)]:
             raise TypeError(f"{name}: expected {_KINDS[type(known.value)]}, got {value!r}")
-        if isinstance(checked, float):
+        if _is_number(checked):
             checked = finite(name, checked, known.unit or "any unit")
             if known.low is not None and known.high is not None:
-                checked = min(max(checked, known.low), known.high)
+                checked = _as(known.whole, min(max(checked, known.low), known.high))
+            elif known.whole and checked.is_integer():
+                checked = int(checked)
         self._put(name, replace(known, value=checked))
 
     def begin_version(self) -> None:
@@ -139,6 +149,10 @@ class Variables(Observed):
     def __setattr__(self, name: str, value: Any) -> None:
         checked = _checked(name, value)
         known = self._table.get(name, Variable(checked, checked, checked))
+        if known.low is None:
+            known = replace(known, whole=_is_whole(checked))
+        elif _is_number(checked) and not known.whole:
+            checked = float(checked)
         self._put(name, replace(known, value=checked))
 
     def __delattr__(self, name: str) -> None:
@@ -158,11 +172,26 @@ class Variables(Observed):
         self._call_observers()
 
 
-_KINDS = {bool: "True or False", float: "a number", str: "a text"}
+_KINDS = {bool: "True or False", int: "a number", float: "a number", str: "a text"}
 
 
 def _checked(name: str, value: Any) -> bool | float | str:
     """A value that a variable may have."""
     if isinstance(value, (bool, np.bool_)):
         return bool(value)
-    return str(value) if isinstance(value, str) else number(name, value)
+    if isinstance(value, str):
+        return str(value)
+    return int(value) if _is_whole(value) else number(name, value)
+
+
+def _is_whole(value: Any) -> bool:
+    return isinstance(value, (int, np.integer)) and not isinstance(value, bool)
+
+
+def _is_number(value: Any) -> TypeGuard[float]:
+    return isinstance(value, (int, float)) and not isinstance(value, bool)
+
+
+def _as(whole: bool, value: float) -> float:
+    """A number of a slider, as the integer next to it where it has integers alone."""
+    return round(value) if whole else value

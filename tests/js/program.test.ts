@@ -6,7 +6,7 @@ import type { Program, ProgramTold, Variable } from "../../robowidgets/js/progra
 const told = (more: object = {}) => ({ stopped: false, error: "", status: "", ...more }) as ProgramTold;
 const program = (more: object = {}) =>
   ({ mode: "running", waiting: "", error: "", note: "", prints: [], ...more }) as unknown as Program;
-const slider: Variable = { name: "near", value: 0.5, before: 0.5, low: 0.2, high: 2, unit: "m" };
+const slider: Variable = { name: "near", value: 0.5, before: 0.5, low: 0.2, high: 2, unit: "m", whole: false };
 
 test("a speed is written as Python writes it", () => {
   assert.equal(toCode([0.25, -0.30000000000000004, 0], false), "Drive(0.25, -0.3)");
@@ -34,4 +34,9 @@ test("a slider steps by about a hundredth of its range, and shows as many decima
   assert.equal(toStep(0, 100), 1);
   assert.equal(toValue(slider), "0.50");
   assert.equal(toValue({ ...slider, low: null, high: null, value: 0.1 + 0.2 }), "0.3");
+});
+
+test("a slider of integers steps by one", () => {
+  assert.equal(toStep(1, 5, true), 1);
+  assert.equal(toValue({ ...slider, low: 1, high: 5, value: 3, whole: true }), "3");
 });

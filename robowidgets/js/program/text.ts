@@ -34,17 +34,17 @@ export function toNotice(told: Told, program: Program): { text: string; isError:
 }
 
 /** A variable's value with as many decimals as its slider tells apart. */
-export function toValue({ value, low, high }: Variable): string {
+export function toValue({ value, low, high, whole }: Variable): string {
   if (typeof value !== "number") return String(value);
   if (low === null || high === null) return String(Math.round(value * 1e6) / 1e6);
-  return toFixed(value, decimalsOf(high - low));
+  return toFixed(value, decimalsOf(high - low, whole));
 }
 
-/** The step of a slider: about a hundredth of its range, a power of ten. */
-export function toStep(low: number, high: number): number {
-  return 10 ** -decimalsOf(high - low);
+/** The step of a slider: about a hundredth of its range, a power of ten; 1 for integers. */
+export function toStep(low: number, high: number, whole = false): number {
+  return 10 ** -decimalsOf(high - low, whole);
 }
 
-function decimalsOf(range: number): number {
-  return Math.max(0, Math.round(2 - Math.log10(range)));
+function decimalsOf(range: number, whole: boolean): number {
+  return whole ? 0 : Math.max(0, Math.round(2 - Math.log10(range)));
 }

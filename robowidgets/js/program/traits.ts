@@ -48,4 +48,6 @@ export interface Variable {
   low: number | null;
   high: number | null;
   unit: string;
+  /** Whether a number is an integer; a slider of integers has no others. */
+  whole: boolean;
 }

@@ -90,14 +90,14 @@ class Row {
   }
 
   update(variable: Variable): void {
-    const { value, before, low, high, unit } = variable;
+    const { value, before, low, high, unit, whole } = variable;
     if (performance.now() - this.#setAt < ECHO_MS || (this.kind === "number" && this.#input.matches(":focus"))) {
       return;
     }
     setText(this.#value, toValue(variable));
     setText(this.#unit, unit);
     if (low !== null && high !== null) {
-      Object.assign(this.#input, { min: String(low), max: String(high), step: String(toStep(low, high)) });
+      Object.assign(this.#input, { min: String(low), max: String(high), step: String(toStep(low, high, whole)) });
       const share = Math.min(Math.max((Number(before) - low) / (high - low), 0), 1);
       this.#tick.style.left = `calc(5px + ${share} * (100% - 12px))`; // the middle of the handle, which is 12 px wide
     }

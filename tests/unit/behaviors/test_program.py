@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import gc
 import logging
+import re
 import sys
 import threading
 import time
@@ -364,6 +365,58 @@ def test_variables_keep_what_was_set_by_hand_until_their_first_value_changes(rob
         _ = variables.far
     with pytest.raises(ValueError, match="expected low <= value <= high, got 1, 3, 2"):
         variables.slider("wide", 3, 1, 2)
+
+
+def test_the_log_has_its_error_without_our_frames_and_no_warning_of_what_is_none(
+    robot: Feed, caplog: pytest.LogCaptureFixture
+) -> None:
+    def first():  # type: ignore[no-untyped-def]
+        return Drive()
+
+    def second():  # type: ignore[no-untyped-def]
+        try:
+            return Drive("fast")  # type: ignore[arg-type]
+        except TypeError as error:
+            raise ValueError("no speed") from error
+
+    with caplog.at_level(logging.INFO, "robowidgets"):
+        robot.program(first)
+        program = robot.program(second)
+        wait_for(lambda: "Traceback" in caplog.text, "the error is logged")
+    assert program.mode == "failed"
+    replaces = next(record for record in caplog.records if "replaces" in record.message)
+    assert replaces.levelno == logging.INFO
+    files = re.findall(r'File "(.+)", line', caplog.text)
+    assert files == [__file__, __file__]
+    assert caplog.text.count("Traceback") == 2
+
+
+def test_integers_stay_integers_in_variables(robot: Feed) -> None:
+    variables = robot.variables
+
+    def value(name: str) -> tuple[type, Any]:
+        return type(getattr(variables, name)), getattr(variables, name)
+
+    variables.turns, variables.way, variables.index = 3, 3.0, np.int64(7)
+    assert (value("turns"), value("way"), value("index")) == ((int, 3), (float, 3.0), (int, 7))
+    variables.set("turns", 4.0)
+    variables.set("way", 4)
+    assert (value("turns"), value("way")) == ((int, 4), (float, 4.0))
+    variables.set("turns", 0.5)
+    assert value("turns") == (float, 0.5)
+    variables.set("turns", 2)
+    assert value("turns") == (int, 2), "a number that was whole is so again"
+    with pytest.raises(TypeError, match="turns: expected a number, got True"):
+        variables.set("turns", True)
+    variables.slider("rooms", 3, 1, 9)
+    variables.slider("near", 1.0, 0, 2)
+    variables.set("rooms", 4.4)
+    variables.set("near", 2)
+    variables.near = 1
+    assert (value("rooms"), value("near")) == ((int, 4), (float, 1.0))
+    variables.slider("rooms", 3, 1, 3)
+    assert value("rooms") == (int, 3)
+    assert range(variables.rooms) == range(3)
 
 
 def test_a_program_shows_a_distance_that_may_be_inf_and_a_truth_of_numpy(robot: Feed) -> None:
