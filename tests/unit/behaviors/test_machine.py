@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from typing import Any
 
 import pytest
@@ -653,6 +654,7 @@ def test_two_moves_that_take_turns_at_every_step_are_told_while_they_do(caplog: 
         forward = avoid = None
         moves = "forward -> avoid on near", "avoid -> forward on free"
 
+    caplog.set_level(logging.INFO, "robowidgets")
     run = Run(Walker)
     run.variables.way = 1.0
     for i in range(10):
