@@ -278,7 +278,7 @@ class Connection(Observed):
     def await_subscriber(self, topic: str) -> None:
         """Wait, on a feed that was just opened, for the connection and for a subscriber to a topic."""
         self.wait_until(
-            lambda: self._reached and (bool(self.status) or self._has_subscriber(topic)),
+            lambda: self._reached and (self.status not in ("", self.nobody) or self._has_subscriber(topic)),
             self._opened + PATIENCE - time.monotonic(),
         )
 

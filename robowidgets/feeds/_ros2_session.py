@@ -6,11 +6,11 @@ import os
 import secrets
 import threading
 import time
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping
 from contextlib import ExitStack, suppress
 from typing import Any, NamedTuple
 
-from ._ros2_common import ALONE, adverts_of, is_alone, no_robot, not_coming, not_received, queue_depth, speed_types
+from ._ros2_common import adverts_of, not_coming, not_received, queue_depth, speed_types
 from ._twist import fill
 from .middleware import MOST_UNREAD, SEND_TIMEOUT, Advert, Listener, NotYetError
 
@@ -69,8 +69,6 @@ class Session:
         # Random, because processes in containers often have the same id, and rcl warns of two nodes with one name.
         self._name = f"robowidgets_{os.getpid()}_{secrets.token_hex(3)}"
         self._opened = time.monotonic()
-        self._is_alone = True
-        """Whether no robot was there so far."""
         self._context = Context()
         self._offers: dict[str, list[Any]] = {}
         self._subscriptions: dict[_Wish, tuple[Any, Any]] = {}
@@ -94,28 +92,20 @@ class Session:
         """Whether it was not shut down."""
         return bool(self._context.ok())
 
-    def report(self, adverts: Sequence[Advert]) -> None:
-        """Report the topics that `look` found; none at all only when there was time to discover some."""
-        if not is_alone(adverts):
-            if self._is_alone:
-                self._listener.on_nobody("")
-            self._is_alone = False
-        elif self._is_alone:
-            if time.monotonic() < self._opened + ALONE:
-                return
-            self._listener.on_nobody(
-                no_robot(
-                    self._context.get_domain_id(),
-                    "Do both sides have the same RMW_IMPLEMENTATION? Does one have ROS_LOCALHOST_ONLY or "
-                    "ROS_AUTOMATIC_DISCOVERY_RANGE set?",
-                )
-            )
-        self._listener.on_topics(adverts)
+    @property
+    def domain_id(self) -> int:
+        """The number of the domain."""
+        return int(self._context.get_domain_id())
+
+    @property
+    def age(self) -> float:
+        """Seconds since it was opened."""
+        return time.monotonic() - self._opened
 
     @property
     def is_young(self) -> bool:
         """Whether other participants may not be discovered yet."""
-        return time.monotonic() < self._opened + DISCOVERY
+        return self.age < DISCOVERY
 
     def wake(self) -> None:
         """Make `spin_once` return. After `Executor.wake` it would only rebuild its wait set and wait on."""

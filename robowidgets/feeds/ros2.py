@@ -5,14 +5,14 @@ from __future__ import annotations
 import logging
 import os
 import time
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
-from ._ros2_common import checked_domain
+from ._ros2_common import ALONE, checked_domain, is_alone, no_robot
 from ._ros2_session import Session, one_line
 from ._threaded import ThreadedMiddleware
 from .feed import Feed
-from .middleware import SEND_TIMEOUT, FeedError, Listener
+from .middleware import SEND_TIMEOUT, Advert, FeedError, Listener
 
 log = logging.getLogger("robowidgets")
 
@@ -21,6 +21,9 @@ LOOK = 1.0
 
 EARLY_LOOK = 0.2
 """Seconds between two queries in a new session, while the robot's topics are discovered one after another."""
+
+_RMW = "Do both sides have the same RMW_IMPLEMENTATION?"
+_RANGE = "Does one have ROS_LOCALHOST_ONLY or ROS_AUTOMATIC_DISCOVERY_RANGE set?"
 
 
 class Ros2(ThreadedMiddleware):
@@ -46,6 +49,8 @@ class Ros2(ThreadedMiddleware):
         self._down = ""
         """The reason why there is no session until the next attempt."""
         self._matched: set[tuple[str, str]] = set()
+        self._is_alone = True
+        """Whether no robot was there so far."""
 
     @property
     def where(self) -> str:
@@ -127,16 +132,28 @@ class Ros2(ThreadedMiddleware):
             listener.on_lost(f"{self.where} cannot be used: rclpy was shut down", 0.0)
         listener.on_connected()
         self._backoff.reset()
-        session.report(adverts)
+        self._report(session, adverts, listener)
         due = 0.0
         followed: tuple[frozenset[str], frozenset[str]] = frozenset(), frozenset()
         while not self._closed.is_set() and session.ok():
             wanted = self._wanted, self._each
             if wanted != followed or time.monotonic() >= due:
                 followed, due = wanted, time.monotonic() + (EARLY_LOOK if session.is_young else LOOK)
-                session.report(session.look())
+                self._report(session, session.look(), listener)
                 session.follow(*wanted)
             session.spin_once(max(0.0, due - time.monotonic()))
+
+    def _report(self, session: Session, adverts: Sequence[Advert], listener: Listener) -> None:
+        """Report the topics; none at all only when there was time to discover some."""
+        if not is_alone(adverts):
+            if self._is_alone:
+                listener.on_nobody("")
+            self._is_alone = False
+        elif self._is_alone:
+            if session.age < ALONE:
+                return
+            listener.on_nobody(no_robot(session.domain_id, _RMW, _RANGE))
+        listener.on_topics(adverts)
 
     def _set_session(self, session: Session | None, down: str = "") -> None:
         with self._lock:
