@@ -169,7 +169,7 @@ class Bridge(ThreadedMiddleware):
         """A frame was received: keep it, in place of an older one of its topic if the newest is enough."""
         raise NotImplementedError
 
-    def on_silent(self) -> None:
+    def on_no_answer(self) -> None:
         """Nobody has answered for a moment: what to compare is told, unless the robot was reached or told of before."""
         if not self._was_tried:
             self._listener.on_nobody(f"no answer from {self.where} yet: {COMPARE}")

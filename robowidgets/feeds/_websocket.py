@@ -185,7 +185,7 @@ class WebSocket:
                 subprotocols=self._subprotocols,
             )
         )
-        silence = asyncio.get_running_loop().call_later(SILENT, self._bridge.on_silent)
+        silence = asyncio.get_running_loop().call_later(SILENT, self._bridge.on_no_answer)
         try:
             return await asyncio.shield(connecting)
         except asyncio.CancelledError:

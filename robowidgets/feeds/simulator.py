@@ -81,13 +81,13 @@ class Simulated(ThreadedMiddleware):
             self._backoff.reset()
             listener.on_connected()
 
-        return self._live.run(listener.on_message, on_start)
+        return self._live.run(listener.on_message, on_start, listener.on_missed)
 
     def _wake(self) -> None:
         if self._closed.is_set():
             self._live.end()
         else:
-            self._live.want(self._wanted)
+            self._live.want(self._wanted, self._each)
 
 
 class SimulatorFeed(Feed):

@@ -41,8 +41,11 @@ class RealTime:
         self._driven_at = 0.0
         self._ended = threading.Event()
 
-    def want(self, topics: Collection[str]) -> None:
-        """Pass on the samples of these topics, out of /scan, /odom, /cmd_vel and /bumper, and of no others."""
+    def want(self, topics: Collection[str], each: Collection[str] = ()) -> None:  # noqa: ARG002  # it leaves out none
+        """Pass on the samples of these topics, out of /scan, /odom, /cmd_vel and /bumper, and of no others.
+
+        Of the topics in ``each``, every sample is passed on; of others the newest is enough.
+        """
         self._wanted = frozenset(topics)
 
     def drive(self, linear: float, angular: float, lateral: float) -> None:

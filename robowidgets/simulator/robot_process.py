@@ -9,7 +9,9 @@ import subprocess
 import sys
 import threading
 import traceback
+from collections import Counter
 from collections.abc import Callable, Collection
+from functools import partial
 from typing import IO, Any
 
 from .real_time import RealTime
@@ -17,8 +19,11 @@ from .robot import Robot
 
 SERVE = "import sys; sys.path[:] = {path!r}; from robowidgets.simulator.robot_process import serve; serve()"
 
-STATE, WORLD = "state", "world"
+STATE, WORLD, MISSED = "state", "world", "missed"
 """Names of messages that are not those of a topic."""
+
+MOST_WAITING = 1000
+"""Samples of a topic that wait to be read, where each is wanted; when more come, the oldest are dropped and counted."""
 
 ALONE = 0.5
 """Seconds between two looks whether the other process is still there."""
@@ -38,7 +43,7 @@ class RobotProcess:
 
     def __init__(self, robot: Robot, hz: float, wander: bool) -> None:
         self._robot, self._rest = robot, (hz, wander)
-        self._wanted: Collection[str] = ()
+        self._wanted: tuple[Collection[str], Collection[str]] = (), ()
         self._starting = threading.Lock()
         self._ended = False
         self._process: subprocess.Popen[bytes] | None = None
@@ -58,11 +63,11 @@ class RobotProcess:
         """The number of the process; 0 before the first."""
         return self._process.pid if self._process is not None else 0
 
-    def want(self, topics: Collection[str]) -> None:
+    def want(self, topics: Collection[str], each: Collection[str] = ()) -> None:
         """See `RealTime`."""
-        self._wanted = topics
+        self._wanted = topics, each
         with contextlib.suppress(OSError):  # the next process gets them
-            self._tell("want", topics)
+            self._tell("want", topics, each)
 
     def drive(self, linear: float, angular: float, lateral: float) -> None:
         """See `RealTime`. ConnectionRefusedError if the process has not started; OSError if it cannot be reached."""
@@ -76,12 +81,18 @@ class RobotProcess:
             if self._process is not None:
                 self._process.kill()
 
-    def run(self, on_sample: Callable[[str, Any], object], on_start: Callable[[], object]) -> str:
+    def run(
+        self,
+        on_sample: Callable[..., object],
+        on_start: Callable[[], object],
+        on_missed: Callable[[str, int], object],
+    ) -> str:
         """Run a process, with the robot as it is here, until it ends; returns why, for a person.
 
         Args:
-            on_sample: see `RealTime`.
+            on_sample: called as that of `RealTime`, with ``newest=False`` for a sample that was replaced already.
             on_start: called when the robot there has moved for the first time.
+            on_missed: called with a topic of which each sample is wanted, and how many of them were dropped.
         """
         with self._starting:
             if self._ended:
@@ -97,16 +108,21 @@ class RobotProcess:
             with self._writing:
                 pickle.dump((self._robot, *self._rest, self._edits), process.stdin)
                 # With the lock held: topics that are wanted from now on come after these, and replace them.
-                pickle.dump(("want", self._wanted), process.stdin)
+                pickle.dump(("want", *self._wanted), process.stdin)
                 process.stdin.flush()
                 self._pipe = process.stdin
             is_started = False
             while True:
-                for name, value in pickle.load(process.stdout):
+                messages = pickle.load(process.stdout)
+                last = {name: number for number, (name, _) in enumerate(messages)}
+                for number, (name, value) in enumerate(messages):
                     if not is_started:
                         is_started = True
                         on_start()
-                    self._take(on_sample, name, value)
+                    if name == MISSED:
+                        on_missed(*value)
+                    else:
+                        self._take(partial(on_sample, newest=number == last[name]), name, value)
         except (EOFError, OSError, pickle.UnpicklingError):
             with contextlib.suppress(subprocess.TimeoutExpired):
                 process.wait(ALONE)
@@ -151,29 +167,47 @@ class RobotProcess:
                 raise ConnectionError(f"the process of the simulated robot cannot be reached: {error}") from None
 
 
-class _Newest:
-    """In the process of the robot: writes the newest message of each name, as fast as they are read."""
+class _Outbox:
+    """In the process of the robot: writes the newest message of each name, as fast as they are read.
+
+    Attributes:
+        each: the names of which each message is written.
+    """
 
     def __init__(self) -> None:
+        self.each: Collection[str] = ()
         self._lock = threading.RLock()
         self._changed = threading.Condition(self._lock)
-        self._waiting: dict[str, Any] = {}
+        self._waiting: dict[str, list[Any]] = {}
+        self._missed: Counter[str] = Counter()
 
     def put(self, name: str, message: Any) -> None:
-        """Write a message in place of one of its name that waits."""
+        """Write a message, in place of one of its name that waits if the newest is enough."""
         with self._lock:
-            self._waiting[name] = message
+            waiting = self._waiting.setdefault(name, [])
+            if name not in self.each:
+                waiting.clear()
+            elif len(waiting) >= MOST_WAITING:
+                del waiting[0]
+                self._missed[name] += 1
+            waiting.append(message)
             self._changed.notify()
+
+    def take(self) -> list[tuple[str, Any]]:
+        """Wait a moment for what is to be written."""
+        with self._lock:
+            self._changed.wait_for(lambda: self._waiting, ALONE)
+            messages = [(name, message) for name, waiting in self._waiting.items() for message in waiting]
+            missed = [(MISSED, counted) for counted in self._missed.items()]
+            self._waiting, self._missed = {}, Counter()
+        return [*messages, *missed]
 
     def write(self, out: IO[bytes], parent: int) -> None:
         """Write until nobody reads any more, or the process that started this one is gone; then end this one."""
         try:
             while os.getppid() == parent:
-                with self._lock:
-                    self._changed.wait_for(lambda: self._waiting, ALONE)
-                    messages, self._waiting = self._waiting, {}
-                if messages:
-                    pickle.dump([*messages.items()], out)
+                if messages := self.take():
+                    pickle.dump(messages, out)
                     out.flush()
         except OSError:
             pass  # nobody reads any more
@@ -188,10 +222,10 @@ def serve() -> None:
     sys.stdout = sys.stderr  # what is printed must not get among the messages
     with contextlib.suppress(EOFError, OSError):
         robot, hz, wander, edits = pickle.load(given)
-        real_time, newest = RealTime(robot, hz, wander), _Newest()
-        robot.observe(lambda: newest.put(STATE, (edits, robot.snapshot())))
-        threading.Thread(target=newest.write, args=(out, parent), daemon=True).start()
-        threading.Thread(target=real_time.run, args=(newest.put,), daemon=True).start()
+        real_time, outbox = RealTime(robot, hz, wander), _Outbox()
+        robot.observe(lambda: outbox.put(STATE, (edits, robot.snapshot())))
+        threading.Thread(target=outbox.write, args=(out, parent), daemon=True).start()
+        threading.Thread(target=real_time.run, args=(outbox.put,), daemon=True).start()
         while True:
             act, *rest = pickle.load(given)
             if act == "edit":
@@ -199,7 +233,9 @@ def serve() -> None:
                 try:
                     robot.place(world or robot.world, pose or robot.pose)
                 except ValueError:  # it has moved to where there is no room for that any more
-                    newest.put(WORLD, robot.world)
+                    outbox.put(WORLD, robot.world)
             else:
+                if act == "want":
+                    outbox.each = rest[1]
                 getattr(real_time, act)(*rest)
     os._exit(0)

@@ -14,8 +14,8 @@ import pytest
 
 from robowidgets import feeds
 from robowidgets.feeds.simulator import Simulated
-from robowidgets.simulator import World
-from robowidgets.simulator.robot_process import RobotProcess
+from robowidgets.simulator import World, robot_process
+from robowidgets.simulator.robot_process import MISSED, RobotProcess, _Outbox
 
 from ..waiting import wait_for
 
@@ -47,6 +47,37 @@ def test_it_is_driven_measured_moved_and_goes_on_while_a_call_holds_the_interpre
             if (passed := time.monotonic() - began) > 2.0:
                 break
         wait_for(lambda: robot.time - before > passed - 0.3, "its time has gone on", 0.5)
+
+
+def test_each_sample_is_recorded_while_a_call_holds_the_interpreter(tmp_path: Path) -> None:
+    with feeds.simulator(room=ROOM, process=True, wander=False, hz=100) as feed:
+        seen: list[object] = []
+        feed.connection.attach("/odom", seen.append)
+        with feed.record(tmp_path / "run.mcap", "/odom") as recorder:
+            wait_for(lambda: recorder.written["/odom"] > 10, "it records")
+            recorded, shown, before = recorder.written["/odom"], len(seen), feed.robot.time
+            for length in range(20, 40):
+                began = time.monotonic()
+                re.match("(a+)+$", "a" * length + "b")  # no other thread runs until it returns
+                if time.monotonic() - began > 1.0:
+                    break
+            wait_for(lambda: recorder.written["/odom"] >= recorded + 100, "what came meanwhile is recorded")
+            steps = round((feed.robot.time - before) * 100)
+            wait_for(lambda: recorder.written["/odom"] >= recorded + steps - 2, "all of it is")
+        assert recorder.problems == ()
+        assert len(seen) - shown < recorder.written["/odom"] - recorded, "others get the newest"
+
+
+def test_of_samples_that_wait_too_long_the_oldest_are_dropped_and_counted(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(robot_process, "MOST_WAITING", 3)
+    outbox = _Outbox()
+    outbox.each = ("/odom",)
+    for number in range(5):
+        outbox.put("/odom", number)
+        outbox.put("/scan", number)
+    assert outbox.take() == [("/odom", 2), ("/odom", 3), ("/odom", 4), ("/scan", 4), (MISSED, ("/odom", 2))]
+    outbox.put("/odom", 5)
+    assert outbox.take() == [("/odom", 5)]
 
 
 def test_a_robot_whose_process_is_killed_goes_on_where_it_was() -> None:
