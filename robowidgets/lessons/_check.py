@@ -109,7 +109,8 @@ def judged(function: Callable[..., Any], name: str, cases: Sequence[Case], bound
             right += 1
             continue
         hints = dict.fromkeys(bounded.hints)  # who gets one need not look for what else may be wrong
-        advice = [hint for hint in hints if hint not in told] if hints else [error.advice][: bool(error.advice)]
+        advice = [f"{hint[0].upper()}{hint[1:]}" for hint in hints if hint not in told]
+        advice += [error.advice] if error.advice and not hints else []
         told.update(hints)
         wrong.append(". ".join((f"{case.title}: {error}", *advice)))
         sample = case.sample if sample is None else sample

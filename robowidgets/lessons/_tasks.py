@@ -102,11 +102,11 @@ def stop_at_wall() -> Sequence[Case]:
                 "a limit: no comparison with NaN is true"
             )
 
-    leg = (1.5, 0.05, 0.02)
+    legs = (("left", (1.5, 0.05, 0.02)), ("right", (1.5, -0.05, 0.02)))  # no single ray sees both
     return [
         _stop("a wall ahead", World([ahead]), ahead[0]),
         _stop("a wall ahead and one close beside", World([ahead, beside]), ahead[0]),
-        _stop("a chair leg ahead", World([ahead], [leg]), leg[0] - leg[2]),
+        *(_stop(f"a chair leg ahead, to the {side}", World([ahead], [leg]), leg[0] - leg[2]) for side, leg in legs),
         Case("a covered scanner, which sends NaN alone", covered, blind),
     ]
 

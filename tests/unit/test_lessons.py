@@ -110,6 +110,11 @@ class TestWrongAnswers:
                 lambda scan: 0.3 * (scan.ranges[len(scan) // 2] > 0.5),
                 "and the ray straight ahead passes it: one ray is not enough, take a sector as wide as the robot",
             ),
+            (
+                "stop_at_wall",
+                lambda scan: 0.3 * (scan.at("5deg").range > 0.5),
+                "a chair leg ahead, to the right: it hit what is ahead",
+            ),
             ("bumper_reflex", turn_in_degrees, "90 rad/s are 14.3 turns a second. Are they degrees? math.radians(90)"),
             ("bumper_reflex", lambda _touch: (20.0, 0.0), "20 m/s are 72 km/h. Are they centimetres?"),
             ("bumper_reflex", lambda _touch: (math.nan, 0.0), "a speed is a finite number"),
