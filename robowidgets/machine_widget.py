@@ -107,8 +107,8 @@ class MachineWidget(RobotWidget[MachineStep]):
 
     def _describe(self) -> str:
         program = self._program
-        active = program.version.function.active if program and isinstance(program.version.function, Machine) else ()
-        return " + ".join(active)
+        machine = program.version.function if program else None
+        return machine.active_text if isinstance(machine, Machine) else ""
 
     def _on_page(self, _widget: Any, content: Any, _buffers: Any) -> None:
         """Go to a state, unless a busy kernel delayed the message. In the main thread or a subshell's."""

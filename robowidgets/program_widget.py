@@ -109,7 +109,7 @@ class ProgramWidget(DrivingWidget):
             "speed": (program.returned.linear, program.returned.angular, program.returned.lateral),
             "kept": program.kept,
             "limits": (driving.max_linear, driving.max_angular, driving.max_lateral) if driving else (0.5, 1.0, 0.0),
-            "active": " + ".join(function.active) if isinstance(function, Machine) else "",
+            "active": function.active_text if isinstance(function, Machine) else "",
             "prints": [(round(seconds, 2), text) for seconds, text in program.prints.lines],
         }
 

@@ -80,7 +80,7 @@ class SpeedWidget(RobotWidget[Reading]):
         angular_limits: the same in rad/s.
         limits: by axis, instead of those two: ``{"linear.x": (-0.2, 0.5), "angular.z": 1.8}``. To change it, set
             another dictionary.
-        planar: whether only linear x, linear y and angular z are shown. The view writes it too.
+        planar: whether only linear x, linear y and yaw (angular z) are shown. The view writes it too.
         bars: "commanded" where `update` is given what was asked for, and nothing is measured: bars, legend and header
             tell it from a measured speed; else "measured".
         over_time: seconds of each axis that are shown as lines below the bars, 0 (none) to 600; at most those of

@@ -13,6 +13,8 @@ from dataclasses import dataclass, field
 from types import FunctionType
 from typing import Any
 
+from ..samples.state_span import spelled
+
 ACTIONS = ("entry", "running", "exit")
 DONE = "done"
 """The event that is true when the nested machines of a state are in a state that no move leaves."""
@@ -95,7 +97,7 @@ class Outline:
         """What its author may have meant otherwise, one line each."""
         lost = [name for name in self.unnamed if name != self.initial]
         return (
-            *(f"no move leads to the state {self.path}.{name}" for name in lost),
+            *(f"no move leads to the state {spelled(self.path)} › {name}" for name in lost),
             *(f"no move names {self.path}.{name}: a lambda is an event, def {name}() a state" for name in self.unused),
         )
 

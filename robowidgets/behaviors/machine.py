@@ -21,7 +21,7 @@ from .._core.inform import inform
 from ..kinds import KINDS
 from ..samples import Ray
 from ..samples.checks import finite
-from ..samples.state_span import StateSpan
+from ..samples.state_span import StateSpan, spelled
 from ..samples.verdict import Trace, Verdict
 from ._outline import DONE, Move, Node, Outline, described, outline_of
 from ._parameters import asked_by
@@ -173,6 +173,11 @@ class Machine:
         start = len(self.root.path) + 1
         return tuple(node.path[start:] for node, _ in self._active_nodes(self.root))
 
+    @property
+    def active_text(self) -> str:
+        """The active states as the picture writes them: inner ones behind outer ones, ``avoid › turn + look``."""
+        return self._before.active_text if self._before is not None else self._text_of(self.root)
+
     def describe(self) -> list[dict[str, Any]]:
         """Its machines, with their states and moves, as plain values."""
         return [described(machine) for machine in self.root.machines]
@@ -186,12 +191,12 @@ class Machine:
         return Machine(self.cls)
 
     def go_to(self, path: str) -> None:
-        """Go to a state at the next step, named as in `active`: ``"avoid.turn"``.
+        """Go to a state at the next step, named as in `active`, ``"avoid.turn"``, or the picture: ``"avoid › turn"``.
 
         Raises:
             ValueError: there is no such state.
         """
-        wanted, start = path.removeprefix(f"{self.root.path}."), len(self.root.path) + 1
+        wanted, start = path.replace(" › ", ".").removeprefix(f"{self.root.path}."), len(self.root.path) + 1
         ways = {node.path[start:]: way for way, node in _ways_to_states(self.root)}
         if wanted not in ways:
             raise ValueError(f"{self.name} has no state {wanted!r}; there are {', '.join(ways)}")
@@ -271,13 +276,22 @@ class Machine:
                     yield machine.states[name], entered
                     yield from self._active_nodes(machine.states[name])
 
+    def _text_of(self, node: Node) -> str:
+        parts = []
+        for machine in node.machines:
+            name, _ = self._states.get(machine.path, ("", 0.0))
+            if name in machine.states:
+                parts.append(" › ".join(filter(None, (name, self._text_of(machine.states[name])))))
+        return " + ".join(parts)
+
     def _resume(self, node: Node, now: float) -> None:
         """Enter the initial state of each machine without an active state."""
         for machine in node.machines:
             known = self._states.get(machine.path)
             if known is None or known[0] not in machine.states:
                 if known is not None:
-                    self.note = f"the state {known[0]} is gone: {machine.initial} takes over"
+                    gone = spelled(f"{machine.path}.{known[0]}"[len(self.root.path) + 1 :])
+                    self.note = f"the state {gone} is gone: {machine.initial} takes over"
                     inform(f"program {self.name}: {self.note}")
                     self._note_left(machine.path, now)
                 self._enter(machine, machine.initial, now)
@@ -400,7 +414,9 @@ class Machine:
             hint = (
                 "" if not isinstance(result, bool) else "; a function is an event where a move names it: a -> b on it"
             )
-            raise TypeError(f"{node.path} returned {result!r}: expected a Drive, or None to keep the speed{hint}")
+            raise TypeError(
+                f"{spelled(node.path)} returned {result!r}: expected a Drive, or None to keep the speed{hint}"
+            )
 
     def _call(
         self,

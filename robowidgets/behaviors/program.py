@@ -20,6 +20,7 @@ from .._core.rate import RateMeter
 from .._core.short_traceback import without_our_frames
 from .._core.user_function import line_of, say_what_was_meant
 from .._core.user_threads import UserThread, frames_of
+from ..samples.state_span import spelled
 from .drive import STANDSTILL, drive_of
 from .prints import Prints, capture, release
 from .robot import DRIVEN, GIVEN, TURNED, NotReadyError, Robot
@@ -132,8 +133,10 @@ class Program(Observed):
         return self.version.function(*args, **kwargs)
 
     def __repr__(self) -> str:
+        states = getattr(self.version.function, "active_text", "")
         return f"program {self.name}, version {self.version.number}, {self.mode}" + (
-            f": {self.error or self.waiting}" if self.error or self.waiting else ""
+            (f" in {states}" if states and self.mode != ENDED else "")
+            + (f": {self.error or self.waiting}" if self.error or self.waiting else "")
         )
 
     @property
@@ -204,7 +207,7 @@ class Program(Observed):
             raise TypeError(f"{self.name} is no state machine, and has no state {state!r} to go to")
         function.go_to(state)
         if self.mode != RUNNING:
-            self.note = f"goes to {state} at its next step"
+            self.note = f"goes to {spelled(state)} at its next step"
         self._call_observers()
 
     def pause(self, note: str = "") -> None:

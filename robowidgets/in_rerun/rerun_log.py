@@ -200,7 +200,7 @@ class SpeedLog(TopicLog):
     def views(self) -> list[tuple[Any, float]]:
         """See `TopicLog`."""
         views = []
-        for name, axes in (("Speed, m/s", AXES[:3]), ("Turn, rad/s", AXES[3:])):
+        for name, axes in (("Linear, m/s", AXES[:3]), ("Angular, rad/s", AXES[3:])):
             lines = [entity for topic in self._topics for entity in self._moving(topic.name, axes)]
             if lines:
                 views.append((self._rr.blueprint.TimeSeriesView(origin="speeds", contents=lines, name=name), _PLOT))

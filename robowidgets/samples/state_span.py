@@ -11,6 +11,11 @@ MOST_ROWS = 3
 """Rows of a band of states."""
 
 
+def spelled(path: str) -> str:
+    """A state as pictures and texts write it: ``Walker › avoid › turn`` for ``Walker.avoid.turn``, as programs do."""
+    return path.replace(".", " › ")
+
+
 class StateSpan(NamedTuple):
     """A span in which a state was active, in seconds from the start of a recording, or of a program.
 

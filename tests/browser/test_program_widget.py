@@ -75,7 +75,7 @@ def test_a_program_is_seen_set_stopped_run_and_replaced(plain_page: Callable[...
         return nb.python(f"print({expression})").strip()
 
     expect(widget.locator(".rw-title")).to_have_text("walker")
-    expect(widget.locator(".rw-program-active")).to_contain_text("avoid + avoid.")
+    expect(widget.locator(".rw-program-active")).to_contain_text("avoid › ")
     nb.run(1)
     expect(widget.locator(".rw-title")).to_have_text("avoid")
     expect(widget.locator(".rw-program-code")).to_have_text("Drive(0.25, -0.3)")

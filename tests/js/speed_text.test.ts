@@ -97,8 +97,8 @@ test("limits are written with the decimals they need and a real minus", () => {
 });
 
 test("a state past a limit has a mark and words", () => {
-  assert.deepEqual(stateWords("over"), ["▲", "over", "max"]);
-  assert.deepEqual(stateWords("under"), ["▼", "under", "min"]);
+  assert.deepEqual(stateWords("over"), ["▲", "over", "limit"]);
+  assert.deepEqual(stateWords("under"), ["▼", "under", "limit"]);
   assert.deepEqual(stateWords("within"), ["", "", ""]);
 });
 
@@ -116,14 +116,14 @@ test("the pop-up tells an axis exactly", () => {
     ),
   );
   assert.deepEqual(words, {
-    expression: "angular.z",
-    direction: "turns right",
+    expression: "yaw (angular.z)",
+    direction: "right",
     value: "−1.2346 rad/s",
-    alarm: "under min",
+    alarm: "under the limit of −1",
     details: [
       ["limits", "−1 to 1"],
       ["commanded", "−0.5000"],
-      ["least", "−1.5000 under min"],
+      ["least", "−1.5000 under the limit of −1"],
       ["greatest", "0.2500"],
     ],
   });
@@ -132,7 +132,7 @@ test("the pop-up tells an axis exactly", () => {
 test("the pop-up says when a bar is longer than the scale", () => {
   const words = describeAxis(axisFacts(0, { measured: [Infinity, 0, 0, 0, 0, 0] }));
   assert.equal(words.value, "+inf m/s");
-  assert.equal(words.alarm, "over max, off the scale");
+  assert.equal(words.alarm, "over the limit of 1, off the scale");
 });
 
 test("the pop-up of an axis without a value says so, and claims no direction", () => {
@@ -143,21 +143,21 @@ test("the pop-up of an axis without a value says so, and claims no direction", (
 test("the pop-up of a command alone says that nothing was measured", () => {
   const { value, details } = describeAxis(axisFacts(0, { commanded: [2, 0, 0, 0, 0, 0] }));
   assert.equal(value, "not measured");
-  assert.deepEqual(details[1], ["commanded", "2.0000 over max"]);
+  assert.deepEqual(details[1], ["commanded", "2.0000 over the limit of 1"]);
 });
 
 test("a positive speed goes the way REP-103 says", () => {
   const positive = [0, 1, 2, 3, 4, 5].map(
     (i) => describeAxis(axisFacts(i, { measured: NONE.map(() => 0.5) })).direction,
   );
-  assert.deepEqual(positive, ["forward", "left", "up", "rolls right", "nose down", "turns left"]);
+  assert.deepEqual(positive, ["forward", "left", "up", "rolls right", "nose down", "left"]);
   const still = describeAxis(axisFacts(0, { measured: [0.00001, 0, 0, 0, 0, 0] }));
   assert.equal(still.direction, "");
 });
 
 test("one line says what is past its limits", () => {
   assert.equal(summary([0.5, 0, 0, 0, 0, 0]), "within limits");
-  assert.equal(summary([1.5, 0, 0, 0, 0, -2]), "linear.x over max, angular.z under min");
+  assert.equal(summary([1.5, 0, 0, 0, 0, -2]), "linear.x over the limit of 1, yaw under the limit of −1");
   assert.equal(summary([1.5, 2, 0, 0, 0, -2]), "3 past their limits");
   assert.equal(summary(NONE), "");
   assert.equal(summarize([], []), "");
@@ -197,7 +197,7 @@ test("the fastest speed counts commands and peaks of the axes on show, and never
 
 test("an axis that is not shown but moves or passes its limit is named", () => {
   assert.equal(summary([0, 0, 0.25, 0.001, NaN, 0], true), "within limits · not shown: linear.z 0.25");
-  assert.equal(summary([0, 0, 1.5, 0, 0, 0], true), "linear.z over max · not shown: linear.z 1.50");
+  assert.equal(summary([0, 0, 1.5, 0, 0, 0], true), "linear.z over the limit of 1 · not shown: linear.z 1.50");
 });
 
 test("planar shows linear x and y and angular z, on scales of their limits alone", () => {

@@ -1,6 +1,7 @@
 import { make } from "../shared/dom.ts";
 import { on } from "../shared/events.ts";
 import { toFixed } from "../shared/format.ts";
+import { toWords } from "../shared/states/states.ts";
 import type { Fired } from "./traits.ts";
 
 const STEPS: Record<string, number> = { ArrowDown: 1, ArrowUp: -1 };
@@ -55,7 +56,7 @@ export class Entries {
     words.append(said, make("span", "rw-index", fired.index === null ? "" : `[${fired.index}]`));
     const way = make("b", "rw-fired-way", `${fired.source} \u2192 ${fired.target}`);
     row.append(make("span", "rw-fired-time", toFixed(fired.time, 2)), way, words);
-    row.title = `${fired.machine}: ${way.textContent}\n${fired.why} ${fired.reading}\nShow this moment`;
+    row.title = `${toWords(fired.machine)}: ${way.textContent}\n${fired.why} ${fired.reading}\nShow this moment`;
     on(row, "click", () => this.#show(fired), this.#signal);
     return row;
   }

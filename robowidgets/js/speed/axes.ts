@@ -27,7 +27,7 @@ const LINEAR: Row[] = [
 const ANGULAR: Row[] = [
   ["x", "roll", "rolls right", "rolls left", false],
   ["y", "pitch", "nose down", "nose up", false],
-  ["z", "yaw", "turns left", "turns right", true],
+  ["z", "yaw", "left", "right", true],
 ];
 
 function toGroup(name: Group["name"], unit: string, first: number, rows: Row[]): Group {
@@ -42,4 +42,9 @@ export const GROUPS: Group[] = [toGroup("linear", "m/s", 0, LINEAR), toGroup("an
 /** Whether an axis is on show. */
 export function isShown(axis: Axis, planar: boolean): boolean {
   return axis.planar || !planar;
+}
+
+/** What an axis is called in a sentence: "linear.x", "yaw". */
+export function toLabel({ name, word }: Axis): string {
+  return word || name;
 }

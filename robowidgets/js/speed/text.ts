@@ -1,7 +1,9 @@
 import { toFixed } from "../shared/format.ts";
+import { toLabel } from "./axes.ts";
 import type { AxisFacts } from "./facts.ts";
 import { judge, type State } from "./limits.ts";
 import { isOff } from "./scale.ts";
+import type { Limits } from "./traits.ts";
 
 const MINUS = "\u2212";
 
@@ -26,14 +28,16 @@ export function toShort(value: number): string {
 
 /** The mark and the words of a state; the second word is hidden in a narrow card. */
 export function stateWords(state: State): [mark: string, word: string, more: string] {
-  if (state === "over") return ["\u25B2", "over", "max"];
-  if (state === "under") return ["\u25BC", "under", "min"];
+  if (state === "over") return ["\u25B2", "over", "limit"];
+  if (state === "under") return ["\u25BC", "under", "limit"];
   return ["", "", ""];
 }
 
-/** A state in words; nothing for a speed within its limits. */
-function toStateText(state: State): string {
-  return stateWords(state).slice(1).join(" ").trim();
+/** A speed past its limits in words: "over the limit of 1"; nothing for one within them. */
+function toStateText(value: number, limits: Limits | null): string {
+  const state = judge(value, limits);
+  if (!limits || (state !== "over" && state !== "under")) return "";
+  return `${state} the limit of ${toShort(limits[state === "over" ? 1 : 0])}`;
 }
 
 /** What the pop-up says of one axis. */
@@ -51,16 +55,17 @@ export function describeAxis(facts: AxisFacts): AxisWords {
   const { axis, unit, measured, commanded, peaks, limits, scale } = facts;
   const decimals = facts.decimals + 2;
   const say = (value: number) => {
-    const state = toStateText(judge(value, limits));
-    return `${Number.isNaN(value) ? "no value" : toFixed(value, decimals)} ${state}`.trim();
+    const number = Number.isNaN(value) ? "no value" : toFixed(value, decimals);
+    return `${number} ${toStateText(value, limits)}`.trim();
   };
   const details: [string, string][] = limits ? [["limits", `${toShort(limits[0])} to ${toShort(limits[1])}`]] : [];
   if (commanded !== null) details.push(["commanded", say(commanded)]);
   if (peaks) details.push(["least", say(peaks[0])], ["greatest", say(peaks[1])]);
-  const words = { expression: axis.name, direction: "", value: "not measured", alarm: "", details };
+  const expression = axis.word ? `${axis.word} (${axis.name})` : axis.name;
+  const words = { expression, direction: "", value: "not measured", alarm: "", details };
   if (measured === null) return words;
   const isMoving = Math.abs(measured) >= 0.5 * 10 ** -decimals;
-  const alarm = toStateText(judge(measured, limits));
+  const alarm = toStateText(measured, limits);
   return {
     ...words,
     direction: isMoving ? axis.directions[measured > 0 ? 0 : 1] : "",
@@ -77,12 +82,12 @@ export function toSentence({ expression, value, direction, alarm, details }: Axi
 /** One line on all axes for the footer, hidden ones that move included; nothing before the first speed. */
 export function summarize(shown: AxisFacts[], hidden: AxisFacts[]): string {
   const past = [...shown, ...hidden].flatMap(({ axis, measured, limits }) => {
-    const state = measured === null ? "within" : judge(measured, limits);
-    return state === "over" || state === "under" ? [`${axis.name} ${toStateText(state)}`] : [];
+    const state = measured === null ? "" : toStateText(measured, limits);
+    return state ? [`${toLabel(axis)} ${state}`] : [];
   });
   const moving = hidden.flatMap(({ axis, measured, decimals }) => {
     const isSeen = measured !== null && Math.abs(measured) >= 0.5 * 10 ** -decimals;
-    return isSeen ? [`${axis.name} ${toNumber(measured, decimals)}`] : [];
+    return isSeen ? [`${toLabel(axis)} ${toNumber(measured, decimals)}`] : [];
   });
   const hasValue = shown.some(({ measured }) => measured !== null && !Number.isNaN(measured));
   const parts = [past.length > 2 ? `${past.length} past their limits` : past.join(", ")];

@@ -76,7 +76,7 @@ export class SpeedView {
     this.#legend = new Legend(footer);
     this.#planar = makeButton(
       "",
-      "Planar: show linear x, linear y and angular z only",
+      "Planar: show linear x, linear y and yaw only",
       () => this.#onPlanar(),
       signal,
       "Planar",

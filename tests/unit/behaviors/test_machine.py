@@ -307,7 +307,7 @@ def test_what_no_move_names_is_told() -> None:
 
     machine = Machine(Walker)
     assert machine.note == (
-        "no move leads to the state Walker.near; no move names Walker.free: a lambda is an event, def free() a state"
+        "no move leads to the state Walker › near; no move names Walker.free: a lambda is an event, def free() a state"
     )
     assert machine.root.machines[0].initial == "forward"
 
@@ -320,7 +320,7 @@ def test_an_event_that_no_move_names_is_told_apart_when_it_is_taken_for_the_init
         stop = go = None
         moves = "stop -> go after 1"
 
-    words = r"Walker.near returned True: expected a Drive, .*; a function is an event where a move names it"
+    words = r"Walker › near returned True: expected a Drive, .*; a function is an event where a move names it"
     with pytest.raises(TypeError, match=words):
         Run(Walker).at(0.0, scan=Scan([0.4], 0.0, 0.1, 0.1, 9.0))
 
@@ -643,8 +643,46 @@ def test_a_person_sends_a_machine_to_a_state_which_is_entered_at_the_next_step()
         ("stop", "turn", "by hand"),
     ]
     assert run.at(0.2) == ("avoid", "avoid.turn")
+    run.machine.go_to("avoid › stop")
+    assert run.at(0.3) == ("avoid", "avoid.stop")
     with pytest.raises(ValueError, match=r"has no state 'fly'; there are forward, avoid, avoid\.stop, avoid\.turn"):
         run.machine.go_to("fly")
+
+
+def test_a_nested_state_is_written_as_in_the_picture_wherever_it_is_told() -> None:
+    class Walker:
+        class avoid:
+            class turn:
+                left = None
+                moves = "left -> left after 60"
+
+            class look:
+                up = None
+                moves = "up -> up after 60"
+
+        forward = None
+        moves = "avoid -> forward after 60"
+
+    class Newer:
+        class avoid:
+            class turn:
+                right = None
+                moves = "right -> right after 60"
+
+        forward = None
+        moves = "avoid -> forward after 60"
+
+    run = Run(Walker)
+    run.at(0.0)
+    assert run.machine.active_text == "avoid › left + up"
+    Newer.__name__ = "Walker"
+    machine = Machine(Newer)
+    machine.adopt(run.machine)
+    assert machine.active_text == "avoid › left + up", "as long as the version before goes on"
+    run.machine = machine
+    run.at(0.1)
+    assert machine.note == "the state avoid › turn › left is gone: right takes over"
+    assert machine.active_text == "avoid › right"
 
 
 def test_two_moves_that_take_turns_at_every_step_are_told_while_they_do(caplog: pytest.LogCaptureFixture) -> None:

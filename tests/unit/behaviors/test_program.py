@@ -596,6 +596,7 @@ def test_a_program_goes_to_a_state_at_its_next_step_also_after_a_pause(robot: Fe
     program.pause()
     program.go_to("second")
     assert program.note == "goes to second at its next step"
+    assert repr(program).startswith("program Walker, version 1, paused in first")
     assert machine.active == ("first",)
     program.step()
     wait_for(lambda: machine.active == ("second",), "it has gone there")
