@@ -94,7 +94,7 @@ def test_a_program_is_seen_set_stopped_run_and_replaced(plain_page: Callable[...
     turns.press("ControlOrMeta+a")
     turns.press_sequentially("7")
     turns.press("Enter")
-    wait_for(lambda: told("robot.variables.turns, robot.variables.go") == "7.0 False", "they are set")
+    wait_for(lambda: told("robot.variables.turns, robot.variables.go") == "7 False", "they are set")
     expect(turns).to_have_value("7")
     turns.press("ControlOrMeta+a")
     turns.press("Delete")

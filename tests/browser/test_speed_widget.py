@@ -327,7 +327,7 @@ def test_arrow_keys_walk_the_axes(plain_page: Callable[..., PlainPage]) -> None:
     for key, name in [("ArrowRight", "linear.x"), ("ArrowRight", "linear.y"), ("End", "angular.z"),
                       ("ArrowRight", "angular.z"), ("ArrowLeft", "angular.y"), ("Home", "linear.x")]:  # fmt: skip
         picture.press(key)
-        expect(named).to_have_text(name)
+        expect(named).to_contain_text(name)
     picture.press("Escape")
     expect(named).to_be_hidden()
 
