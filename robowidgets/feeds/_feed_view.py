@@ -161,15 +161,17 @@ class FeedView(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no type
         self._arrange(sensors)
 
     def _arrange(self, sensors: Sequence[Any]) -> None:
-        """Give all widgets their places."""
+        """Give all widgets their places, but for those that somebody closed."""
+        if self._closed:
+            return
+        sensors = _on_page(sensors)
         maps = [widget for widget in sensors if widget.column == "map"]
         wide = [widget for widget in sensors if widget.column == "wide"]
         small = [widget for widget in sensors if widget.column not in ("map", "wide")]
-        if self.room is not None:
-            maps.append(self.room)
-        main = [widget for widget in (self.program, self.machine) if widget is not None]
+        maps += _on_page([self.room])
+        main = _on_page([self.program, self.machine])
         # A machine needs the room in which else the map stands.
-        main, wide = (main, [*maps, *wide]) if self.machine is not None else ([*maps, *main], wide)
+        main, wide = (main, [*maps, *wide]) if self.machine in main else ([*maps, *main], wide)
         old = self._screen
         self._screen = on_one_screen(main, wide, small)
         self.children = [self._stop, self._status, self._screen]
@@ -210,6 +212,11 @@ class FeedView(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no type
         if text != self._status.value:
             self._status.value = text
         self._status.layout.display = None if lines else "none"
+
+
+def _on_page(widgets: Sequence[Any]) -> list[Any]:
+    """Those of them that are there, and that nobody closed."""
+    return [widget for widget in widgets if widget is not None and widget.comm is not None]
 
 
 def _close_boxes(box: ipywidgets.Widget) -> None:

@@ -271,6 +271,44 @@ def test_pictures_of_a_machine(plain_page: Callable[..., PlainPage], theme: Lite
     nb.python("robot.close()")
 
 
+ROBOT = """
+from robowidgets import feeds
+from robowidgets.behaviors import Drive
+
+robot = feeds.simulator(wander=False)
+robot.variables.slider("f_vel", 0.4, 0.0, 0.6, "m/s")
+robot.variables.slider("near", 1.2, 0.2, 2.0, "m")
+
+
+class Avoid:
+    obstacle = lambda scan, variables: scan.distance("front") < variables.near
+    free = lambda scan, variables: scan.distance("front") > variables.near + 0.2
+
+    def forward(variables):
+        return Drive(variables.f_vel)
+
+    def turn():
+        return Drive(0, 0.8)
+
+    moves = "forward -> turn on obstacle", "turn -> forward on free"
+
+
+robot.program(Avoid, rate=20)
+robot.show()
+"""
+
+
+@every_theme
+def test_pictures_of_a_robot_on_one_screen(
+    plain_page: Callable[..., PlainPage], theme: Literal["light", "dark"]
+) -> None:
+    nb = plain_page([ROBOT], scale=2, theme=theme, width=1152, height=720)
+    expect(nb.output(0).locator(".rw-fired-row")).to_have_count(3, timeout=60_000)
+    expect(nb.output(0).locator(".rw-machine-state[data-active=leaf]")).to_contain_text("forward")
+    shoot(nb.output(0), f"gallery-feed-{theme}")
+    nb.python("robot.close()")
+
+
 OFFICE = """
 from robowidgets.simulator import Robot, View, room, wander
 robot = Robot(room("office"), model="kobuki", scanner="rplidar_a1", seed=2)

@@ -202,6 +202,17 @@ def test_a_simulated_robot_is_shown_in_its_room_which_makes_way_for_a_machine() 
         assert room.comm is None
 
 
+def test_a_widget_that_somebody_closed_is_left_out_and_in_the_way_of_nothing(opened: Opened) -> None:
+    feed, script = opened(SCAN, ODOM)
+    view = feed.show()
+    view.widgets["/scan"].close()
+    script.listener.on_topics([SCAN, ODOM, BUMPER])
+    assert on_page(view) == ["/odom", "/odom", "/bumper"]
+    view.widgets["/bumper"].close()
+    view.close()
+    assert view.comm is None
+
+
 def test_speeds_are_planar_for_as_long_as_the_other_axes_are_zero_and_nobody_says_otherwise(opened: Opened) -> None:
     feed, script = opened(ODOM, CMD_VEL)
     view, by_hand = feed.show(), feed.show()
