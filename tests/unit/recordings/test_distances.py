@@ -10,13 +10,14 @@ import pytest
 
 import robowidgets
 from robowidgets import RecordingError, conditions
+from robowidgets.samples.sector import ALL_ROUND
 
 from . import sweeps
 from .sweeps import START_NS
 
 NAN, INF = float("nan"), float("inf")
 VALUES = [0.5, 2.0, 30.0, 30.5, -INF, INF, NAN, NAN, 0.0, 0.0, 0.001, 0.05]
-SECTORS: list[Any] = [None, "front", "back", (0.2, 0.5)]
+SECTORS: list[Any] = [ALL_ROUND, "front", "back", (0.2, 0.5)]
 
 
 def open_rows(folder: Path, rows: Any, **more: Any) -> robowidgets.Recording:

@@ -203,7 +203,7 @@ def test_a_compression_that_nobody_knows_is_named(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("raw", "what"),
     [
-        (b"PK\x03\x04" + bytes(40), "a zip archive"),
+        (b"PK\x03\x04" + bytes(40), "a zip archive; unpack it first"),
         (b"hello robot\n", "text that starts with 'hello robot'"),
         (b"\x01\x02\x03", "bytes that start with 01 02 03"),
     ],

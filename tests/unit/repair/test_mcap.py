@@ -229,5 +229,5 @@ def test_nothing_but_a_start_is_named_so(tmp_path: Path, size: int) -> None:
 def test_a_foreign_file_is_named(tmp_path: Path) -> None:
     path = tmp_path / "x.mcap"
     path.write_bytes(b"PK\x03\x04" + bytes(40))
-    with pytest.raises(RecordingError, match=r"^x\.mcap: expected an MCAP file, got a zip archive$"):
+    with pytest.raises(RecordingError, match=r"^x\.mcap: expected an MCAP file, got a zip archive; unpack it first$"):
         open_repaired([path])
