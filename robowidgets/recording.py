@@ -147,7 +147,7 @@ class Recording(RecordingData):
         start: float | None = None,
         end: float | None = None,
         topics: Sequence[str] = (),
-        marks: Any = (),
+        marks: Any = None,
         title: str = "",
         note: str = "",
         every: int = 1,
@@ -164,7 +164,7 @@ class Recording(RecordingData):
             start: seconds from the start of the recording; None: its start.
             end: seconds from its start; None: its end.
             topics: names of the topics; none: all that have a widget and a message.
-            marks: (start, end, text) in seconds, or what `find` returns.
+            marks: (start, end, text) in seconds, or what `find` returns; None: what touched the robot.
             title: of the page; empty: the name of the recording.
             note: a text under the title, which is shown as it is.
             every: 2 takes every second scan, and so on; speeds and touches are complete.
@@ -202,14 +202,15 @@ class Recording(RecordingData):
             return player.html_size(start=start, end=end, every=every, scanogram=scanogram)
 
     @contextmanager
-    def _shown(self, topics: Sequence[str], marks: Any = ()) -> Iterator[Player]:
+    def _shown(self, topics: Sequence[str], marks: Any = None) -> Iterator[Player]:
         """A player without a scanogram, which is closed afterwards."""
         if isinstance(topics, str):
             raise TypeError(f"topics: expected a list of names, got {topics!r}; write [{topics!r}]")
         self._check_open()
         player = self.show(*topics, scanogram=False)
         try:
-            player.marks = marks
+            if marks is not None:
+                player.marks = marks
             yield player
         finally:
             player.close()

@@ -26,7 +26,7 @@ from .._widget_choice import WidgetChoice, choose_widgets
 from ..export.html import MAX_SIZE, SUFFIXES
 from ..find.silence import longest_pause, usual_step
 from ..in_rerun.widget import RerunWidget
-from ..kinds import LASER, load
+from ..kinds import LASER, TOUCH, load
 from ..player_widget import PlayerWidget
 from ..poses.places import WITHIN
 from ..recordings import RecordingData
@@ -40,6 +40,7 @@ from ._leader import Leader
 from ._overview import is_planar, whole_drive
 from ._prefetcher import SEGMENT, Prefetcher, segment
 from ._to_html import Wanted, page_of
+from ._touch_marks import touch_marks
 
 _EARLY = 0.1
 _TINY = 1e-7
@@ -87,7 +88,7 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
     speed = traitlets.Float(1.0, min=0.1, max=10.0, help="Seconds of the recording per second. Settable.")
     loop = Flag(False, help="Whether it starts again at the end, or at the end of the selection. Settable.")
     selection = TimeSpan(help="The span that is looped: (start, end) in seconds from the start, or None. Settable.")
-    marks = Marks(help="Marks on slider and scanogram: (start, end, text), in seconds from the start. Settable.")
+    marks = Marks(help="Marks on slider and scanogram: (start, end, text), in seconds. Touches; settable.")
 
     _prefetcher: Prefetcher | None = None
     _leader: Leader | None = None
@@ -230,6 +231,7 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
     def _make_bar(self, note: str) -> PlayerWidget:
         """The bar. Its state contains the first segments, so that they play without a kernel in a saved notebook."""
         seconds = _first_look(self.recording, self.views)
+        touching = [view.choice.topic for view in self.views if view.choice.kind.name == TOUCH.name]
         start_ns = self.recording.start_ns or 0
         return PlayerWidget(
             duration=self.recording.duration,
@@ -240,6 +242,7 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
             _followers=[self.scanogram.model_id] if self.scanogram else [],
             _start=start_ns / 1e9 if has_date(start_ns) else None,
             _note=note,
+            marks=touch_marks(self.recording, touching),
             # The scanogram shows all rows.
             states=rows_of(self.recording.states)[: 1 if self.scanogram else None],
             _first=list(self._first_segments(int(seconds // SEGMENT))),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Callable
 from itertools import pairwise
 from pathlib import Path
@@ -27,6 +28,13 @@ BUSY = "while True:\n    pass"
 Open = Callable[..., Any]
 
 
+SECONDS = """root => {
+    const parts = root.querySelector('.rw-play-now').textContent.split(':');
+    return parts.reduce((sum, part) => 60 * sum + Number(part), 0);
+}"""
+"""What the bar shows, in seconds."""
+
+
 def opened(notebook: Open, path: Path, show: str = SHOW, **more: object) -> Any:
     return notebook([TABLE.format(path=str(path)), show], **more)
 
@@ -36,7 +44,7 @@ def bar(nb: Notebook | PlainPage) -> Locator:
 
 
 def now(nb: Notebook | PlainPage) -> float:
-    return float(bar(nb).locator(".rw-play-now").text_content() or "nan")
+    return float(bar(nb).evaluate(f"bar => ({SECONDS})(bar)"))
 
 
 def to_time(nb: Notebook | PlainPage, seconds: float) -> None:
@@ -46,9 +54,7 @@ def to_time(nb: Notebook | PlainPage, seconds: float) -> None:
 
 
 def passes(nb: Notebook | PlainPage, seconds: float) -> None:
-    nb.page.wait_for_function(
-        "time => parseFloat(document.querySelector('.rw-play-now').textContent) > time", arg=seconds
-    )
+    nb.page.wait_for_function(f"time => ({SECONDS})(document) > time", arg=seconds)
 
 
 def test_the_slider_and_python_move_every_widget(plain_page: Open, data: Path) -> None:
@@ -155,24 +161,24 @@ def test_the_date_and_time_of_day_stand_beside_the_seconds_where_there_is_room(
     nb = opened(plain_page, robot.write(tmp_path / "night", silence=7200))
     clock, moment = (bar(nb).locator(one) for one in (".rw-play-clock", ".rw-play-time"))
     nb.python("player.seek(recording.seconds_at('2023-11-15T00:13:24.900'))")
-    expect(bar(nb).locator(".rw-play-now")).to_have_text("7204.90")
+    expect(bar(nb).locator(".rw-play-now")).to_have_text("2:00:04.90")
     for width, told in ((1000, "2023-11-15 00:13:24 UTC"), (700, "00:13:24 UTC"), (500, "00:13:24 UTC"), (300, "")):
         nb.resize(width)
         assert (clock.inner_text() if clock.is_visible() else "") == told
-        expect(moment).to_have_attribute("title", "2023-11-15 00:13:24 UTC")
+        expect(moment).to_have_attribute("title", "7204.90 s\n2023-11-15 00:13:24 UTC")
         assert bar(nb).evaluate("bar => bar.scrollWidth <= bar.clientWidth")
         for theme in ("light", "dark"):
             nb.theme(theme)
             shoot(bar(nb), f"player-clock-{theme}-{width}")
     nb.resize(1000)
     places = []
-    for seconds in (0, 9.99, 3599.5, 6399.8):
+    for seconds, told in ((0, "0:00:00.00"), (9.99, "0:00:09.99"), (3599.5, "0:59:59.50"), (6399.8, "1:46:39.80")):
         nb.python(f"player.time = {seconds}")
-        expect(bar(nb).locator(".rw-play-now")).to_have_text(f"{seconds:.2f}")
+        expect(bar(nb).locator(".rw-play-now")).to_have_text(told)
         places.append(bar(nb).locator(".rw-play-line").bounding_box())
     assert all(place == places[0] for place in places), places
     nb = opened(plain_page, data / "good" / "turtlebot3_gazebo.bag")
-    expect(bar(nb).locator(".rw-play-duration")).to_have_text(" / 91.34 s")
+    expect(bar(nb).locator(".rw-play-duration")).to_have_text(" / 1:31.34")
     expect(bar(nb).locator(".rw-play-clock")).to_be_hidden()
 
 
@@ -226,11 +232,11 @@ def test_a_step_crosses_hours_of_silence_in_which_what_is_shown_is_told_to_be_ol
     nb.python("player.time = 4.9")
     expect(said).to_have_text("")
     for key, time, told in (
-        (".", "7205.00", ""),
-        (",", "4.90", ""),
-        ("ArrowRight", "5.90", ""),
-        ("Shift+ArrowRight", "15.90", "no data for 11.0 s"),
-        (",", "4.90", ""),
+        (".", "2:00:05.00", ""),
+        (",", "0:00:04.90", ""),
+        ("ArrowRight", "0:00:05.90", ""),
+        ("Shift+ArrowRight", "0:00:15.90", "no data for 11.0 s"),
+        (",", "0:00:04.90", ""),
     ):
         nb.page.keyboard.press(key)
         expect(bar(nb).locator(".rw-play-now")).to_have_text(time)
@@ -272,6 +278,41 @@ def test_where_pointer_or_finger_rests_a_click_shows_at_once_also_while_a_cell_r
         passes(nb, 100.0)
         expect(nb.output(1).locator(".rw-laser .rw-footer")).to_contain_text(f"{1 + int(now(nb) * 10) / 100:.2f} m")
         assert bar(nb).locator(".rw-play-words").text_content() == ""
+
+
+def test_what_is_of_another_moment_is_pale_until_its_data_come(
+    plain_page: Open, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(_prefetcher, "KEPT_BYTES", 100_000)
+    nb = opened(plain_page, sweeps.write(tmp_path / "long", sweeps.numbered(3000, rays=100)))
+    laser, slider = nb.output(1).locator(".rw-laser"), bar(nb).locator("input[type=range]")
+    nearest, picture = laser.locator(".rw-nearest"), nb.output(1).locator(".rw-scanogram .rw-picture")
+    waits, ready = re.compile(r"\brw-waits\b"), re.compile(r"^(?!.*\brw-waits\b)")
+    expect(nearest).to_contain_text("1.00 m")
+    expect(laser).to_have_class(ready)
+    with nb.busy():
+        to_time(nb, 250.5)
+        expect(bar(nb).locator(".rw-play-now")).to_have_text("4:10.50")
+        expect(laser).to_have_class(waits)
+        expect(nearest).to_contain_text("1.00 m")
+        expect(bar(nb).locator(".rw-play-words")).to_have_text("waiting for the kernel")
+        for theme in ("light", "dark"):
+            nb.theme(theme)
+            shoot(nb.output(1), f"player-waits-{theme}")
+        # Back to what the page has, and with the pointer to what it lacks, which the knob follows.
+        to_time(nb, 0)
+        expect(laser).to_have_class(ready)
+        picture.hover(position={"x": 450, "y": 40})
+        expect(laser).to_have_class(waits)
+        assert float(slider.input_value()) == pytest.approx(now(nb), abs=0.01)
+        assert now(nb) > 100
+        nb.page.mouse.move(5, 5)
+        expect(laser).to_have_class(ready)
+        assert float(slider.input_value()) == 0
+        to_time(nb, 250.5)
+        expect(laser).to_have_class(waits)
+    expect(nearest).to_contain_text("26.05 m")
+    expect(laser).to_have_class(ready)
 
 
 BOXES = """() => [...document.querySelectorAll(".rw-recording, .rw-recording .rw-card")].map(element => {
@@ -418,9 +459,7 @@ def test_while_a_cell_runs_it_plays_steps_points_and_seeks(notebook: Open) -> No
     there = now(nb)
     for _ in range(2):  # the first may lead to the scan on show, hundredths ago
         bar(nb).get_by_title("One scan back (,)").click()
-    nb.page.wait_for_function(
-        "time => parseFloat(document.querySelector('.rw-play-now').textContent) < time", arg=there
-    )
+    nb.page.wait_for_function(f"time => ({SECONDS})(document) < time", arg=there)
     assert now(nb) == pytest.approx(there, abs=0.25)
 
     # Where the pointer is on the scanogram, all show that moment; a click stays there.

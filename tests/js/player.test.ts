@@ -4,8 +4,9 @@ import { actionOf, isBarsAlone, usesItself } from "../../robowidgets/js/player/k
 import type { Moved } from "../../robowidgets/js/player/moved.ts";
 import { Playback } from "../../robowidgets/js/player/playback.ts";
 import { decodeFrames, Segments } from "../../robowidgets/js/player/segments.ts";
-import { toClock } from "../../robowidgets/js/shared/format.ts";
+import { toClock, toMinutes } from "../../robowidgets/js/shared/format.ts";
 import { describeMark } from "../../robowidgets/js/shared/marks.ts";
+import type { About } from "../../robowidgets/js/shared/traits.ts";
 import { FakeModel } from "./models.ts";
 
 /** Stills as Python packs them, amid the bytes of a larger message. */
@@ -388,7 +389,8 @@ test("every widget shows the moment of what a person points at, and its ray, unt
   assert.deepEqual(shows(), ["2", 4, 2.75]);
   assert.deepEqual([playback.time, follower.get("time"), fake.get("time")], [0, 0, 0], "the time stays");
   follower.set("_pointed", { time: 1.5, ray: 5 });
-  assert.deepEqual(shows(), ["0", null, 0], "what the page lacks is not mixed with a ray of another moment");
+  assert.deepEqual(shows(), ["2", null, 1.5], "what the page lacks is not mixed with a ray of another moment");
+  assert.equal((state._about as About).waits, true, "nor passed for that moment");
   follower.set("_pointed", { time: 2.5, ray: null });
   assert.deepEqual(shows(), ["2", null, 2.5]);
   follower.set("_pointed", null);
@@ -405,6 +407,44 @@ test("every widget shows the moment of what a person points at, and its ray, unt
   pass(100);
   assert.equal(playback.shown, playback.time, "playing goes on under the pointer");
   end();
+});
+
+test("widgets say that they wait while the page lacks the moment on show, and go on with it", async () => {
+  const { playback, state, give, end } = await play({ duration: 99 }, [0]);
+  const about = () => state._about as About;
+  playback.seek(0.5);
+  assert.equal(about().waits, undefined);
+  playback.seek(40.2);
+  assert.deepEqual([about().waits, about().frame_id, playback.shown], [true, "0", 40.2]);
+  playback.seek(0.5);
+  assert.equal(about().waits, undefined, "back where the same frame is right");
+  playback.seek(50.2);
+  give(40);
+  assert.equal(about().waits, true, "what comes too late is of another moment, too");
+  give(50);
+  assert.deepEqual([about().waits, about().frame_id], [undefined, "50"]);
+  end();
+});
+
+test("what was shown before the page has anything is no other moment", async () => {
+  const { state, end } = await play({ time: 2 }, []);
+  assert.deepEqual(state._about, {});
+  end();
+});
+
+test("times are in minutes from a minute on, rounded once, and as wide as the longest", () => {
+  assert.deepEqual(
+    [0, 59.994, 60, 725.3, 3599.999].map((seconds) => toMinutes(seconds, 2)),
+    ["0.00", "59.99", "1:00.00", "12:05.30", "60:00.00"],
+  );
+  assert.deepEqual(
+    [0, 5.2, 59.999, 61].map((seconds) => toMinutes(seconds, 2, 725)),
+    ["0:00.00", "0:05.20", "1:00.00", "1:01.00"],
+  );
+  assert.deepEqual(
+    [toMinutes(3725.25, 2), toMinutes(65, 2, 7200), toMinutes(65.4, 0)],
+    ["1:02:05.25", "0:01:05.00", "1:05"],
+  );
 });
 
 test("a step moves frozen widgets from the moment at which they are frozen, and they stay frozen", async () => {

@@ -230,6 +230,20 @@ def test_the_path_and_the_picture_are_those_of_the_stretch(tmp_path: Path) -> No
     assert (picture["begin"], picture["duration"]) == (10, 14)
 
 
+def test_touches_are_the_marks_of_a_page_unless_it_has_others(path: Path, tmp_path: Path) -> None:
+    def marks(**more: Any) -> list[str]:
+        with robowidgets.open(path) as recording:
+            text = recording.to_html(tmp_path / "a.html", **more).read_text(encoding="utf-8")
+        models = split(parts(text, "page")[0])[0]["models"]
+        (found,) = [model["state"]["marks"] for model in models if model["widget"] == "player_widget"]
+        return [label for _, _, label in found]
+
+    assert marks() == ["left", "left"]
+    assert marks(start=0, end=0.5) == []
+    assert marks(marks=[(1, 2, "seen")]) == ["seen"]
+    assert marks(marks=()) == []
+
+
 def split(part: bytes) -> tuple[dict[str, Any], bytes]:
     """The facts of a part, and the bytes after them."""
     end = 4 + int.from_bytes(part[:4], "little")

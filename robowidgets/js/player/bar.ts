@@ -1,6 +1,6 @@
 import { make, makeButton, makeIcon, mount, PAUSE, PLAY, setText } from "../shared/dom.ts";
 import { isPlain, on } from "../shared/events.ts";
-import { toClock, toFixed } from "../shared/format.ts";
+import { MINUTE, toClock, toFixed, toMinutes } from "../shared/format.ts";
 import { keepKeys } from "../shared/keys.ts";
 import { type Model, NO_KERNEL, setTraits } from "../shared/model.ts";
 import { perAnimationFrame } from "../shared/schedule.ts";
@@ -129,20 +129,20 @@ export class PlayerBar {
   }
 
   #draw(): void {
-    const { time, shown, begin, duration, playing, waits } = this.#playback;
-    setText(this.#time, toFixed(shown, DECIMALS));
-    const whole = toFixed(duration, DECIMALS);
-    setText(this.#duration, ` / ${whole} s`);
+    const { shown, begin, duration, playing, waits } = this.#playback;
+    setText(this.#time, toMinutes(shown, DECIMALS, duration));
+    const whole = toMinutes(duration, DECIMALS);
+    setText(this.#duration, ` / ${whole}${duration < MINUTE ? " s" : ""}`);
     // Reserve the final width, so that nothing beside it moves.
     this.#time.style.minWidth = `${whole.length}ch`;
     this.#drawClock(shown);
     this.#slider.min = String(begin);
     this.#slider.max = String(duration);
-    if (Number(this.#slider.value) !== time) this.#slider.value = String(time);
+    if (Number(this.#slider.value) !== shown) this.#slider.value = String(shown);
     const states = this.#model.get("states");
-    const active = statesAt(states, time).map(([, , path]) => toWords(path));
+    const active = statesAt(states, shown).map(([, , path]) => toWords(path));
     const state = active.length ? `, ${active.at(-1)}` : "";
-    this.#slider.ariaValueText = `${toFixed(time, DECIMALS)} of ${whole} seconds${state}`;
+    this.#slider.ariaValueText = `${toFixed(shown, DECIMALS)} of ${toFixed(duration, DECIMALS)} seconds${state}`;
     this.#states.update(states, [begin, duration], shown, this.#theme());
     const icon = playing ? PAUSE : PLAY;
     if (this.#icon !== icon) {
@@ -153,9 +153,12 @@ export class PlayerBar {
     }
     this.#loop.ariaPressed = String(this.#model.get("loop"));
     const { held } = this.#playback;
-    const part = held && `${NO_KERNEL}: it has ${toFixed(held[0], 0)} to ${toFixed(held[1], 0)} s`;
+    const [from, to] = (held ?? []).map((time) => toMinutes(time, 0, duration));
+    const part = held && `${NO_KERNEL}: it has ${from} to ${to}${duration < MINUTE ? " s" : ""}`;
     const waiting = waits ? (part ?? "waiting for the kernel") : "";
     setText(this.#words, this.#model.get("_status") || waiting || this.#playback.lost);
+    // They leave the knob free.
+    this.#words.classList.toggle("rw-left", shown - begin > (duration - begin) / 2);
     setText(this.#note, this.#model.get("_note"));
     this.#drawSpeed();
     this.#drawMarks(begin, duration);
@@ -167,11 +170,13 @@ export class PlayerBar {
   #drawClock(time: number): void {
     const start = this.#model.get("_start");
     this.#clock.hidden = start === null;
-    if (start === null) return;
-    const [date, timeOfDay] = toClock(start + time);
+    const [date, timeOfDay] = start === null ? ["", ""] : toClock(start + time);
     setText(this.#date, `${date} `);
     setText(this.#timeOfDay, `${timeOfDay} UTC`);
-    const whole = this.#clock.textContent;
+    // Programs take seconds.
+    const whole = [`${toFixed(time, DECIMALS)} s`, start === null ? "" : this.#clock.textContent]
+      .filter(Boolean)
+      .join("\n");
     if (this.#moment.title !== whole) this.#moment.title = whole;
   }
 

@@ -1,6 +1,6 @@
 import { make, makeButton, setText } from "../shared/dom.ts";
 import { on } from "../shared/events.ts";
-import { toFixed } from "../shared/format.ts";
+import { MINUTE, toFixed, toMinutes } from "../shared/format.ts";
 import { describeMark, type Mark } from "../shared/marks.ts";
 
 /** Rows of the list; more would be slow to lay out, and nobody reads them. */
@@ -59,7 +59,11 @@ export class MarkList {
     const row = make("button", "rw-play-row");
     row.type = "button";
     const length = end > start ? `${toFixed(end - start, 2)} s` : "";
-    row.append(make("b", "", `${toFixed(start, 2)} s`), make("span", "rw-play-length", length), make("span", "", text));
+    row.append(
+      make("b", "", `${toMinutes(start, 2)}${start < MINUTE ? " s" : ""}`),
+      make("span", "rw-play-length", length),
+      make("span", "", text),
+    );
     on(row, "click", () => this.#seek(start), this.#signal);
     return row;
   }

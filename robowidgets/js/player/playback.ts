@@ -46,7 +46,7 @@ export class Playback {
   /** Whether the player that this one follows is at no place of this recording. */
   #isLost = false;
   #last = 0;
-  /** Whether the segment of the current time is missing. */
+  /** Whether the segment of the moment on show is missing. */
   #lacks = true;
 
   constructor(model: Model<PlayerTraits>, moved: Promise<Moved>, signal: AbortSignal) {
@@ -82,9 +82,9 @@ export class Playback {
     return this.#time;
   }
 
-  /** The moment on show: the one that a person points at, else the time. */
+  /** The moment on show: the one that a person points at, else the time. Widgets that lack it are pale. */
   get shown(): number {
-    return this.#previewed?.time ?? this.#time;
+    return this.#pointed?.time ?? this.#time;
   }
 
   /** What a person points at, where the page has it. */
@@ -92,7 +92,7 @@ export class Playback {
     return this.#pointed && this.#segments.has(this.#pointed.time) ? this.#pointed : null;
   }
 
-  /** Whether a segment is missing: of the current time, or of a step. */
+  /** Whether a segment is missing: of the moment on show, or of a step. */
   get waits(): boolean {
     return this.#lacks || this.#wished !== null;
   }
@@ -263,9 +263,13 @@ export class Playback {
     const time = this.shown;
     const frames = this.#segments.at(time);
     this.#lacks = frames === null;
-    if (frames) this.#targets.show(frames, time, this.#model.get("_pauses"));
-    if (frames && this.#movesFrozen) this.#holdFrozen(frames);
-    this.#targets.giveRecent(this.#segments, time, this.#frozenAt);
+    if (frames) {
+      this.#targets.show(frames, time, this.#model.get("_pauses"));
+      if (this.#movesFrozen) this.#holdFrozen(frames);
+      this.#targets.giveRecent(this.#segments, time, this.#frozenAt);
+    } else {
+      this.#targets.wait();
+    }
     this.#showRay();
     for (const follower of this.#followers) {
       if (follower.get("time") !== this.#time) follower.set_state({ time: this.#time });

@@ -11,6 +11,7 @@ export class Targets {
   readonly models: Host<Target>[];
   #shown: unknown[] = [];
   #ages: number[] = [];
+  #isWaiting = false;
 
   constructor(models: Host<Target>[]) {
     this.models = models;
@@ -26,7 +27,7 @@ export class Targets {
       const target = this.models[i];
       const age = frame.time < 0 ? 0 : toAge(time - frame.time, pauses[i]);
       const isNew = this.#shown[i] !== frame;
-      if (!target || (!isNew && this.#ages[i] === age)) continue;
+      if (!target || (!isNew && this.#ages[i] === age && !this.#isWaiting)) continue;
       this.#shown[i] = frame;
       this.#ages[i] = age;
       const about: About = { ...track.abouts[frame.about], ...(age && { age }) };
@@ -41,6 +42,16 @@ export class Targets {
       // The verdicts in a history are those of its frames, which have new numbers.
       if (about.judged !== undefined) about.judged = frame.bytes.getFloat64(0, true);
       target.set_state(state);
+    }
+    this.#isWaiting = false;
+  }
+
+  /** Marks what was shown as that of another moment, until the next is shown. */
+  wait(): void {
+    if (this.#isWaiting) return;
+    this.#isWaiting = true;
+    for (const [i, target] of this.models.entries()) {
+      if (this.#shown[i]) target.set_state({ _about: { ...target.get("_about"), waits: true } });
     }
   }
 

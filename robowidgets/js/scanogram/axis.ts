@@ -1,10 +1,8 @@
-import { toFixed } from "../shared/format.ts";
+import { MINUTE, toFixed, toMinutes } from "../shared/format.ts";
 import type { Span } from "../shared/time_axis.ts";
 
 const ROUNDING = 1e-9;
 
-/** Seconds of a recording from which on its times are written as h:mm:ss. */
-const LONG = 600;
 /** Steps of seconds, minutes and hours. */
 const ROUND = [1, 2, 5, 10, 15, 30, 60, 120, 300, 600, 900, 1800, 3600, 7200, 10_800, 21_600, 43_200];
 const DAY = 86_400;
@@ -13,7 +11,9 @@ const DAY = 86_400;
 export function timeTicks([start, end]: Span, count: number, whole = end): { time: number; text: string }[] {
   const rough = ((end - start) / count) * 0.999;
   const step =
-    whole >= LONG && rough > 0.5 ? (ROUND.find((one) => one >= rough) ?? decimalStep(rough, DAY)) : decimalStep(rough);
+    whole >= MINUTE && rough > 0.5
+      ? (ROUND.find((one) => one >= rough) ?? decimalStep(rough, DAY))
+      : decimalStep(rough);
   const decimals = Math.max(0, -Math.floor(Math.log10(step) + ROUNDING));
   const [first, last] = [Math.ceil(start / step - ROUNDING), Math.floor(end / step + ROUNDING)];
   return Array.from({ length: last - first + 1 }, (_, i) => {
@@ -28,14 +28,9 @@ function decimalStep(rough: number, unit = 1): number {
   return unit * power * ([1, 2, 5].find((digit) => digit * power * unit >= rough) ?? 10);
 }
 
-/** A time as the axis has it: "41.20 s", and "1:04:05.20" in a recording of ten minutes or more. */
+/** A time as the axis has it: "41.20 s", and "4:05.20" in a recording of a minute or more. */
 export function toMoment(time: number, whole: number, decimals = 2): string {
-  if (whole < LONG) return toSeconds(time, decimals);
-  const ticks = Math.round(Math.abs(time) * 10 ** decimals);
-  const seconds = Math.floor(ticks / 10 ** decimals);
-  const [h, m, s] = [Math.floor(seconds / 3600), Math.floor(seconds / 60) % 60, seconds % 60];
-  const rest = decimals ? `.${String(ticks % 10 ** decimals).padStart(decimals, "0")}` : "";
-  return `${time < 0 && ticks ? "\u2212" : ""}${h}:${String(m).padStart(2, "0")}:${String(s).padStart(2, "0")}${rest}`;
+  return whole < MINUTE ? toSeconds(time, decimals) : toMinutes(time, decimals, whole);
 }
 
 /** "41.20 s" */

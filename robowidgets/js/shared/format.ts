@@ -67,6 +67,30 @@ export function toAge(ms: number, decimals = 1): string {
   return seconds < 3600 ? `${Math.floor(seconds / 60)} min` : `${Math.floor(seconds / 3600)} h`;
 }
 
+export const MINUTE = 60;
+
+/**
+ * Seconds from the start of a recording, from a minute on in minutes and hours: "12:05.30".
+ * @param of the longest of the times beside which it stands, which decides
+ */
+export function toMinutes(seconds: number, decimals: number, of = seconds): string {
+  if (!(of >= MINUTE)) return toFixed(seconds, decimals);
+  // Round once, so that no "60" appears.
+  const parts = Math.round(Math.abs(seconds) * 10 ** decimals);
+  const whole = Math.floor(parts / 10 ** decimals);
+  const minutes = Math.floor(whole / MINUTE);
+  const sign = seconds < 0 && parts ? MINUS : "";
+  const rest = decimals ? `.${String(parts % 10 ** decimals).padStart(decimals, "0")}` : "";
+  const end = `${toTwo(whole % MINUTE)}${rest}`;
+  return of < MINUTE * MINUTE
+    ? `${sign}${minutes}:${end}`
+    : `${sign}${Math.floor(minutes / MINUTE)}:${toTwo(minutes % MINUTE)}:${end}`;
+}
+
+function toTwo(count: number): string {
+  return String(count).padStart(2, "0");
+}
+
 /** Date and time of day in UTC, of seconds since the epoch: "2024-05-03" and "14:32:05". */
 export function toClock(seconds: number): [date: string, timeOfDay: string] {
   const text = new Date(Math.round(seconds * 1000)).toISOString();

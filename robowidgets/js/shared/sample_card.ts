@@ -79,7 +79,7 @@ export class SampleCard extends Card {
    * @param paced whether samples come at a steady rate; without one, silence is no fault
    */
   update(facts: string[], noun: string, paced = true): void {
-    const { error } = this.#model.get("_about");
+    const { error, waits = false } = this.#model.get("_about");
     const { paused, since, about, shown, place } = this.#stream;
     const { notes = [], problems = [] } = about;
     this.#known = facts.filter(Boolean);
@@ -91,11 +91,12 @@ export class SampleCard extends Card {
     // An empty picture shows the status of the source itself.
     const lines = [source.error ?? "", (shown && source.status) || "", ...said].filter(Boolean);
     this.updateFrame(lines, isError ? "error" : said.length + problems.length ? "note" : "status", problems);
-    this.lamps.update(this.#isSilent);
+    this.lamps.update(this.#isSilent || waits);
     this.#bar.update(this.footer.hidden ? null : place);
     this.#drawNumbers();
 
     this.root.classList.toggle("rw-frozen", paused);
+    this.root.classList.toggle("rw-waits", waits);
     if (this.#paused !== paused) {
       this.#paused = paused;
       this.#freeze.ariaPressed = String(paused);

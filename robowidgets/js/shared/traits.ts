@@ -57,6 +57,8 @@ export interface About {
   angle_offset?: number;
   /** Milliseconds for which a recording has nothing newer; missing unless that is long. */
   age?: number;
+  /** Whether it is of another moment than the one that a player is asked for, which it does not have yet. */
+  waits?: boolean;
   lamps?: Lamp[];
   /** What the program drew on the sample. */
   shapes?: Shape[];

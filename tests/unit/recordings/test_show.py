@@ -19,10 +19,11 @@ from traitlets import TraitError
 
 from robowidgets import LaserWidget, SpeedWidget, TouchState, TouchWidget
 from robowidgets._core import cells as _cells
-from robowidgets.player import _prefetcher
+from robowidgets.player import _prefetcher, _touch_marks
 from robowidgets.player._overview import readings_per_second
 from robowidgets.player._prefetcher import segment
 from robowidgets.player._touch_history import TouchHistory
+from robowidgets.player._touch_marks import touch_marks
 from robowidgets.player.player import Player
 from robowidgets.recording import Recording, open
 from robowidgets.recordings import UnknownTopicError
@@ -180,6 +181,43 @@ def test_its_time_can_be_observed_and_kept_within_the_recording(player: Player) 
     assert seen == [7.77, 10.0, 0.0]
     with pytest.raises(TraitError, match="time: expected seconds from the start, got nan"):
         player.seek(nan)
+
+
+class TestTouches:
+    def write(self, tmp_path: Path, *bumps: tuple[str, float, float]) -> Path:
+        """Bumpers, left and right of the name of their topic, pressed from a time to another; scans for 60 s."""
+        pressed: dict[str, list[tuple[float, float]]] = {}
+        for topic, start, end in bumps:
+            pressed.setdefault(topic, []).extend([(start, 1), (end, 0)])
+        return topics.write(tmp_path / "bumped", {"/scan": topics.every(0.5, 0, 60, 1.0), **pressed})
+
+    def test_are_marks_until_others_are_set(self, tmp_path: Path) -> None:
+        with shown(self.write(tmp_path, ("/bump", 12, 13.5), ("/bump", 40, 40.25))) as player:
+            assert player.marks == player.bar.marks == ((12, 13.5, "left"), (40, 40.25, "left"))
+            assert player.scanogram
+            assert player.scanogram.marks == player.marks
+            player.marks = ()
+            assert player.bar.marks == player.scanogram.marks == ()
+
+    def test_that_follow_each_other_at_once_are_one_mark(self, tmp_path: Path) -> None:
+        bumps = [("/bump", 12, 13), ("/bump", 13.25, 14), ("/rear/bump", 13.5, 14.25), ("/rear/bump", 15, 16)]
+        with shown(self.write(tmp_path, *bumps), scanogram=False) as player:
+            assert player.marks == ((12, 14.25, "left"), (15, 16, "left"))
+
+    def test_of_topics_that_are_not_shown_are_none(self, tmp_path: Path) -> None:
+        with shown(self.write(tmp_path, ("/bump", 12, 13.5)), "/scan") as player:
+            assert player.marks == ()
+
+    def test_are_joined_where_they_are_many(self, tmp_path: Path) -> None:
+        bumps = [("/bump", start, start + 0.01) for start in range(1, 60)]
+        path = self.write(tmp_path, *bumps)
+        with open(path) as recording:
+            assert len(touch_marks(recording, ["/bump"])) == 59
+            with pytest.MonkeyPatch.context() as context:
+                context.setattr(_touch_marks, "MOST", 20)
+                assert touch_marks(recording, ["/bump"]) == [(1, pytest.approx(59.01), "left")]
+                context.setattr(_touch_marks, "MOST_READ", 100)
+                assert touch_marks(recording, ["/bump"]) == []
 
 
 def test_what_is_set_of_playing_reaches_the_bar_and_back(player: Player) -> None:

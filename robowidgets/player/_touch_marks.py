@@ -1,0 +1,49 @@
+"""What touched the robot, as the marks with which a player begins."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+from ..recordings import RecordingData
+from .scanogram import touched
+
+MOST_READ = 20_000
+"""Messages of touches that are read at most: they take a moment. With more, a player begins without marks."""
+
+MOST = 200
+"""Marks at most; of more touches, the closest are joined."""
+
+_APART = 0.5
+"""Seconds between two marks: what touches again sooner is the same bump."""
+
+Mark = tuple[float, float, str]
+
+
+def touch_marks(recording: RecordingData, topics: Sequence[str]) -> list[Mark]:
+    """Start, end, and the names of the sensors of each bump, in seconds from the start.
+
+    Args:
+        recording: the recording.
+        topics: its topics of touches.
+    """
+    if sum(topic.count for topic in recording.topics if topic.name in topics) > MOST_READ:
+        return []
+    spans = sorted(span for topic in topics for span in touched(recording.touches(topic), recording.duration))
+    apart = _APART
+    while len(marks := list(_bumps(spans, apart))) > MOST:
+        apart *= 2
+    return marks
+
+
+def _bumps(spans: Sequence[Mark], apart: float) -> Iterator[Mark]:
+    """The spans, those joined that overlap or follow each other within so many seconds."""
+    start = end = 0.0
+    names: dict[str, None] = {}
+    for first, last, name in spans:
+        if names and first - end > apart:
+            yield start, end, ", ".join(names)
+            names = {}
+        start, end = (start, max(end, last)) if names else (first, last)
+        names[name] = None
+    if names:
+        yield start, end, ", ".join(names)
