@@ -24,7 +24,7 @@ from ._open_feeds import open_feeds
 from ._program_inputs import robot_of
 from ._subscription import Target, sorted_targets
 from ._subscription_table import SubscriptionTable
-from ._topics import Topic, check_name, no_such, topics_of, unlisted
+from ._topics import Topic, check_name, topics_of, unlisted
 from .middleware import Advert, FeedError, Middleware
 
 log = logging.getLogger("robowidgets")
@@ -283,11 +283,11 @@ class Connection(Observed):
         )
 
     def why_missing(self, topic: str) -> str:
-        """Why no message of a topic will come unless something changes, once that is known; empty if one may come."""
+        """Why no message of a connected topic will come unless something changes, once that is known; else empty."""
         if time.monotonic() < self._opened + PATIENCE:
             return ""
-        topics = self._table.topics
-        return self.status or (no_such(topic, topics) if topics is not None and topic not in topics else "")
+        subscription = self._table.by_topic.get(topic)
+        return self.status or ("" if subscription is None else subscription.why_missing(self._table.topics))
 
     def topic_of(self, name: str) -> Topic:
         """A topic as it is known now."""

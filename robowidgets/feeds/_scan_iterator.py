@@ -32,19 +32,19 @@ def scans_of(connection: Connection, topic: str, timeout: float) -> Iterator[Sca
 
     try:
         while True:
-            until = time.monotonic() + limit
-            with newest.lock:
-                # In short steps, to notice when the feed is closed.
-                while not (there := has_next()) and not connection.is_closed and (left := until - time.monotonic()) > 0:
-                    newest.wait_for(has_next, min(left, 0.1))
-                    if not (taken or told) and (why := connection.why_missing(topic)):
-                        told = True
-                        log.warning("%s; waiting for %s for %g s, in case it comes", why, topic, limit)
-                message, arrived, taken = newest.sample, newest.arrived, newest.sequence
+            there, until = False, time.monotonic() + limit
+            # In short steps, to notice when the feed is closed.
+            while not there and not connection.is_closed and (left := until - time.monotonic()) > 0:
+                with newest.lock:
+                    there = newest.wait_for(has_next, min(left, 0.1))
+                    message, arrived, sequence = newest.sample, newest.arrived, newest.sequence
+                if not (there or taken or told) and (why := connection.why_missing(topic)):
+                    told = True
+                    log.warning("%s; waiting for %s for %g s, in case it comes", why, topic, limit)
             if not there:
                 why = connection.status_of(topic)
                 raise TimeoutError(f"no scan of {topic} for {limit:g} s" + (f": {why}" if why else ""))
-            limit = timeout
+            limit, taken = timeout, sequence
             scan = to_scan(message)
             scan._arrive(arrived)
             yield scan
