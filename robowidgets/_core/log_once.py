@@ -6,6 +6,7 @@ import logging
 import threading
 from collections.abc import Callable
 from functools import partial
+from typing import Any
 
 log = logging.getLogger("robowidgets")
 
@@ -20,15 +21,15 @@ class LogOnce:
         log: writes a text, such as ``log.exception``.
     """
 
-    def __init__(self, log: Callable[[str], object]) -> None:
+    def __init__(self, log: Callable[..., object]) -> None:
         self._log = log
         self._logged: set[str] = set()
 
-    def __call__(self, text: str, key: str = "") -> None:
-        """Log a text, unless it, or another one with the same key, was logged before."""
+    def __call__(self, text: str, key: str = "", **options: Any) -> None:
+        """Log a text with options, such as ``exc_info=``, unless it, or one with the same key, was logged before."""
         if (key or text) not in self._logged and len(self._logged) < MOST_LOGGED:
             self._logged.add(key or text)
-            self._log(text)
+            self._log(text, **options)
 
 
 def log_in_thread(text: str, error: BaseException | None = None) -> None:

@@ -8,6 +8,7 @@ import time
 import traceback
 from collections import deque
 from collections.abc import Callable, Iterable, Sequence
+from contextvars import copy_context
 from types import FunctionType
 from typing import Any
 from weakref import WeakSet
@@ -17,6 +18,7 @@ from .._core.clock import Scheduler
 from .._core.clock import scheduler as threads
 from .._core.log_once import LogOnce
 from .._core.runner import Call, Runner
+from .._core.short_traceback import without_our_frames
 from .._core.tables import Table
 from .._core.text import many
 from .._core.user_function import line_of, name_of
@@ -40,6 +42,7 @@ class Function(MayDrive):
 
     Attributes:
         cell, run: the cell that connected it, and the run of that cell.
+        context: that of this run: so what the function prints, and its errors, appear below the cell.
         runs: the number of calls.
         error: the error of the last call, with its line; empty when the call returned.
         entered: the time of the running call; None while it is not running.
@@ -49,6 +52,7 @@ class Function(MayDrive):
         super().__init__()
         self.topic, self.call, self.raw = topic, call, raw
         self.cell, self.run = running_cell()
+        self.context = copy_context()
         self.runs = 0
         self.error = ""
         self.entered: float | None = None
@@ -107,7 +111,7 @@ class FunctionCaller:
         self._slow_topic = ""
         """The topic whose widgets show that a function has not returned."""
         self._closed = False
-        self._log = LogOnce(log.exception)
+        self._log = LogOnce(log.error)
         _all.add(self)
 
     @property
@@ -131,6 +135,7 @@ class FunctionCaller:
                 same = [old for old in self._functions if (old.topic, old.call, old.raw) == (topic, call, raw)]
                 if same:  # by the newest run of its cell, so that what else this run connects does not replace it
                     same[0].cell, same[0].run, same[0].refused = new.cell, new.run, ""
+                    same[0].context = new.context
                     continue
                 replaced = [old for old in self._functions if new.replaces(old)]
                 # Of a new version it is known what it drives before its first call.
@@ -237,11 +242,11 @@ class FunctionCaller:
                 sample._arrive(came_at)
         except (TypeError, ValueError) as error:
             function.error = f"a message of {function.topic} cannot be read for `{function.name}`: {error}"
-            self._log(function.error)
+            function.context.copy().run(self._log, function.error, exc_info=error)
             return
         function.entered, was_on = self._now(), not function.refused
         try:
-            raised = call(function.drive_by, function.call, sample, of=function).error
+            raised = call(function.context.copy().run, function.drive_by, function.call, sample, of=function).error
         finally:  # also where it was left
             function.entered = None
             function.runs += 1
@@ -250,7 +255,8 @@ class FunctionCaller:
             line = line_of(function.call, traceback.walk_tb(raised.__traceback__))
             function.error = f"your function `{function.name}`{line}: {type(raised).__name__}: {raised}"
             if not (was_on and function.is_off):  # the cell names it that switched it off meanwhile
-                self._log(function.error)
+                with without_our_frames(raised) as shown:
+                    function.context.copy().run(self._log, function.error, exc_info=shown)
 
 
 _all: WeakSet[FunctionCaller] = WeakSet()

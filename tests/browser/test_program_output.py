@@ -13,7 +13,7 @@ OPEN = """
 from robowidgets import feeds
 from robowidgets.behaviors import Drive
 one, two = feeds.simulator(wander=False, hz=20), feeds.simulator(wander=False, hz=20)
-one.variables.fails = one.variables.prints = two.variables.fails = False
+one.variables.looks = one.variables.fails = one.variables.prints = two.variables.fails = False
 """
 FIRST = """
 @one.program(rate=20)
@@ -35,6 +35,12 @@ REPLACES = """
 def third():
     return Drive()
 """
+CONNECTS = """
+def look(scan):
+    if one.variables.looks:
+        raise RuntimeError("it looked")
+one.connect("/scan", look)
+"""
 
 
 def printed(nb: Notebook, index: int, name: str) -> str:
@@ -46,7 +52,10 @@ def printed(nb: Notebook, index: int, name: str) -> str:
 def test_what_a_program_says_stands_below_its_own_cell_without_our_frames(
     notebook: Callable[..., Notebook],
 ) -> None:
-    nb = notebook([OPEN, FIRST, SECOND, "print('last')"])
+    nb = notebook([OPEN, FIRST, SECOND, CONNECTS, "print('last')"])
+    nb.python("setattr(one.variables, 'looks', True)")
+    wait_for(lambda: "RuntimeError: it looked" in printed(nb, 3, "stderr"), "so is the error of a function")
+    assert "robowidgets" not in printed(nb, 3, "stderr")
     nb.python("setattr(one.variables, 'prints', True)")
     wait_for(lambda: "the first one prints" in printed(nb, 1, "stdout"), "the print is below the cell of the first one")
     nb.python("setattr(one.variables, 'fails', True)")
@@ -58,7 +67,7 @@ def test_what_a_program_says_stands_below_its_own_cell_without_our_frames(
         assert error.count("Traceback") == error.count('File "') == 1, error
         assert f"program {name}: line {line}: " in error
         assert "robowidgets" not in error
-    assert nb.text(3) == "last\n"
+    assert nb.text(4) == "last\n"
 
 
 def test_of_a_version_that_goes_on_it_stands_below_the_run_that_failed(notebook: Callable[..., Notebook]) -> None:

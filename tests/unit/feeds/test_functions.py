@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib
+import re
 import threading
 import time
 from collections.abc import Callable, Iterator
@@ -175,6 +176,19 @@ def test_of_a_scanner_the_newest_waits_for_a_slow_function_of_a_bumper_every_mes
     scans = [sample.ranges[0] for sample in got if isinstance(sample, Scan)]
     assert len(scans) <= 2
     assert scans[-1] == 5.0
+
+
+def test_the_log_has_the_traceback_of_a_function_that_raises_without_our_frames(
+    opened: Opened, caplog: pytest.LogCaptureFixture
+) -> None:
+    def look(scan: Scan) -> None:
+        raise RuntimeError(f"{len(scan)} rays")
+
+    feed, script = opened(SCAN)
+    feed.connect("/scan", look)
+    script.listener.on_message("/scan", scan())
+    wait_for(lambda: "Traceback" in caplog.text, "the error is logged with its traceback")
+    assert re.findall(r'File "(.+)", line', caplog.text) == [__file__]
 
 
 @pytest.mark.parametrize("error", [ZeroDivisionError, SystemExit])
