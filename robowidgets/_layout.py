@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import ipywidgets
 
@@ -15,6 +16,24 @@ UNDER_MAIN = 3
 _COLUMNS = {"wide": "2 1 460px", "narrow": "1 1 340px", "map": "1 1 340px"}
 """How the columns share the width, from left to right."""
 _WIDEST = "764px"
+
+
+class Together(ipywidgets.Box):  # type: ignore[misc]  # ipywidgets has no types
+    """Widgets side by side, in their columns."""
+
+    def __init__(self, widgets: Sequence[ipywidgets.Widget]) -> None:
+        self._widgets = list(widgets)
+        super().__init__(columns(widgets), layout=WIDE)
+
+    def _display_(self) -> Any:
+        return stacked(self._widgets)
+
+
+def stacked(widgets: Sequence[ipywidgets.Widget]) -> Any:
+    """For marimo, which shows no box of ipywidgets and asks a view for this: its widgets in a stack of marimo's own."""
+    from marimo import vstack  # only marimo asks
+
+    return vstack(widgets)
 
 
 def columns(widgets: Sequence[ipywidgets.Widget]) -> list[ipywidgets.VBox]:

@@ -8,7 +8,7 @@ import ipywidgets
 
 from ._core.freezing import freeze_together
 from ._core.robot_widget import RobotWidget
-from ._layout import WIDE, columns
+from ._layout import Together
 
 
 def together(*widgets: RobotWidget[Any]) -> ipywidgets.Box:
@@ -41,4 +41,4 @@ def together(*widgets: RobotWidget[Any]) -> ipywidgets.Box:
     if not widgets:
         raise TypeError("together: expected the widgets to freeze together, as in together(laser, speed)")
     freeze_together(widgets)
-    return ipywidgets.Box(columns(widgets), layout=WIDE)
+    return Together(widgets)

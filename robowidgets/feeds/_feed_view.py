@@ -12,7 +12,7 @@ import ipywidgets
 from .._core.cells import take_the_place
 from .._core.coalesced_call import CoalescedCall
 from .._core.freezing import freeze_together
-from .._layout import on_one_screen
+from .._layout import on_one_screen, stacked
 from .._widget_choice import WidgetChoice, choose_widgets
 from ..behaviors.machine import Machine
 from ..kinds import PATH
@@ -67,6 +67,10 @@ class FeedView(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no type
         take_the_place(self)
         self._connection.observe(self.refresh)
         self.refresh()
+
+    def _display_(self) -> Any:
+        more = (self.room, self.program, self.machine)
+        return stacked([self._stop, *self._shown.values(), *(widget for widget in more if widget is not None)])
 
     def __repr__(self) -> str:
         return f"<FeedView: {', '.join(self.widgets) or 'no topics'}>"

@@ -94,6 +94,14 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
     _leader: Leader | None = None
     scanogram: ScanogramWidget | None = None
 
+    def _display_(self) -> Any:
+        from marimo import md  # only marimo asks: it shows no box of ipywidgets, and a player leads those in its box
+
+        return md(
+            "marimo cannot show a player of several widgets. Show the recording as a page that plays:\n"
+            '```python\nmo.iframe(recording.to_html("drive.html").read_text(), height="620px")\n```'
+        )
+
     def __init__(
         self, recording: RecordingData, topics: Sequence[str] = (), scanogram: bool | None = None, rerun: bool = False
     ) -> None:

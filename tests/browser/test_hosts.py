@@ -36,7 +36,7 @@ def _():
     laser = robowidgets.LaserWidget(title="/scan")
     laser.update(recording.at("/scan", 24.1))
     laser
-    return (recording,)
+    return (recording, robowidgets)
 
 
 @app.cell
@@ -44,6 +44,28 @@ def _(recording):
     scanogram = recording.scanogram()
     scanogram
     return (scanogram,)
+
+
+@app.cell
+def _(recording, robowidgets):
+    near, speed = robowidgets.LaserWidget(title="/near"), robowidgets.SpeedWidget(title="/speed")
+    near.update(recording.at("/scan", 24.1))
+    speed.update(linear=(0.1, 0, 0), angular=(0, 0, 0))
+    robowidgets.together(near, speed)
+    return
+
+
+@app.cell
+def _(robowidgets):
+    feed = robowidgets.feeds.simulator(wander=False)
+    feed.show()
+    return
+
+
+@app.cell
+def _(robowidgets):
+    robowidgets.open(robowidgets.SAMPLE).show()
+    return
 
 
 @app.cell
@@ -96,7 +118,22 @@ def shows(page: Page) -> None:
     assert "waiting" not in page.locator("body").inner_text()
 
 
-def test_marimo_shows_each_widget_and_a_recording_as_a_page_and_is_dark_with_it(
+def shows_views(page: Page) -> None:
+    """Check what a person sees and does on views of several widgets, and what is said of those that are not shown."""
+    cards = {name: page.locator(".rw-card", has_text=name) for name in ("/near", "/speed")}
+    cards["/near"].locator(".rw-freeze").click()
+    for card in cards.values():
+        expect(card.locator(".rw-freeze")).to_contain_text("Frozen")
+    live = page.locator(".rw-laser", has_text="Hz")
+    expect(live).to_be_visible()
+    expect(live.locator(".rw-freeze")).not_to_contain_text("Frozen")
+    page.locator(".rw-stop").dispatch_event("pointerdown", {"button": 0})
+    expect(page.locator(".rw-stop")).to_have_text("Stopped")
+    expect(page.get_by_text("marimo cannot show a player of several widgets")).to_be_visible()
+    expect(page.get_by_text("recording.to_html")).to_be_visible()
+
+
+def test_marimo_shows_widgets_and_views_and_a_recording_as_a_page_and_is_dark_with_them(
     browser: Browser, tmp_path: Path
 ) -> None:
     pytest.importorskip("marimo")
@@ -118,6 +155,7 @@ def test_marimo_shows_each_widget_and_a_recording_as_a_page_and_is_dark_with_it(
                 player = page.frame_locator("iframe").locator(".rw-player")
                 player.locator("input").press("End")
                 expect(player.locator(".rw-play-now")).to_have_text("5.00")
+                shows_views(page)
             page.close()
 
 
