@@ -55,6 +55,28 @@ def test_the_area_fills_a_narrow_card(plain_page: Callable[..., PlainPage]) -> N
         shoot(card, f"narrow-{cell[6:9]}")
 
 
+def test_the_height_of_a_picture_follows_the_sweep_and_the_first_scan_moves_nothing(
+    plain_page: Callable[..., PlainPage],
+) -> None:
+    nb = plain_page([SCANS, "half = sweep(180, 181)\nhalf", "sweep(360, 360)", "late = LaserWidget()\nlate"])
+    half, whole, late = (nb.widget(index).locator(".rw-card") for index in (1, 2, 3))
+    for width in (760, 560, 400, 330):
+        nb.resize(width)
+        eventually(lambda: width_of_area(half) >= 0.6 * nb.page.viewport_size["width"], True)  # type: ignore[index]
+        picture = Picture(half)
+        radius = width_of_area(half) / 2
+        assert picture.height < radius + 80, f"{width}: a label and the scanner have room, and nothing else"
+        assert Picture(whole).height > 1.3 * picture.height
+        shoot(half, f"half-{width}")
+    before = late.bounding_box()
+    expect(late.locator(".rw-empty")).to_have_text("waiting for a scan")
+    nb.python("late.update(half.scan)")
+    expect(late.locator(".rw-empty")).to_be_hidden()
+    assert late.bounding_box() == before
+    nb.python("half.forward = 'right'")
+    eventually(lambda: Picture(half).height > 1.3 * picture.height, True)
+
+
 def test_a_pop_up_is_never_over_itself(plain_page: Callable[..., PlainPage]) -> None:
     nb = plain_page([SCANS, "laser = sweep(270, 1081)\nlaser.pinned = 1000\nlaser"])
     card = nb.widget(1).locator(".rw-card")

@@ -180,6 +180,29 @@ test("a label that is too close to an end's gives way alone", () => {
   ]);
 });
 
+test("labels are thinned on both sides alike", () => {
+  const turn = (angle: number) => Math.atan2(Math.sin(angle), Math.cos(angle));
+  for (const [name, sweep] of Object.entries({ ...SWEEPS, PR2 })) {
+    const isAlike =
+      Math.abs(turn(sweep.angleMin + angleOf(sweep, sweep.count - 1))) < 1.5 * Math.abs(sweep.angleIncrement);
+    if (!isAlike || name === "one ray") continue;
+    for (const box of [...BOXES, { x: 0, y: 0, width: 226, height: 226 }, { x: 0, y: 0, width: 260, height: 260 }]) {
+      for (const rayCount of [null, 5, 8, 9, 12, 24, 25, 90, 360]) {
+        const { projection, labels } = layOut(sweep, box, 10, "up", rayCount);
+        const kept = thinLabels(projection, labels).map(({ angle }) => turn(angle));
+        const close = 2.5 * Math.abs(sweep.angleIncrement);
+        const lone = kept.filter((angle) => !kept.some((other) => Math.abs(turn(angle + other)) < close));
+        // Lines in equal parts from the first ray need not face each other, nor do those a few rays apart.
+        const [first, second] = labels;
+        const isDense = first && second && second.index - first.index < 6;
+        const faces =
+          !isDense && labels.every((one) => labels.some((other) => Math.abs(turn(one.angle + other.angle)) < close));
+        if (faces) assert.deepEqual(lone, [], `${name}, ${rayCount}, ${box.width}`);
+      }
+    }
+  }
+});
+
 test("labels that do not overlap all stay", () => {
   const { projection, labels } = layOut(circle(), BOXES[2], 10, "up", 8);
   assert.deepEqual(thinLabels(projection, labels), labels);
@@ -261,6 +284,42 @@ test("in an empty picture every arc is labelled, inside it and inside the swept 
       if (sweep.count > 1) assert.notEqual(indexAt(sweep, angle), -1, name);
     }
   }
+});
+
+test("a label is twice as close to its own arc as to any other, or lies on it and on no other", () => {
+  let onArc = 0;
+  for (const [name, sweep] of Object.entries(SWEEPS)) {
+    for (const side of [120, 160, 200, 226, 260, 320, 500, 760]) {
+      const box = { x: 0, y: 0, width: side, height: side };
+      const { projection } = layOut(sweep, box);
+      for (const count of [2, 3, 5, 6]) {
+        const arcs = arcDistances([], count, 10).map((distance) => ({ distance, width: WIDTH }));
+        const toPixels = (distance: number) => (distance / 10) * projection.radius;
+        for (const { distance, box: label } of arcLabels(
+          projection,
+          sweep,
+          arcs,
+          [],
+          new Occupancy(side, side),
+          [],
+          [],
+        )) {
+          const [x, y] = [
+            label.x + label.width / 2 - projection.centerX,
+            label.y + label.height / 2 - projection.centerY,
+          ];
+          const pixels = Math.hypot(x, y);
+          const own = Math.abs(pixels - toPixels(distance));
+          const half = (Math.abs(x / pixels) * label.width + Math.abs(y / pixels) * label.height) / 2;
+          const others = arcs.filter((arc) => arc.distance !== distance);
+          const other = Math.min(...others.map((arc) => Math.abs(pixels - toPixels(arc.distance))));
+          if (own < 0.01) onArc += 1;
+          assert.ok(own < 0.01 ? other > half : other > 1.99 * own, `${name}, ${side}, ${count}: ${distance} m`);
+        }
+      }
+    }
+  }
+  assert.ok(onArc > 0, "some lie on their arcs");
 });
 
 test("the labels of one ray are not cut by the edge, wherever it points", () => {

@@ -1,6 +1,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { fromPixel, rimBox, toPixel } from "../../robowidgets/js/laser/projection.ts";
+import { sweepHeight } from "../../robowidgets/js/laser/guides.ts";
+import { FORWARD, fromPixel, rimBox, toPixel } from "../../robowidgets/js/laser/projection.ts";
 import { angleOf } from "../../robowidgets/js/shared/frames/scan.ts";
 import { BOXES, DEGREE, layOut, near, SWEEPS, sweepOf } from "./laser.ts";
 
@@ -102,4 +103,22 @@ test("an angle of more than a turn is the same place", () => {
   const { projection } = layOut(sweepOf(360, 361));
   const [a, b] = [toPixel(projection, 3, 0.5), toPixel(projection, 3, 0.5 + 2 * Math.PI)];
   assert.ok(near(a.x, b.x) && near(a.y, b.y));
+});
+
+test("in the height of its sweep a picture is as wide as with more, and needs no less", () => {
+  for (const [name, sweep] of Object.entries(SWEEPS)) {
+    if (sweep.count < 10) continue;
+    for (const forward of FORWARDS) {
+      const { part, pixels } = sweepHeight(sweep, [], 9, FORWARD[forward] as number);
+      for (const width of [320, 500, 760]) {
+        const height = part * width + pixels;
+        const radiusIn = (high: number) =>
+          layOut(sweep, { x: 0, y: 0, width, height: high }, 10, forward).projection.radius;
+        const widest = radiusIn(3 * width);
+        const where = `${name}, forward ${forward}, ${width}: ${height}`;
+        assert.ok(radiusIn(height) > 0.9 * widest || height > 0.76 * width, where);
+        if (height < 0.76 * width) assert.ok(radiusIn(height - 40) < 0.99 * widest, where);
+      }
+    }
+  }
 });

@@ -3,7 +3,7 @@ import { type AngleUnit, toAngle } from "../shared/format.ts";
 import { angleFrom, angleOf, indexAt, isFullCircle, type Sweep, spanOf } from "../shared/frames/scan.ts";
 import type { Occupancy } from "../shared/occupancy.ts";
 import { ticks } from "../shared/ticks.ts";
-import { type Projection, RIM_MARKS, type Rim, rimBox, toDirection } from "./projection.ts";
+import { heightOf, type Projection, RIM_MARKS, type Rim, rimBox, sweepRim, toDirection } from "./projection.ts";
 
 /**
  * Distances of the range arcs in metres: the given ones; or `count` that divide the view in equal parts; or, without a
@@ -110,6 +110,8 @@ export interface RayLabel extends Rim {
 }
 
 const LABEL_GAP = 1;
+/** Pixels of a letter of a label, about. */
+const LETTER = 7;
 
 /** Labels of the radial lines, outside the area. `measure` gives the width of the two lines in pixels. */
 export function rayLabels(
@@ -132,9 +134,21 @@ export function rayLabels(
   });
 }
 
+/** The height of a picture of a sweep that fills its width, before anything is measured: see `heightOf`. */
+export function sweepHeight(
+  sweep: Sweep,
+  angles: number[],
+  count: number | null,
+  forward: number,
+): ReturnType<typeof heightOf> {
+  const widest = ([angle, index]: [string, string]) => LETTER * Math.max(angle.length, index.length);
+  const labels = rayLabels(sweep, rayIndices(sweep, angles, count), forward, widest);
+  return heightOf([...sweepRim(sweep, forward), ...labels]);
+}
+
 /**
  * Drops labels until none overlaps another: first those that are on forward's or an end's, then every second one,
- * counted from forward, or every third, and so on.
+ * counted from forward, or every third, and so on; on both sides alike.
  */
 export function thinLabels(projection: Projection, labels: RayLabel[]): RayLabel[] {
   const boxes = new Map(labels.map((label) => [label, rimBox(projection, label)]));
@@ -144,19 +158,35 @@ export function thinLabels(projection: Projection, labels: RayLabel[]): RayLabel
   for (const label of labels.filter(({ isFixed }) => isFixed).sort((a, b) => turned(a) - turned(b))) {
     if (!fixed.some((other) => clash(label, other))) fixed.push(label);
   }
-  const ahead = labels.indexOf(fixed[0] ?? (labels[0] as RayLabel));
+  const pairs = pairsOf(labels.filter(({ isFixed }) => !isFixed));
+  // Forward has no pair: the first one is a step away.
+  const first = fixed[0] && turned(fixed[0]) < turned(pairs[0]?.[0] ?? fixed[0]) ? 1 : 0;
   for (let step = 1; step <= labels.length; step++) {
-    const others = labels.filter(
-      (label, i) => !label.isFixed && (i - ahead) % step === 0 && !fixed.some((other) => clash(label, other)),
-    );
-    // Round a full circle, the last may be too close to the first.
-    const isOpen = labels[0]?.isFixed || labels.at(-1)?.isFixed;
-    for (const kept of isOpen ? [others] : [others, others.slice(0, -1)]) {
-      const isClear = kept.every((label, i) => !kept.slice(i + 1).some((other) => clash(label, other)));
-      if (isClear) return labels.filter((label) => fixed.includes(label) || kept.includes(label));
-    }
+    const others = pairs
+      .filter((_, i) => (i + first) % step === 0)
+      .filter((pair) => !pair.some((label) => fixed.some((other) => clash(label, other))))
+      .flat();
+    const isClear = others.every((label, i) => !others.slice(i + 1).some((other) => clash(label, other)));
+    if (isClear) return labels.filter((label) => fixed.includes(label) || others.includes(label));
   }
   return fixed;
+}
+
+/** Labels from forward to behind; two that face each other on both sides stand together. */
+function pairsOf(labels: RayLabel[]): RayLabel[][] {
+  const toSide = ({ angle }: RayLabel) => Math.atan2(Math.sin(angle), Math.cos(angle));
+  const sides = labels.map(toSide).sort((a, b) => a - b);
+  const gap = Math.min(...sides.slice(1).map((side, i) => side - (sides[i] as number)));
+  const pairs: RayLabel[][] = [];
+  for (const label of [...labels].sort((a, b) => Math.abs(toSide(a)) - Math.abs(toSide(b)))) {
+    const [last] = pairs.at(-1) ?? [];
+    // Each stands at a ray, so that two sides differ by a little.
+    const isPair =
+      last && Math.abs(toSide(label)) - Math.abs(toSide(last)) < gap / 2 && toSide(label) * toSide(last) < 0;
+    if (isPair) pairs.at(-1)?.push(label);
+    else pairs.push([label]);
+  }
+  return pairs;
 }
 
 export interface ArcLabel {
@@ -166,14 +196,16 @@ export interface ArcLabel {
 }
 
 const ARC_LABEL_HEIGHT = 14;
+/** Pixels between an arc and its label. */
+const BESIDE = 2;
 const ROBOT = 10;
 const CANDIDATES = 48;
 const LEFT_OF_FORWARD = 0.24;
 
 /**
  * Places of the labels of the arcs: just inside each arc, left of forward, or elsewhere along it when a reading is
- * there. A label keeps its place as long as that is free, so that labels of a live picture do not jump. Without a free
- * place it is left out.
+ * there. Where the next arc is as close, a label lies on its own one. A label keeps its place as long as that is free,
+ * so that labels of a live picture do not jump. Without a free place it is left out.
  *
  * @param lines angles of the radial lines
  * @param covered parts of the picture that something covers
@@ -198,11 +230,19 @@ export function arcLabels(
   const angles = Array.from({ length: CANDIDATES }, (_, i) => from + ((i + 0.5) / CANDIDATES) * (to - from)).sort(
     (a, b) => Math.abs(a - preferred) - Math.abs(b - preferred),
   );
+  const toPixels = (distance: number) => (distance / projection.viewRange) * projection.radius;
   for (const { distance, width } of arcs) {
-    const pixels = (distance / projection.viewRange) * projection.radius;
-    const toLabel = (angle: number): ArcLabel => {
+    const pixels = toPixels(distance);
+    const away = Math.min(
+      ...arcs.filter((arc) => arc.distance !== distance).map((arc) => Math.abs(toPixels(arc.distance) - pixels)),
+    );
+    const toLabel = (angle: number): ArcLabel | null => {
       const direction = toDirection(angle, projection.forward);
-      const depth = (Math.abs(direction.x) * width + Math.abs(direction.y) * ARC_LABEL_HEIGHT) / 2 + 2;
+      const half = (Math.abs(direction.x) * width + Math.abs(direction.y) * ARC_LABEL_HEIGHT) / 2;
+      // Beside its arc it is twice as close to that as to any other; on it, it touches no other.
+      const isBeside = away >= 3 * (half + BESIDE);
+      if (!isBeside && away < half + BESIDE) return null;
+      const depth = isBeside ? half + BESIDE : 0;
       const x = centerX + direction.x * (pixels - depth);
       const y = centerY + direction.y * (pixels - depth);
       const box = { x: x - width / 2, y: y - ARC_LABEL_HEIGHT / 2, width, height: ARC_LABEL_HEIGHT };
@@ -217,7 +257,8 @@ export function arcLabels(
       lines.every((line) => Math.abs(Math.sin((angle - line) / 2)) * 2 * pixels > width / 3);
     const isOffEdges = (angle: number) =>
       edges.every((edge) => Math.abs(Math.sin((angle - edge) / 2)) * 2 * pixels > width / 2 + 3);
-    const free = (label: ArcLabel) =>
+    const free = (label: ArcLabel | null): label is ArcLabel =>
+      label !== null &&
       occupied.count(label.box) === 0 &&
       ![robot, ...covered, ...placed.map(({ box }) => box)].some((box) => overlaps(label.box, box));
     const within = angles.filter(inSweep);

@@ -86,25 +86,34 @@ export function rimBox({ centerX, centerY, radius }: Center, { direction, gap, h
   };
 }
 
+/** What the scanner and everything at the rim take, from the scanner. */
+function extentOf(rim: Rim[], radius: number): Box {
+  const boxes = rim.map((one) => rimBox({ centerX: 0, centerY: 0, radius }, one));
+  const x = Math.min(-ROBOT, ...boxes.map((one) => one.x));
+  const y = Math.min(-ROBOT, ...boxes.map((one) => one.y));
+  const width = Math.max(ROBOT, ...boxes.map((one) => one.x + one.width)) - x;
+  const height = Math.max(ROBOT, ...boxes.map((one) => one.y + one.height)) - y;
+  return { x, y, width, height };
+}
+
+/** The height that the scanner and everything at the rim take in a width that they fill: a part of that, and pixels. */
+export function heightOf(rim: Rim[]): { part: number; pixels: number } {
+  const [low, high] = [extentOf(rim, 100), extentOf(rim, 300)];
+  const part = Math.min(1, (high.height - low.height) / Math.max(1, high.width - low.width));
+  return { part, pixels: low.height + 2 * MARGIN - part * (low.width + 2 * MARGIN) };
+}
+
 /** The largest radius, and the centre, with which the scanner and everything at the rim fit the box. */
 export function fit(rim: Rim[], box: Box): Center {
-  const extent = (radius: number): Box => {
-    const boxes = rim.map((one) => rimBox({ centerX: 0, centerY: 0, radius }, one));
-    const x = Math.min(-ROBOT, ...boxes.map((one) => one.x));
-    const y = Math.min(-ROBOT, ...boxes.map((one) => one.y));
-    const width = Math.max(ROBOT, ...boxes.map((one) => one.x + one.width)) - x;
-    const height = Math.max(ROBOT, ...boxes.map((one) => one.y + one.height)) - y;
-    return { x, y, width, height };
-  };
   const margin = box.width < NARROW ? MARGIN / 2 : MARGIN;
   let [low, high] = [10, Math.max(10, box.width + box.height)];
   for (let i = 0; i < 30; i++) {
     const middle = (low + high) / 2;
-    const { width, height } = extent(middle);
+    const { width, height } = extentOf(rim, middle);
     if (width <= box.width - 2 * margin && height <= box.height - 2 * margin) low = middle;
     else high = middle;
   }
-  const { x, y, width, height } = extent(low);
+  const { x, y, width, height } = extentOf(rim, low);
   return {
     radius: low,
     centerX: box.x + (box.width - width) / 2 - x,

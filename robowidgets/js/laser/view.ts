@@ -14,11 +14,13 @@ import { watchGestures } from "./gestures.ts";
 import { Ghost } from "./ghost.ts";
 import { GhostLayer } from "./ghost_layer.ts";
 import { GuideLayer } from "./guide_layer.ts";
+import { sweepHeight } from "./guides.ts";
 import { HighlightLayer } from "./highlight_layer.ts";
 import type { Host, Layer, Stage } from "./layer.ts";
 import { Legend } from "./legend.ts";
 import { PinLayer } from "./pin_layer.ts";
 import { PointerLayer } from "./pointer.ts";
+import { FORWARD } from "./projection.ts";
 import { ReadingLayer } from "./reading_layer.ts";
 import { RobotLayer } from "./robot_layer.ts";
 import { Scene, SETTINGS } from "./scene.ts";
@@ -96,6 +98,8 @@ export class LaserView implements Host {
     const traits = [...SETTINGS, "index_view", ...this.#layers.flatMap((layer) => layer.traits)] as const;
     onChange(model, traits, this.card.redraw, signal);
     watchGestures(picture, this.#layers, this, signal);
+    onChange(model, ["forward"], () => this.#shape(), signal);
+    this.#shape();
   }
 
   get stage(): Stage {
@@ -126,6 +130,21 @@ export class LaserView implements Host {
 
   #onFit(): void {
     setTraits(this.model, { view_range: this.model.get("view_range") === "data" ? "sensor" : "data" });
+  }
+
+  /**
+   * Makes the picture no higher than the sweep needs: that of the scan which is there when the view is made. An empty
+   * picture keeps its height, so that the first scan moves nothing on the page.
+   */
+  #shape(): void {
+    const { model, stream, card } = this;
+    const scan = stream.shown;
+    if (!scan?.count) return;
+    const forward = FORWARD[model.get("forward")] ?? 0;
+    const { part, pixels } = sweepHeight(scan, model.get("ray_angles"), model.get("ray_count"), forward);
+    const below = this.#layers.reduce((sum, layer) => sum + (layer.roomBelow?.(scan) ?? 0), 0);
+    const height = `calc(${(100 * part).toFixed(1)}cqw + ${Math.ceil(pixels + below)}px)`;
+    card.picture.style.setProperty("--rw-sweep-height", height);
   }
 
   #draw(isNow: boolean): void {
