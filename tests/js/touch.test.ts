@@ -100,6 +100,23 @@ test("names in scopes are cut to what tells them apart", () => {
   assert.deepEqual(toLabels(["a::b", "b"], {}), ["a::b", "b"]);
 });
 
+test("labels leave out the words that all names share at their start or end", () => {
+  const bumpers = ["left", "front_left", "right"].map((place) => `bumper_sensor_${place}_link`);
+  assert.deepEqual(toLabels(bumpers, {}), ["left", "front_left", "right"]);
+  assert.deepEqual(toLabels(["left bumper", "right bumper"], {}), ["left", "right"]);
+  assert.deepEqual(toLabels(["bumper", "bumper_2"], {}), ["bumper", "bumper_2"], "a word of each is left");
+  assert.deepEqual(toLabels(["bump_1", "bump_12", "bump_2"], {}), ["1", "12", "2"]);
+  assert.deepEqual(toLabels(["bumperleft", "bumperright"], {}), ["bumperleft", "bumperright"], "whole words alone");
+  assert.deepEqual(toLabels(["bumper_left"], {}), ["bumper_left"], "one shares nothing");
+  assert.deepEqual(toLabels(["cliff left", "cliff right", "wheel left"], {}), [
+    "cliff left",
+    "cliff right",
+    "wheel left",
+  ]);
+  const robots = ["robot::base::bumper_left", "robot::base::bumper_right"];
+  assert.deepEqual(toLabels(robots, { [robots[0] as string]: "Nose" }), ["Nose", "right"]);
+});
+
 test("a label of one's own is taken as it is, even an empty one", () => {
   assert.deepEqual(toLabels(["a::b", "c"], { "a::b": "<b>nose</b>", c: "" }), ["<b>nose</b>", ""]);
 });

@@ -22,7 +22,9 @@ export class Legend {
       const count = make("b", "");
       item.hidden = true;
       // The space is for screen readers; the page shows none there.
-      item.append(make("span", "rw-symbol", symbol), count, " ", make("span", "", word));
+      const glyph = make("span", "rw-symbol", symbol);
+      glyph.ariaHidden = "true";
+      item.append(glyph, count, " ", make("span", "", word));
       if (item instanceof HTMLButtonElement) {
         item.type = "button";
         on(item, "click", () => toggleMark(model, name), signal);

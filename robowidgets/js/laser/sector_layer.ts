@@ -1,4 +1,5 @@
 import { type Box, holds, type Point } from "../shared/box.ts";
+import { make } from "../shared/dom.ts";
 import { angleOf, indexAt, READING, type Sweep } from "../shared/frames/scan.ts";
 import type { Theme } from "../shared/theme.ts";
 import { leadTo } from "./chip_place.ts";
@@ -33,6 +34,8 @@ const ROBOT = 20;
 export class SectorLayer implements Layer {
   readonly traits = ["_sectors", "_selection"] as const;
   readonly store: SectorStore;
+  /** What the footer says until the first drag. */
+  readonly hint = make("span", "rw-hint");
   readonly #host: Host;
   readonly #numbers = new SectorNumbers();
   readonly #drags: SectorDrags;
@@ -44,7 +47,9 @@ export class SectorLayer implements Layer {
   constructor(host: Host) {
     this.#host = host;
     this.store = new SectorStore(host.model, host.signal);
+    this.hint.append(make("span", "", "drag along an arc to select rays"));
     const onDragged = (undo: () => void) => {
+      this.hint.remove();
       this.#undo = undo;
       this.#chip.close();
       this.#leaveEdge();
@@ -123,7 +128,9 @@ export class SectorLayer implements Layer {
   onHover(point: Point | null): boolean {
     const { picture } = this.#host.card;
     const handle = point && this.#handleAt(point, GRAB.mouse);
-    picture.style.cursor = handle ? "grab" : point && this.#nameAt(point) ? "pointer" : "";
+    const isName = point && this.#nameAt(point);
+    const isArc = point && this.#host.stage.scan && this.#isInside(point);
+    picture.style.cursor = handle ? "grab" : isName ? "pointer" : isArc ? "crosshair" : "";
     return Boolean(handle);
   }
 
@@ -142,11 +149,15 @@ export class SectorLayer implements Layer {
     if (!scan || scan.count < 2) return null;
     const handle = this.#handleAt(point, isTouch ? GRAB.touch : GRAB.mouse);
     if (handle) return this.#drags.ofEdge(scan, handle.named, handle.edge, point);
-    const { projection } = this.#host.stage;
-    const pixels = Math.hypot(point.x - projection.centerX, point.y - projection.centerY);
-    const rim = rimOf(this.#host.stage);
-    const isInside = isTouch ? Math.abs(pixels - rim) <= TOUCH_RIM : pixels >= ROBOT && pixels <= rim + RIM;
-    return isInside ? this.#drags.ofNew(scan, point) : null;
+    return this.#isInside(point, isTouch) ? this.#drags.ofNew(scan, point) : null;
+  }
+
+  /** Whether a drag from here makes a sector. */
+  #isInside(point: Point, isTouch = false): boolean {
+    const { stage } = this.#host;
+    const pixels = Math.hypot(point.x - stage.projection.centerX, point.y - stage.projection.centerY);
+    const rim = rimOf(stage);
+    return isTouch ? Math.abs(pixels - rim) <= TOUCH_RIM : pixels >= ROBOT && pixels <= rim + RIM;
   }
 
   onKey(event: KeyboardEvent): boolean {

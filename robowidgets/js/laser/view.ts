@@ -15,6 +15,7 @@ import { Ghost } from "./ghost.ts";
 import { GhostLayer } from "./ghost_layer.ts";
 import { GuideLayer } from "./guide_layer.ts";
 import { sweepHeight } from "./guides.ts";
+import { HelpLayer } from "./help_layer.ts";
 import { HighlightLayer } from "./highlight_layer.ts";
 import type { Host, Layer, Stage } from "./layer.ts";
 import { Legend } from "./legend.ts";
@@ -64,11 +65,14 @@ export class LaserView implements Host {
     const { picture, footer } = this.card;
     // Screen readers leave the arrow keys to it.
     picture.role = "application";
+    picture.setAttribute("aria-description", "Drag along an arc to select rays, or type them (t). All keys: ?");
     this.#scene = new Scene(model, picture);
     this.#legend = new Legend(footer, model, signal);
     this.#ghost = new Ghost(model, stream, this.card.redraw, signal);
     const spread = new SpreadLayer(model, stream);
     const sectors = new SectorLayer(this);
+    footer.insertBefore(sectors.hint, footer.lastChild);
+    const help = new HelpLayer(this);
     this.#layers = [
       new FreeLayer(model, stream),
       new GuideLayer(model, this.#scene.measure),
@@ -83,6 +87,7 @@ export class LaserView implements Host {
       new HighlightLayer(model),
       new PinLayer(this),
       sectors,
+      help,
     ];
     picture.append(this.#empty);
     this.#emptySize = new LaidOut(this.card.redraw, signal).of(this.#empty);
@@ -93,7 +98,8 @@ export class LaserView implements Host {
     this.#pin = makeButton("rw-pin", "", () => this.#ghost.toggle(), signal);
     this.#pin.append(makeIcon(GHOST));
     this.#type = makeButton("rw-type", "Type rays to see them (t)", () => sectors.askRays(), signal, "[:]");
-    this.card.addControls(farther, this.#range, closer, this.#fit, this.#pin, this.#type);
+    this.#type.append(make("span", "rw-word", "Rays"));
+    this.card.addControls(farther, this.#range, closer, this.#fit, this.#pin, this.#type, help.button);
 
     const traits = [...SETTINGS, "index_view", ...this.#layers.flatMap((layer) => layer.traits)] as const;
     onChange(model, traits, this.card.redraw, signal);

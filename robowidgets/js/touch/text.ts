@@ -53,14 +53,38 @@ export function summarize(sensors: Sensor[]): { counts: Record<TouchState, numbe
   return { counts, touches: sensors.reduce((sum, sensor) => sum + sensor.touches, 0) };
 }
 
+/** Words of a name, each with what joins it to the next: "left_", "front". */
+const WORDS = /[^_\-\s./:]*(?:[_\-\s./:]+|$)/g;
+
 /**
  * A label for each name: of names in scopes, as simulators have them ("robot::base::bumper"), the last parts that tell
- * it from the others.
+ * it from the others; and of those without the words that all start or end with.
  */
 export function toLabels(names: string[], given: Record<string, string>): string[] {
+  const labels = withoutShared(lastParts(names));
+  return names.map((name, i) => given[name] ?? (labels[i] as string));
+}
+
+/** What is left of names without the words that all start or end with: at least one word of each. */
+function withoutShared(names: string[]): string[] {
+  const split = names.map((name) => name.match(WORDS)?.filter(Boolean) ?? []);
+  const [first = []] = split;
+  const least = Math.min(...split.map((words) => words.length)) - 1;
+  if (new Set(names).size < 2) return names;
+  const isShared = (at: number) => split.every((words) => words.at(at) === first.at(at));
+  let start = 0;
+  while (start < least && isShared(start)) start++;
+  let end = 0;
+  while (start + end < least && isShared(-1 - end)) end++;
+  return split.map((words) => {
+    const rest = words.slice(start, words.length - end).join("");
+    return end ? rest.replace(/[_\-\s./:]+$/, "") : rest;
+  });
+}
+
+/** The last parts of names in scopes that tell them from each other. */
+function lastParts(names: string[]): string[] {
   return names.map((name) => {
-    const own = given[name];
-    if (own !== undefined) return own;
     const parts = name.split("::");
     for (let count = 1; count < parts.length; count += 1) {
       const short = parts.slice(-count).join("::");
