@@ -179,6 +179,31 @@ def running_cell() -> CellRun:
     return request.get("metadata", {}).get("cellId", ""), request.get("header", {}).get("msg_id", "")
 
 
+class CellNote:
+    """A line below a cell, once in each of its runs.
+
+    There is none where no cell makes the call, or where the notebook does not identify its cells: in scripts, and where
+    notebooks run without a person.
+    """
+
+    def __init__(self) -> None:
+        self._last: CellRun = ("", "")
+
+    def print(self, line: Callable[[], str]) -> None:
+        """Print what a function returns, at the first call in this run."""
+        run = running_cell()
+        if not run[0] or run == self._last or not called_from_cell():
+            return
+        self._last = run
+        print(line())  # noqa: T201
+
+
+def name_in_cells(value: Any, otherwise: str) -> str:
+    """The name by which the cells of the notebook know something; another text where they have none for it."""
+    names: dict[str, Any] = getattr(ipython_shell(), "user_ns", {})
+    return next((name for name, known in list(names.items()) if known is value and name[0] != "_"), otherwise)
+
+
 def is_same_cell(one: CellRun, other: CellRun) -> bool:
     """Whether two runs are of the same cell, as far as the notebook says."""
     return any(a == b != "" for a, b in zip(one, other, strict=True))

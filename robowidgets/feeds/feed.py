@@ -7,6 +7,7 @@ import weakref
 from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING, Any
 
+from .._core.cells import CellNote, name_in_cells
 from .._core.tables import Table
 from ..behaviors.variables import Variables
 from ..driving.command_watchdog import Velocity
@@ -20,6 +21,7 @@ from ._topics import Topic, table_of
 from .middleware import FeedError, Middleware
 
 if TYPE_CHECKING:
+    from ..behaviors.program import Program
     from ._feed_view import FeedView
     from ._recorder import Recorder
 
@@ -48,6 +50,7 @@ class Feed:
         self.connection = Connection(middleware, lambda: deleted() is None)
         self.driver, self.watchdog = self.connection.driver, self.connection.watchdog
         self.programs = self.connection.programs
+        self._drive_note, self._program_note = CellNote(), CellNote()
         self.connection.open()
 
     # -- what a person uses --------------------------------------------------------------------------------------------
@@ -221,6 +224,12 @@ class Feed:
                 the feed is closed. Nothing is sent then.
         """
         self.driver.drive(Velocity(linear, angular, lateral))
+        self._drive_note.print(
+            lambda: (
+                f"{self.where}: each speed on {self.driver.topic} holds for {self.driving.hold:g} s; "
+                f"{name_in_cells(self, 'feed')}.show() shows the robot"
+            )
+        )
 
     def stop(self) -> None:
         """Publish zero now, and return when it is sent.
@@ -283,8 +292,20 @@ class Feed:
         """
         self.connection.check_open(*topics.values(), *(() if on is None else (on,)))
         if function is not None:
-            return self.connection.install(function, rate, on, topics)
-        return lambda given: self.connection.install(given, rate, on, topics)
+            return self._install(function, rate, on, topics)
+        return lambda given: self._install(given, rate, on, topics)
+
+    def _install(
+        self, function: Callable[..., Any], rate: float | None, on: str | None, topics: dict[str, str]
+    ) -> Program:
+        program = self.connection.install(function, rate, on, topics)
+        self._program_note.print(
+            lambda: (
+                f"{self.where}: {program.name} drives from now on, also after this cell; "
+                f"{name_in_cells(self, 'feed')}.show() shows it, with Stop"
+            )
+        )
+        return program
 
     def close(self) -> None:
         """Stop the robot if it is driven, disconnect, end every thread; doing it again does nothing.

@@ -21,7 +21,8 @@ laser
 """
 CUT = """(footer) => {
     const outer = footer.getBoundingClientRect();
-    const leaves = [...footer.querySelectorAll("*:not(.rw-hint > *)")].filter((e) => !e.children.length && e.checkVisibility());
+    const all = [...footer.querySelectorAll("*:not(.rw-hint > *)")];
+    const leaves = all.filter((e) => !e.children.length && e.checkVisibility());
     return leaves.filter((leaf) => {
         const { left, right, top, bottom } = leaf.getBoundingClientRect();
         return left < outer.left || right > outer.right || top < outer.top || bottom > outer.bottom

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
 from collections.abc import Callable
 from types import SimpleNamespace
 
@@ -108,3 +110,34 @@ def test_the_traceback_of_a_cell_is_shown_and_each_robot_stopped_though_one_cann
     shell.showtraceback()
     assert done == ["the other is stopped", "the traceback is shown"]
     assert "a robot may drive on, as it could not be stopped: can't start new thread" in caplog.text
+
+
+IN_CELLS = """
+from IPython.core.interactiveshell import InteractiveShell
+shell = InteractiveShell.instance()
+request = {}
+shell.get_parent = lambda: request
+def run(number, code, cell="a"):
+    request.update(metadata={"cellId": cell} if cell else {}, header={"msg_id": str(number)})
+    print("cell", number)
+    shell.run_cell(code).raise_error()
+run(1, "from robowidgets import feeds; from robowidgets.behaviors import Drive", "open")
+run(1, "bot = feeds.simulator(wander=False)", "open")
+run(2, "for _ in range(3): bot.drive(0.01)")
+run(3, "bot.drive(0.01); bot.stop()")
+program = "@bot.program\\ndef stand():\\n    return Drive()"
+run(4, program)
+run(5, program, cell="")
+run(6, "import threading; t = threading.Thread(target=bot.stop); t.start(); t.join()")
+run(7, "bot.close()")
+"""
+
+
+@pytest.mark.slow  # a process with IPython
+def test_a_cell_that_drives_says_once_what_happens_and_where_it_is_seen() -> None:
+    done = subprocess.run([sys.executable, "-c", IN_CELLS], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    drives = "the simulated robot: each speed on /cmd_vel holds for 0.5 s; bot.show() shows the robot"
+    stands = "the simulated robot: stand drives from now on, also after this cell; bot.show() shows it, with Stop"
+    cells = ["cell 1", "cell 1", "cell 2", drives, "cell 3", drives, "cell 4", stands, "cell 5", "cell 6", "cell 7"]
+    assert done.stdout.splitlines() == cells
