@@ -22,10 +22,10 @@ PAGES = sorted(file.stem for file in (ROOT / "robowidgets" / "js").glob("export_
 EACH = "run_once.js"
 """What Jupyter runs for each widget."""
 FRONT_END = {EACH} | {f"{name}.{kind}" for name in (*WIDGETS, *PAGES) for kind in ("js", "css")}
-# Script and style together, compressed as a server sends them. The laser has more to show than the others; a kilobyte of it
-# says what a person may do: the list of keys, the hint. What only a program begins (shapes, pins, lamps' rays, free space,
-# the index view, ghosts) is 6 kB of it and 5 ms once per page: a second script for that would copy most of what both parts
-# share, and its layers would miss the first picture.
+# Script and style together, compressed as a server sends them. The laser has more to show than the others; a kilobyte
+# of it says what a person may do: the list of keys, the hint. What only a program begins (shapes, pins, lamps' rays,
+# free space, the index view, ghosts) is 6 kB of it and 5 ms once per page: a second script for that would copy most of
+# what both parts share, and its layers would miss the first picture.
 LARGEST_FRONT_END = {"laser_widget": 48_000}
 LARGEST_OTHER = 40_000
 LARGEST_SAMPLE = 1_000_000

@@ -60,7 +60,7 @@ def test_the_height_of_a_picture_follows_the_sweep_and_the_first_scan_moves_noth
 ) -> None:
     nb = plain_page([SCANS, "half = sweep(180, 181)\nhalf", "sweep(360, 360)", "late = LaserWidget()\nlate"])
     half, whole, late = (nb.widget(index).locator(".rw-card") for index in (1, 2, 3))
-    for width in (760, 560, 400, 330):
+    for width in (760, 560, 420):
         nb.resize(width)
         eventually(lambda: width_of_area(half) >= 0.6 * nb.page.viewport_size["width"], True)  # type: ignore[index]
         picture = Picture(half)
