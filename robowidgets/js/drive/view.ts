@@ -82,7 +82,7 @@ export class DriveView {
     const texts = make("div", "rw-pad-words");
     texts.role = "status";
     texts.append(this.#text, this.#hint, this.#buttons.allow);
-    side.append(texts, this.#linear.root, this.#lateral.root, this.#yaw.root);
+    side.append(texts, this.#linear.root, this.#yaw.root, this.#lateral.root);
     addArrows(this.#pad, ["up", "left", "right", "down"]);
     this.#pad.append(this.#stem, this.#knob);
     this.#pad.tabIndex = 0;
