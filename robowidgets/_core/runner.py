@@ -6,6 +6,7 @@ import threading
 from collections.abc import Callable
 from functools import partial
 from typing import Any, NamedTuple, Protocol
+from weakref import WeakMethod
 
 from . import clock
 from .clock import Left, Scheduler
@@ -142,7 +143,7 @@ class Runner:
                 self._began = self._now()
                 if not self._has_look:
                     self._has_look = True
-                    self._scheduler.call_at(self._began + self._look, self._look_at)
+                    self._look_later(self._began + self._look)
         try:
             outcome = Outcome(function(*args), None)
         except BaseException as error:  # not even a SystemExit may end the thread that runs all functions
@@ -153,6 +154,11 @@ class Runner:
             self.current = None
         return outcome
 
+    def _look_later(self, when: float) -> None:
+        """Look at a time, unless nobody refers to this runner any more: a timer keeps no closed feed alive."""
+        look = WeakMethod(self._look_at)
+        self._scheduler.call_at(when, lambda: (at := look()) and at())
+
     def _look_at(self) -> None:
         """Look at the turn that is under way. In the thread of the timers."""
         with self._lock:
@@ -160,7 +166,7 @@ class Runner:
             self._has_look = began is not None
             if began is not None:
                 due = began + self._look
-                self._scheduler.call_at(due if due > now else now + self._look, self._look_at)
+                self._look_later(due if due > now else now + self._look)
                 if due > now:  # another turn than the one that the look was for
                     return
         self._on_look()
