@@ -112,7 +112,7 @@ class Recording(RecordingData):
         return examine(self._heading(), self.topics, series, self._with_remedies(), silences)
 
     def show(self, *topics: str, scanogram: bool | None = None, rerun: bool = False) -> Player:
-        """The widgets that fit its topics, with a player for its time, for the page.
+        """One widget per topic it knows how to show, with a player that moves them through its time.
 
         The player opens the file again, so this recording may still be read, or be closed.
 

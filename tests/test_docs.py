@@ -14,7 +14,7 @@ import pytest
 
 from .conftest import ROOT
 
-FILES = sorted([*ROOT.glob("*.md"), *ROOT.glob("docs/*.md")])
+FILES = sorted([*ROOT.glob("*.md"), *ROOT.glob("docs/**/*.md")])
 PROSE = {"text", "json", "toml"}
 SHELL = {"bash", "sh"}
 # Commands that no test can type here, each with what stands for it.
@@ -34,7 +34,7 @@ _HEADING = re.compile(r"^#+ (.+)$", re.MULTILINE)
 _PATH = re.compile(r"`((?:robowidgets|tests|docs|scripts|benchmarks|notebooks)/[^`\s]*)`")
 MADE_BY_TESTS = {"tests/screenshots/", "tests/screenshots/failed/"}
 
-every_file = pytest.mark.parametrize("file", FILES, ids=lambda file: file.name)
+every_file = pytest.mark.parametrize("file", FILES, ids=lambda file: str(file.relative_to(ROOT)))
 
 
 # A cell of a notebook shows its last expression, and what it displays.
@@ -177,7 +177,9 @@ def test_every_path_in_the_map_of_the_code_is_there() -> None:
 
 def test_the_page_on_a_new_sensor_shows_the_code_that_the_tests_build() -> None:
     folder = ROOT / "tests" / "fourth_kind"
-    shown = re.findall(r"```text\n(.*?)```", (ROOT / "docs" / "new_sensor.md").read_text("utf-8"), re.DOTALL)
+    shown = re.findall(
+        r"```text\n(.*?)```", (ROOT / "docs" / "developers" / "new_sensor.md").read_text("utf-8"), re.DOTALL
+    )
     python, *front_end = shown
     for name, text in zip(("number_widget.ts", "number_widget.css"), front_end, strict=True):
         assert text == (folder / "js" / name).read_text("utf-8").replace("../../../robowidgets/js/", "./")

@@ -1,4 +1,4 @@
-"""Frames as Python packs them, which the tests of both halves read; `docs/frames.md` describes the layout.
+"""Frames as Python packs them, which the tests of both halves read; `docs/developers/frames.md` describes the layout.
 
 `python -m tests.vectors` writes them anew into vectors.json. It writes what sectors hold, the code of sectors, and the
 spread of rays, too. What stands beside them there is written by hand: scans with their classes, counts and indices, and

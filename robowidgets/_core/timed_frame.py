@@ -15,7 +15,7 @@ time of arrival in seconds of Python's monotonic clock."""
 
 
 class TimedFrame(NamedTuple):
-    """A frame and its time, the texts on the sample, and the bytes, as docs/frames.md lists them.
+    """A frame and its time, the texts on the sample, and the bytes, as docs/developers/frames.md lists them.
 
     ``seconds`` counts from the start of a recording, and is negative where nothing was measured yet; of a frame that
     was sent, it is when its sample arrived, by the monotonic clock.

@@ -39,7 +39,7 @@ def write_for(recording: Path, folder: Path) -> Path:
     name = re.sub(r"[^\w-]+", "-", recording.stem, flags=re.ASCII).strip("-") or "recording"
     opened = f"recording = robowidgets.open({str(recording)!r})"
     cells = [
-        _cell("markdown", "look", "# A recording\n\nThe widgets that fit its topics, with a player for its time:"),
+        _cell("markdown", "look", "# A recording\n\nOne widget per topic it knows how to show, and a player:"),
         _cell("code", "show", f"import robowidgets\n\n{opened}\nrecording.show()"),
         _cell("markdown", "topics", "All its topics:"),
         _cell("code", "table", "recording"),

@@ -29,7 +29,7 @@ ArraysOf = Callable[[bytes], tuple[int, int]]
 
 
 def segment(number: int, tracks: Iterable[tuple[Sequence[TimedFrame], ArraysOf]]) -> bytes:
-    """One segment as text for the page: see docs/frames.md.
+    """One segment as text for the page: see docs/developers/frames.md.
 
     Args:
         number: of the segment.

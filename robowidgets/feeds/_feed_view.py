@@ -1,4 +1,4 @@
-"""A running robot on one screen: Stop, the widgets that fit its topics and its program, and a status line."""
+"""A running robot on one screen: Stop, the widgets of its topics and its program, and a status line."""
 
 from __future__ import annotations
 

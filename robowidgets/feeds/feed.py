@@ -156,7 +156,7 @@ class Feed:
         return scans_of(self.connection, topic, timeout)
 
     def show(self, *topics: str) -> FeedView:
-        """The widgets that fit its topics, live, for the page, and those of its program and state machine.
+        """One widget per topic it knows how to show, live, and those of its program and state machine.
 
         It waits a moment for the first list of topics. Without names, topics and programs that appear later get a
         widget too; a named topic gets its own when it appears.

@@ -1,4 +1,4 @@
-"""A recording on the page: the widgets that fit its topics, and a player for its time."""
+"""A recording on the page: one widget per topic it knows how to show, and a player for its time."""
 
 from __future__ import annotations
 

@@ -168,10 +168,9 @@ class Scan(HasAge):
         """How much farther each ray goes than in another scan, in metres, shape (R,).
 
         Each ray counts as in `distance`: 0 where it is too close, inf where it meets nothing, NaN where that is
-        unknown. So the difference is inf where nothing is met any more, -inf where nothing was met before, 0 where
-        nothing is met in both, and NaN where one of them is unknown. Rays are compared by index where both scans have
-        the same angles; else by angle, with the closest ray of the other scan, and NaN where it has none within half
-        a step.
+        unknown. So the difference is inf when nothing is in range any more, -inf when nothing was before, 0 when
+        nothing is in both, and NaN where one of them is unknown. Rays are compared by index where both scans have the
+        same angles; else by angle, with the closest ray of the other scan, and NaN if it has none within half a step.
         """
         if not isinstance(other, Scan):
             return NotImplemented
@@ -242,7 +241,7 @@ class Scan(HasAge):
         return np.column_stack((self.x, self.y))[self.valid]
 
     def distance(self, sector: Asked = ALL_ROUND, *, percentile: float | None = None) -> float:
-        """Metres to the nearest thing: inf where nothing is met, 0 where it is too close, NaN where that is unknown.
+        """Metres to the nearest thing: inf when nothing is in range, 0 when it is too close, NaN when that is unknown.
 
         Each ray counts as its range says, and the least of them is the distance:
 
@@ -251,7 +250,7 @@ class Scan(HasAge):
         =============================================  ==========================================
         within range_min and range_max                 that distance
         -inf, or 0.02 m and more but below range_min   0: too close to measure
-        +inf, or a number above range_max              inf: nothing is met
+        +inf, or a number above range_max              inf: nothing is in range
         below 0.02 m and below range_min, as 0.0       inf: a code for nothing seen; see below
         NaN                                            nothing, unless all are NaN: then NaN
         =============================================  ==========================================

@@ -1,4 +1,4 @@
-"""Scanners with the habits of real ones, by name. `docs/feeds_simulator.md` says what they are taken from."""
+"""Scanners with the habits of real ones, by name. `docs/simulator.md` says what they are taken from."""
 
 from __future__ import annotations
 

@@ -11,7 +11,7 @@ import pytest
 
 from .feeds.kernel import Kernel
 
-PAGE = (Path(__file__).parents[2] / "docs" / "threads.md").read_text()
+PAGE = (Path(__file__).parents[2] / "docs" / "developers" / "threads.md").read_text()
 NOTED = f"""
 import sys, time
 from pathlib import Path
@@ -114,7 +114,7 @@ def test_threads_take_locks_in_the_order_of_the_page(full: dict[str, Any]) -> No
     order = listed_locks()
     assert len(full["edges"]) > 15, "the locks were noted"
     unlisted = {name for outer, inner, _ in full["edges"] for name in (outer, inner)} - {*order}
-    assert not unlisted, "docs/threads.md lists the locks that are held while others are taken"
+    assert not unlisted, "docs/developers/threads.md lists the locks that are held while others are taken"
     wrong = [
         f"{thread} takes {inner} while it holds {outer}"
         for outer, inner, thread in full["edges"]

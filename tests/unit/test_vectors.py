@@ -37,7 +37,7 @@ class TestScan:
 
 
 def test_frames_are_packed_byte_by_byte() -> None:
-    """Else the layout has changed: change the front end and docs/frames.md, then run `python -m tests.vectors`."""
+    """Else the layout has changed: change front end and docs/developers/frames.md, run `python -m tests.vectors`."""
     assert vectors.make() == VECTORS["frames"]
 
 

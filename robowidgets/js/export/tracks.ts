@@ -24,7 +24,7 @@ interface PackedTrack {
 
 const TABLE_WIDTH = 24;
 
-/** The tracks as a player takes them: number of frames, a table of times, their bytes; docs/frames.md has the layout. */
+/** The tracks as a player takes them: number of frames, a table of times, their bytes; docs/developers/frames.md has the layout. */
 export function unpackTracks({ columns, tracks }: PackedTracks, taker: Taker): DataView[] {
   const shared = columns.map(([count, scale]) => unpackColumn(new BigUint64Array(taker.rows(count, 8).buffer), scale));
   return tracks.map((track) => unpackTrack(track, shared, taker));

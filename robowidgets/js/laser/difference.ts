@@ -5,7 +5,7 @@ const CODES_END = 0.0195;
 /** Radians within which two sweeps are the same. Python has the same number. */
 const SAME_ANGLE = 1e-6;
 
-/** What a ray counts as: metres, 0 for too close, infinity where nothing is met, NaN where that is unknown. */
+/** What a ray counts as: metres, 0 for too close, infinity when nothing is in range, NaN where that is unknown. */
 export function distanceOf({ ranges, kinds, minRange, maxRange }: Scan, index: number): number {
   const range = ranges[index] as number;
   if (kinds[index] === READING) return range;

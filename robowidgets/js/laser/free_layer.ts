@@ -7,7 +7,7 @@ import type { Depth, Layer, Painter, Stage } from "./layer.ts";
 import { toPixel } from "./projection.ts";
 import type { LaserTraits } from "./traits.ts";
 
-/** What the scanner has seen to be free: from the robot to each reading, and to the rim where nothing was met. */
+/** What the scanner has seen to be free: from the robot to each reading, and to the rim when nothing was in range. */
 export class FreeLayer implements Layer {
   readonly traits = ["free_space"] as const;
   readonly #model: Model<LaserTraits>;

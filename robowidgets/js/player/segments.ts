@@ -25,7 +25,7 @@ const ROW = 3;
 /** Seconds; a time at the end of a segment belongs to the next one. */
 const JUST_BEFORE = 1e-6;
 
-/** Reads the frames of a track; docs/frames.md has the layout. */
+/** Reads the frames of a track; docs/developers/frames.md has the layout. */
 export function decodeFrames(bytes: DataView): TimedFrame[] {
   const count = bytes.getFloat64(0, true);
   const number = (i: number) => bytes.getFloat64(8 * (1 + i), true);

@@ -178,7 +178,7 @@ export function toRange(code: number, { minRange, far }: Sweep): number {
   return minRange + ((code + 0.5) * (far - minRange)) / FARTHEST;
 }
 
-/** The facts and the arrays of a frame; docs/frames.md has the layout. */
+/** The facts and the arrays of a frame; docs/developers/frames.md has the layout. */
 export function unpack(bytes: DataView): Unpacked {
   const length = bytes.getUint32(0, true);
   const text = new TextDecoder().decode(copyOf(bytes, 4, length));

@@ -81,7 +81,7 @@ class Scans(Series[Scan]):
         return self._of_rays("ranges", self.ray_count, lambda chunk: chunk.ranges)
 
     def distances(self, sector: Asked = ALL_ROUND, *, percentile: float | None = None) -> NDArray[np.float32]:
-        """`Scan.distance` of each, shape (N,): metres, inf where nothing is met, 0 too close, NaN unknown.
+        """`Scan.distance` of each, shape (N,): metres, inf when nothing is in range, 0 too close, NaN unknown.
 
         Args:
             sector: as in `Scan.distance`.
