@@ -238,3 +238,60 @@ def test_a_click_goes_to_a_state_numbers_stand_beside_events_and_a_failed_state_
     widget.locator(".rw-freeze").click()
     expect(state(widget, "wait").get_by_role("button")).to_be_hidden()
     nb.python("robot.close()")
+
+
+EDITED = """
+class Edited:
+    go = lambda variables: variables.go
+    back = lambda variables: variables.back
+
+    def forward():
+        return Drive(0.05)
+
+    class avoid:
+        stop = turn = None
+        moves = "stop -> turn after 0.2"
+
+    {more}
+    moves = "forward -> avoid on go", "avoid -> forward on back", {moves}
+
+robot.program(Edited, rate=20)
+"""
+FIRST = EDITED.format(more="", moves="")
+SECOND = EDITED.format(more="rest = None", moves="'forward -> rest on back', 'rest -> forward on go'")
+BROKEN = EDITED.format(more="def rest(): return Drive(1 / 0)", moves="'forward -> rest on back'")
+
+
+@pytest.mark.parametrize("width", [740, 400, 300])
+def test_a_card_keeps_its_height_while_one_edits_and_shows_the_whole_machine(
+    plain_page: Callable[..., PlainPage], width: int
+) -> None:
+    nb = plain_page([OPEN, FIRST], width=width)
+    widget = nb.widget(0, 2)
+    card, picture = widget.locator(".rw-card"), widget.locator(".rw-picture")
+
+    def height() -> float:
+        return float(card.evaluate("card => card.getBoundingClientRect().height"))
+
+    expect(state(widget, "forward")).to_have_attribute("data-active", "leaf")
+    expect(widget.locator(".rw-fired-row")).to_have_count(0)
+    first = height()
+    nb.python("robot.variables.go = True")
+    expect(state(widget, "turn")).to_have_attribute("data-active", "leaf")
+    expect(widget.locator(".rw-fired-row")).not_to_have_count(0)
+    assert height() == pytest.approx(first, abs=1)
+    nb.python("robot.variables.go = False")
+    nb.run(nb.append(SECOND))
+    expect(widget.locator(".rw-facts")).to_contain_text("v2")
+    expect(state(widget, "rest")).to_be_visible()
+    assert height() == pytest.approx(first, abs=1)
+    shoot(widget, f"machine-edited-{width}")
+    inside = "picture => picture.scrollWidth <= picture.clientWidth && picture.scrollHeight <= picture.clientHeight"
+    assert picture.evaluate(inside)
+    nb.run(nb.append(BROKEN))
+    nb.python("robot.variables.back = True")
+    expect(state(widget, "rest")).to_have_attribute("data-failed", "true")
+    shoot(widget, f"machine-broken-{width}")
+    assert height() == pytest.approx(first, abs=1)
+    assert picture.evaluate(inside)
+    nb.python("robot.close()")

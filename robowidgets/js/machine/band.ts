@@ -7,6 +7,8 @@ import type { Theme } from "../shared/theme.ts";
 export type Rows = [start: number, end: number | null, path: string][][];
 
 const LABELS = 64;
+/** Python sends no more. */
+const MOST_ROWS = 3;
 /** Seconds, and those in a card narrower than some pixels. */
 const SECONDS = 30;
 const FEW_SECONDS = 10;
@@ -31,13 +33,15 @@ export class MachineBand {
   /**
    * While the picture is frozen, the band stays as it was, and the states of the moment on show are in ink.
    *
+   * @param depth levels of machines, for each of which a row keeps its room
    * @param time of the step on show
    * @param word for the right end: "now"
    */
-  update(rows: Rows, time: number, isFrozen: boolean, word: string, width: number, theme: Theme): void {
+  update(rows: Rows, depth: number, time: number, isFrozen: boolean, word: string, width: number, theme: Theme): void {
     if (!isFrozen || !this.#rows.length) {
       this.#end = time;
       this.#rows = rows.map((row) => row.map(([start, end, path]): StateSpan => [start, end ?? time, path]));
+      while (rows.length && this.#rows.length < Math.min(depth, MOST_ROWS)) this.#rows.push([]);
     }
     this.root.hidden = !this.#rows.length;
     const seconds = width < NARROW ? FEW_SECONDS : SECONDS;

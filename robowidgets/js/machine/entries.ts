@@ -23,7 +23,6 @@ export class Entries {
 
   /** @param shown time of arrival of the frozen picture; null while it is live */
   update(fired: Fired[], shown: number | null): void {
-    this.root.hidden = !fired.length;
     // What is about to be clicked stays where it is.
     if (!this.root.matches(":hover")) this.#list(fired);
     const current = shown === null ? undefined : fired.filter(({ at }) => at <= shown).at(-1);

@@ -31,8 +31,9 @@ export class Picture {
     this.#onGo = onGo;
   }
 
-  /** Draws other places. */
-  draw(placed: Placed): void {
+  /** Draws other places, in a part of their size. */
+  draw(placed: Placed, scale: number): void {
+    this.root.style.zoom = String(scale);
     this.root.style.width = `${placed.width}px`;
     this.root.style.height = `${placed.height}px`;
     const svg = makeSvg("svg");

@@ -16,6 +16,10 @@ import type { MachineAbout, MachineOutline, MachineTraits, StateOutline } from "
 const PADDING = 12;
 /** Of what fired, where there is room for it beside the picture. */
 const LIST_WIDTH = 236;
+/** By how much a picture shrinks, at most: to be seen whole, to show what is folded else, and to keep its height. */
+const SMALLEST = 0.5;
+const UNFOLDED = 0.75;
+const KEPT = 0.65;
 const SAY_MS = 1000;
 const REFUSAL = "this moment is not kept here";
 const REFUSAL_MS = 4000;
@@ -36,6 +40,8 @@ export class MachineView {
   readonly #text = make("canvas", "").getContext("2d");
   readonly #sayActive: () => void;
   #placed = "";
+  /** The width for which the height of the picture is kept, that height, and whether the list stands beside it. */
+  #kept = { width: 0, height: 0, isWide: false };
   #active = "";
   #said = "";
   #followed: HTMLElement | null = null;
@@ -75,6 +81,7 @@ export class MachineView {
     this.#picture.root.hidden = !step;
     setText(this.#empty, this.#card.waiting("state machine"));
     this.#card.picture.style.paddingTop = `${PADDING + this.#card.noticeHeight}px`;
+    this.#entries.root.hidden = !step;
     const newest: MachineAbout = this.#model.get("_about");
     this.#entries.update(newest.fired ?? [], this.#stream.paused ? (step?.arrived ?? 0) : null);
     setText(this.#time, step ? `${toFixed(step.time, 2)} s` : "");
@@ -83,7 +90,15 @@ export class MachineView {
     const now = isLive ? mode : "last step";
     setText(this.#rate, now === "running" && rate ? `${toFixed(rate, 1)} Hz` : now);
     const end = paused ? "frozen" : now === "running" ? "now" : now;
-    this.#band.update(step ? states : [], step?.arrived ?? 0, paused, end, this.#card.width, this.#card.theme);
+    this.#band.update(
+      step ? states : [],
+      depthOf(machines),
+      step?.arrived ?? 0,
+      paused,
+      end,
+      this.#card.width,
+      this.#card.theme,
+    );
     if (!step) return;
     this.#place(key, machines, step);
     const isCalm = matchMedia("(prefers-reduced-motion: reduce)").matches;
@@ -94,27 +109,43 @@ export class MachineView {
     if (this.#active !== this.#said) this.#sayActive();
   }
 
-  /** Places the states anew for another version or width; where room is short, only active ones are unfolded. */
+  /**
+   * Places the states anew for another version or size. A picture that is too wide shrinks; where that does not do, only
+   * active states are unfolded. Its height stays as it was, so that the code below it does, unless it would shrink too
+   * much for that; where the layout sets the height, it shrinks into that.
+   */
   #place(key: string, machines: MachineOutline[], step: Step): void {
-    // Of the card: the picture leaves room for what fired where there is some.
-    const room = this.#card.width - 2 * PADDING;
+    const { width, picture, noticeHeight, size } = this.#card;
+    const isSet = getComputedStyle(picture).minHeight === "0px";
     const { font } = this.#card.theme;
-    const base = [key, room, font].join();
+    const base = [key, width, font, noticeHeight, isSet && size.height].join();
     if (this.#placed === base || this.#placed === `${base} ${this.#active}`) return;
     const measure = (text: string) => {
       if (!this.#text) return 8 * text.length;
       this.#text.font = `600 13px ${font}`;
       return Math.ceil(this.#text.measureText(text).width);
     };
+    const room = width - 2 * PADDING;
+    if (this.#kept.width !== width) this.#kept = { width, height: 0, isWide: false };
     let placed = place(machines, { measure, room, isOpen: () => true });
     this.#placed = base;
-    if (placed.width > room && machines.some(hasMachines)) {
+    if (placed.width * UNFOLDED > room && machines.some(hasMachines)) {
       const isOpen = (state: StateOutline, machine: MachineOutline) => isActive(machine, state, step);
       placed = place(machines, { measure, room, isOpen });
       this.#placed = `${base} ${this.#active}`;
     }
-    this.#picture.draw(placed);
-    this.#card.root.classList.toggle("rw-machine-wide", placed.width <= room - LIST_WIDTH);
+    const isNew = !this.#kept.height;
+    if (isNew) this.#kept.isWide = placed.width <= room - LIST_WIDTH;
+    if (placed.width * UNFOLDED > room - LIST_WIDTH) this.#kept.isWide = false;
+    const across = (room - (this.#kept.isWide ? LIST_WIDTH : 0)) / placed.width;
+    const frame = 2 * PADDING + noticeHeight + 1;
+    const down = ((isSet ? size.height : this.#kept.height) - frame) / placed.height;
+    let scale = Math.max(SMALLEST, Math.min(1, across));
+    if (isSet || (!isNew && down >= KEPT)) scale = Math.max(SMALLEST, Math.min(scale, down));
+    this.#kept.height = Math.max(this.#kept.height, Math.ceil(placed.height * scale) + frame);
+    picture.style.setProperty("--rw-kept-height", `${this.#kept.height}px`);
+    this.#picture.draw(placed, scale);
+    this.#card.root.classList.toggle("rw-machine-wide", this.#kept.isWide);
   }
 
   /** Scrolls a picture that is wider than the card to an active state, once for each, unless it is pointed at. */
@@ -155,4 +186,10 @@ export class MachineView {
 
 function hasMachines({ states }: MachineOutline): boolean {
   return states.some(({ machines }) => machines.length > 0);
+}
+
+/** Levels of machines. */
+function depthOf(machines: MachineOutline[]): number {
+  const within = machines.flatMap(({ states }) => states.map(({ machines }) => depthOf(machines)));
+  return machines.length ? 1 + Math.max(0, ...within) : 0;
 }
