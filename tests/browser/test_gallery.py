@@ -414,7 +414,9 @@ def test_a_moving_picture_of_a_drag_that_becomes_code(notebook: Callable[..., No
     start, end = shown.bounding_box(), cell.bounding_box()
     assert start
     assert end
-    clip = FloatRect(x=end["x"], y=start["y"] - 6, width=646, height=end["y"] + end["height"] + 58 - start["y"])
+    # With room for the chip below the picture, a line of code and its result.
+    height = end["y"] + end["height"] + 74 + 80 - start["y"]
+    clip = FloatRect(x=end["x"], y=start["y"] - 6, width=646, height=height)
     film = MovingPicture(nb.page, clip)
     x, y, radius = card.locator(".rw-picture").evaluate(ARC)
 
