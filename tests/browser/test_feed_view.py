@@ -94,6 +94,10 @@ def test_a_robot_with_a_program_and_its_machine_stands_on_one_screen(
         assert tiles.evaluate("tiles => tiles.scrollHeight <= tiles.clientHeight"), "all sensors are in view"
         expect(nb.output(2).locator(".rw-speed [data-axis] .rw-value")).to_have_count(3)
         expect(nb.output(2).locator(".rw-screen .rw-freeze:visible")).to_have_count(0)
+        names = nb.output(2).locator(".rw-machine-state-name")
+        assert names.evaluate_all("names => names.every((name) => name.getBoundingClientRect().height > 13)")
+        hint = nb.output(2).locator(".rw-stop-bar .rw-hint")
+        expect(hint).to_have_css("display", "block")  # no rule of another widget reaches it
         shoot(nb.output(2), f"feed-{robot}-{width}-light")
     nb.resize(1500, 900)
     assert boxes(nb)["feed"]["height"] == 742

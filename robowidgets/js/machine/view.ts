@@ -112,7 +112,7 @@ export class MachineView {
   /**
    * Places the states anew for another version or size. A picture that is too wide shrinks; where that does not do, only
    * active states are unfolded. Its height stays as it was, so that the code below it does, unless it would shrink too
-   * much for that; where the layout sets the height, it shrinks into that.
+   * much for that; where the layout sets the height, it shrinks into that, too.
    */
   #place(key: string, machines: MachineOutline[], step: Step): void {
     const { width, picture, noticeHeight, size } = this.#card;
@@ -127,9 +127,11 @@ export class MachineView {
     };
     const room = width - 2 * PADDING;
     if (this.#kept.width !== width) this.#kept = { width, height: 0, isWide: false };
+    const frame = 2 * PADDING + noticeHeight + 1;
     let placed = place(machines, { measure, room, isOpen: () => true });
     this.#placed = base;
-    if (placed.width * UNFOLDED > room && machines.some(hasMachines)) {
+    const isTooHigh = isSet && placed.height * UNFOLDED > size.height - frame;
+    if ((placed.width * UNFOLDED > room || isTooHigh) && machines.some(hasMachines)) {
       const isOpen = (state: StateOutline, machine: MachineOutline) => isActive(machine, state, step);
       placed = place(machines, { measure, room, isOpen });
       this.#placed = `${base} ${this.#active}`;
@@ -138,7 +140,6 @@ export class MachineView {
     if (isNew) this.#kept.isWide = placed.width <= room - LIST_WIDTH;
     if (placed.width * UNFOLDED > room - LIST_WIDTH) this.#kept.isWide = false;
     const across = (room - (this.#kept.isWide ? LIST_WIDTH : 0)) / placed.width;
-    const frame = 2 * PADDING + noticeHeight + 1;
     const down = ((isSet ? size.height : this.#kept.height) - frame) / placed.height;
     let scale = Math.max(SMALLEST, Math.min(1, across));
     if (isSet || (!isNew && down >= KEPT)) scale = Math.max(SMALLEST, Math.min(scale, down));
