@@ -138,12 +138,12 @@ class Runner:
         with self._lock:
             if self._token is not token:
                 raise Left
-            self.current = of
             if self._began is None:
                 self._began = self._now()
                 if not self._has_look:
                     self._has_look = True
                     self._look_later(self._began + self._look)
+            self.current = of
         try:
             outcome = Outcome(function(*args), None)
         except BaseException as error:  # not even a SystemExit may end the thread that runs all functions

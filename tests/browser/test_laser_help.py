@@ -21,7 +21,7 @@ def test_the_footer_says_that_an_arc_can_be_dragged_until_the_first_drag(plain_p
     nb = plain_page([FIRST])
     nb.resize(760)
     card = nb.widget(0).locator(".rw-card")
-    picture, hint = card.locator(".rw-picture"), card.locator(".rw-hint")
+    picture, hint = card.locator(".rw-picture"), card.locator(".rw-drag-hint")
     expect(hint).to_have_text(HINT)
     place = locate(card)
     inside = hint.evaluate(
@@ -52,7 +52,7 @@ def test_the_picture_lists_its_keys(plain_page: Callable[..., PlainPage], width:
     nb = plain_page([FIRST])
     nb.resize(width)
     card, keys = nb.widget(0).locator(".rw-card"), nb.page.keyboard
-    listed, button = card.locator(".rw-keys"), card.get_by_role("button", name="What to press (?)")
+    listed, button = card.locator(".rw-key-list"), card.get_by_role("button", name="What to press (?)")
     expect(listed).to_be_hidden()
     with nb.busy():
         button.click()

@@ -21,7 +21,7 @@ laser
 """
 CUT = """(footer) => {
     const outer = footer.getBoundingClientRect();
-    const all = [...footer.querySelectorAll("*:not(.rw-hint > *)")];
+    const all = [...footer.querySelectorAll("*:not(.rw-drag-hint > *)")];
     const leaves = all.filter((e) => !e.children.length && e.checkVisibility());
     return leaves.filter((leaf) => {
         const { left, right, top, bottom } = leaf.getBoundingClientRect();

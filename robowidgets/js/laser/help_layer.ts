@@ -26,7 +26,7 @@ const KEYS = [
 export class HelpLayer implements Layer {
   readonly traits = [];
   readonly button: HTMLButtonElement;
-  readonly #list = make("dl", "rw-floating rw-over rw-keys");
+  readonly #list = make("dl", "rw-floating rw-over rw-key-list");
 
   constructor({ card, signal }: Host) {
     this.button = makeButton("rw-help", "What to press (?)", () => this.#toggle(), signal, "?");

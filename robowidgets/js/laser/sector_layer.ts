@@ -35,7 +35,7 @@ export class SectorLayer implements Layer {
   readonly traits = ["_sectors", "_selection"] as const;
   readonly store: SectorStore;
   /** What the footer says until the first drag. */
-  readonly hint = make("span", "rw-hint");
+  readonly hint = make("span", "rw-drag-hint");
   readonly #host: Host;
   readonly #numbers = new SectorNumbers();
   readonly #drags: SectorDrags;
