@@ -15,7 +15,6 @@ from .._core.freezing import freeze_together
 from .._layout import on_one_screen, stacked
 from .._widget_choice import WidgetChoice, choose_widgets
 from ..behaviors.machine import Machine
-from ..kinds import PATH
 from ..machine_widget import MachineWidget
 from ..program_widget import ProgramWidget
 from ..speed_widget import SpeedWidget
@@ -101,8 +100,6 @@ class FeedView(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no type
         try:
             self._probe(() if self._closed else topics)
             wanted = () if self._closed else choose_widgets(list(self._known.values()))
-            if self.room is not None:  # which shows the path
-                wanted = tuple(choice for choice in wanted if choice.shown is not PATH)
             if self._add_program() or set(wanted) != self._shown.keys():
                 self._set_widgets(wanted)
         except FeedError:
@@ -169,10 +166,10 @@ class FeedView(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no type
         if self._closed:
             return
         sensors = _on_page(sensors)
-        maps = [widget for widget in sensors if widget.column == "map"]
+        # The room shows the path, which the trail of a laser needs all the same.
+        maps = _on_page([self.room]) or [widget for widget in sensors if widget.column == "map"]
         wide = [widget for widget in sensors if widget.column == "wide"]
         small = [widget for widget in sensors if widget.column not in ("map", "wide")]
-        maps += _on_page([self.room])
         main = _on_page([self.program, self.machine])
         # A machine needs the room in which else the map stands.
         main, wide = (main, [*maps, *wide]) if self.machine in main else ([*maps, *main], wide)

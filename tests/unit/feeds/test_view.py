@@ -176,6 +176,8 @@ def test_a_simulated_robot_is_shown_in_its_room_which_makes_way_for_a_machine() 
         assert places(view) == {"rw-mains": ["View"], "rw-smalls": low, "rw-wides": ["LaserWidget"]}
         assert places(named) == {"rw-mains": ["PathWidget"], "rw-smalls": low[:1], "rw-wides": ["LaserWidget"]}
         assert named.room is None
+        path = {type(widget).__name__ for widget in view.widgets["/scan"]._group}
+        assert "PathWidget" in path, "a trail of the laser is placed by it"
 
         @feed.program
         def still() -> Drive:
