@@ -7,6 +7,7 @@ from typing import Any
 import traitlets
 
 from ._core.front_end import bundle
+from ._core.traits import Flag
 from .driving.command_watchdog import CommandWatchdog
 from .driving.driving_widget import DrivingWidget
 
@@ -14,8 +15,8 @@ from .driving.driving_widget import DrivingWidget
 class StopWidget(DrivingWidget):
     """A slim bar: Stop, who drives and how fast, and why the robot may not move as commanded.
 
-    In the view of a feed it also freezes all pictures of the view. Stop is latched: it sends zero, and all driving is
-    refused until it is released, on the page or by ``stopped = False``.
+    In the view of a feed it also freezes all pictures of the view, and puts the view beside the notebook. Stop is
+    latched: it sends zero, and all driving is refused until it is released, on the page or by ``stopped = False``.
 
     Args:
         robot: a feed, or a watchdog.
@@ -33,6 +34,12 @@ class StopWidget(DrivingWidget):
     _unnamed = 1
 
     _together = traitlets.Unicode(help="Name of the group that its Freeze freezes; empty: it has none.").tag(
+        sync=True, echo_update=False
+    )
+    _view = traitlets.Unicode(help="Id of the model that its button puts beside the notebook; empty: it has none.").tag(
+        sync=True, echo_update=False
+    )
+    _opens = Flag(False, help="Whether that happens as soon as the bar is on the page.").tag(
         sync=True, echo_update=False
     )
     _robot = traitlets.Unicode(help="Name of the robot of that group.").tag(sync=True, echo_update=False)

@@ -37,6 +37,7 @@ class FeedView(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no type
     Args:
         feed: the feed.
         topics: names of topics; none: all that have a widget, the program, and the room of a simulated robot.
+        beside: whether it stands beside the notebook, and only a bar with Stop in the cell.
 
     Attributes:
         program, machine: the widgets of the program and of its state machine; None before the first one.
@@ -44,7 +45,7 @@ class FeedView(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no type
         refresh: makes widgets for topics that have appeared, and shows the status; the feed calls it.
     """
 
-    def __init__(self, feed: Feed, topics: Sequence[str] = ()) -> None:
+    def __init__(self, feed: Feed, topics: Sequence[str] = (), *, beside: bool = False) -> None:
         self._feed: Feed | None = feed
         self._connection = feed.connection
         self._names = topics
@@ -61,6 +62,10 @@ class FeedView(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no type
         self.machine: MachineWidget | None = None
         self.room = None if topics else feed.room_view()
         super().__init__([self._stop, self._status, self._screen])
+        self._stop._view = self.model_id
+        self._bar = StopWidget(feed) if beside else None
+        if self._bar is not None:
+            self._bar._view, self._bar._opens = self.model_id, True
         self.add_class("rw-feed")
         self.add_class("rw-one-screen")
         take_the_place(self)
@@ -73,6 +78,11 @@ class FeedView(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no type
 
     def __repr__(self) -> str:
         return f"<FeedView: {', '.join(self.widgets) or 'no topics'}>"
+
+    def _repr_mimebundle_(self, **kwargs: Any) -> Any:
+        """What a cell shows of it: all of it, or the bar that puts it beside the notebook."""
+        shown: Any = super() if self._bar is None else self._bar
+        return shown._repr_mimebundle_(**kwargs)
 
     @property
     def widgets(self) -> dict[str, Any]:
@@ -87,7 +97,7 @@ class FeedView(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no type
         self._connection.unobserve(self.refresh)
         self._closed = True
         self.refresh()
-        for widget in (self._stop, self.program, self.machine, self.room):
+        for widget in (self._bar, self._stop, self.program, self.machine, self.room):
             if widget is not None:
                 widget.close()
         _close_boxes(self._screen)

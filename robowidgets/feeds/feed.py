@@ -155,7 +155,7 @@ class Feed:
         self.connection.check_open(topic)
         return scans_of(self.connection, topic, timeout)
 
-    def show(self, *topics: str) -> FeedView:
+    def show(self, *topics: str, beside: bool = False) -> FeedView:
         """One widget per topic it knows how to show, live, and those of its program and state machine.
 
         It waits a moment for the first list of topics. Without names, topics and programs that appear later get a
@@ -163,9 +163,10 @@ class Feed:
 
         Args:
             *topics: names of the topics to show, without the program; none: all that have a widget.
+            beside: whether the view stands beside the notebook, in JupyterLab; the cell has a bar with Stop then.
 
         Raises:
-            TypeError: a name is no text, but a list of them, say.
+            TypeError: a name is no text, but a list of them, say; or beside is neither True nor False.
             FeedError: the feed is closed.
 
         Example:
@@ -173,9 +174,11 @@ class Feed:
         """
         from ._feed_view import FeedView
 
+        if not isinstance(beside, bool):
+            raise TypeError(f"beside: expected True or False, got {beside!r}")
         self.connection.check_open(*topics)
         self.connection.await_topics(topics)
-        return FeedView(self, topics)
+        return FeedView(self, topics, beside=beside)
 
     def room_view(self) -> Any:
         """A widget that shows the room of a simulated robot from above; None for any other robot."""

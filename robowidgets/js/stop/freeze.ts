@@ -15,7 +15,7 @@ export class Freeze implements Member {
   constructor(model: Model<StopTraits>, redraw: () => void, signal: AbortSignal) {
     this.#model = model;
     this.onOthers = redraw;
-    const onClick = () => setFrozen(othersOf(this), !this.paused);
+    const onClick = () => setFrozen(this.#pictures, !this.paused);
     this.button = makeButton("rw-freeze-all", "", onClick, signal);
     this.button.ariaLabel = null;
     onChange(model, ["_together"], redraw, signal);
@@ -31,7 +31,12 @@ export class Freeze implements Member {
   }
 
   get paused(): boolean {
-    return othersOf(this).some(({ paused }) => paused);
+    return this.#pictures.some(({ paused }) => paused);
+  }
+
+  /** The members without those that only ask, as it does: the page may show a bar twice. */
+  get #pictures(): Member[] {
+    return othersOf(this).filter((member) => !(member instanceof Freeze));
   }
 
   /** The pictures do it themselves, also those that are on another page. */
@@ -41,7 +46,7 @@ export class Freeze implements Member {
 
   update(): void {
     const { paused } = this;
-    this.button.hidden = othersOf(this).length === 0;
+    this.button.hidden = this.#pictures.length === 0;
     if (this.#isShown === paused) return;
     this.#isShown = paused;
     this.button.ariaPressed = String(paused);

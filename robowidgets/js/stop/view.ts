@@ -5,6 +5,7 @@ import { toDriverText } from "../shared/driving/text.ts";
 import { type Model, newName } from "../shared/model.ts";
 import { perAnimationFrame } from "../shared/schedule.ts";
 import { followTheme } from "../shared/theme.ts";
+import { Beside } from "./beside.ts";
 import { Freeze } from "./freeze.ts";
 import type { StopTraits } from "./traits.ts";
 
@@ -13,6 +14,7 @@ export class StopView {
   readonly #control: StopControl;
   readonly #buttons: StopButtons;
   readonly #freeze: Freeze;
+  readonly #beside: Beside;
   readonly #root = make("div", "rw-card rw-stop-bar");
   readonly #text = make("div", "rw-stop-text");
   readonly #hint = make("div", "rw-hint");
@@ -23,13 +25,14 @@ export class StopView {
     this.#control = new StopControl(model, newName(), redraw, signal);
     this.#buttons = new StopButtons(this.#root, this.#control, signal);
     this.#freeze = new Freeze(model, redraw, signal);
+    this.#beside = new Beside(model, this.#root, signal);
     const texts = make("div", "rw-stop-words");
     texts.role = "status";
     texts.append(this.#text, this.#hint);
     this.#notice.role = "alert";
     const row = make("div", "rw-stop-row");
-    row.append(this.#buttons.stop, texts, this.#buttons.allow, this.#freeze.button);
-    this.#root.append(row, this.#notice);
+    row.append(this.#buttons.stop, texts, this.#buttons.allow, this.#freeze.button, this.#beside.button);
+    this.#root.append(row, this.#beside.words, this.#notice);
     mount(element, this.#root, signal);
     followTheme(this.#root, signal);
     this.#draw();
@@ -38,6 +41,7 @@ export class StopView {
   #draw(): void {
     this.#buttons.update();
     this.#freeze.update();
+    this.#beside.update();
     const { text, hint, kind } = toDriverText(this.#control);
     this.#root.dataset.kind = kind;
     setText(this.#text, text);

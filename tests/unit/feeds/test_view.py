@@ -284,6 +284,23 @@ def test_a_connection_that_is_lost_is_told_by_the_widgets_themselves(opened: Ope
     assert view.widgets["/scan"]._source["status"] == "connection lost, trying again in 1 s: refused"
 
 
+def test_the_cell_of_a_view_beside_the_notebook_shows_a_bar_which_is_closed_with_the_view(opened: Opened) -> None:
+    feed, _ = opened(SCAN)
+    shown = "application/vnd.jupyter.widget-view+json"
+    here, view = feed.show(), feed.show(beside=True)
+    assert here._repr_mimebundle_()[shown]["model_id"] == here.model_id
+    bar = view._bar
+    assert bar is not None
+    data, _ = bar._repr_mimebundle_()
+    assert view._repr_mimebundle_()[0] == data
+    assert data[shown]["model_id"] == bar.model_id
+    assert bar._view == view.model_id
+    view.close()
+    assert bar.comm is None
+    with pytest.raises(TypeError, match="beside: expected True or False, got 'right'"):
+        feed.show("/scan", beside="right")  # type: ignore[arg-type]
+
+
 def test_showing_waits_for_the_first_topics(opened: Opened, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("robowidgets.feeds._connection.PATIENCE", 20.0)
     feed, script = opened()

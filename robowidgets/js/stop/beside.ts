@@ -1,0 +1,150 @@
+import { make, makeButton, setLabel, setText } from "../shared/dom.ts";
+import { onAbort } from "../shared/events.ts";
+import { lacksKernel, type Model, newName } from "../shared/model.ts";
+import type { StopTraits } from "./traits.ts";
+
+/** Pixels round the view in its pane, above and below. */
+const PADDING = 16;
+/** Of a view, at least: in a lower pane it scrolls. */
+const LOWEST = 420;
+const CANNOT = "This page has no place beside the notebook. robot.show() shows the view here.";
+const SINGLE = "JupyterLab shows one document at a time: switch off Simple, at the bottom left, and press Beside.";
+
+/** What JupyterLab's widget manager has, and no other host's: the document, which takes a widget beside itself. */
+interface Host {
+  get_model(id: string): Promise<unknown>;
+  create_view?(model: unknown): Promise<View>;
+  context?: { addSibling?(widget: Pane, options: { ref?: string | undefined; mode: string; type: string }): unknown };
+}
+
+interface View {
+  luminoWidget?: Pane;
+  once(event: "remove", callback: () => void): void;
+}
+
+/** A widget of Lumino. */
+interface Pane {
+  id: string;
+  readonly node: HTMLElement;
+  readonly isAttached: boolean;
+  readonly isDisposed: boolean;
+  readonly title: { label: string; closable: boolean };
+  addClass(name: string): void;
+  addWidget(widget: Pane): void;
+  dispose(): void;
+}
+
+interface PaneNode extends HTMLElement {
+  rwPane?: Pane;
+}
+
+/**
+ * Puts the view of a robot beside the notebook, into a pane as JupyterLab's own "Create New View for Cell Output" does,
+ * by a button, or as soon as the bar is on the page. Other hosts have no such place. The pane closes with the view, and
+ * with the output of its cell, which the next run replaces.
+ */
+export class Beside {
+  readonly button: HTMLButtonElement;
+  readonly words = make("div", "rw-stop-beside");
+  readonly #model: Model<StopTraits>;
+  readonly #root: HTMLElement;
+  readonly #signal: AbortSignal;
+  #isOpening = false;
+  #hasOpened = false;
+  /** Why the view is not there. */
+  #said = "";
+
+  constructor(model: Model<StopTraits>, root: HTMLElement, signal: AbortSignal) {
+    this.#model = model;
+    this.#root = root;
+    this.#signal = signal;
+    this.button = makeButton("rw-beside-button", "", () => this.#toggle(), signal, "Beside");
+  }
+
+  /** Called whenever the bar is drawn: it is in the page by the second time. */
+  update(): void {
+    const isAble = this.#host.create_view !== undefined && this.#host.context?.addSibling !== undefined;
+    const isOpen = this.#pane !== null;
+    this.button.hidden =
+      !isAble || this.#notebook === null || this.#model.get("_view") === "" || lacksKernel(this.#model);
+    this.button.ariaPressed = String(isOpen);
+    setLabel(this.button, isOpen ? "Close the view beside the notebook" : "Show this view beside the notebook");
+    const opens = this.#model.get("_opens") && this.#root.isConnected;
+    setText(this.words, opens && !isAble ? CANNOT : this.#said);
+    if (!opens || this.button.hidden || this.#hasOpened) return;
+    this.#hasOpened = true;
+    this.#open();
+  }
+
+  /** The notebook in which the bar stands; a view beside it is in none. */
+  get #notebook(): HTMLElement | null {
+    return this.#root.closest<HTMLElement>(".jp-NotebookPanel");
+  }
+
+  get #host(): Host {
+    return (this.#model.widget_manager ?? {}) as unknown as Host;
+  }
+
+  /** The pane of the view, whichever of its bars opened it: a notebook may be on the page twice. */
+  get #pane(): Pane | null {
+    const nodes = document.querySelectorAll<PaneNode>(".rw-beside-pane");
+    return [...nodes].find(({ dataset }) => dataset.view === this.#model.get("_view"))?.rwPane ?? null;
+  }
+
+  #toggle(): void {
+    const pane = this.#pane;
+    if (pane) pane.dispose();
+    else this.#open();
+    this.update();
+  }
+
+  async #open(): Promise<void> {
+    const [host, notebook] = [this.#host, this.#notebook];
+    if (this.#isOpening || !host.create_view) return;
+    const isSingle = notebook?.closest<HTMLElement>(".lm-DockPanel")?.dataset.mode === "single-document";
+    this.#said = isSingle ? SINGLE : "";
+    if (isSingle) return this.update();
+    this.#isOpening = true;
+    try {
+      const view = await host.create_view(await host.get_model(this.#model.get("_view")));
+      const shown = view.luminoWidget;
+      if (this.#pane || this.#signal.aborted) return shown?.dispose();
+      if (!shown) throw new Error("the view is no widget of JupyterLab");
+      const pane = panelAround(shown);
+      const close = () => !pane.isDisposed && pane.dispose();
+      view.once("remove", close);
+      onAbort(this.#signal, close);
+      pane.id = `robowidgets-${newName()}`;
+      pane.title.label = "robot";
+      pane.title.closable = true;
+      pane.addClass("rw-beside-pane");
+      Object.assign(pane.node, { rwPane: pane }).dataset.view = this.#model.get("_view");
+      fitIn(pane.node, shown.node);
+      host.context?.addSibling?.(pane, { ref: notebook?.id, mode: "split-right", type: "robowidgets" });
+      if (pane.isAttached) return;
+      pane.dispose(); // a page of one notebook takes nothing else
+      this.#said = CANNOT;
+    } catch (error) {
+      this.#said = `The view could not be put beside the notebook: ${error}`;
+    } finally {
+      this.#isOpening = false;
+      if (!this.#signal.aborted) this.update();
+    }
+  }
+}
+
+/** A panel of Lumino with a view in it. The panel of a view is one itself, but has a size of its own. */
+function panelAround(shown: Pane): Pane {
+  const Panel = Object.getPrototypeOf(shown.constructor) as new () => Pane;
+  const panel = new Panel();
+  panel.addWidget(shown);
+  return panel;
+}
+
+/** Tells the view the height of its pane, in place of that of the window. */
+function fitIn(pane: HTMLElement, shown: HTMLElement): void {
+  const fit = () => {
+    shown.style.setProperty("--rw-screen-height", `${Math.max(LOWEST, pane.clientHeight - PADDING)}px`);
+  };
+  new ResizeObserver(fit).observe(pane);
+}
