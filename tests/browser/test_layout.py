@@ -8,7 +8,6 @@ from typing import Any
 import pytest
 from playwright.sync_api import Locator, expect
 
-from ..unit.waiting import wait_for
 from .chromium import shoot
 from .notebook import Notebook
 from .plain_page import PlainPage
@@ -192,41 +191,3 @@ def test_freezing_moves_nothing_in_a_narrow_header(plain_page: Callable[..., Pla
         nb.python(f"for _ in range(140):\n    {update}")
         expect(header.locator(".rw-number")).to_have_text("140")
         assert header.evaluate("(header) => header.offsetHeight") == before
-
-
-def test_the_map_of_a_feed_stands_below_the_laser_and_its_one_stop_stays_in_view(plain_page):
-    page = plain_page(
-        [
-            """
-from robowidgets import feeds
-from robowidgets.behaviors import Drive
-
-robot = feeds.simulator(wander=False)
-
-@robot.program
-def stand():
-    return Drive(0)
-
-robot.show()
-"""
-        ],
-        width=950,
-    ).page
-    laser, narrow, path = (page.locator(f".rw-{name}-column") for name in ("wide", "narrow", "map"))
-
-    def gap() -> float:
-        upper, lower = laser.bounding_box(), path.bounding_box()
-        return lower["y"] - upper["y"] - upper["height"]
-
-    expect(path).to_be_visible()
-    expect(narrow.locator(".rw-program")).to_be_visible()
-    wait_for(lambda: -1 < gap() < 12, "the map stands below the laser")
-    assert narrow.bounding_box()["height"] > laser.bounding_box()["height"] + 100
-    page.set_viewport_size({"width": 1400, "height": 900})
-    assert path.bounding_box()["y"] == laser.bounding_box()["y"]
-    assert path.bounding_box()["x"] > narrow.bounding_box()["x"]
-    page.set_viewport_size({"width": 400, "height": 900})
-    stop = page.locator(".rw-stop:visible")
-    expect(stop).to_have_count(1)
-    path.scroll_into_view_if_needed()
-    assert stop.bounding_box()["y"] >= 0, "it stays in view"
