@@ -14,11 +14,11 @@ SHOW = """
 import time
 from robowidgets import feeds
 from robowidgets.behaviors import Drive
-from robowidgets.simulator import View, World
+from robowidgets.simulator import World
 room = World([(-3, -2, 3, -2), (3, -2, 3, 2), (3, 2, -3, 2), (-3, 2, -3, -2)], [(1.5, 1.0, 0.3)])
 robot = feeds.simulator(room=room, hz=20, wander=False)
 view = robot.show()
-display(view, View(robot))
+display(view)
 
 @robot.program(rate=20)
 class Walker:
@@ -59,7 +59,9 @@ def test_a_robot_is_moved_and_its_widgets_freeze_and_step_to_one_moment_while_a_
         expect(card.locator(".rw-freeze")).to_have_attribute("aria-pressed", "true")
     expect(shown.locator(".rw-program .rw-program-mode")).to_have_text("running")
     expect(machine.locator(".rw-machine-state", has_text="look")).to_have_attribute("data-active", "leaf")
-    machine.locator(".rw-freeze").click()
+    freeze = shown.locator(".rw-freeze-all")
+    expect(freeze).to_have_attribute("aria-pressed", "true")
+    freeze.click()
     expect(shown.locator(".rw-laser .rw-freeze")).to_have_attribute("aria-pressed", "false")
 
     room.scroll_into_view_if_needed()
@@ -77,11 +79,11 @@ def test_a_robot_is_moved_and_its_widgets_freeze_and_step_to_one_moment_while_a_
 
     buttons, laser = shown.locator(".rw-freeze"), shown.locator(".rw-laser")
     assert buttons.count() >= 4
-    laser.locator(".rw-freeze").click()
+    freeze.click()
     for button in buttons.all():
         expect(button).to_have_attribute("aria-pressed", "true")
     for _ in range(5):
-        nb.page.keyboard.press(",")
+        laser.locator("> .rw-picture").press(",")
     expect(laser.locator(".rw-time b")).to_contain_text("\u2212")
 
     nb.interrupt()
@@ -95,6 +97,6 @@ def test_a_robot_is_moved_and_its_widgets_freeze_and_step_to_one_moment_while_a_
 
     # The page tells Python what each widget holds at its own pace.
     eventually(is_one_moment, True)
-    shown.locator(".rw-speed .rw-freeze").click()
+    freeze.click()
     for button in buttons.all():
         expect(button).to_have_attribute("aria-pressed", "false")
