@@ -44,7 +44,7 @@ def nearest_in(sector: Asked, title: str, scan: Scan, hint: str) -> Case:
     def judge(answer: Answer) -> None:
         given = number(call(answer, scan), "distance in metres")
         if given != expected and not abs(given - expected) <= _EXACT_M:
-            what = f"it is {expected:.2f} m, at ranges[{ray.index}]" if ray else "nothing is met there, which is inf"
+            what = f"it is {expected:.2f} m, at ranges[{ray.index}]" if ray else "nothing is in range, which is inf"
             origin, advice = _origin(given, scan, sector, hint)
             raise WrongError(f"you returned {given:.4g}; {what}{origin}", advice)
 
@@ -56,7 +56,7 @@ def _origin(given: float, scan: Scan, sector: Asked, hint: str) -> tuple[str, st
     if isnan(given):
         return "", hint if scan.nearest(sector) is None else "nan is no distance: scan.distance() leaves it out"
     if isinf(given):
-        return "", "inf says that nothing is met"
+        return "", "inf says that nothing is in range"
     found = np.flatnonzero(np.abs(scan.ranges - np.float32(given)) <= _SAME_M)
     if not found.size:
         return f". No ray says {given:.4g}", "Is it computed from the scan?"

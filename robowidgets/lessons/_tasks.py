@@ -115,8 +115,8 @@ def _drive(robot: Robot, answer: Answer) -> None:
     speed = number(call(answer, robot.scan()), "speed forward in m/s")
     if not isfinite(speed):
         raise WrongError(
-            f"at {robot.time:.1f} s it returned {speed:g} m/s: a distance is inf where nothing is met, and nan where "
-            "it is unknown. Return a limited speed for the one, and 0 for the other"
+            f"at {robot.time:.1f} s it returned {speed:g} m/s: a distance is inf when nothing is in range, and nan "
+            "where it is unknown. Return a limited speed for the one, and 0 for the other"
         )
     robot.drive(speed, 0.0)
     robot.step(_STEP_S)
