@@ -53,7 +53,9 @@ for i, odd in enumerate(ODD):
 
 def sources() -> dict[str, list[str]]:
     """The Python of each page and notebook that uses distances, each line where it stands in its page."""
-    pages = {file.name: [(b.line, b.text) for b in blocks(file) if b.language == "python"] for file in FILES}
+    pages: dict[str, list[tuple[int, str]]] = {}
+    for file in FILES:
+        pages.setdefault(file.name, []).extend((b.line, b.text) for b in blocks(file) if b.language == "python")
     for file in NOTEBOOKS:
         pages[file.name] = [(1, cell.source) for cell in read(file).cells if cell.cell_type == "code"]
     parts = {name: ["\n" * (line - 1) + text for line, text in page] for name, page in pages.items()}
