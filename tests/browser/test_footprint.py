@@ -15,7 +15,7 @@ GREEN = (18, 133, 74)
 VIEW = f"""
 {SETUP}
 from robowidgets import Footprint, SpeedWidget, TouchWidget, together
-laser.update(**fan())
+laser.update(**fan(angle_min=-3.0, angle_increment=1 / 3))  # all round: its picture has room behind the robot
 speed, touch = SpeedWidget(title="/odom"), TouchWidget(title="/bumper")
 together(laser, speed, touch)
 display(laser, speed, touch)
@@ -27,6 +27,8 @@ def test_the_robot_stands_to_scale_with_its_bumpers_and_its_speed(plain_page: Ca
     nb = plain_page([VIEW])
     nb.resize(700)
     card = nb.widget(0).locator(".rw-card")
+    expect(card).to_contain_text("19")
+    nb.python("laser.update(**fan())")
     place = locate(card)
     listen(nb.page)
     behind = place.at(0.5, 180)

@@ -92,10 +92,10 @@ def test_the_button_saves_what_a_person_sees(plain_page: Callable[..., PlainPage
         card = nb.widget(cell).locator(".rw-card")
         file, saved = download(nb.page, card)
         assert re.fullmatch(rf"{name}-20\d\d(-\d\d){{5}}\.png", file)
-        assert differences(saved, seen(card)) < 0.008, file
+        assert differences(saved, seen(card)) < 0.01, file  # the edges of letters, in a picture of half a fan
     nb.theme("dark")
     _, saved = download(nb.page, card)
-    assert differences(saved, seen(card)) < 0.008
+    assert differences(saved, seen(card)) < 0.01
 
 
 def test_the_button_needs_no_kernel_and_draws_finer_than_the_screen(plain_page: Callable[..., PlainPage]) -> None:

@@ -149,7 +149,8 @@ export class LaserView implements Host {
     const forward = FORWARD[model.get("forward")] ?? 0;
     const { part, pixels } = sweepHeight(scan, model.get("ray_angles"), model.get("ray_count"), forward);
     const below = this.#layers.reduce((sum, layer) => sum + (layer.roomBelow?.(scan) ?? 0), 0);
-    const height = `calc(${(100 * part).toFixed(1)}cqw + ${Math.ceil(pixels + below)}px)`;
+    // Whole pixels, so that a saved picture has the size of the one on the screen.
+    const height = `round(up, ${(100 * part).toFixed(1)}cqw + ${Math.ceil(pixels + below)}px, 1px)`;
     card.picture.style.setProperty("--rw-sweep-height", height);
   }
 
