@@ -13,7 +13,7 @@ from .drive_widget import DriveWidget
 from .laser.footprint import Footprint
 from .laser_widget import LaserWidget
 from .path_widget import PathWidget
-from .samples import Ray, Scan, Sector, Speed, Touch, TouchMode, TouchState, Validity, spread
+from .samples import Range, Ray, Scan, Sector, Speed, Touch, TouchMode, TouchState, Validity, spread
 from .scanogram_widget import ScanogramWidget
 from .shapes import Arc, Line, Points, Polygon, Pose, Text
 from .speed_widget import SpeedWidget
@@ -47,6 +47,7 @@ __all__ = [
     "Polygon",
     "Pose",
     "ProgramWidget",
+    "Range",
     "Ray",
     "Recording",
     "RecordingError",

@@ -4,8 +4,9 @@ rclpy, rospy and rosbags objects, rosbridge dictionaries and plain mappings all 
 """
 
 from .pose import to_pose
+from .range import to_range
 from .scan import to_scan
 from .speed import to_speed
 from .touch import to_touch
 
-__all__ = ["to_pose", "to_scan", "to_speed", "to_touch"]
+__all__ = ["to_pose", "to_range", "to_scan", "to_speed", "to_touch"]

@@ -7,6 +7,7 @@ counter-clockwise). It knows neither ROS nor a page.
 from ._age import HasAge
 from .pose import Pose, yaw_of
 from .problem import Problem
+from .range import Range
 from .ray import Ray, Validity
 from .scan import Scan
 from .sector import Sector
@@ -19,6 +20,7 @@ __all__ = [
     "HasAge",
     "Pose",
     "Problem",
+    "Range",
     "Ray",
     "Scan",
     "Sector",

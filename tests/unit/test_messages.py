@@ -1,4 +1,4 @@
-"""`to_scan` and `to_speed` take what each source hands over, and say what is odd."""
+"""`to_scan`, `to_speed` and `to_range` take what each source hands over, and say what is odd."""
 
 from __future__ import annotations
 
@@ -9,9 +9,9 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from robowidgets.messages import to_scan, to_speed
+from robowidgets.messages import to_range, to_scan, to_speed, to_touch
 from robowidgets.messages.fields import describe, frame_id, get, has, stamp_ns, type_name, unwrap
-from robowidgets.samples import Scan, Speed, Validity
+from robowidgets.samples import Problem, Range, Scan, Speed, Validity
 
 from .forms import FORMS, rclpy, rosbags, rospy
 
@@ -330,6 +330,65 @@ class TestSpeed:
     def test_with_a_vector_of_no_use_names_it(self, message: dict, text: str) -> None:
         with pytest.raises(TypeError, match=text):
             to_speed(message)
+
+
+def ranger(measured: object = 0.42, **changed: object) -> dict:
+    """A Range as a dictionary, with what a test changes in it."""
+    limits = {"radiation_type": 0, "field_of_view": 0.5, "min_range": 0.1, "max_range": 5.0}
+    return {"header": {**HEADER, "frame_id": "sonar_3"}, **limits, "range": measured, **changed}
+
+
+class TestDistance:
+    @pytest.mark.parametrize("form", FORMS, ids=lambda form: form.__name__)
+    def test_comes_from_every_source(self, form) -> None:
+        read = to_range(form("sensor_msgs/Range", ranger()))
+        assert read == Range(0.42, 0.1, 5.0, 0.5, "ultrasound", STAMP_NS, "sonar_3")
+
+    def test_is_returned_as_it_is(self) -> None:
+        one = Range(1.0)
+        assert to_range(one) is one
+
+    @pytest.mark.parametrize(("code", "radiation"), [(0, "ultrasound"), (1, "infrared"), (7, ""), (None, "")])
+    def test_has_the_name_of_its_radiation(self, code: object, radiation: str) -> None:
+        assert to_range(ranger(radiation_type=code)).radiation == radiation
+
+    def test_null_is_no_measurement_and_no_limit(self) -> None:
+        read = to_range(ranger(None, max_range=None))
+        assert read.validity is Validity.NO_MEASUREMENT
+        assert read.max_range == inf
+
+    def test_needs_no_header_and_no_opening_angle(self) -> None:
+        assert to_range({"range": 1, "min_range": 0, "max_range": 4}) == Range(1.0, 0.0, 4.0)
+
+    @pytest.mark.parametrize(
+        ("view", "what"),
+        [
+            (30.0, "field_of_view is 30 rad: not used; is it in degrees? math.radians() makes them of degrees"),
+            (-0.5, "field_of_view is -0.5 rad: not used; the driver should send radians, 0 if unknown"),
+        ],
+    )
+    def test_an_opening_angle_that_is_none_does_not_lose_the_distance(self, view: float, what: str) -> None:
+        read = to_range(ranger(field_of_view=view))
+        assert (read.distance, read.field_of_view) == (0.42, 0.0)
+        assert tuple(map(str, read.problems)) == (what,)
+        assert isinstance(read.problems[0], Problem)
+
+    def test_one_that_tells_whether_something_is_there_stays_a_touch_sensor(self) -> None:
+        message = ranger(-inf, min_range=0.3, max_range=0.3)
+        with pytest.raises(ValueError, match=r"^max_range: .*, got 0.3 for both; .* a touch widget shows it$"):
+            to_range(message)
+        assert to_touch(message).touched == {"sonar_3": True}
+
+    @pytest.mark.parametrize(
+        ("message", "text"),
+        [
+            (laser(), r"got a dict with the keys header, angle_min, .*, … \(missing: range, min_range, max_range\)$"),
+            (0.5, r"got a float: '0.5' \(missing: range, min_range, max_range\)$"),
+        ],
+    )
+    def test_of_something_else_is_refused(self, message: object, text: str) -> None:
+        with pytest.raises(TypeError, match=rf"^expected a message like sensor_msgs/Range, with range, .*{text}"):
+            to_range(message)
 
 
 class TestFields:

@@ -9,7 +9,7 @@ from math import cos, degrees, inf, isnan, nan, pi, radians, sin
 import numpy as np
 import pytest
 
-from robowidgets.samples import AXES, Ray, Scan, Speed, Touch, TouchMode, TouchState, Validity, yaw_of
+from robowidgets.samples import AXES, Range, Ray, Scan, Speed, Touch, TouchMode, TouchState, Validity, yaw_of
 from robowidgets.samples.scan import MAX_RAYS
 from robowidgets.samples.sector import ALL_ROUND
 
@@ -27,8 +27,8 @@ def whats(scan: Scan) -> tuple[str, ...]:
     return tuple(problem.what for problem in scan.problems())
 
 
-@pytest.mark.parametrize("sample", [scan([1.0, nan, inf]), Speed((0.1, 0.0, 0.0)), Touch({"left": True})])
-def test_a_pickled_sample_is_the_same_as_old_and_read_only(sample: Scan | Speed | Touch) -> None:
+@pytest.mark.parametrize("sample", [scan([1.0, nan, inf]), Speed((0.1, 0.0, 0.0)), Touch({"left": True}), Range(0.4)])
+def test_a_pickled_sample_is_the_same_as_old_and_read_only(sample: Scan | Speed | Touch | Range) -> None:
     copied = pickle.loads(pickle.dumps(sample))
     assert repr(copied) == repr(sample)
     assert copied._arrived == sample._arrived
@@ -252,7 +252,8 @@ class TestImmutable:
             getattr(scan(intensities=[1, 2, 3]), name)[0] = 1
 
     @pytest.mark.parametrize(
-        ("sample", "name"), [(scan(), "range_max"), (Speed(), "linear"), (Touch({"left": True}), "mode")]
+        ("sample", "name"),
+        [(scan(), "range_max"), (Speed(), "linear"), (Touch({"left": True}), "mode"), (Range(0.4), "range")],
     )
     def test_fields_cannot_be_set(self, sample: object, name: str) -> None:
         with pytest.raises(FrozenInstanceError):
@@ -357,6 +358,70 @@ class TestSpeed:
     def test_what_is_no_vector_is_refused(self, given: dict, error: type[Exception], text: str) -> None:
         with pytest.raises(error, match=text):
             Speed(**given)
+
+
+class TestRange:
+    @pytest.mark.parametrize(
+        ("measured", "validity", "distance"),
+        [
+            (0.1, Validity.READING, 0.1),
+            (5.0, Validity.READING, 5.0),
+            (-inf, Validity.TOO_CLOSE, 0.0),
+            (inf, Validity.NOTHING_IN_RANGE, inf),
+            (nan, Validity.NO_MEASUREMENT, nan),
+            (5.01, Validity.OUTSIDE_LIMITS, inf),
+            (0.09, Validity.OUTSIDE_LIMITS, 0.0),
+            (0.0, Validity.OUTSIDE_LIMITS, nan),
+            (-1.0, Validity.OUTSIDE_LIMITS, nan),
+        ],
+    )
+    def test_has_a_class_and_the_distance_that_a_scan_would_have(
+        self, measured: float, validity: Validity, distance: float
+    ) -> None:
+        one = Range(measured, min_range=0.1, max_range=5.0)
+        assert one.validity is validity
+        assert one.distance == pytest.approx(distance, nan_ok=True)
+        like = scan([measured], range_min=0.1, range_max=5.0)
+        assert like[0].validity is validity
+        assert like.distance() == pytest.approx(distance, nan_ok=True)
+
+    def test_without_limits_any_distance_is_a_reading_and_infinite_is_none(self) -> None:
+        assert Range(900.0).validity is Validity.READING
+        assert Range(0.0).validity is Validity.READING
+        assert Range(inf).validity is Validity.NOTHING_IN_RANGE
+        assert Range(inf).distance == inf
+
+    def test_numbers_are_those_that_a_person_would_write(self) -> None:
+        one = Range(np.float32(0.42), min_range=np.float32(0.42), max_range=4, field_of_view=np.float32(0.26))
+        assert (one.range, one.min_range, one.max_range, one.field_of_view) == (0.42, 0.42, 4.0, 0.26)
+        assert one.validity is Validity.READING
+        assert Range(1e300).range == inf
+
+    @pytest.mark.parametrize(
+        ("given", "error", "text"),
+        [
+            ({"range": "near"}, TypeError, r"^range: expected a number, got 'near'$"),
+            ({"range": True}, TypeError, r"^range: expected a number, got True$"),
+            ({"min_range": -0.1}, ValueError, r"^min_range: expected metres, 0 or more, got -0.1$"),
+            ({"min_range": nan}, ValueError, r"^min_range: expected metres, 0 or more, got nan$"),
+            (
+                {"min_range": 4, "max_range": 0.1},
+                ValueError,
+                r"^max_range: expected metres above min_range \(4\), got 0.1; are the two swapped\?$",
+            ),
+            ({"max_range": nan}, ValueError, r"^max_range: expected metres above min_range \(0\), got nan$"),
+            (
+                {"min_range": 0.3, "max_range": 0.3},
+                ValueError,
+                r"^max_range: expected metres above min_range, got 0.3 for both; .* a touch widget shows it$",
+            ),
+            ({"field_of_view": 30}, ValueError, r"^field_of_view: expected radians from 0 to 2 pi, got 30.0$"),
+            ({"radiation": "radio"}, ValueError, r"^radiation: expected 'ultrasound', 'infrared' or '', got 'radio'$"),
+        ],
+    )
+    def test_what_is_no_range_is_refused(self, given: dict, error: type[Exception], text: str) -> None:
+        with pytest.raises(error, match=text):
+            Range(**{"range": 1.0, **given})
 
 
 def test_the_yaw_of_damaged_numbers_is_none() -> None:

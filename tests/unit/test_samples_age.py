@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import robowidgets
-from robowidgets import LaserWidget, Scan, Speed, SpeedWidget, Touch
+from robowidgets import LaserWidget, Range, Scan, Speed, SpeedWidget, Touch
 from robowidgets._core import newest_sample
 from robowidgets.samples import _age
 from robowidgets.samples import scan as scan_module
@@ -21,6 +21,7 @@ MAKES: dict[str, Callable[[], Any]] = {
     "scan": lambda: Scan([1.0, 2.0], -0.5, 0.5, 0.1, 30.0, stamp_ns=5),
     "speed": lambda: Speed((0.5, 0.0, 0.0), (0.0, 0.0, 0.1), stamp_ns=5),
     "touch": lambda: Touch({"left": True}, stamp_ns=5),
+    "range": lambda: Range(0.42, 0.1, 5.0, stamp_ns=5),
 }
 
 
@@ -46,7 +47,7 @@ class TestEverySample:
         second = make()
         assert repr(first) == repr(second)
         assert not [field for field in fields(first) if "age" in field.name or "arrived" in field.name]
-        if isinstance(first, Speed):
+        if isinstance(first, (Speed, Range)):
             assert first == second
             assert hash(first) == hash(second)
 
