@@ -14,11 +14,12 @@ import traitlets
 from ._core.base_widget import check_given, refuse_unnamed
 from ._core.front_end import bundle
 from ._core.pacer import pacer
-from ._core.robot_widget import LONGEST_SILENCE, RobotWidget
+from ._core.robot_widget import RobotWidget
 from ._core.timed_frame import FRAME_HEADER
 from .messages import to_touch
 from .samples import Touch, TouchMode, TouchState
 from .samples.checks import in_radians
+from .samples.staleness import LIVE
 from .samples.touch_tracker import TouchSensor, TouchTracker
 
 
@@ -199,7 +200,7 @@ class TouchWidget(RobotWidget[Touch]):
         """Events come when something happens, not at a rate."""
         newest = self._newest.sample
         is_events = newest is not None and newest.mode is TouchMode.EVENT
-        return LONGEST_SILENCE if is_events else super()._longest_silence()
+        return LIVE.longest if is_events else super()._longest_silence()
 
     def _pack(self, sample: Touch) -> bytes:  # noqa: ARG002  # the tracker contains its states
         with self._tracking:

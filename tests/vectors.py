@@ -1,8 +1,8 @@
 """Frames as Python packs them, which the tests of both halves read; `docs/developers/frames.md` describes the layout.
 
-`python -m tests.vectors` writes them anew into vectors.json. It writes what sectors hold, the code of sectors, and the
-spread of rays, too. What stands beside them there is written by hand: scans with their classes, counts and indices, and
-speeds with their limits.
+`python -m tests.vectors` writes them anew into vectors.json. It writes what sectors hold, the code of sectors, the
+spread of rays, and when a source is silent, too. What stands beside them there is written by hand: scans with their
+classes, counts and indices, and speeds with their limits.
 """
 
 from __future__ import annotations
@@ -23,6 +23,7 @@ from robowidgets._core.robot_widget import RobotWidget
 from robowidgets._core.timed_frame import TimedFrame
 from robowidgets.export.segments import pack_tracks
 from robowidgets.player._frames import pack
+from robowidgets.samples import staleness
 from robowidgets.samples.sector import SECTORS as SECTORS_BY_NAME
 from robowidgets.samples.sector_code import for_array, for_message, for_scan
 from robowidgets.samples.stretches import sector_of, stretches
@@ -140,6 +141,29 @@ def make_spreads() -> list[list[Any]]:
     scans = [Scan(ranges, 0.0, 0.1, 0.1, 10.0) for ranges in SCATTERED]
     counts = range(2, len(scans) + 1)
     return [_in_words([[*SCATTERED[:n]], spread(scans[:n]).tolist()]) for n in counts]
+
+
+def make_silences() -> list[list[Any]]:
+    """Usual steps of a source on show, in seconds, and the time without a sample after which it is silent."""
+    return [_in_words([step, staleness.LIVE.after(step)]) for step in (0.0, 0.025, 0.25, 0.5, 2.0, 3.0, 5.0, inf)]
+
+
+def make_steps() -> list[list[Any]]:
+    """Times of samples, and their usual step; infinite where there is none."""
+    cases = (
+        [],
+        [5.0],
+        [5.0, 5.0],
+        [0.0, 1.0, 2.0, 100.0],
+        [0.0, 0.0, 0.0, 3.0, 3.0, 3.0, 7.0],
+        [0.0, 1.0, 3.0, 6.0, 7.0],
+    )
+    return [_in_words([times, staleness.usual_step(np.array(times)) or inf]) for times in cases]
+
+
+def make_beats() -> dict[str, float]:
+    """Rules of which the page needs the numbers only."""
+    return {"beat": staleness.BEAT, "page": staleness.PAGE_SILENCE, "scan gap": staleness.SCAN_GAP.steps}
 
 
 def _laser() -> tuple[bytes, dict[str, Any]]:
@@ -265,7 +289,7 @@ def _in_words(value: Any) -> Any:
 def write() -> None:
     """Put the frames of this Python into the file."""
     vectors = read() | {"frames": make(), "sectors": make_sectors(), "codes": make_codes(), "spreads": make_spreads()}
-    vectors["rays"] = make_rays()
+    vectors |= {"rays": make_rays(), "silences": make_silences(), "steps": make_steps(), "beats": make_beats()}
     FILE.write_text(_to_text(vectors), encoding="utf-8")
 
 

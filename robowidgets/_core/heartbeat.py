@@ -6,11 +6,9 @@ import time
 
 import traitlets
 
+from ..samples.staleness import BEAT
 from .base_widget import NamedWidget
 from .pacer import pacer
-
-BEAT = 1.0
-"""Seconds between two beats. The page takes a kernel for silent after 2.5 s (shared/pulse.ts)."""
 
 
 class BeatingWidget(NamedWidget):

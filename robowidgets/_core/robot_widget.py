@@ -6,12 +6,14 @@ import os
 import threading
 from collections.abc import Iterable
 from importlib import import_module
+from math import inf
 from pathlib import Path
 from typing import Any, Generic, TypeVar
 
 import traitlets
 
 from ..samples.checks import not_negative
+from ..samples.staleness import LIVE
 from .error_routing import called_from_cell
 from .output_file import checked_output
 from .paced_widget import PacedWidget
@@ -21,10 +23,6 @@ from .png import SavesPng
 from .timed_frame import FRAME_HEADER
 from .traits import Flag
 from .watching import JudgesConditions
-
-SHORTEST_SILENCE, LONGEST_SILENCE = 1.0, 10.0
-"""Seconds without a sample after which a source is silent: three of its periods, within these limits, and the longest
-where it has no rate yet. The page follows the same rule (shared/stream.ts)."""
 
 PATIENCE = 2.0
 """Seconds after which a thread that waits is told that what it waits for is missing, if that is known."""
@@ -169,7 +167,7 @@ class RobotWidget(SavesPng, JudgesConditions, PacedWidget, Generic[S]):
     def _longest_silence(self) -> float:
         """Seconds without a sample after which the source is silent."""
         rate = self.rate
-        return min(max(SHORTEST_SILENCE, 3 / rate), LONGEST_SILENCE) if rate > 0 else LONGEST_SILENCE
+        return LIVE.after(1 / rate if rate > 0 else inf)
 
     def _about_sample(self, sample: S) -> dict[str, Any]:  # noqa: ARG002
         """Texts on a sample that take time to find; asked for when it is sent, not for each that arrives."""

@@ -7,14 +7,13 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ..samples.staleness import PAUSE
+
 _LEAST = 20
 """Samples that a judgement needs at least."""
 
 _STEADY, _SHARE = 0.1, 0.75
 """A topic is steady if this share of its steps differs from the usual one by no more than this part of it."""
-
-_PAUSE_S, _PAUSE_STEPS = 2.0, 10
-"""A longer step is a pause, in which nothing was sent; a shorter one has lost samples."""
 
 _WINDOW = 20
 """Steps over which the rate is measured."""
@@ -53,7 +52,7 @@ def timing_of(times: NDArray[np.float64], seconds: NDArray[np.float64]) -> Timin
     timing = Timing(step, float(np.percentile(off, 95)))
     if np.count_nonzero(off <= _STEADY * step) < _SHARE * len(steps):
         return timing
-    is_pause = steps > max(_PAUSE_S, _PAUSE_STEPS * step)
+    is_pause = steps > PAUSE.after(step)
     missing = np.round(steps[~is_pause] / step) - 1
     return timing._replace(
         lost=int(missing[missing > 0].sum()),

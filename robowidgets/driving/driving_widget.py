@@ -13,15 +13,13 @@ from .._core.base_widget import NamedWidget
 from .._core.log_once import LogOnce, log_in_thread
 from .._core.pacer import pacer
 from .._core.platform_fixes import route_by_message
+from ..samples.staleness import BEAT
 from .command_watchdog import HOLD, ZERO, CommandWatchdog
 from .press import PadMessage, Tokens, to_pad_message
 from .stop_all import stop_at_end
 
 if TYPE_CHECKING:
     from ..feeds.feed import Feed
-
-RENEWAL = 1.0
-"""Seconds after which the state is sent again; the page takes an older one for that of a silent kernel."""
 
 ALLOW_LIFETIME = 3.0
 """Seconds for which a token may release the latch. The page gets a token every second."""
@@ -196,7 +194,7 @@ class DrivingWidget(NamedWidget):
             if state != self._sent or (renews and now >= self._renew_at):
                 self._store(state)
                 super().send_state("_state")
-                self._sent, self._renew_at = state, now + RENEWAL
+                self._sent, self._renew_at = state, now + BEAT
             if renews:
                 pacer.mark_at(self, self._renew_at)
         return 0

@@ -10,15 +10,13 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from ..driving.command_watchdog import PROGRAM, ZERO, CommandWatchdog, RefusedError, Request, Velocity
+from ..samples.staleness import PAGE_SILENCE
 from ._driving import USUAL, DriveStatus, Driving, heard_speeds, unheard
 from ._twist import TwistPublisher
 from .middleware import Advert, FeedError, Middleware, NotYetError
 
 if TYPE_CHECKING:
     from ._connection import Connection
-
-PAGE_TIMEOUT = 3.0
-"""Seconds without a message from any page after which no page is there."""
 
 CONNECT_TIMEOUT = 2.0
 """Seconds after the first `drive` on a topic, and at the end, in which a speed waits for a subscriber to connect."""
@@ -199,7 +197,7 @@ class Driver:
                 raise FeedError(f"cannot drive: {elsewhere}")
             self._connection.list_driven(self.topic)
         with self._changing:
-            if self._driving.needs_page and time.monotonic() - self._page_at > PAGE_TIMEOUT:
+            if self._driving.needs_page and time.monotonic() - self._page_at > PAGE_SILENCE:
                 raise FeedError(
                     "cannot drive: no page that shows this feed or its pad answers, and driving.needs_page asks for "
                     "one; while a cell runs, only ipykernel 7 or later receives messages of the page"

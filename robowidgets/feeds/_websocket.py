@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any
 from urllib.parse import urlsplit
 
 from .._core.platform_fixes import acknowledge_at_once, close_when_connected, report_close_code
+from ..samples.staleness import ROBOT_GONE, ROBOT_SILENCE
 from .middleware import SEND_TIMEOUT, FeedError
 
 if TYPE_CHECKING:
@@ -34,9 +35,7 @@ SILENT = 1.5
 
 COMPARE = "is the robot on, and in this network? Is the address right? Does a firewall block the port?"
 
-_ALIVE = 10.0  # seconds without an answer after which the connection is given up
-_PINGS = 10  # pings in that time
-_SILENCE = 1.0  # seconds without an answer after which only zero is sent: what is sent then waits, and arrives late
+_PINGS = 10  # in the time after which a connection is given up
 _OVERDUE = 0.005  # seconds for which a flood of frames may delay everything else in the thread
 _GOODBYE = 0.5
 _TIMED_OUT = 599  # tornado's code for a time-out, which no server sends
@@ -218,7 +217,7 @@ class WebSocket:
         return self._ending(connection)
 
     async def _watch(self) -> None:
-        """Return when the connection has ended, or nothing came for `_ALIVE` seconds.
+        """Return when the connection has ended, or nothing came for `ROBOT_GONE` seconds.
 
         Where more data come than the network carries, answers are late, but the data are good.
         """
@@ -229,7 +228,7 @@ class WebSocket:
             if not self._unanswered:
                 self._ping()
             with contextlib.suppress(asyncio.TimeoutError):
-                await asyncio.wait_for(self._ended.wait(), _ALIVE / _PINGS)
+                await asyncio.wait_for(self._ended.wait(), ROBOT_GONE / _PINGS)
             silent = 0 if self._is_heard else silent + 1
         self._silent = not self._ended.is_set()
 
@@ -266,7 +265,7 @@ class WebSocket:
         return time.monotonic() - self._unanswered[0].sent_at if self._unanswered else 0.0
 
     def _note_silence(self) -> None:
-        is_silent = self._silence >= _SILENCE
+        is_silent = self._silence >= ROBOT_SILENCE
         if is_silent != self._silence_noted:
             self._silence_noted = is_silent
             self._bridge.on_silence(is_silent)
@@ -274,7 +273,7 @@ class WebSocket:
     def _ping(self) -> _Ping:
         ping = _Ping(b"%d" % next(self._pings))
         self._unanswered += (ping,)
-        self.later(_SILENCE, self._note_silence)
+        self.later(ROBOT_SILENCE, self._note_silence)
         with contextlib.suppress(Exception):  # the connection ended
             self._connection.ping(ping.mark)
         return ping
@@ -321,7 +320,7 @@ class WebSocket:
         # gets a frame only when it has written the one before, and a speed only while the robot answers.
         if self._written is not None:
             await asyncio.shield(self._written)
-        if not confirm and self._silence >= _SILENCE:
+        if not confirm and self._silence >= ROBOT_SILENCE:
             raise FeedError(f"{self._why_late()}: until it answers, only zero is sent")
         if not taken.acquire(blocking=False):
             return
@@ -349,7 +348,7 @@ class WebSocket:
         if self.too_big:
             return f"a message larger than {LARGEST // 1_000_000} MB came"
         if self._silent:
-            return f"the robot did not answer for {_ALIVE:g} s"
+            return f"the robot did not answer for {ROBOT_GONE:g} s"
         reason = one_line(connection.close_reason or "")
         return "the connection ended" + (f": {reason}" if reason else "")
 

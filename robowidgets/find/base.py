@@ -17,8 +17,8 @@ from ..repair import RecordingError
 from ..samples import HasAge
 from ..samples.verdict import Trace, Verdict
 from ._instant import TIME, Instant, NotYetError, OneSample, TracedMoment, samples_of, together
+from ._silence import mark_stale
 from ._steps import NO, UNKNOWN, YES, Steps, combined, inverted, steps
-from .silence import mark_stale
 
 if TYPE_CHECKING:
     from ..recordings import RecordingData

@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 from .._core.progress import Progress, without_bars
 from ..recordings.span import Span
 from ..samples.checks import shortest
+from ._silence import mark_stale
 from ._steps import NO, Steps, spans, steps
 from .base import condition
-from .silence import mark_stale
 from .spans import Spans
 
 if TYPE_CHECKING:

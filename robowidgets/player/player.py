@@ -24,7 +24,6 @@ from .._core.traits import Flag
 from .._layout import WIDE, columns, on_one_screen
 from .._widget_choice import WidgetChoice, choose_widgets
 from ..export.html import MAX_SIZE, SUFFIXES
-from ..find.silence import longest_pause, usual_step
 from ..in_rerun.widget import RerunWidget
 from ..kinds import LASER, TOUCH, load
 from ..player_widget import PlayerWidget
@@ -32,6 +31,7 @@ from ..poses.places import WITHIN
 from ..recordings import RecordingData
 from ..recordings.times import has_date
 from ..recordings.topics import wanted
+from ..samples.staleness import RECORDED, usual_step
 from ..samples.state_span import rows_of
 from ..scanogram_widget import ScanogramWidget
 from ..speed_widget import SpeedWidget
@@ -376,7 +376,7 @@ def _pause(recording: RecordingData, choice: WidgetChoice) -> float:
         return 0.0
     # From the first samples: silences distort the rate of the whole topic.
     times = [moment.time_ns for moment in islice(recording.samples(choice.topic), _LOOKED_AT)]
-    return longest_pause(usual_step(np.array(times, np.int64))) / 1e9 if len(times) > 1 else 0.0
+    return RECORDED.after(usual_step(np.array(times, np.int64)), 1e9) / 1e9 if len(times) > 1 else 0.0
 
 
 def _first_look(recording: RecordingData, views: Iterable[View]) -> float:

@@ -15,6 +15,7 @@ from ..messages.standard import ODOMETRY
 from ..poses.transforms import TRANSFORMS, Transform, transforms_of
 from ..repair import Message, RecordingError, Source
 from ..samples import Problem
+from ..samples.staleness import OPEN_END
 from .columns._decoders import Decoder
 from .columns._memory import Memory
 from .columns._store import Store
@@ -34,8 +35,6 @@ _MOST_AT_ONCE = 64
 
 _LEAST = 20
 """Messages that a topic needs for a usual step: with fewer, a long pause or a short burst means little."""
-_LONG_SILENCE = 5.0
-_SILENCE_STEPS = 10
 
 _REPAIR = "robowidgets repair writes all that can be read to a file that every tool reads"
 _SILENT = "did its node or its sensor start late, or stop early?"
@@ -316,6 +315,6 @@ def silences(topic: str, count: int, first: float, last: float, end: float) -> l
         last: seconds of the last message.
         end: seconds of the end of the recording.
     """
-    long = max(_LONG_SILENCE, _SILENCE_STEPS * (last - first) / (count - 1))
+    long = OPEN_END.after((last - first) / (count - 1))
     before = [f"{topic}: nothing before {first:.2f} s of {end:.2f} s"] * (first > long)
     return [*before, *[f"{topic}: nothing after {last:.2f} s of {end:.2f} s"] * (end - last > long)]

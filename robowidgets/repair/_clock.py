@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._core.text import often
+from ..samples.staleness import ENDED, usual_step
 
 Times = NDArray[np.int64]
 
@@ -36,8 +37,6 @@ _LATEST = 2**63 - 1
 _HABIT, _RARELY = 10, 100
 """A topic has several publishers, whose times differ, if it goes back more than 10 times and in more than 1 message
 of 100."""
-_SILENT = 10
-"""A topic has ended if it is silent for 10 of its usual steps."""
 _MOST_VOTES = 10_000_000
 """Most votes that are counted: no clock is set so often, and counting more would take long."""
 
@@ -237,12 +236,11 @@ def _votes(times: NDArray[np.float64], places: Times, falls: _Falls) -> Times:
     the fall, the topic must also have had a message since the leap.
     """
     own = times[places]
-    steps = np.diff(own)
-    usual = float(np.median(steps[steps > 0])) if (steps > 0).any() else np.inf
+    usual = usual_step(own) or np.inf
     number = np.searchsorted(places, falls.places)
     both = (number > 0) & (number < own.size)
     before, after = own[np.maximum(number - 1, 0)], own[np.minimum(number, own.size - 1)]
-    ended = (number == own.size) & (_SILENT * usual < falls.rests)
+    ended = (number == own.size) & (ENDED.after(usual) < falls.rests)
     goes_on = both & (after >= before) & (usual < falls.depths / 2)
     goes_on &= (falls.depths <= LEAP_NS) | (places[np.maximum(number - 1, 0)] >= falls.leaps)
     against = goes_on | ended

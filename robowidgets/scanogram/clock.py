@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-GAP = 3.0
-"""Least length of a gap, relative to the 90th percentile of all pauses between two scans."""
+from ..samples.staleness import SCAN_GAP
 
 _PAUSE = 0.1
 
@@ -29,7 +28,7 @@ class Clock:
         usual, long = moving.size // 2, moving.size * 9 // 10
         ordered = np.partition(moving, (usual, long)) if moving.size else moving
         self.pause = float(ordered[usual]) if moving.size else _PAUSE
-        self.gap = GAP * (float(ordered[long]) if moving.size else _PAUSE)
+        self.gap = SCAN_GAP.after(float(ordered[long]) if moving.size else _PAUSE)
         follows = np.append(steps, np.inf)
         self.ends = self.starts + np.where(follows > self.gap, self.pause, follows)
         back = int((np.diff(times_ns) < 0).sum())

@@ -1,6 +1,7 @@
 import assert from "node:assert/strict";
 import { mock, test } from "node:test";
-import { PULSE_MS, Pulse } from "../../robowidgets/js/shared/pulse.ts";
+import { Pulse } from "../../robowidgets/js/shared/pulse.ts";
+import { KERNEL_SILENT_MS } from "../../robowidgets/js/shared/staleness.ts";
 import { FakeModel } from "./models.ts";
 
 interface Traits {
@@ -32,7 +33,7 @@ function open(state: Record<string, unknown>) {
 
 test("a kernel that sends no beat for a moment is silent, its age is told, and the next beat ends it", () => {
   const { fake, pulse, said, pass, close } = open({ _beat: 7 });
-  pass(PULSE_MS);
+  pass(KERNEL_SILENT_MS);
   assert.equal(pulse.words, "");
   assert.deepEqual(said, []);
   pass(2500);

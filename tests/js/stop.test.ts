@@ -1,16 +1,9 @@
 import assert from "node:assert/strict";
 import { mock, test } from "node:test";
-import {
-  ANSWER_MS,
-  BEAT_MS,
-  BUSY_MS,
-  END_MS,
-  type Note,
-  StopControl,
-} from "../../robowidgets/js/shared/driving/control.ts";
+import { ANSWER_MS, END_MS, type Note, StopControl } from "../../robowidgets/js/shared/driving/control.ts";
 import { type Situation, toBar, toDriverText } from "../../robowidgets/js/shared/driving/text.ts";
 import type { Told } from "../../robowidgets/js/shared/driving/traits.ts";
-import { PULSE_MS } from "../../robowidgets/js/shared/pulse.ts";
+import { BEAT_MS, KERNEL_BUSY_MS, KERNEL_SILENT_MS } from "../../robowidgets/js/shared/staleness.ts";
 import { FakeModel } from "./models.ts";
 import { situation, told } from "./stop.ts";
 
@@ -153,7 +146,7 @@ test("a busy kernel finds no long queue of beats, and counts as one that does no
   }
   assert.equal(sent.length, 4);
   assert.ok(control.hears);
-  await pass(BUSY_MS);
+  await pass(KERNEL_BUSY_MS);
   assert.ok(!control.hears);
   await pass(60_000);
   assert.ok(sent.length < 12, `${sent.length} messages wait`);
@@ -177,7 +170,7 @@ test("news make a page with slow timers beat", async () => {
 test("what was told of a robot holds for a moment, that there is none holds on", async () => {
   const { control, state, pass, close } = open();
   state({ speed: [0.2, 0, 0] });
-  await pass(PULSE_MS - 100);
+  await pass(KERNEL_SILENT_MS - 100);
   assert.equal(control.silence, "");
   await pass(200);
   assert.equal(control.silence, "no word from the kernel for 2.6 s");

@@ -54,6 +54,14 @@ test("a line is broken by a silence and by a sample without a value", () => {
   );
 });
 
+test("the line of a slow source is broken by a silence, not by its steps", () => {
+  const runs = toRuns(points([0, 1], [2000, 2], [4100, 3], [6000, 4], [16_001, 5]));
+  assert.deepEqual(
+    runs.map((run) => run.length),
+    [4, 1],
+  );
+});
+
 test("a speed holds until the next sample", () => {
   const line = points([-300, 1], [-200, 2], [0, 3]);
   assert.equal(pointAt(line, -150)?.value, 2);

@@ -48,6 +48,9 @@ interface Vectors {
   >;
   rays: [of: [number, number, number], on: [number, number, number], rays: number[]][];
   spreads: [scans: Word[][], spread: Word[]][];
+  silences: [step: Word, after: number][];
+  steps: [times: number[], step: Word][];
+  beats: { beat: number; page: number; "scan gap": number };
   codes: [start: number, end: number, offset: number, scan: string, message: string, slice: string][];
 }
 

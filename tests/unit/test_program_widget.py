@@ -40,7 +40,7 @@ def hear(widget: ProgramWidget, **content: Any) -> None:
 def test_its_state_is_sent_again_and_again_while_nobody_drives(
     widget: ProgramWidget, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(driving_widget, "RENEWAL", 0.01)
+    monkeypatch.setattr(driving_widget, "BEAT", 0.01)
     page = Page(widget)
     wait_for(lambda: len({state["number"] for state in page.sent("_state")}) > 3, "it comes again and again")
     assert page.state["_state"]["driver"] == ""

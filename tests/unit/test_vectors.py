@@ -55,3 +55,10 @@ def test_sectors_hold_and_are_written_as_the_front_end_has_them() -> None:
     """Else a rule or a text has changed: change the front end, then run `python -m tests.vectors`."""
     assert vectors.make_sectors() == VECTORS["sectors"]
     assert vectors.make_codes() == VECTORS["codes"]
+
+
+def test_a_source_is_silent_when_the_front_end_says_so() -> None:
+    """Else a rule has changed: change js/shared/staleness.ts, then run `python -m tests.vectors`."""
+    assert vectors.make_silences() == VECTORS["silences"]
+    assert vectors.make_steps() == VECTORS["steps"]
+    assert vectors.make_beats() == VECTORS["beats"]

@@ -1,3 +1,4 @@
+import { PRESS_SILENT_MS } from "../shared/staleness.ts";
 import { CENTER, type Knob } from "./knob.ts";
 
 /** What the page tells Python. */
@@ -19,9 +20,6 @@ export const BEAT_MS = 100;
 
 /** Milliseconds after a message before the knob's next place is told. */
 const SOONEST_MS = 40;
-
-/** Milliseconds without an answer after which a press is over. */
-const PATIENCE_MS = 500;
 
 /**
  * State of the pad: "free"; "asking" or "driving" while held; "silent" when Python does not answer, "late" when it
@@ -125,7 +123,7 @@ export class PressLease {
 
   #onBeat(): void {
     if (!this.#goes) return;
-    if (performance.now() - this.#heard > PATIENCE_MS) {
+    if (performance.now() - this.#heard > PRESS_SILENT_MS) {
       this.#turn("silent");
       this.#post({ act: "release", press: this.press });
     } else if (this.state === "driving") this.#say();

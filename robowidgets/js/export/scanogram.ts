@@ -2,6 +2,7 @@ import type { SegmentMessage } from "../player/traits.ts";
 import { type Facts, type Numbers, type Sweep, toCode, toSweep, unpack } from "../scanogram/data.ts";
 import { Reader } from "../shared/bytes.ts";
 import { firstWhere } from "../shared/search.ts";
+import { SCAN_GAP_STEPS } from "../shared/staleness.ts";
 import { onRays } from "./by_angle.ts";
 import type { Segments } from "./feed.ts";
 import type { PageModel } from "./model.ts";
@@ -12,8 +13,6 @@ const DETAIL_BYTES = 3e6;
 const MOST_ROWS = 2048;
 /** Before and after the span that the page asks for, as a part of it. */
 const MARGIN = 0.5;
-/** Least length of a gap, relative to the 90th percentile of all pauses between two scans. */
-const GAP = 3;
 const NO_PAUSE = 0.1;
 /** Bytes of a laser's frame before its ranges; of these the last ones, which tell its rays; and of its limits there. */
 const HEAD = 72;
@@ -112,7 +111,7 @@ export class ScanogramMaker {
     const steps = times.slice(1).map((time, i) => time - (times[i] as number));
     const moving = steps.filter((step) => step > 0).sort((a, b) => a - b);
     this.#pause = moving[Math.floor(moving.length / 2)] ?? NO_PAUSE;
-    const gap = GAP * (moving[Math.floor((moving.length * 9) / 10)] ?? NO_PAUSE);
+    const gap = SCAN_GAP_STEPS * (moving[Math.floor((moving.length * 9) / 10)] ?? NO_PAUSE);
     this.#ends = this.#starts.map((start, i) => start + ((steps[i] ?? Infinity) > gap ? this.#pause : (steps[i] ?? 0)));
   }
 

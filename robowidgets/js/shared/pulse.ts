@@ -1,9 +1,8 @@
 import { onAbort } from "./events.ts";
 import { toAge } from "./format.ts";
 import { lacksKernel, type Model, NO_KERNEL, onChange } from "./model.ts";
+import { KERNEL_SILENT_MS } from "./staleness.ts";
 
-/** Milliseconds without a message, after which Python is silent. It sends one every second. */
-export const PULSE_MS = 2500;
 /** Milliseconds between two looks at the clock. */
 const LOOK_MS = 250;
 
@@ -42,7 +41,7 @@ export class Pulse<T> {
   /** Milliseconds since the last message, where one is missing; 0 while all is well. */
   get silence(): number {
     const silence = performance.now() - this.#heard;
-    return this.#isExpected() && silence > (lacksKernel(this.#model) ? 0 : PULSE_MS) ? silence : 0;
+    return this.#isExpected() && silence > (lacksKernel(this.#model) ? 0 : KERNEL_SILENT_MS) ? silence : 0;
   }
 
   /** How long Python has been silent, or that its kernel is gone; empty while all is well. */

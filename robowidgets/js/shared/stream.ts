@@ -4,6 +4,7 @@ import { History } from "./history.ts";
 import { type Model, onChange, setTraits } from "./model.ts";
 import { throttle } from "./schedule.ts";
 import { firstWhere } from "./search.ts";
+import { LIVE, silentAfter } from "./staleness.ts";
 import { join, type Member, othersOf, setFrozen, tellOthers } from "./together.ts";
 import type { About, Moment, Recent, SampleTraits } from "./traits.ts";
 
@@ -41,12 +42,6 @@ export interface Place {
   behind: number;
 }
 
-/**
- * Milliseconds without a frame after which a source is silent: three of its periods, clamped to these limits; the
- * longest while it has no rate. Python has the same rule.
- */
-const SHORTEST_SILENCE = 1000;
-const LONGEST_SILENCE = 10_000;
 const SAVE_MS = 100;
 const NOTHING = /* @__PURE__ */ new DataView(new ArrayBuffer(0));
 
@@ -321,8 +316,7 @@ export class Stream<F extends Frame> implements Member {
       this.live = false;
       this.#tell();
     };
-    const limit = Math.min(LONGEST_SILENCE, Math.max(SHORTEST_SILENCE, 3000 / (this.rate || 0)));
-    this.#stale = setTimeout(stale, limit - ago);
+    this.#stale = setTimeout(stale, silentAfter(LIVE, 1000 / (this.rate || 0)) - ago);
   }
 
   #onFrozen(): void {

@@ -1,3 +1,5 @@
+import { LIVE, silentAfter, usualStep } from "./staleness.ts";
+
 /** A value at a time; NaN where there is none. */
 export interface Point {
   /** Milliseconds before the sample on show: 0 or less. */
@@ -25,17 +27,15 @@ export interface TimeLine {
   over: [number, number][];
 }
 
-/** Milliseconds between samples from which on a line is broken, as the source is silent. */
-const GAP = 1000;
-
-/** The runs of points, without those that have no value; a silence ends a run. */
+/** The runs of points, without those that have no value; a silence of the source ends a run. */
 export function toRuns(points: Point[]): Point[][] {
   const runs: Point[][] = [];
+  const longest = silentAfter(LIVE, usualStep(points.map(({ at }) => at)));
   let before = NaN;
   for (const point of points) {
     if (Number.isNaN(point.value)) before = NaN;
     else {
-      if (point.at - before <= GAP) runs.at(-1)?.push(point);
+      if (point.at - before <= longest) runs.at(-1)?.push(point);
       else runs.push([point]);
       before = point.at;
     }

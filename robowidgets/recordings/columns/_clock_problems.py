@@ -9,11 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..._core.text import listed, often
+from ...samples.staleness import CLOCK_JUMP, usual_step
 
 _STILL_SHARE = 0.5
 _STILL_LEAST = 10
-_SILENCE = 60.0
-_SILENT_STEPS = 100
 _SAME_SHARE = 0.9
 
 
@@ -40,9 +39,7 @@ def clock_of(times_ns: NDArray[np.int64], start_ns: int) -> Clock:
     still = int(np.count_nonzero(steps == 0))
     if still >= max(_STILL_SHARE * steps.size, _STILL_LEAST):
         lines.append(f"the clock stands still: {still:,} of {len(times_ns):,} samples bear the time of the one before")
-    forward = steps[steps > 0]
-    usual = float(np.median(forward)) if forward.size else 0.0
-    silent = np.flatnonzero(steps > max(_SILENCE * 1e9, _SILENT_STEPS * usual))
+    silent = np.flatnonzero(steps > CLOCK_JUMP.after(usual_step(times_ns), 1e9))
     return Clock(tuple(lines), (np.stack((times_ns[silent], times_ns[silent + 1]), 1) - start_ns) / 1e9)
 
 

@@ -802,7 +802,7 @@ def test_stop_latches_until_it_is_released(driven: Driven) -> None:
 
 
 def test_a_robot_that_needs_a_page_is_not_driven_without_one(driven: Driven, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("robowidgets.feeds._driver.PAGE_TIMEOUT", 0.2)
+    monkeypatch.setattr("robowidgets.feeds._driver.PAGE_SILENCE", 0.2)
     feed, script = driven(CMD_VEL)
     feed.driving = Driving(needs_page=True)
     with pytest.raises(FeedError, match="cannot drive: no page that shows this feed or its pad answers"):

@@ -156,7 +156,7 @@ def test_a_robot_that_says_goodbye_is_quoted(scanning: tuple[OldFoxglove, Foxglo
 
 
 def test_a_robot_that_falls_silent_is_given_up_when_it_is_promised(ears: Ears, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(_websocket, "_ALIVE", 2.0)
+    monkeypatch.setattr(_websocket, "ROBOT_GONE", 2.0)
     with OldFoxglove([channel(1)]) as server:
         middleware = Foxglove(server.address)
         middleware.open(ears)
@@ -172,7 +172,7 @@ def test_a_robot_that_falls_silent_is_given_up_when_it_is_promised(ears: Ears, m
 
 
 def test_a_robot_that_answers_but_says_nothing_is_not_given_up(ears: Ears, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(_websocket, "_ALIVE", 0.5)
+    monkeypatch.setattr(_websocket, "ROBOT_GONE", 0.5)
     pings = []
     with OldFoxglove([]) as server:
         middleware = Foxglove(server.address)
@@ -267,7 +267,7 @@ def test_its_silence_counts_from_the_first_speed_without_an_answer_and_is_told_u
     taking: tuple[OldFoxglove, Foxglove], ears: Ears, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     server, middleware = taking
-    monkeypatch.setattr(_websocket, "_ALIVE", 1000.0)  # no ping but those of speeds
+    monkeypatch.setattr(_websocket, "ROBOT_GONE", 1000.0)  # no ping but those of speeds
     wait_for(lambda: not refusal(middleware, {"linear": {"x": 1.0}}) and not _unanswered(middleware), "it answered")
     go_on = server.stall()
     wait_for(
@@ -291,7 +291,7 @@ def test_a_connection_that_ends_while_it_is_silent_is_told_by_its_end_alone(
     taking: tuple[OldFoxglove, Foxglove], ears: Ears, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     server, middleware = taking
-    monkeypatch.setattr(_websocket, "_SILENCE", 0.05)
+    monkeypatch.setattr(_websocket, "ROBOT_SILENCE", 0.05)
     go_on = server.stall()
     refusal(middleware, {"linear": {"x": 1.0}})
     wait_for(lambda: ears.unheard.get("/cmd_vel"), "it is told")
@@ -376,7 +376,7 @@ def test_scans_and_old_answers_do_not_confirm_a_zero_and_let_no_speed_pass(
 def test_a_robot_whose_data_come_is_not_given_up_though_it_answers_late(
     monkeypatch: pytest.MonkeyPatch, taking: tuple[OldFoxglove, Foxglove], ears: Ears, request: pytest.FixtureRequest
 ) -> None:
-    monkeypatch.setattr(_websocket, "_ALIVE", 1.0)
+    monkeypatch.setattr(_websocket, "ROBOT_GONE", 1.0)
     _, middleware = request.getfixturevalue("hung")
     time.sleep(3.0)
     assert ears.lost == []
@@ -457,7 +457,7 @@ def test_a_connection_that_ends_while_something_is_published_is_an_error_at_once
 def test_what_a_robot_does_not_take_in_time_is_an_error_and_not_sent_later(
     ears: Ears, monkeypatch: pytest.MonkeyPatch, taking: tuple[OldFoxglove, Foxglove]
 ) -> None:
-    monkeypatch.setattr(_websocket, "_ALIVE", 1000.0)  # it is not asked whether it is there
+    monkeypatch.setattr(_websocket, "ROBOT_GONE", 1000.0)  # it is not asked whether it is there
     monkeypatch.setattr(_websocket, "SEND_TIMEOUT", 0.2)
     server, middleware = taking
     server.drop()

@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from robowidgets.find._silence import mark_stale
 from robowidgets.find._steps import NO, UNKNOWN, YES, Steps, steps
-from robowidgets.find.silence import longest_pause, mark_stale, usual_step
+from robowidgets.samples.staleness import RECORDED, usual_step
 
 S = 1_000_000_000
 
@@ -20,7 +21,7 @@ def test_the_usual_step_is_the_median_of_those_that_go_on(times: list[int], usua
 
 
 def test_a_pause_is_two_seconds_or_two_steps() -> None:
-    assert [longest_pause(usual) for usual in (0, S // 10, 3 * S)] == [2 * S, 2 * S, 6 * S]
+    assert [RECORDED.after(usual, S) for usual in (0, S // 10, 3 * S)] == [2 * S, 2 * S, 6 * S]
 
 
 def aged(held: Steps, *topics: tuple[list[int], list[bool]], end: int) -> list[tuple[int, int]]:

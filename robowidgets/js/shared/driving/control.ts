@@ -1,13 +1,8 @@
 import { onAbort } from "../events.ts";
 import { lacksKernel, type Model, onChange, onMessage } from "../model.ts";
 import { Pulse } from "../pulse.ts";
+import { BEAT_MS, KERNEL_BUSY_MS } from "../staleness.ts";
 import type { DrivingTraits, Told } from "./traits.ts";
-
-/** Milliseconds between two heartbeats. */
-export const BEAT_MS = 1000;
-
-/** Milliseconds without an answer after which a kernel counts as busy. */
-export const BUSY_MS = 1500;
 
 /** Milliseconds after which an unanswered heartbeat is lost. Until then none is sent: a busy kernel queues it. */
 const LOST_MS = 10_000;
@@ -84,7 +79,7 @@ export class StopControl {
 
   /** Whether the kernel answers this page. A busy kernel may not. */
   get hears(): boolean {
-    return this.#isAnswered || performance.now() - this.#beatAt < BUSY_MS;
+    return this.#isAnswered || performance.now() - this.#beatAt < KERNEL_BUSY_MS;
   }
 
   /** How long Python has been silent; empty while the last state is current. */

@@ -7,21 +7,8 @@ from collections.abc import Iterable
 import numpy as np
 from numpy.typing import NDArray
 
+from ..samples.staleness import RECORDED, usual_step
 from ._steps import UNKNOWN, Steps
-
-_SHORTEST = 2_000_000_000
-
-
-def usual_step(times_ns: NDArray[np.int64]) -> int:
-    """The median time to the next later time, in nanoseconds; 0 if there is none."""
-    ahead = np.diff(times_ns)
-    ahead = ahead[ahead > 0]
-    return round(float(np.median(ahead))) if ahead.size else 0
-
-
-def longest_pause(usual: int) -> int:
-    """Nanoseconds after which a topic with this usual step is silent."""
-    return max(_SHORTEST, 2 * usual)
 
 
 def mark_stale(result: Steps, topics: Iterable[tuple[NDArray[np.int64], NDArray[np.bool_]]], end_ns: int) -> Steps:
@@ -37,8 +24,8 @@ def mark_stale(result: Steps, topics: Iterable[tuple[NDArray[np.int64], NDArray[
     values = result.values.copy()
     places, ends = [np.empty(0, np.intp)], [np.empty(0, np.int64)]
     for times, rests_on in topics:
-        usual = usual_step(times)
-        silent = np.flatnonzero(np.append(times[1:], end_ns) - times > longest_pause(usual))
+        usual = round(usual_step(times))
+        silent = np.flatnonzero(np.append(times[1:], end_ns) - times > RECORDED.after(usual, 1e9))
         stale_from = times[silent] + usual
         first = np.searchsorted(result.times, stale_from, side="left" if usual else "right")
         last = np.append(np.searchsorted(result.times, times[1:]), len(result.times))[silent]

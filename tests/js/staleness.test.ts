@@ -1,0 +1,28 @@
+import assert from "node:assert/strict";
+import { test } from "node:test";
+import {
+  BEAT_MS,
+  KERNEL_SILENT_MS,
+  LIVE,
+  SCAN_GAP_STEPS,
+  silentAfter,
+  usualStep,
+} from "../../robowidgets/js/shared/staleness.ts";
+import { toNumber, vectors } from "./vectors.ts";
+
+test("a source on show is silent when Python says so", () => {
+  for (const [step, after] of vectors.silences) assert.equal(silentAfter(LIVE, 1000 * toNumber(step)), 1000 * after);
+});
+
+test("the usual step is the median of those that go on", () => {
+  for (const [times, step] of vectors.steps) assert.equal(usualStep(times), toNumber(step));
+});
+
+test("one lost beat makes neither the kernel silent to the page, nor the page to the kernel", () => {
+  assert.ok(KERNEL_SILENT_MS >= 2 * 1000 * vectors.beats.beat);
+  assert.ok(1000 * vectors.beats.page >= 2 * BEAT_MS);
+});
+
+test("a scanogram has the same gaps in a page of its own", () => {
+  assert.equal(SCAN_GAP_STEPS, vectors.beats["scan gap"]);
+});
