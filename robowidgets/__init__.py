@@ -7,6 +7,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from ._core.renamed import renamed
 from ._core.short_traceback import shorten_tracebacks
 from ._together import together
 from .drive_widget import DriveWidget
@@ -15,7 +16,7 @@ from .laser_widget import LaserWidget
 from .path_widget import PathWidget
 from .samples import Range, Ray, Scan, Sector, Speed, Touch, TouchMode, TouchState, Validity, spread
 from .scanogram_widget import ScanogramWidget
-from .shapes import Arc, Line, Points, Polygon, Pose, Text
+from .shapes import Arc, Arrow, Line, Points, Polygon, Text
 from .speed_widget import SpeedWidget
 from .touch_widget import TouchWidget
 
@@ -37,6 +38,7 @@ SAMPLE = Path(__file__).parent / "data" / "sample.mcap"
 __all__ = [
     "SAMPLE",
     "Arc",
+    "Arrow",
     "DriveWidget",
     "Footprint",
     "LaserWidget",
@@ -45,7 +47,6 @@ __all__ = [
     "PathWidget",
     "Points",
     "Polygon",
-    "Pose",
     "ProgramWidget",
     "Range",
     "Ray",
@@ -72,6 +73,8 @@ __all__ = [
 
 shorten_tracebacks()
 
+_RENAMED = {"Pose": Arrow}
+
 _LATER = {
     "MachineWidget": ".machine_widget",
     "ProgramWidget": ".program_widget",
@@ -89,6 +92,8 @@ def __getattr__(name: str) -> Any:
         return import_module(".find.conditions", __name__)
     if name in _LATER:
         return getattr(import_module(_LATER[name], __name__), name)
+    if name in _RENAMED:
+        return renamed(__name__, name, _RENAMED)
     lower = {known.lower(): known for known in __all__}
     alike = get_close_matches(name.lower(), lower, n=1) or [known for known in lower if known.startswith(name.lower())]
     near = [lower[known] for known in alike]

@@ -19,11 +19,11 @@ from ._core.time_traits import Marks, States, TimeSpan
 from ._core.traits import Flag, bytes_trait
 from .samples import AXES, Scan
 from .samples.scan_problems import of_ranges
-from .scanogram.clock import Clock
 from .scanogram.levels import BUDGET, MEDIAN, NEAREST, Levels
 from .scanogram.page_parts import detail, overview, pack
 from .scanogram.picture import Picture
-from .scanogram.scans import Scans, ScansInMemory, Sweep
+from .scanogram.scan_times import ScanTimes
+from .scanogram.scans import ScanRanges, ScansInMemory, Sweep
 from .scanogram.strips import SpeedStrip, TouchStrip
 
 if TYPE_CHECKING:
@@ -192,7 +192,7 @@ class ScanogramWidget(SavesPng, NamedWidget):
         times, speeds = _array("times_ns", times_ns, np.int64, 1), _array("values", values, np.float64, 2)
         if speeds.shape != (len(times), len(AXES)) or not len(times):
             raise ValueError(f"values: expected the shape ({max(1, len(times))}, {len(AXES)}), got {speeds.shape}")
-        strip = SpeedStrip(title, Clock(times, picture.start_ns), speeds, limits or {})
+        strip = SpeedStrip(title, ScanTimes(times, picture.start_ns), speeds, limits or {})
         duration = max(picture.duration, float(strip.clock.starts[-1]))
         self._draw(replace(picture, speed=strip, duration=duration))
 
@@ -225,7 +225,7 @@ class ScanogramWidget(SavesPng, NamedWidget):
 
     def _put(
         self,
-        scans: Scans,
+        scans: ScanRanges,
         sweep: Sweep,
         start_ns: int,
         *,
@@ -235,7 +235,7 @@ class ScanogramWidget(SavesPng, NamedWidget):
         budget: int = BUDGET,
     ) -> None:
         """Show scans, in memory or in a file."""
-        clock = Clock(scans.times_ns, start_ns)
+        clock = ScanTimes(scans.times_ns, start_ns)
         # The last scan lasts to the end of the recording, and a while where it is the last of all.
         end = duration if duration > clock.starts[-1] else float(clock.ends[-1])
         self._draw(Picture(Levels(scans, sweep, budget), clock, start_ns, end, begin), (*notes, *clock.notes))

@@ -35,7 +35,7 @@ class Signal(Protocol):
         """Wait until it is set, or until a time; None: for ever."""
 
 
-class Condition(Protocol):
+class ConditionVariable(Protocol):
     """A condition variable whose lock the caller holds."""
 
     def notify_all(self) -> None:
@@ -60,7 +60,7 @@ class Clock(Protocol):
         """A new signal that waits by this clock."""
         ...
 
-    def condition(self, lock: threading.RLock) -> Condition:
+    def condition(self, lock: threading.RLock) -> ConditionVariable:
         """A new condition of a lock that waits by this clock."""
         ...
 
@@ -100,7 +100,7 @@ class RealClock:
         """See `Clock`."""
         return _RealSignal()
 
-    def condition(self, lock: threading.RLock) -> Condition:
+    def condition(self, lock: threading.RLock) -> ConditionVariable:
         """See `Clock`."""
         return _RealCondition(lock)
 

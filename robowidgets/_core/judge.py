@@ -19,7 +19,7 @@ PATIENCE = 0.1
 """Seconds for which a picture waits for the verdicts on its sample. After that it is shown without them."""
 
 
-class Judged(Sender, Protocol):
+class JudgedWidget(Sender, Protocol):
     """A widget whose samples are judged."""
 
     title: str
@@ -40,7 +40,7 @@ class Judge:
         widget: the widget.
     """
 
-    def __init__(self, widget: Judged) -> None:
+    def __init__(self, widget: JudgedWidget) -> None:
         self._widget = widget
         self._newest = widget._newest
         self.watches: dict[str, Watch] = {}

@@ -59,7 +59,7 @@ class Fired(NamedTuple):
     nearest: Ray | None = None
 
 
-class Judged(NamedTuple):
+class EventVerdict(NamedTuple):
     """What an event said: whether it holds, None for unknown, and what it looked at; None for `done`."""
 
     value: bool | None
@@ -86,7 +86,7 @@ class MachineStep(NamedTuple):
 
     time: float = 0.0
     states: Mapping[str, tuple[str, float]] = {}
-    judged: Mapping[tuple[str, str], Judged] = {}
+    judged: Mapping[tuple[str, str], EventVerdict] = {}
     seconds: Mapping[tuple[str, str], float] = {}
     fired: tuple[Fired, ...] = ()
     left: tuple[StateSpan, ...] = ()
@@ -161,7 +161,7 @@ class Machine:
         self._before: Machine | None = None
         """The version whose states are taken over at the first step: until then it may still make moves."""
         self._values: dict[str, Any] = {}
-        self._judged: dict[tuple[str, str], Judged] = {}
+        self._judged: dict[tuple[str, str], EventVerdict] = {}
         self._seconds: dict[tuple[str, str], float] = {}
         self._drive: Drive | None = None
 
@@ -346,24 +346,26 @@ class Machine:
         if move.event is None:
             return True
         if move.event == DONE:
-            judged = Judged(bool(node.machines) and all(m.is_last(self._states[m.path][0]) for m in node.machines))
+            judged = EventVerdict(
+                bool(node.machines) and all(m.is_last(self._states[m.path][0]) for m in node.machines)
+            )
         else:
             self.at = node.path
             judged = self._judge(machine.look_up(move.event), move.event, since, machine.path)
         self._judged[machine.path, move.event] = judged
         return judged.value is True
 
-    def _judge(self, event: Any, name: str, since: float, owner: str) -> Judged:
+    def _judge(self, event: Any, name: str, since: float, owner: str) -> EventVerdict:
         if isinstance(event, bool):
-            return Judged(bool(self._values["state"].get(name, event)))
+            return EventVerdict(bool(self._values["state"].get(name, event)))
         if hasattr(event, "judge"):
             verdict: Verdict = event.judge(SimpleNamespace(**self._given(event.reads, name)))
-            return Judged(verdict.value, verdict)
+            return EventVerdict(verdict.value, verdict)
         trace = Trace()
         result = self._call(event, since, owner, trace.named)
         if isinstance(result, (bool, np.bool_)) or result is None:
             # True moves the machine, whatever it rests on. A False of unknown distances is shown as unknown.
-            return Judged(bool(result) or trace.value(result), trace)
+            return EventVerdict(bool(result) or trace.value(result), trace)
         raise TypeError(f"the event {name} returned {result!r}: expected True or False")
 
     def _seconds_of(self, machine: Outline, move: Move, after: str) -> float:
@@ -378,7 +380,7 @@ class Machine:
 
     def _make(self, machine: Outline, move: Move, now: float, why: str = "") -> None:
         source, _ = self._states[machine.path]
-        saw = self._judged.get((machine.path, str(move.event)), Judged(None))
+        saw = self._judged.get((machine.path, str(move.event)), EventVerdict(None))
         self._leave(machine, now)
         why, event = why or move.why, move.event or ""
         self.fired.append(Fired(now, machine.path, source, move.target, why, event, saw.text, saw.nearest))

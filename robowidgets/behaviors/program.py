@@ -23,9 +23,9 @@ from .._core.user_threads import UserThread, frames_of
 from ..samples.state_span import spelled
 from .drive import STANDSTILL, drive_of
 from .prints import Prints, capture, release
-from .robot import DRIVEN, GIVEN, TURNED, NotReadyError, Robot
+from .robot import DRIVEN, GIVEN, TURNED, DrivenRobot, NotReadyError
 from .step_clock import StepClock
-from .variables import State, Variables
+from .variables import ProgramState, Variables
 from .version import Version
 
 log = logging.getLogger("robowidgets")
@@ -90,9 +90,9 @@ class Program(Observed):
         context: that of the cell which defined it last: so what it prints and logs appears below that cell.
     """
 
-    def __init__(self, name: str, robot: Robot, variables: Variables) -> None:
+    def __init__(self, name: str, robot: DrivenRobot, variables: Variables) -> None:
         super().__init__()
-        self.name, self.state, self.variables = name, State(), variables
+        self.name, self.state, self.variables = name, ProgramState(), variables
         self.version = Version(lambda: None, number=0)
         self.mode, self.error, self.waiting, self.note = PAUSED, "", "", ""
         self.steps, self.step_time, self.returned, self.kept = 0, 0.0, STANDSTILL, False
@@ -188,7 +188,7 @@ class Program(Observed):
             self._leave()
             if hasattr(self.version.function, "fresh"):
                 self.version = replace(self.version, function=self.version.function.fresh())
-            self.state, self.clock, self._began, self.prints = State(), StepClock(), {}, Prints()
+            self.state, self.clock, self._began, self.prints = ProgramState(), StepClock(), {}, Prints()
             self.error = self.note = self.waiting = ""
             self._stand_still()
             self._start()
@@ -228,7 +228,7 @@ class Program(Observed):
         self._inputs.close()
         self.keeps = keeps
         if not keeps:
-            self.state = State()
+            self.state = ProgramState()
 
     def interrupt(self) -> None:
         """Stop the robot now, and pause in a moment. For a signal handler: it takes no lock of the program."""

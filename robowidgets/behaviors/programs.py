@@ -14,7 +14,7 @@ from .._core.user_function import calling_text
 from ._parameters import parameters_of, program_name
 from .machine import Machine
 from .program import ENDED, RUNNING, Program
-from .robot import Robot
+from .robot import DrivenRobot
 from .variables import Variables
 from .version import RATE, Version, to_rate
 
@@ -30,7 +30,7 @@ class Programs(Observed):
         current: the program that drives; None before the first one.
     """
 
-    def __init__(self, robot: Robot) -> None:
+    def __init__(self, robot: DrivenRobot) -> None:
         super().__init__()
         self._robot = robot
         self.variables = Variables()

@@ -37,7 +37,7 @@ class Inputs(Protocol):
 
 
 @dataclass(frozen=True)
-class Robot:
+class DrivenRobot:
     """A robot, as a program sees it. No function waits.
 
     Attributes:

@@ -12,7 +12,7 @@ from .machine import Machine
 from .odometer import Odometer
 from .program import Program
 from .robot import DRIVEN, POSE, TURNED
-from .variables import State, Variables
+from .variables import ProgramState, Variables
 from .version import RATE, to_rate
 
 
@@ -68,7 +68,7 @@ def simulate(
     function = function_of(program)
     asks_for = parameters_of(function, program_name(function), {})
     period = 1 / to_rate(rate)
-    own: dict[str, Any] = {"state": State(), "variables": Variables() if variables is None else variables}
+    own: dict[str, Any] = {"state": ProgramState(), "variables": Variables() if variables is None else variables}
     start, drive, odometer = robot.time, STANDSTILL, Odometer()
     while (now := robot.time - start) < seconds and not (until and until()):
         odometer.add(robot.odometry)

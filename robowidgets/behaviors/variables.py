@@ -12,7 +12,7 @@ from .._core.observed import Observed
 from ..samples.checks import finite, number
 
 
-class State(dict[str, Any]):
+class ProgramState(dict[str, Any]):
     """What a program keeps from step to step, and from version to version: a dictionary, also with attributes."""
 
     def __getattr__(self, name: str) -> Any:

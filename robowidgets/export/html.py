@@ -43,7 +43,7 @@ class Heading(NamedTuple):
     lines: Sequence[str]
 
 
-class Program(NamedTuple):
+class PageAssets(NamedTuple):
     """The scripts and stylesheets of a page."""
 
     styles: tuple[str, ...]
@@ -55,7 +55,7 @@ class Page(NamedTuple):
 
     Args:
         heading: its text.
-        program: its scripts and stylesheets, beyond those that load it.
+        assets: its scripts and stylesheets, beyond those that load it.
         state: the part with its models; see `segments.compressed`.
         numbers: of its segments.
         segment: packs a segment, by its number.
@@ -63,7 +63,7 @@ class Page(NamedTuple):
     """
 
     heading: Heading
-    program: Program
+    assets: PageAssets
     state: bytes
     numbers: range = range(0)
     segment: Callable[[int], bytes] = bytes
@@ -117,9 +117,9 @@ class Page(NamedTuple):
         Its policy allows the scripts and stylesheets that are in it, by their hashes, and no request at all. Everything
         that comes from a recording is text in it, or packed.
         """
-        heading, program = self.heading, self.program
+        heading, assets = self.heading, self.assets
         style, loader = static("export_loader.css"), static("export_loader.js")
-        scripts, styles = (loader, *program.scripts), (style, *program.styles)
+        scripts, styles = (loader, *assets.scripts), (style, *assets.styles)
         policy = "; ".join(
             (
                 "default-src 'none'",
@@ -131,7 +131,7 @@ class Page(NamedTuple):
                 "form-action 'none'",
             )
         )
-        texts = [("style", t.encode()) for t in program.styles] + [("script", t.encode()) for t in program.scripts]
+        texts = [("style", t.encode()) for t in assets.styles] + [("script", t.encode()) for t in assets.scripts]
         packed = compressed({"texts": [[tag, len(text)] for tag, text in texts]}, [text for _, text in texts])
         yield f"""<!doctype html>
 <html lang="en">

@@ -8,7 +8,7 @@ from re import search
 from typing import Any
 
 from .._core.front_end import bundle
-from .html import Program, inlined, static
+from .html import PageAssets, inlined, static
 from .segments import compressed
 
 _BUILT_IN = ("laser_widget", "path_widget", "player_widget", "scanogram_widget", "speed_widget", "touch_widget")
@@ -46,12 +46,12 @@ class Models:
         texts = {"models": self._models, "buffers": buffers, "shown": shown, "keys": self._keys}
         return compressed({**texts, **facts}, [value for _, _, value in self._buffers])
 
-    def program(self) -> Program:
+    def assets(self) -> PageAssets:
         """The scripts and stylesheets of these widgets."""
         styles = [static("export_page.css"), *(css for _, css in self._foreign.values() if css)]
         # Last the script that builds the page: the others leave there what it needs.
         scripts = [*(script for script, _ in self._foreign.values()), static("export_page.js")]
-        return Program(tuple(styles), tuple(scripts))
+        return PageAssets(tuple(styles), tuple(scripts))
 
     def _script_of(self, widget: Any) -> str:
         """The name of the widget's script, which is included if it is not in each page."""

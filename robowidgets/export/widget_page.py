@@ -60,7 +60,7 @@ def write(widget: Any, path: Path, title: str, note: str) -> Path:
     heading = Heading(title or widget.title or path.stem, facts, (), note, (repr(widget),))
     numbers = range(floor((end - start) / _SECONDS) + 1) if moves else range(0)
     pack = partial(_segment, frames, widget.arrays_of)
-    return Page(heading, models.program(), state, numbers, pack).write(path, None)
+    return Page(heading, models.assets(), state, numbers, pack).write(path, None)
 
 
 def _segment(frames: Sequence[TimedFrame], arrays_of: Any, number: int) -> bytes:

@@ -4,8 +4,11 @@ Each function here opens a `Feed`, which lists topics, shows them and drives the
 its middleware when it is opened.
 """
 
+from typing import TYPE_CHECKING, Any
+
+from .._core.renamed import renamed
 from ._driving import Driving
-from ._topics import Topic
+from ._topics import FeedTopic
 from .dds import dds
 from .feed import Feed
 from .foxglove import foxglove
@@ -21,9 +24,9 @@ __all__ = [
     "Driving",
     "Feed",
     "FeedError",
+    "FeedTopic",
     "Listener",
     "Middleware",
-    "Topic",
     "dds",
     "foxglove",
     "recording",
@@ -32,3 +35,8 @@ __all__ = [
     "rosbridge",
     "simulator",
 ]
+
+if not TYPE_CHECKING:
+
+    def __getattr__(name: str) -> Any:
+        return renamed(__name__, name, {"Topic": FeedTopic})

@@ -24,7 +24,7 @@ from .._core.text import many
 from .._core.user_function import line_of, name_of
 from .._core.user_threads import MayDrive
 from ..samples import HasAge
-from ._topics import Topic, queue_length, sample_of
+from ._topics import FeedTopic, queue_length, sample_of
 
 log = logging.getLogger("robowidgets")
 
@@ -37,7 +37,7 @@ CLOSING = 0.2
 OFF = "its cell ended with an error; run the cell again, to its end"
 
 
-class Function(MayDrive):
+class ConnectedFunction(MayDrive):
     """A function that is connected to a topic.
 
     Attributes:
@@ -76,7 +76,7 @@ class Function(MayDrive):
         """Whether it takes a message of a topic that is for these functions; None: for all."""
         return self.topic == topic and (calls is None or self.call in calls)
 
-    def replaces(self, other: Function) -> bool:
+    def replaces(self, other: ConnectedFunction) -> bool:
         """Whether it replaces another: one from an earlier run of its cell, or one that had its name before."""
         if self.cell and self.cell == other.cell and self.run != other.run:
             return True
@@ -105,8 +105,8 @@ class FunctionCaller:
             on_look=self._show_slow,
             scheduler=scheduler,
         )
-        self._functions: list[Function] = []
-        self._waiting: dict[str, deque[tuple[Any, Topic, Sequence[Any] | None, float]]] = {}
+        self._functions: list[ConnectedFunction] = []
+        self._waiting: dict[str, deque[tuple[Any, FeedTopic, Sequence[Any] | None, float]]] = {}
         """By topic, messages with the functions that they are for and the time at which they came."""
         self._slow_topic = ""
         """The topic whose widgets show that a function has not returned."""
@@ -115,7 +115,7 @@ class FunctionCaller:
         _all.add(self)
 
     @property
-    def functions(self) -> tuple[Function, ...]:
+    def functions(self) -> tuple[ConnectedFunction, ...]:
         """The functions that are connected now."""
         return tuple(self._functions)
 
@@ -127,10 +127,10 @@ class FunctionCaller:
         return Table(many(len(rows), "connected function"), heads, rows, right=(2,), problems=slow)
 
     def connect(self, topic: str, calls: Iterable[Callable[[Any], object]], raw: bool) -> None:
-        """Call functions with the messages of a topic; they replace those that `Function.replaces` names."""
+        """Call functions with the messages of a topic; they replace those that `ConnectedFunction.replaces` names."""
         on_cell_error(_switch_off)
         for call in calls:
-            new = Function(topic, call, raw)
+            new = ConnectedFunction(topic, call, raw)
             with self._lock:
                 same = [old for old in self._functions if (old.topic, old.call, old.raw) == (topic, call, raw)]
                 if same:  # by the newest run of its cell, so that what else this run connects does not replace it
@@ -151,7 +151,7 @@ class FunctionCaller:
             here = [function for function in self._functions if function.topic == topic]
             self._drop([f for f in here if gone is None or f.call in gone or _full_name(f.call) in names])
 
-    def switch_off(self, cell: CellRun) -> list[Function]:
+    def switch_off(self, cell: CellRun) -> list[ConnectedFunction]:
         """Have the functions that a cell connected drive no more, and stop their robots; returns those that are off.
 
         Those that never drove are called as before.
@@ -168,7 +168,7 @@ class FunctionCaller:
             self._on_change(topic)
         return off
 
-    def put(self, topic: Topic, message: Any, calls: Sequence[Any] | None = None) -> None:
+    def put(self, topic: FeedTopic, message: Any, calls: Sequence[Any] | None = None) -> None:
         """Queue a message for these functions, None: all; it replaces a queued one, unless every message counts."""
         with self._lock:
             if self._closed or not any(function.takes(topic.name, calls) for function in self._functions):
@@ -192,13 +192,13 @@ class FunctionCaller:
     def _show_slow(self) -> None:
         """Show the seconds for which a function has not returned, or that it has."""
         function, before = self._runner.current, self._slow_topic
-        entered = function.entered if isinstance(function, Function) else None
+        entered = function.entered if isinstance(function, ConnectedFunction) else None
         is_slow = entered is not None and self._now() - entered >= SLOW
-        self._slow_topic = function.topic if isinstance(function, Function) and is_slow else ""
+        self._slow_topic = function.topic if isinstance(function, ConnectedFunction) and is_slow else ""
         for topic in {before, self._slow_topic} - {""}:
             self._on_change(topic)
 
-    def _status(self, function: Function) -> str:
+    def _status(self, function: ConnectedFunction) -> str:
         entered = function.entered
         passed = self._now() - entered if entered is not None else 0.0
         if passed < SLOW:
@@ -206,7 +206,7 @@ class FunctionCaller:
         where = self._runner.where(function.call)
         return f"your function `{function.name}`{where}, has not returned for {passed:.0f} s"
 
-    def _drop(self, gone: list[Function]) -> None:
+    def _drop(self, gone: list[ConnectedFunction]) -> None:
         self._functions = [function for function in self._functions if function not in gone]
         topics = {function.topic for function in self._functions}
         for topic in self._waiting.keys() - topics:
@@ -235,7 +235,7 @@ class FunctionCaller:
             self._on_change(name)
         return 0.0  # other messages may wait
 
-    def _call(self, call: Call, function: Function, message: Any, topic: Topic, came_at: float) -> None:
+    def _call(self, call: Call, function: ConnectedFunction, message: Any, topic: FeedTopic, came_at: float) -> None:
         try:
             sample = message if function.raw else sample_of(message, topic)
             if not function.raw and isinstance(sample, HasAge):

@@ -24,7 +24,7 @@ from ._open_feeds import open_feeds
 from ._program_inputs import robot_of
 from ._subscription import Target, sorted_targets
 from ._subscription_table import SubscriptionTable
-from ._topics import Topic, check_name, topics_of, unlisted
+from ._topics import FeedTopic, check_name, topics_of, unlisted
 from .middleware import Advert, FeedError, Middleware
 
 log = logging.getLogger("robowidgets")
@@ -91,7 +91,7 @@ class Connection(Observed):
         return self.middleware.where
 
     @property
-    def topics(self) -> tuple[Topic, ...]:
+    def topics(self) -> tuple[FeedTopic, ...]:
         """See `Feed.topics`."""
         return tuple((self._table.topics or {}).values())
 
@@ -289,7 +289,7 @@ class Connection(Observed):
         subscription = self._table.by_topic.get(topic)
         return self.status or ("" if subscription is None else subscription.why_missing(self._table.topics))
 
-    def topic_of(self, name: str) -> Topic:
+    def topic_of(self, name: str) -> FeedTopic:
         """A topic as it is known now."""
         return (self._table.topics or {}).get(name) or unlisted(name)
 

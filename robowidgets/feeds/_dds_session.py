@@ -74,7 +74,7 @@ class _Reader(NamedTuple):
     decode: Decode
 
 
-class Session:
+class DdsSession:
     """Our participant in a domain. Only the thread that made it may use it, except for `wake` and `publish`.
 
     Args:

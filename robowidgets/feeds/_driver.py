@@ -13,7 +13,7 @@ from ..driving.command_watchdog import PROGRAM, ZERO, CommandWatchdog, RefusedEr
 from ..samples.staleness import PAGE_SILENCE
 from ._driving import USUAL, DriveStatus, Driving, heard_speeds, unheard
 from ._twist import TwistPublisher
-from .middleware import Advert, FeedError, Middleware, NotYetError
+from .middleware import Advert, FeedError, Middleware, NotConnectedYetError
 
 if TYPE_CHECKING:
     from ._connection import Connection
@@ -136,7 +136,7 @@ class Driver:
         try:
             self.watchdog.close()
         except (FeedError, OSError):
-            if not isinstance(self.watchdog.error, NotYetError):
+            if not isinstance(self.watchdog.error, NotConnectedYetError):
                 raise
             while self.watchdog.busy_for or not self._try_zero():
                 if time.monotonic() > until:
@@ -172,7 +172,7 @@ class Driver:
         try:
             self.watchdog.sent_in_time(request)
         except (FeedError, OSError) as error:
-            is_connecting = isinstance(error, NotYetError) and time.monotonic() < (self._connected_by or 0.0)
+            is_connecting = isinstance(error, NotConnectedYetError) and time.monotonic() < (self._connected_by or 0.0)
             if is_connecting and self.watchdog.stops == stops:
                 return False
             raise FeedError(f"cannot drive: {self._connection.status or error}") from None
@@ -182,7 +182,7 @@ class Driver:
         """Send zero without the watchdog, which is closed; returns False if a subscriber is still connecting."""
         try:
             self._send(*ZERO)
-        except NotYetError:
+        except NotConnectedYetError:
             return False
         return True
 

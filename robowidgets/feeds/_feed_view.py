@@ -20,7 +20,7 @@ from ..program_widget import ProgramWidget
 from ..speed_widget import SpeedWidget
 from ..stop_widget import StopWidget
 from ._subscription import Target
-from ._topics import Topic, decided, is_open
+from ._topics import FeedTopic, decided, is_open
 from .middleware import FeedError
 
 if TYPE_CHECKING:
@@ -49,7 +49,7 @@ class FeedView(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no type
         self._feed: Feed | None = feed
         self._connection = feed.connection
         self._names = topics
-        self._known: dict[str, Topic] = {}
+        self._known: dict[str, FeedTopic] = {}
         self._shown: dict[WidgetChoice, Any] = {}
         self._probes: dict[str, Target] = {}
         self._closed = False
@@ -117,7 +117,7 @@ class FeedView(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no type
                 raise
         self._show_status()
 
-    def _probe(self, topics: Sequence[Topic]) -> None:
+    def _probe(self, topics: Sequence[FeedTopic]) -> None:
         """Subscribe to the topics whose widget only a message can decide."""
         for topic in topics:
             if topic.name not in self._probes and is_open(topic):
@@ -126,7 +126,7 @@ class FeedView(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no type
             for name, probe in self._probes.items():
                 self._connection.detach(name, probe)
 
-    def _decide(self, topic: Topic, message: Any) -> None:
+    def _decide(self, topic: FeedTopic, message: Any) -> None:
         self._connection.detach(topic.name, self._probes[topic.name])
         found = decided(topic, message)
         if found.widget:
@@ -239,5 +239,5 @@ def _close_boxes(box: ipywidgets.Widget) -> None:
         box.close()
 
 
-def _not_shown(topic: Topic) -> str:
+def _not_shown(topic: FeedTopic) -> str:
     return f"no widget shows {topic.name}, a {topic.type}" if topic.type else f"{topic.name} is of an unknown type"

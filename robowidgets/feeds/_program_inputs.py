@@ -11,7 +11,7 @@ from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 from ..behaviors.odometer import Odometer
-from ..behaviors.robot import ODOMETRY, POSE, NotReadyError, Robot
+from ..behaviors.robot import ODOMETRY, POSE, DrivenRobot, NotReadyError
 from ..kinds import KINDS, PATH, SPEED, Kind
 from ..samples import Speed, Touch
 from ..samples.touch_tracker import TouchTracker
@@ -31,7 +31,7 @@ LONGEST = 2.0
 """Seconds after which every sample is too old, however slow its topic."""
 
 
-def robot_of(connection: Connection, is_deleted: Callable[[], bool]) -> Robot:
+def robot_of(connection: Connection, is_deleted: Callable[[], bool]) -> DrivenRobot:
     """The robot of a feed, as its program sees it.
 
     Args:
@@ -39,7 +39,7 @@ def robot_of(connection: Connection, is_deleted: Callable[[], bool]) -> Robot:
         is_deleted: whether the feed is deleted, because neither the user nor a widget refers to it.
     """
     watchdog = connection.watchdog
-    return Robot(
+    return DrivenRobot(
         where=connection.where,
         is_gone=is_deleted,
         is_stopped=lambda: watchdog.stopped,

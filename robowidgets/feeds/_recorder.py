@@ -19,7 +19,7 @@ from ..kinds import is_undecided
 from ..recordings.live_writer import LiveWriter
 from ..recordings.program_log import PROGRAM, TEXT, program_text, state_topic
 from ._subscription import Target
-from ._topics import YOURS, Topic, no_such
+from ._topics import YOURS, FeedTopic, no_such
 from .middleware import FeedError
 
 if TYPE_CHECKING:
@@ -127,7 +127,7 @@ class Recorder:
                 except FeedError:  # closed meanwhile, of which it tells in a moment
                     return
 
-    def _is_wanted(self, topic: Topic) -> bool:
+    def _is_wanted(self, topic: FeedTopic) -> bool:
         return topic.name in self._names if self._names else bool(topic.widget) or is_undecided(topic.type)
 
     def _take(self, name: str, type_name: str, message: Any) -> None:

@@ -16,7 +16,7 @@ class MasterError(Exception):
     """A master, or a node that it names, gave no valid answer; the text says why, for a person."""
 
 
-class State(NamedTuple):
+class SystemState(NamedTuple):
     """The names of the publishing and the subscribing nodes and the type of each topic, by topic."""
 
     publishers: dict[str, list[str]]
@@ -30,13 +30,13 @@ class Master:
     def __init__(self, uri: str) -> None:
         self.uri = uri
 
-    def state(self) -> State:
+    def state(self) -> SystemState:
         """All publishers, subscribers and types."""
         # Types are requested last: a topic that appears in between has a type, but is not listed yet. Without its type
         # a robot would get a publisher of another one. A subscriber that takes any type gives `*`.
         publishers, subscribers, _ = _call(self.uri, "getSystemState")
         types = {name: kind for name, kind in _call(self.uri, "getTopicTypes") if "/" in kind}
-        return State(dict(publishers), dict(subscribers), types)
+        return SystemState(dict(publishers), dict(subscribers), types)
 
     def register_subscriber(self, node: str, topic: str, kind: str, node_uri: str) -> None:
         """Register a subscriber with the master again, and send the node the list of publishers."""

@@ -9,9 +9,9 @@ from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from typing import Any
 
-from ._ros1_master import Master, State
+from ._ros1_master import Master, SystemState
 from ._twist import fill, is_zero
-from .middleware import SEND_TIMEOUT, FeedError, NotYetError
+from .middleware import SEND_TIMEOUT, FeedError, NotConnectedYetError
 
 SHUT_DOWN = "rospy was shut down in this process and cannot start again: restart the kernel"
 
@@ -56,7 +56,7 @@ class Publications:
         self._due: dict[str, tuple[float, float]] = {}
         """For each topic, the time of the next request to subscribers without a connection, and the pause before it."""
         self._unheard: dict[str, str] = {}
-        self.state = State({}, {}, {})
+        self.state = SystemState({}, {}, {})
         self.master_lost = ""
 
     def __contains__(self, topic: str) -> bool:
@@ -80,7 +80,9 @@ class Publications:
                 raise FeedError(f"cannot publish {kind} on {topic}: {why}")
             if time.monotonic() > self._asked[topic][1] + SEND_TIMEOUT:
                 node = self._listening(topic)[0]
-                raise NotYetError(f"cannot publish {kind} on {topic}: {node} listens to it, but has not connected")
+                raise NotConnectedYetError(
+                    f"cannot publish {kind} on {topic}: {node} listens to it, but has not connected"
+                )
             time.sleep(0.002)
         with _sending:
             if self._rospy.core.is_shutdown_requested():

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 
 from ._ros2_common import adverts_of, not_coming, not_received, queue_depth, speed_types
 from ._twist import fill
-from .middleware import MOST_UNREAD, SEND_TIMEOUT, Advert, Listener, NotYetError
+from .middleware import MOST_UNREAD, SEND_TIMEOUT, Advert, Listener, NotConnectedYetError
 
 
 class _Wish(NamedTuple):
@@ -37,7 +37,7 @@ _UNKNOWN = ("_NODE_NAME_UNKNOWN_", "_CREATED_BY_BARE_DDS_APP_")
 """Names of an unknown node, and of a program that has none."""
 
 
-class Session:
+class Ros2Session:
     """A node with its executor in a context of its own, which no program spins, destroys or shuts down.
 
     Only rclpy's signal handler does: it shuts down every context of the process, and `ok` is False then. Any thread may
@@ -160,7 +160,7 @@ class Session:
         """Publish a message. The first one on a topic waits, up to a time, for matched subscribers.
 
         Raises:
-            NotYetError: a subscriber of an earlier session has not been discovered again.
+            NotConnectedYetError: a subscriber of an earlier session has not been discovered again.
             Exception: rclpy does not publish, for example because the session was shut down.
         """
         key = (topic, message_type)
@@ -174,7 +174,9 @@ class Session:
             self._matched |= found
             if key in late:
                 self._missed.add(key)
-                raise NotYetError(f"the subscriber of {topic} is not discovered again since rclpy was shut down")
+                raise NotConnectedYetError(
+                    f"the subscriber of {topic} is not discovered again since rclpy was shut down"
+                )
             self._missed -= found & {key}
             if found:
                 time.sleep(_MATCH_LAG)

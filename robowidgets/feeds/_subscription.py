@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 from .._core.log_once import LogOnce, log_in_thread
 from .._core.robot_widget import RobotWidget
 from ..drive_widget import DriveWidget
-from ._topics import Topic, no_such
+from ._topics import FeedTopic, no_such
 from ._two_scanners import TwoScanners
 
 _PACKAGE = __name__.partition(".")[0]
@@ -112,7 +112,7 @@ class Subscription:
             if target.on_missed is not None:
                 target.on_missed(count)
 
-    def update(self, topic: Topic | None) -> None:
+    def update(self, topic: FeedTopic | None) -> None:
         """Update the type of the topic; None: the topic is missing."""
         if topic is None or not topic.offered:
             self.receives = False
@@ -121,7 +121,7 @@ class Subscription:
             self._retyped = f"{self.topic} was {self.type} and is now {kind}"
         self.type = kind or self.type
 
-    def status(self, topics: dict[str, Topic] | None, *, is_primary: bool = True) -> str:
+    def status(self, topics: dict[str, FeedTopic] | None, *, is_primary: bool = True) -> str:
         """The problems of the topic; empty if there are none.
 
         A topic that is not primary may stay silent: commanded speeds come only while somebody drives.
@@ -141,7 +141,7 @@ class Subscription:
             return f"nobody publishes {self.topic} {'any more' if self.has_received else 'yet'}"
         return f"waiting for {self.topic}"
 
-    def why_missing(self, topics: dict[str, Topic] | None) -> str:
+    def why_missing(self, topics: dict[str, FeedTopic] | None) -> str:
         """Text for a topic that does not exist and never did; empty if it does, or may."""
         is_missing = topics is not None and self.topic not in topics and not self.has_received
         return no_such(self.topic, topics) if topics is not None and is_missing else ""

@@ -9,7 +9,7 @@ from uuid import uuid4
 from .._core.robot_widget import RobotWidget
 from ._callbacks import FunctionCaller
 from ._subscription import Subscription, Target
-from ._topics import Topic
+from ._topics import FeedTopic
 
 _Connected = tuple[Subscription, Target]
 
@@ -31,7 +31,7 @@ class SubscriptionTable:
         self._functions = functions
         self.robot = uuid4().hex
         self.by_topic: dict[str, Subscription] = {}
-        self.topics: dict[str, Topic] | None = None
+        self.topics: dict[str, FeedTopic] | None = None
         self.down = down
         self._widgets: dict[RobotWidget[Any], list[_Connected]] = {}
 
@@ -75,7 +75,7 @@ class SubscriptionTable:
         used = {function.topic for function in self._functions.functions}
         self.by_topic = {topic: one for topic, one in self.by_topic.items() if one.targets or topic in used}
 
-    def learn(self, topics: dict[str, Topic]) -> None:
+    def learn(self, topics: dict[str, FeedTopic]) -> None:
         """Replace the known topics."""
         self.topics = topics
         for subscription in self.by_topic.values():

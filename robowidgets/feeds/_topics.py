@@ -18,7 +18,7 @@ YOURS = " (your program)"
 """Suffix of the topic on which a program drives a recording."""
 
 
-class Topic(NamedTuple):
+class FeedTopic(NamedTuple):
     """A topic of a running robot.
 
     ``type`` is written as ``sensor_msgs/msg/LaserScan``; several types are joined by a comma, and an unknown type is
@@ -35,19 +35,19 @@ class Topic(NamedTuple):
     wanted: bool | None
 
 
-def unlisted(name: str) -> Topic:
+def unlisted(name: str) -> FeedTopic:
     """A topic of which nothing is known but its name."""
-    return Topic(name, "", None, False, True, None)
+    return FeedTopic(name, "", None, False, True, None)
 
 
-def is_open(topic: Topic) -> bool:
+def is_open(topic: FeedTopic) -> bool:
     """Whether only a message can decide the widget of a topic, because its type has several kinds, or is unknown."""
     if topic.widget or not topic.offered or not topic.type:
         return False
     return is_undecided(topic.type) or not is_standard(topic.type)
 
 
-def decided(topic: Topic, message: Any) -> Topic:
+def decided(topic: FeedTopic, message: Any) -> FeedTopic:
     """The topic with the widget that shows its messages, if one does."""
     kind = kind_of_message(message, topic.type)
     if kind is None:
@@ -55,7 +55,7 @@ def decided(topic: Topic, message: Any) -> Topic:
     return topic._replace(widget=kind.name, commanded=kind.is_command(topic.name))
 
 
-def sample_of(message: Any, topic: Topic) -> Any:
+def sample_of(message: Any, topic: FeedTopic) -> Any:
     """The sample in a message of a topic; the message itself if no widget shows it.
 
     Raises:
@@ -70,7 +70,7 @@ def queue_length(type_name: str) -> int:
     return EVENTS if counts_every_message(type_name) else 1
 
 
-def topics_of(adverts: Iterable[Advert]) -> dict[str, Topic]:
+def topics_of(adverts: Iterable[Advert]) -> dict[str, FeedTopic]:
     """The topics that a middleware lists, by name, in its order."""
     by_name: dict[str, list[Advert]] = {}
     for advert in adverts:
@@ -78,11 +78,11 @@ def topics_of(adverts: Iterable[Advert]) -> dict[str, Topic]:
     return {name: _topic(name, same) for name, same in by_name.items()}
 
 
-def _topic(name: str, adverts: Sequence[Advert]) -> Topic:
+def _topic(name: str, adverts: Sequence[Advert]) -> FeedTopic:
     types = list(dict.fromkeys(a.type for a in adverts if a.type and a.offered)) or [a.type for a in adverts][:1]
     kind = None if any(map(is_undecided, types)) else next(filter(None, map(kind_of_type, types)), None)
     wanted = [a.wanted for a in adverts if a.wanted is not None]
-    return Topic(
+    return FeedTopic(
         name,
         ", ".join(types),
         kind.name if kind else None,
@@ -92,13 +92,13 @@ def _topic(name: str, adverts: Sequence[Advert]) -> Topic:
     )
 
 
-def table_of(where: str, topics: Sequence[Topic], status: str) -> Table:
+def table_of(where: str, topics: Sequence[FeedTopic], status: str) -> Table:
     """The topics of a feed, a row for each, with the status of the connection if it has one."""
     heading = f"{where}: {many(len(topics), 'topic')}"
     return Table(heading, _HEADS, [_cells(topic) for topic in topics], problems=[status] if status else ())
 
 
-def _cells(topic: Topic) -> tuple[str, ...]:
+def _cells(topic: FeedTopic) -> tuple[str, ...]:
     yes_no = {True: "yes", False: "no", None: "?"}
     shown = widgets_of(topic.widget, topic.type, topic.commanded)
     return topic.name, topic.type or "?", yes_no[topic.offered], yes_no[topic.wanted], shown

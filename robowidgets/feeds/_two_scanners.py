@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 from ..messages.fields import frame_id, reader, unwrap
 
 
-class Shape(NamedTuple):
+class ScanGeometry(NamedTuple):
     """The geometry of a scan: rays, first angle and increment in radians, frame."""
 
     rays: int
@@ -40,8 +40,8 @@ class TwoScanners:
 
     def __init__(self, clock: Callable[[], float] = time.monotonic) -> None:
         self._clock = clock
-        self._now: Shape | None = None
-        self._before: Shape | None = None
+        self._now: ScanGeometry | None = None
+        self._before: ScanGeometry | None = None
         self._changed_at = 0.0
         self.status = ""
 
@@ -64,17 +64,17 @@ class TwoScanners:
         self._before, self._now, self._changed_at = self._now, shape, self._clock()
 
 
-def _shape(message: Any) -> Shape | None:
+def _shape(message: Any) -> ScanGeometry | None:
     message = unwrap(message)
     read = reader(message)
     try:
         angles = float(read("angle_min", None)), float(read("angle_increment", None))
-        return Shape(len(read("ranges", None)), *angles, frame_id(message))
+        return ScanGeometry(len(read("ranges", None)), *angles, frame_id(message))
     except (OverflowError, TypeError, ValueError):
         return None
 
 
-def _is_same(shape: Shape, other: Shape | None) -> bool:
+def _is_same(shape: ScanGeometry, other: ScanGeometry | None) -> bool:
     """Whether two shapes may come from one scanner."""
     if other is None or shape.frame_id != other.frame_id:
         return False
@@ -85,6 +85,6 @@ def _is_same(shape: Shape, other: Shape | None) -> bool:
     )
 
 
-def _described(shape: Shape, by_frame: bool) -> str:
+def _described(shape: ScanGeometry, by_frame: bool) -> str:
     frame = f"{shape.frame_id or 'no frame'}: " if by_frame else ""
     return f"{frame}{shape.rays} rays from {degrees(shape.first):.1f}° in steps of {degrees(shape.step):.2f}°"

@@ -16,7 +16,7 @@ from .feed import Feed
 from .middleware import FeedError, Listener
 
 if TYPE_CHECKING:
-    from ._dds_session import Session
+    from ._dds_session import DdsSession
 
 
 class Dds(ThreadedMiddleware):
@@ -33,7 +33,7 @@ class Dds(ThreadedMiddleware):
             raise TypeError(f"interface: expected the name of a network interface, such as 'eth0', got {interface!r}")
         super().__init__()
         self._domain, self._interface = checked_domain("domain", domain), interface
-        self._session: Session | None = None
+        self._session: DdsSession | None = None
 
     @property
     def where(self) -> str:
@@ -72,10 +72,10 @@ class Dds(ThreadedMiddleware):
         return ""
 
     def _in_domain(self, listener: Listener) -> None:
-        from ._dds_session import Session
+        from ._dds_session import DdsSession
         from ._dds_types import struct
 
-        session = Session(self._domain, listener, self._interface, self._no_robot())
+        session = DdsSession(self._domain, listener, self._interface, self._no_robot())
         # Encoding the first message of a process takes 0.15 s, and no speed or zero should wait for it.
         encode("cdr", TWIST_STAMPED, {})
         struct(TWIST_STAMPED)
@@ -100,7 +100,7 @@ class Dds(ThreadedMiddleware):
         asked = f"Is it in another network, as in dds({self._domain}, interface={likely!r})?"
         return no_robot(self._domain, f"{asked} There are {', '.join(others)}.")
 
-    def _step(self, session: Session) -> None:
+    def _step(self, session: DdsSession) -> None:
         session.look()
         session.follow(self._wanted, self._each)
         for wish in session.wishes:

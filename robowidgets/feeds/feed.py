@@ -13,11 +13,11 @@ from ..behaviors.variables import Variables
 from ..driving.command_watchdog import Velocity
 from ..samples import Scan
 from ..samples.checks import finite
-from ._callbacks import Function
+from ._callbacks import ConnectedFunction
 from ._connection import Connection
 from ._driving import Driving
 from ._scan_iterator import scans_of
-from ._topics import Topic, table_of
+from ._topics import FeedTopic, table_of
 from .middleware import FeedError, Middleware
 
 if TYPE_CHECKING:
@@ -61,7 +61,7 @@ class Feed:
         return self.connection.where
 
     @property
-    def topics(self) -> tuple[Topic, ...]:
+    def topics(self) -> tuple[FeedTopic, ...]:
         """The topics that are known now."""
         return self.connection.topics
 
@@ -101,7 +101,7 @@ class Feed:
         self.watchdog.stopped = bool(stopped)
 
     @property
-    def functions(self) -> tuple[Function, ...]:
+    def functions(self) -> tuple[ConnectedFunction, ...]:
         """The functions that are connected."""
         return self.connection.functions.functions
 

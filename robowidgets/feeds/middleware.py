@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any, NamedTuple, Protocol
+from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
+
+from .._core.renamed import renamed
 
 EVENTS = 100
 """Longest queue of messages, for kinds of which every message counts."""
@@ -22,7 +24,7 @@ class FeedError(Exception):
     """A feed cannot be opened or used. The text is one line for a person: the failure, the reason, the next step."""
 
 
-class NotYetError(FeedError):
+class NotConnectedYetError(FeedError):
     """A message that was not sent because the robot has not connected yet. The next attempt may succeed."""
 
 
@@ -106,7 +108,7 @@ class Middleware(Protocol):
         it may be a speed.
 
         Raises:
-            NotYetError: no subscriber has connected yet.
+            NotConnectedYetError: no subscriber has connected yet.
             FeedError: there is no connection, the network does not take the message within `SEND_TIMEOUT`, or messages
                 cannot be published at all. The message is not sent.
             TimeoutError, ConnectionError: it may have reached the robot, or may still.
@@ -117,3 +119,9 @@ class Middleware(Protocol):
 
         Doing it again does nothing. Any thread may call it, also one of the middleware.
         """
+
+
+if not TYPE_CHECKING:
+
+    def __getattr__(name: str) -> Any:
+        return renamed(__name__, name, {"NotYetError": NotConnectedYetError})

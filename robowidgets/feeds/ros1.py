@@ -11,7 +11,7 @@ from urllib.parse import urlsplit
 
 from ..messages.channel import Channel
 from ..messages.decoding import Decode, DecodeError, decoder_of, one_line
-from ._ros1_master import Master, MasterError, State
+from ._ros1_master import Master, MasterError, SystemState
 from ._ros1_publications import SHUT_DOWN, Publications
 from ._threaded import ThreadedMiddleware
 from .feed import Feed
@@ -177,7 +177,7 @@ class Ros1(ThreadedMiddleware):
             if not self._rospy.core.is_initialized():
                 self._rospy.init_node(self._name, argv=[], anonymous=True, disable_signals=True)
 
-    def _step(self, state: State, listener: Listener) -> None:
+    def _step(self, state: SystemState, listener: Listener) -> None:
         self._publications.state = state
         listener.on_topics(self._adverts_of(state))
         for topic, subscription in list(self._subscriptions.items()):
@@ -202,7 +202,7 @@ class Ros1(ThreadedMiddleware):
         )
         self._subscriptions[topic] = _Subscription(subscriber, kind, time.monotonic())
 
-    def _look_after(self, topic: str, state: State) -> None:
+    def _look_after(self, topic: str, state: SystemState) -> None:
         """Restore subscriptions that a restarted master or rospy dropped; report missing connections to publishers."""
         subscription, me = self._subscriptions[topic], self._rospy.get_name()
         impl = subscription.subscriber.impl
@@ -222,7 +222,7 @@ class Ros1(ThreadedMiddleware):
             self._failed.discard(topic)
             self._master.register_subscriber(me, topic, subscription.kind, self._rospy.get_node_uri())
 
-    def _adverts_of(self, state: State) -> list[Advert]:
+    def _adverts_of(self, state: SystemState) -> list[Advert]:
         me = self._rospy.get_name()
         adverts = []
         for topic in sorted({*state.publishers, *state.subscribers}):

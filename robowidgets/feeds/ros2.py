@@ -9,7 +9,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from ._ros2_common import ALONE, checked_domain, is_alone, no_robot
-from ._ros2_session import Session, one_line
+from ._ros2_session import Ros2Session, one_line
 from ._threaded import ThreadedMiddleware
 from .feed import Feed
 from .middleware import SEND_TIMEOUT, Advert, FeedError, Listener
@@ -45,7 +45,7 @@ class Ros2(ThreadedMiddleware):
             raise TypeError("domain_id: a node has its domain already; give a node or a domain_id, not both")
         super().__init__()
         self._domain_id = domain_id if node is None else _domain_of(node)
-        self._session: Session | None = None
+        self._session: Ros2Session | None = None
         self._down = ""
         """The reason why there is no session until the next attempt."""
         self._matched: set[tuple[str, str]] = set()
@@ -83,7 +83,7 @@ class Ros2(ThreadedMiddleware):
                 if session.ok():
                     raise FeedError(f"cannot publish on {topic!r}: {one_line(error)}") from None
 
-    def _await_session(self, until: float) -> Session:
+    def _await_session(self, until: float) -> Ros2Session:
         """The session, or the next one when rclpy's signal handler has shut it down."""
         with self._lock:
             while True:
@@ -115,7 +115,7 @@ class Ros2(ThreadedMiddleware):
 
     def _use_session(self, listener: Listener, one_was_shut_down: bool) -> None:
         """Run one session until it is closed, or until an interrupt shuts it down; the next one then begins at once."""
-        session = Session(self._domain_id, listener, self._is_wanted, self._matched)
+        session = Ros2Session(self._domain_id, listener, self._is_wanted, self._matched)
         try:
             self._spin(session, listener, one_was_shut_down)
         except Exception:
@@ -125,7 +125,7 @@ class Ros2(ThreadedMiddleware):
             self._set_session(None)
             session.close()
 
-    def _spin(self, session: Session, listener: Listener, one_was_shut_down: bool) -> None:
+    def _spin(self, session: Ros2Session, listener: Listener, one_was_shut_down: bool) -> None:
         adverts = session.look()
         self._set_session(session)  # before any report: a zero may wait for it
         if one_was_shut_down:
@@ -143,7 +143,7 @@ class Ros2(ThreadedMiddleware):
                 session.follow(*wanted)
             session.spin_once(max(0.0, due - time.monotonic()))
 
-    def _report(self, session: Session, adverts: Sequence[Advert], listener: Listener) -> None:
+    def _report(self, session: Ros2Session, adverts: Sequence[Advert], listener: Listener) -> None:
         """Report the topics; none at all only when there was time to discover some."""
         if not is_alone(adverts):
             if self._is_alone:
@@ -155,7 +155,7 @@ class Ros2(ThreadedMiddleware):
             listener.on_nobody(no_robot(session.domain_id, _RMW, _RANGE))
         listener.on_topics(adverts)
 
-    def _set_session(self, session: Session | None, down: str = "") -> None:
+    def _set_session(self, session: Ros2Session | None, down: str = "") -> None:
         with self._lock:
             self._session, self._down = session, down
             self._changed.notify_all()

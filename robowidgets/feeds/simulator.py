@@ -18,7 +18,7 @@ from ..simulator.robot_process import RobotProcess
 from ..simulator.view import View
 from ._threaded import ThreadedMiddleware
 from .feed import Feed
-from .middleware import Advert, FeedError, Listener, NotYetError
+from .middleware import Advert, FeedError, Listener, NotConnectedYetError
 
 _TOPICS = (
     Advert("/scan", "sensor_msgs/msg/LaserScan", wanted=False),
@@ -67,7 +67,7 @@ class Simulated(ThreadedMiddleware):
         try:
             self._live.drive(speed.linear[0], speed.angular[2], speed.linear[1])
         except ConnectionRefusedError as error:
-            raise NotYetError(str(error)) from None
+            raise NotConnectedYetError(str(error)) from None
         except OSError as error:
             raise FeedError(str(error)) from None
         self._listener.on_message(topic, speed)

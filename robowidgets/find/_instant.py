@@ -20,7 +20,7 @@ TIME = ""
 Make = Callable[[], Any]
 
 
-class NotYetError(LookupError):
+class NoSampleYetError(LookupError):
     """There is no sample of a topic yet: the condition is unknown."""
 
 
@@ -82,7 +82,7 @@ class Instant:
             raise KeyError(f"no topic {topic!r} is looked at here: those that are: {', '.join(self._names)}")
         self._used.add(topic)
         if topic not in self._samples:
-            raise NotYetError(topic)
+            raise NoSampleYetError(topic)
         sample = self._samples[topic]
         if callable(sample):
             sample = self._samples[topic] = sample()

@@ -16,7 +16,7 @@ from ..recordings.topics import Topic, UnnamedTopicError, shown
 from ..repair import RecordingError
 from ..samples import HasAge
 from ..samples.verdict import Trace, Verdict
-from ._instant import TIME, Instant, NotYetError, OneSample, TracedMoment, samples_of, together
+from ._instant import TIME, Instant, NoSampleYetError, OneSample, TracedMoment, samples_of, together
 from ._silence import mark_stale
 from ._steps import NO, UNKNOWN, YES, Steps, combined, inverted, steps
 
@@ -49,7 +49,7 @@ class Condition(ABC):
         Args:
             moment: a `Scan`, `Speed` or `Touch`, or an object that has the last samples as attributes ``scan``,
                 ``speed`` and ``touch``, and by topic as ``moment[topic]``. A sample that is None, or whose reading
-                raises `NotYetError`, is not there yet: the condition is unknown.
+                raises `NoSampleYetError`, is not there yet: the condition is unknown.
 
         Raises:
             TypeError: the sample is of another kind, or the condition needs more than one moment.
@@ -88,7 +88,7 @@ class Condition(ABC):
         )
 
 
-class Function(Condition):
+class FunctionCondition(Condition):
     """A condition that is true while a function returns a true value, until a sample that it read is stale.
 
     Args:
@@ -113,18 +113,18 @@ class Function(Condition):
         trace = Trace()
         try:
             result = self._result(OneSample(moment) if isinstance(moment, HasAge) else moment, trace)
-        except NotYetError:
+        except NoSampleYetError:
             return Verdict(None)
         return trace.verdict(result)
 
     def _result(self, moment: Any, trace: Trace) -> Any:
-        """What the function returns; NotYetError where a sample is not there yet."""
+        """What the function returns; NoSampleYetError where a sample is not there yet."""
         if not self._names:
             return self._function(TracedMoment(moment, trace))
         samples = [getattr(moment, name) for name in self._names]
         for name, sample in zip(self._names, samples, strict=True):
             if sample is None:
-                raise NotYetError(name)
+                raise NoSampleYetError(name)
         return self._function(*map(trace.of, samples))
 
     def topics(self, recording: RecordingData, asked: Any) -> list[str]:
@@ -185,7 +185,7 @@ class Function(Condition):
                     np.array([instant._now]), np.array([ray.range]), np.array([ray.index]), np.array([ray.angle])
                 )
             return _code(value)
-        except NotYetError:
+        except NoSampleYetError:
             return UNKNOWN
         except UnnamedTopicError:
             raise
@@ -205,13 +205,13 @@ def condition(given: Any) -> Condition:
         return given
     if isinstance(given, Watch):
         own = given.condition
-        return own if isinstance(own, Condition) else Function(own, [given.sample_name], given.name)
+        return own if isinstance(own, Condition) else FunctionCondition(own, [given.sample_name], given.name)
     if callable(given) and getattr(given, "__module__", "") == _READY_MADE:
         raise TypeError(
             f"condition: {given.__name__} makes a condition: call it, as in conditions.{given.__name__}(...)"
         )
     if callable(given):
-        return Function(given)
+        return FunctionCondition(given)
     raise TypeError(f"condition: expected a function of one moment, or one of robowidgets.conditions, got {given!r}")
 
 

@@ -28,9 +28,9 @@ from ..samples.distances import distances, inside, ray_distances
 from ..samples.sector import ALL_ROUND, Asked, to_sector
 from ..samples.traced_numbers import fact
 from ..samples.verdict import Verdict
-from ._instant import NotYetError
+from ._instant import NoSampleYetError
 from ._steps import NO, UNKNOWN, YES, Steps, combined, steps
-from .base import VALUES, Condition, Function
+from .base import VALUES, Condition, FunctionCondition
 
 if TYPE_CHECKING:
     from ..recordings import RecordingData
@@ -99,7 +99,7 @@ def gap(seconds: float, topic: str | None = None) -> Condition:
 
 def when(function: Callable[[Any], Any]) -> Condition:
     """A function of one moment is true; see `Recording.find`."""
-    return Function(function)
+    return FunctionCondition(function)
 
 
 def last(moment: Any, kind: Kind, topic: str | None) -> Any:
@@ -110,7 +110,7 @@ def last(moment: Any, kind: Kind, topic: str | None) -> Any:
         return moment
     try:
         return moment[topic] if topic is not None else getattr(moment, kind.sample_name)
-    except NotYetError:
+    except NoSampleYetError:
         return None
 
 

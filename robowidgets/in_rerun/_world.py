@@ -13,7 +13,7 @@ from ..recordings import RecordingData
 _BASES = ("base_footprint", "base_link")
 
 
-class World:
+class WorldFrame:
     """The world frame, which is the parent of odometry or else the root of tf, and the frame of the robot in it.
 
     Args:

@@ -16,7 +16,7 @@ from ..recordings.columns.chunks import ScanChunk
 from ..recordings.topics import Topic, wanted
 from ..samples import AXES, Scan, TouchState
 from ._sdk import library
-from ._world import World
+from ._world import WorldFrame
 
 SECONDS, CLOCK = "recording_time", "message_log_time"
 """The timelines: time since the start of the recording, as the widgets show it; and the recorder's clock, under the
@@ -65,7 +65,7 @@ class Log:
     def steps(self, stream: Any) -> Iterator[None]:
         """Log the whole recording, one piece at each step, the large pieces last."""
         stream.send_recording_name(self.recording.path.name)
-        world = World(self.recording, [frame for part in self._parts for frame in part.frames()])
+        world = WorldFrame(self.recording, [frame for part in self._parts for frame in part.frames()])
         stream.send_blueprint(self._blueprint(world))
         self._log_world(stream, world)
         yield
@@ -94,7 +94,7 @@ class Log:
         escaped = [self.rr.escape_entity_path_part(part.strip("/").replace(" ", "_")) for part in rest]
         return "/".join([first, *escaped])
 
-    def _log_world(self, stream: Any, world: World) -> None:
+    def _log_world(self, stream: Any, world: WorldFrame) -> None:
         rr = self.rr
         stream.log("world", rr.ViewCoordinates.FLU, static=True)
         if path := world.path():
@@ -109,7 +109,7 @@ class Log:
         if world.notes:
             stream.log("notes", rr.TextDocument("\n\n".join(world.notes)), static=True)
 
-    def _blueprint(self, world: World) -> Any:
+    def _blueprint(self, world: WorldFrame) -> Any:
         blueprint = self.rr.blueprint
         space = blueprint.Spatial3DView(origin="world", name=f"World ({world.name})", eye_controls=self._eye(world))
         unknown = blueprint.TextDocumentView(origin="notes", name="Not known")
@@ -121,7 +121,7 @@ class Log:
             collapse_panels=True,
         )
 
-    def _eye(self, world: World) -> Any:
+    def _eye(self, world: WorldFrame) -> Any:
         """The camera, above and a little behind the whole path, with room around it for the scans."""
         positions = path[1].positions if (path := world.path()) else np.zeros((1, 3))
         low, high = positions.min(axis=0), positions.max(axis=0)
@@ -155,7 +155,7 @@ class TopicLog(ABC):
         return []
 
     @abstractmethod
-    def steps(self, stream: Any, world: World) -> Iterator[None]:
+    def steps(self, stream: Any, world: WorldFrame) -> Iterator[None]:
         """Log all topics, a piece at each step."""
 
 
@@ -169,12 +169,12 @@ class ScanLog(TopicLog):
         firsts = (next(self._recording.samples(topic.name), None) for topic in self._topics)
         return [first.sample.frame_id for first in firsts if first and isinstance(first.sample, Scan)]
 
-    def steps(self, stream: Any, world: World) -> Iterator[None]:
+    def steps(self, stream: Any, world: WorldFrame) -> Iterator[None]:
         """See `TopicLog`."""
         for number, topic in enumerate(self._topics):
             yield from self._log_scans(stream, topic.name, world, _COLOURS[number % len(_COLOURS)])
 
-    def _log_scans(self, stream: Any, topic: str, world: World, colour: Sequence[int]) -> Iterator[None]:
+    def _log_scans(self, stream: Any, topic: str, world: WorldFrame, colour: Sequence[int]) -> Iterator[None]:
         rr, log, entity = self._rr, self._log, self._log.entity("world/scans", topic)
         labelled = 0
         stream.log(entity, rr.Points3D.from_fields(colors=colour, radii=rr.Radius.ui_points(2.0)), static=True)
@@ -206,7 +206,7 @@ class SpeedLog(TopicLog):
                 views.append((self._rr.blueprint.TimeSeriesView(origin="speeds", contents=lines, name=name), _PLOT))
         return views
 
-    def steps(self, stream: Any, world: World) -> Iterator[None]:  # noqa: ARG002  # speeds are in no frame
+    def steps(self, stream: Any, world: WorldFrame) -> Iterator[None]:  # noqa: ARG002  # speeds are in no frame
         """See `TopicLog`."""
         for topic in self._topics:
             self._log_speeds(stream, topic)
@@ -241,7 +241,7 @@ class TouchLog(TopicLog):
         height = _PLOT + min(sensors, _MOST_LANES) * _LANE
         return [(self._rr.blueprint.StateTimelineView(origin="touches", name="Touch"), height)]
 
-    def steps(self, stream: Any, world: World) -> Iterator[None]:  # noqa: ARG002  # touches are in no frame
+    def steps(self, stream: Any, world: WorldFrame) -> Iterator[None]:  # noqa: ARG002  # touches are in no frame
         """See `TopicLog`."""
         for topic in self._topics:
             self._log_touches(stream, topic.name)

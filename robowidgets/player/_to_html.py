@@ -91,7 +91,7 @@ def page_of(player: Player, wanted: Wanted, scanogram: bool | None = None) -> It
             root.add_class(name)
         yield Page(
             _heading(player, recording, wanted, (start, end)),
-            models.program(),
+            models.assets(),
             models.part(
                 shown(root, leave_out=player.left_out),
                 player=player.bar.model_id,

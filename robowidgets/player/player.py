@@ -55,7 +55,7 @@ _VIEWER = "660px"
 """Minimum width: Rerun hides its time in less."""
 
 
-class View(NamedTuple):
+class PlayerView(NamedTuple):
     """A widget of the player, its choice, and its track."""
 
     widget: Any
@@ -107,7 +107,7 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
     ) -> None:
         take_the_place(self)
         self.recording = recording
-        self.views: tuple[View, ...] = ()
+        self.views: tuple[PlayerView, ...] = ()
         recording.samples(topics or None)
         self.rerun = RerunWidget(recording, topics, layout={**_BESIDE, "flex": f"3 1 {_VIEWER}"}) if rerun else None
         shown = choose_widgets(wanted(recording.topics, topics))
@@ -360,9 +360,9 @@ def _select(scanogram: ScanogramWidget, change: Any) -> None:
         scanogram.selection = change["new"]
 
 
-def _view(recording: RecordingData, choice: WidgetChoice) -> View:
+def _view(recording: RecordingData, choice: WidgetChoice) -> PlayerView:
     widget = choice.make()
-    return View(widget, choice, _track(recording, choice, widget))
+    return PlayerView(widget, choice, _track(recording, choice, widget))
 
 
 def _track(recording: RecordingData, choice: WidgetChoice, widget: Any) -> Track:
@@ -379,7 +379,7 @@ def _pause(recording: RecordingData, choice: WidgetChoice) -> float:
     return RECORDED.after(usual_step(np.array(times, np.int64)), 1e9) / 1e9 if len(times) > 1 else 0.0
 
 
-def _first_look(recording: RecordingData, views: Iterable[View]) -> float:
+def _first_look(recording: RecordingData, views: Iterable[PlayerView]) -> float:
     """The earliest time at which every topic that starts early has a sample."""
     firsts = (next(recording.samples(topic), None) for view in views for topic in view.choice.topics)
     seconds = [first.seconds for first in firsts if first]

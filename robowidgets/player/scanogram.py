@@ -22,7 +22,7 @@ from ..samples import Scan, TouchState
 from ..samples.state_span import rows_of
 from ..scanogram.by_angle import keeps_indices, on_rays, rays_at
 from ..scanogram.levels import BUDGET
-from ..scanogram.scans import Scans, ScansInMemory, Sweep, cut
+from ..scanogram.scans import ScanRanges, ScansInMemory, Sweep, cut
 from ..scanogram_widget import ScanogramWidget
 
 MEMORY_BYTES = 256 << 20
@@ -90,11 +90,11 @@ class ScansInFile:
         self.times_ns = series.times_ns
 
     def chunks(self) -> Iterator[NDArray[np.float32]]:
-        """See `Scans`."""
+        """See `ScanRanges`."""
         return cut(ranges for chunk in self._series.chunks() for ranges in self._mapper(chunk))
 
     def read(self, start: int, stop: int) -> NDArray[np.float32]:
-        """See `Scans`."""
+        """See `ScanRanges`."""
         return np.concatenate([ranges for chunk in self._series[start:stop].chunks() for ranges in self._mapper(chunk)])
 
 
@@ -153,7 +153,7 @@ def _put_scans(widget: ScanogramWidget, recording: RecordingData, scans: ScanSer
     first = next(like for like, _ in likes if len(like) == rays)
     mapper = RayMapper(Sweep.of(first))
     by_angle = not all(mapper.keeps_indices(like) for like, _ in likes)
-    source: Scans = (
+    source: ScanRanges = (
         ScansInFile(series, mapper)
         if loaded is None
         else ScansInMemory(scans.times_ns, [ranges for chunk in loaded for ranges in mapper(chunk)])

@@ -20,7 +20,7 @@ from ..samples.checks import not_negative
 from ..samples.state_span import StateSpan
 from ._info import heading, table_of
 from ._sample_reader import Messages
-from .columns._clock_problems import Clock, about_clocks, clock_of
+from .columns._clock_problems import TopicClock, about_clocks, clock_of
 from .columns._memory import Memory
 from .columns.scans import Scans
 from .columns.series import Series
@@ -67,7 +67,7 @@ class RecordingData:
         self._closed = False
         self._memory = Memory()
         self._series: dict[str, Series[Any]] = {}
-        self._clocks: dict[str, Clock] = {}
+        self._clocks: dict[str, TopicClock] = {}
         """Of the topics that were read from start to end, and are not silent for long in a sound recording."""
 
     @property
@@ -338,7 +338,7 @@ class RecordingData:
             )
         return found
 
-    def _note_clocks(self) -> dict[str, Clock]:
+    def _note_clocks(self) -> dict[str, TopicClock]:
         """Store the clocks of topics that were read from start to end, so that they outlive `close`; returns them."""
         for name, series in self._series.items():
             topic = shown(self.topics)[name]

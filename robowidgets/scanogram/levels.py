@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ._codes import FARTHEST, WITHOUT_READING, Codes, encode, fold, fold_median
-from .scans import Scans, Sweep
+from .scans import ScanRanges, Sweep
 
 BUDGET = 256 << 20
 """Most bytes that all levels together take; finer levels are read again from the scans."""
@@ -43,7 +43,7 @@ class Levels:
     range_max, or the farthest reading if codes up to range_max would be too far apart.
     """
 
-    def __init__(self, scans: Scans, sweep: Sweep, budget: int = BUDGET) -> None:
+    def __init__(self, scans: ScanRanges, sweep: Sweep, budget: int = BUDGET) -> None:
         self.scans, self.sweep = scans, sweep
         self.far = sweep.range_max if sweep.range_max < _FAR else _farthest(scans, sweep)
         self.counts = np.zeros(1 + len(WITHOUT_READING), np.int64)
@@ -110,7 +110,7 @@ def folded(codes: Codes, count: int, pixel: str, axis: int = 0) -> Codes:
     return _FOLDS[pixel](codes, count, axis)
 
 
-def _farthest(scans: Scans, sweep: Sweep) -> float:
+def _farthest(scans: ScanRanges, sweep: Sweep) -> float:
     """The farthest reading in metres; a fixed distance beyond range_min without a reading."""
     far = sweep.range_min
     for ranges in scans.chunks():

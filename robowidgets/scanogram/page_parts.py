@@ -10,8 +10,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from .clock import Clock
 from .levels import NEAREST, Levels, folded
+from .scan_times import ScanTimes
 
 OVERVIEW_BYTES = 1_000_000
 """Most bytes of the overview, which is sent at once and kept in a saved notebook."""
@@ -48,12 +48,12 @@ class Part(NamedTuple):
         return pack({**facts, **own}, starts=self.starts, ends=self.ends, cells=self.cells, **arrays)
 
 
-def overview(levels: Levels, clock: Clock, pixel: str = NEAREST) -> Part:
+def overview(levels: Levels, clock: ScanTimes, pixel: str = NEAREST) -> Part:
     """The whole scanogram, as finely as `OVERVIEW_BYTES` allow."""
     return _part(levels, clock, pixel, 0, len(clock), 0, OVERVIEW_BYTES)
 
 
-def detail(levels: Levels, clock: Clock, start: float, end: float, columns: int, pixel: str = NEAREST) -> Part:
+def detail(levels: Levels, clock: ScanTimes, start: float, end: float, columns: int, pixel: str = NEAREST) -> Part:
     """The part between two times in seconds, and a little beside it, in ``columns`` cells or more if there are."""
     first, stop = clock.between(start, end)
     wanted = max(0, ((stop - first) // max(1, min(columns, MOST_COLUMNS))).bit_length() - 1)
@@ -73,7 +73,7 @@ def pack(facts: Mapping[str, Any], **arrays: NDArray[Any]) -> bytes:
     return b"".join((_LENGTH.pack(len(text)), text, *(a.data for a in little.values())))
 
 
-def _part(levels: Levels, clock: Clock, pixel: str, first: int, stop: int, level: int, most: int) -> Part:
+def _part(levels: Levels, clock: ScanTimes, pixel: str, first: int, stop: int, level: int, most: int) -> Part:
     """The scans ``first`` to ``stop - 1``, at the level or the first coarser one that fits in ``most`` bytes."""
     ray_step = max(1, -(-levels.sweep.ray_count // MOST_RAYS))
     rays = -(-levels.sweep.ray_count // ray_step)

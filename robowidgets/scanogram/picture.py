@@ -7,8 +7,8 @@ from typing import Any
 
 from numpy.typing import NDArray
 
-from .clock import Clock
 from .levels import Levels
+from .scan_times import ScanTimes
 from .strips import SpeedStrip, TouchStrip
 
 
@@ -17,7 +17,7 @@ class Picture:
     """The content of a scanogram: the scans in their levels of detail, and the strips under them."""
 
     levels: Levels
-    clock: Clock
+    clock: ScanTimes
     start_ns: int
     duration: float
     begin: float = 0.0

@@ -33,7 +33,7 @@ class Sweep(NamedTuple):
         return cls(scan.angle_min, scan.angle_increment, scan.range_min, scan.range_max, len(scan))
 
 
-class Scans(Protocol):
+class ScanRanges(Protocol):
     """N scans of R rays, which may lie in a file."""
 
     @property
@@ -61,11 +61,11 @@ class ScansInMemory:
         self._starts = np.cumsum([0, *(len(piece) for piece in pieces[:-1])])
 
     def chunks(self) -> Iterator[NDArray[np.float32]]:
-        """See `Scans`."""
+        """See `ScanRanges`."""
         return cut(self._pieces)
 
     def read(self, start: int, stop: int) -> NDArray[np.float32]:
-        """See `Scans`."""
+        """See `ScanRanges`."""
         first, last = np.searchsorted(self._starts, (start, max(start, stop - 1)), "right") - 1
         near = zip(self._starts[first : last + 1].tolist(), self._pieces[first : last + 1], strict=True)
         return np.concatenate([piece[max(0, start - at) : max(0, stop - at)] for at, piece in near])

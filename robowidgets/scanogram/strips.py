@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from .._core.limit_traits import is_past
 from ..samples import AXES
-from .clock import Clock
+from .scan_times import ScanTimes
 
 MOST_SPEEDS = 4_000
 """Most points of the speeds that a page gets at once."""
@@ -45,7 +45,7 @@ class SpeedStrip:
     """
 
     def __init__(
-        self, title: str, clock: Clock, values: NDArray[np.float64], limits: dict[str, tuple[float, float]]
+        self, title: str, clock: ScanTimes, values: NDArray[np.float64], limits: dict[str, tuple[float, float]]
     ) -> None:
         self.title, self.clock = title, clock
         known = np.nan_to_num(values)

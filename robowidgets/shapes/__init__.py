@@ -1,5 +1,13 @@
-"""What a program draws on a scan: lines, points, polygons, arcs, poses and text."""
+"""What a program draws on a scan: lines, points, polygons, arcs, arrows and text."""
 
-from .forms import Arc, Line, Points, Polygon, Pose, Shape, Text
+from typing import TYPE_CHECKING, Any
 
-__all__ = ["Arc", "Line", "Points", "Polygon", "Pose", "Shape", "Text"]
+from .._core.renamed import renamed
+from .forms import Arc, Arrow, Line, Points, Polygon, Shape, Text
+
+__all__ = ["Arc", "Arrow", "Line", "Points", "Polygon", "Shape", "Text"]
+
+if not TYPE_CHECKING:
+
+    def __getattr__(name: str) -> Any:
+        return renamed(__name__, name, {"Pose": Arrow})

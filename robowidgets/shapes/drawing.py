@@ -242,7 +242,7 @@ def _shapes(name: str, given: Any) -> tuple[Shape, ...]:
         or not all(isinstance(s, Shape) for s in shapes)
     ):
         raise TypeError(
-            f"draw({name!r}): expected a Line, Points, Polygon, Arc, Pose or Text, several of them, "
+            f"draw({name!r}): expected a Line, Points, Polygon, Arc, Arrow or Text, several of them, "
             f"or None to remove it; got {given!r}"
         )
     return tuple(shapes)

@@ -148,21 +148,21 @@ class Arc(Shape):
         self._set(at=_places("Arc", [center], least=1), radius=metres, **ends)
 
 
-class Pose(Shape):
-    """A place and a direction: an arrow, as for a target.
+class Arrow(Shape):
+    """An arrow: a place and a direction, as of a target.
 
     Args:
         place: as `Line` takes it.
         yaw: direction, radians or text like "20deg", counter-clockwise from the scanner's forward.
 
     Example:
-        >>> target = Pose((2.0, 0.5), "30deg")
+        >>> target = Arrow((2.0, 0.5), "30deg")
     """
 
-    kind = "pose"
+    kind = "arrow"
 
     def __init__(self, place: Any, yaw: float | str = 0.0) -> None:
-        self._set(at=_places("Pose", [place], least=1), yaw=in_radians("Pose.yaw", yaw))
+        self._set(at=_places("Arrow", [place], least=1), yaw=in_radians("Arrow.yaw", yaw))
 
 
 def short_text(name: str, text: Any) -> str:

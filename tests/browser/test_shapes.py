@@ -73,7 +73,7 @@ robot = robowidgets.simulator.Robot(
 laser.update(robot.scan())
 scan = laser.scan
 laser.draw("left wall", Line(scan.at("90deg"), scan.at("112deg")))
-laser.draw("target", Pose((1.5, 0.8), "35deg"))
+laser.draw("target", Arrow((1.5, 0.8), "35deg"))
 laser.draw("stop zone", Arc(0.5, "-60deg", "60deg"))
 laser.draw("box", Polygon([(0.8, -0.3), (1.4, -0.3), (1.4, 0.3), (0.8, 0.3)]))
 laser.draw("corners", Points([scan.at("20deg"), scan.at("30deg")]))

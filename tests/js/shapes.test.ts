@@ -60,7 +60,7 @@ test("the numbers of a shape stand below its name", () => {
   assert.equal(told("points", [[3, 4]]), "5.00 m");
   assert.equal(told("points", wall), "2 points");
   assert.equal(told("arc", [[0, 0]], { radius: 0.5 }), "0.50 m");
-  assert.equal(told("pose", [[2, 0.5]], { yaw: 30 * DEGREE }), "x\u00A02.00 y\u00A00.50 \u00B7 30.0°");
+  assert.equal(told("arrow", [[2, 0.5]], { yaw: 30 * DEGREE }), "x\u00A02.00 y\u00A00.50 \u00B7 30.0°");
   assert.equal(told("polygon", wall) + told("text", wall), "");
 });
 

@@ -2,11 +2,19 @@
 
 from __future__ import annotations
 
+import ast
 import builtins
+import warnings
+from importlib import import_module
+from pathlib import Path
+from typing import Any
 
 import pytest
 
 import robowidgets
+from robowidgets.feeds import FeedTopic
+from robowidgets.feeds.middleware import NotConnectedYetError
+from robowidgets.shapes import Arrow
 
 
 def test_a_star_import_leaves_the_names_of_python_alone() -> None:
@@ -26,3 +34,52 @@ def test_a_name_that_is_not_there_leads_to_one_that_is(word: str, meant: str) ->
 def test_a_private_name_that_is_not_there_is_said_plainly() -> None:
     with pytest.raises(AttributeError, match=r"has no attribute '__path_hooks__'$"):
         robowidgets.__path_hooks__  # noqa: B018
+
+
+def test_a_name_belongs_to_one_class() -> None:
+    """Private classes, which no other module names, are left out."""
+    places: dict[str, list[str]] = {}
+    for path in Path(robowidgets.__file__).parent.rglob("*.py"):
+        if "node_modules" not in path.parts:
+            for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+                if isinstance(node, ast.ClassDef) and not node.name.startswith("_"):
+                    places.setdefault(node.name, []).append(f"{path}:{node.lineno}")
+    assert len(places) > 200
+    assert {name: found for name, found in places.items() if len(found) > 1} == {}
+
+
+@pytest.mark.parametrize(
+    ("module", "old", "new"),
+    [
+        ("robowidgets", "Pose", Arrow),
+        ("robowidgets.shapes", "Pose", Arrow),
+        ("robowidgets.feeds", "Topic", FeedTopic),
+        ("robowidgets.feeds.middleware", "NotYetError", NotConnectedYetError),
+    ],
+)
+class TestTheOldNameOfAClass:
+    def test_still_gives_it_and_the_place_where_it_is_used_is_told_the_new_one(
+        self, module: str, old: str, new: type
+    ) -> None:
+        with pytest.warns(DeprecationWarning, match=rf"{module}\.{old} is called {module}\.{new.__name__} now") as told:
+            assert getattr(import_module(module), old) is new
+        assert [warning.filename for warning in told] == [__file__]
+
+    def test_is_imported_as_before(self, module: str, old: str, new: type) -> None:
+        names: dict[str, Any] = {}
+        with pytest.warns(DeprecationWarning, match=new.__name__):
+            exec(f"from {module} import {old}", names)
+        assert names[old] is new
+
+    def test_is_not_among_those_of_a_star_import(self, module: str, old: str, new: type) -> None:
+        names: dict[str, Any] = {}
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            exec(f"from {module} import *", names)
+        assert old not in names
+        assert names[new.__name__] is new
+
+
+def test_a_name_that_a_module_never_had_is_said_plainly() -> None:
+    with pytest.raises(AttributeError, match=r"module 'robowidgets.shapes' has no attribute 'Circle'$"):
+        import_module("robowidgets.shapes").Circle  # noqa: B018

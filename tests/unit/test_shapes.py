@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 import robowidgets
-from robowidgets import Arc, LaserWidget, Line, Points, Polygon, Pose, Text
+from robowidgets import Arc, Arrow, LaserWidget, Line, Points, Polygon, Text
 from robowidgets._core import judge
 from robowidgets._core.pacer import pacer
 
@@ -62,7 +62,7 @@ class TestShapes:
 
     def test_angles_may_be_in_degrees(self) -> None:
         assert Arc(0.5, "-90deg", "90deg") == Arc(0.5, -pi / 2, pi / 2)
-        assert Pose((1, 2), "90deg").form == {"kind": "pose", "at": [[1.0, 2.0]], "yaw": pi / 2}
+        assert Arrow((1, 2), "90deg").form == {"kind": "arrow", "at": [[1.0, 2.0]], "yaw": pi / 2}
         assert Arc(0.5).form == {"kind": "arc", "at": [[0.0, 0.0]], "radius": 0.5, "start": 0.0, "end": 2 * pi}
 
     def test_shapes_are_values(self) -> None:
@@ -91,7 +91,7 @@ class TestShapes:
             (lambda: Polygon([(0, 0), (1, 0)]), ValueError, "Polygon: expected 3 to 2,000 places, got 2"),
             (lambda: Arc(0), ValueError, "Arc.radius: expected metres above 0"),
             (lambda: Arc(1, 90), ValueError, "Arc.start: expected radians within ±2 pi, got 90.0; math.radians"),
-            (lambda: Pose((1, 1), inf), ValueError, "Pose.yaw: expected a finite number of radians"),
+            (lambda: Arrow((1, 1), inf), ValueError, "Arrow.yaw: expected a finite number of radians"),
             (lambda: Text((1, 1), ""), ValueError, "Text.text: expected 1 to 60 characters, got ''"),
             (lambda: Text((1, 1), 5), TypeError, "Text.text: expected text, got 5"),
         ],
@@ -106,7 +106,7 @@ class TestShapes:
             Line(laser.scan[0], laser.scan[1])
 
     def test_all_are_names_of_the_package(self) -> None:
-        assert {"Line", "Points", "Polygon", "Text", "Arc", "Pose"} <= set(robowidgets.__all__)
+        assert {"Line", "Points", "Polygon", "Text", "Arc", "Arrow"} <= set(robowidgets.__all__)
 
 
 class TestDraw:

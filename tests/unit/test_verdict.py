@@ -13,7 +13,7 @@ import pytest
 
 import robowidgets
 from robowidgets import Scan, Speed, Touch, TouchMode, conditions
-from robowidgets.find._instant import NotYetError
+from robowidgets.find._instant import NoSampleYetError
 from robowidgets.find.base import condition
 from robowidgets.kinds import KINDS
 from robowidgets.samples.verdict import Verdict, fact, judged
@@ -242,7 +242,7 @@ class TestMoment:
         class Early:
             @property
             def scan(self) -> Scan:
-                raise NotYetError("scan")
+                raise NoSampleYetError("scan")
 
         assert conditions.nearest_below(1).judge(Early()).value is None
         assert conditions.when(lambda moment: moment.scan.distance() < 1).judge(Early()).value is None

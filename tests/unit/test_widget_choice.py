@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from robowidgets._widget_choice import choose_widgets
-from robowidgets.feeds._topics import Topic
+from robowidgets.feeds._topics import FeedTopic
 from robowidgets.kinds import is_command
 
 
@@ -27,7 +27,7 @@ from robowidgets.kinds import is_command
     ids=str,
 )
 def test_a_measured_speed_gets_the_command_of_its_own_robot(topics: list[str], command_of: dict[str, str]) -> None:
-    shown = [Topic(name, "", "speed", is_command(name), offered=True, wanted=None) for name in topics]
+    shown = [FeedTopic(name, "", "speed", is_command(name), offered=True, wanted=None) for name in topics]
     chosen = choose_widgets(shown)
     assert {choice.topic: choice.command for choice in chosen if choice.command} == command_of
     assert {choice.topic for choice in chosen} == set(topics) - set(command_of.values())
@@ -36,7 +36,7 @@ def test_a_measured_speed_gets_the_command_of_its_own_robot(topics: list[str], c
 def test_a_command_alone_is_shown_as_one() -> None:
     topics = [("/scan", "laser"), ("/odom", "speed"), ("/cmd_vel", "speed"), ("/cmd_vel_mux/input", "speed")]
     shown = [
-        Topic(name, "", widget, widget == "speed" and is_command(name), offered=True, wanted=None)  # type: ignore[arg-type]
+        FeedTopic(name, "", widget, widget == "speed" and is_command(name), offered=True, wanted=None)  # type: ignore[arg-type]
         for name, widget in topics
     ]
     assert [(choice.topic, choice.commanded) for choice in choose_widgets(shown)] == [
@@ -49,7 +49,7 @@ def test_a_command_alone_is_shown_as_one() -> None:
 def test_odometry_has_a_path_beside_its_speed_and_a_command_has_none() -> None:
     odometry = "nav_msgs/msg/Odometry"
     shown = [
-        Topic(name, of, "speed", is_command(name), offered=True, wanted=None)
+        FeedTopic(name, of, "speed", is_command(name), offered=True, wanted=None)
         for name, of in (("/odom", odometry), ("/twist", "geometry_msgs/msg/Twist"), ("/odom_cmd", odometry))
     ]
     chosen = choose_widgets(shown)
@@ -60,7 +60,7 @@ def test_odometry_has_a_path_beside_its_speed_and_a_command_has_none() -> None:
 
 
 def test_a_speed_of_a_topic_has_no_limits_until_somebody_sets_them() -> None:
-    shown = [Topic("/odom", "", "speed", commanded=False, offered=True, wanted=None)]
+    shown = [FeedTopic("/odom", "", "speed", commanded=False, offered=True, wanted=None)]
     speed = choose_widgets(shown)[0].make()
     speed.update(linear=(3.0, 0.0, 0.0))
     assert (speed.linear_limits, speed.angular_limits, speed.limits_of("linear.x")) == (None, None, None)

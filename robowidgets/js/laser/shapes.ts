@@ -32,7 +32,7 @@ export function describeShape(shape: Shape, places: Metres[], reach: number, uni
       return places.length === 1 ? toMetres(Math.hypot(...first), reach) : toMany(places.length, "point");
     case "arc":
       return toMetres(shape.radius ?? 0, reach);
-    case "pose": {
+    case "arrow": {
       const [x, y] = first.map((part) => toFixed(part, decimalsFor(reach)));
       return `x\u00A0${x} y\u00A0${y} \u00B7 ${toAngle(shape.yaw ?? 0, unit)}`;
     }

@@ -76,7 +76,7 @@ export type Spot = [x: number, y: number] | number;
 /** A shape that the program drew, in metres and radians of the scanner's frame. */
 export interface Shape {
   name: string;
-  kind: "line" | "points" | "polygon" | "text" | "arc" | "pose";
+  kind: "line" | "points" | "polygon" | "text" | "arc" | "arrow";
   at: Spot[];
   text?: string;
   /** Of an arc: metres, and the angles between which it runs counter-clockwise. */

@@ -16,14 +16,14 @@ _STILL_LEAST = 10
 _SAME_SHARE = 0.9
 
 
-class Clock(NamedTuple):
+class TopicClock(NamedTuple):
     """The problems of a topic's clock: lines, and start and end of its silences in seconds, shape (K, 2)."""
 
     lines: tuple[str, ...]
     silences: NDArray[np.float64]
 
 
-def clock_of(times_ns: NDArray[np.int64], start_ns: int) -> Clock:
+def clock_of(times_ns: NDArray[np.int64], start_ns: int) -> TopicClock:
     """The problems of a clock: it stands still, or there are silences.
 
     A clock stands still if half of the messages, and ten at least, have the time of the previous one. A silence is a
@@ -40,7 +40,7 @@ def clock_of(times_ns: NDArray[np.int64], start_ns: int) -> Clock:
     if still >= max(_STILL_SHARE * steps.size, _STILL_LEAST):
         lines.append(f"the clock stands still: {still:,} of {len(times_ns):,} samples bear the time of the one before")
     silent = np.flatnonzero(steps > CLOCK_JUMP.after(usual_step(times_ns), 1e9))
-    return Clock(tuple(lines), (np.stack((times_ns[silent], times_ns[silent + 1]), 1) - start_ns) / 1e9)
+    return TopicClock(tuple(lines), (np.stack((times_ns[silent], times_ns[silent + 1]), 1) - start_ns) / 1e9)
 
 
 def about_clock(times_ns: NDArray[np.int64], start_ns: int) -> tuple[str, ...]:
@@ -49,7 +49,7 @@ def about_clock(times_ns: NDArray[np.int64], start_ns: int) -> tuple[str, ...]:
     return (*clock.lines, *_about(clock.silences))
 
 
-def about_clocks(clocks: Mapping[str, Clock]) -> tuple[str, ...]:
+def about_clocks(clocks: Mapping[str, TopicClock]) -> tuple[str, ...]:
     """Lines on the clocks of topics, by their names; a silence that several topics share gets one line."""
     shared: list[tuple[list[str], NDArray[np.float64]]] = []
     for name, clock in clocks.items():

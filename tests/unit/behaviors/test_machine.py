@@ -9,7 +9,7 @@ import pytest
 
 from robowidgets import conditions
 from robowidgets.behaviors import Drive, Machine, Variables
-from robowidgets.behaviors.variables import State
+from robowidgets.behaviors.variables import ProgramState
 from robowidgets.feeds import Feed
 from robowidgets.samples import Scan, Speed
 
@@ -25,7 +25,7 @@ class Run:
     def __init__(self, cls: type) -> None:
         self.machine = Machine(cls)
         self.variables = Variables()
-        self.state = State(log=[])
+        self.state = ProgramState(log=[])
 
     def at(self, time: float, **values: Any) -> tuple[str, ...]:
         """Make a step; returns the active states."""

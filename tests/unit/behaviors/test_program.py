@@ -21,7 +21,7 @@ import pytest
 from robowidgets import SAMPLE, feeds
 from robowidgets.behaviors import Drive
 from robowidgets.behaviors.robot import NotReadyError
-from robowidgets.behaviors.variables import State
+from robowidgets.behaviors.variables import ProgramState
 from robowidgets.driving.command_watchdog import Velocity
 from robowidgets.feeds import Advert, Feed, FeedError
 from robowidgets.feeds._program_inputs import FeedInputs
@@ -435,7 +435,7 @@ def test_what_is_called_without_a_name_has_the_same_one_in_each_version(robot: F
 
 
 def test_a_state_takes_no_name_of_a_method() -> None:
-    state = State()
+    state = ProgramState()
     with pytest.raises(AttributeError, match=r"state.values is a method of a dictionary; write state\['values'\]"):
         state.values = [1]  # type: ignore[method-assign, assignment]
 

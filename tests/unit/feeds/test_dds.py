@@ -245,7 +245,7 @@ def test_a_type_with_other_fields_under_the_same_name_is_told(dds: Dds, heard: E
 
 def test_a_truncated_message_is_told_until_a_whole_one_comes(heard: Ears) -> None:
     # Cyclone DDS writes no such bytes: they come from others who do not describe their types, as ROS 2 up to Jazzy.
-    session = _dds_session.Session(DOMAIN, heard)
+    session = _dds_session.DdsSession(DOMAIN, heard)
     whole = encode("cdr", TWIST, {"linear": {"x": 0.5}})
     samples = [[opaque(TWIST)(whole[:-9])], [opaque(TWIST)(whole)]]
 
@@ -313,7 +313,7 @@ def test_publishing_without_a_connection_raises(dds: Dds, heard: Ears) -> None:
 
 
 def test_a_message_that_dds_does_not_take_is_told(heard: Ears) -> None:
-    session = _dds_session.Session(DOMAIN, heard)
+    session = _dds_session.DdsSession(DOMAIN, heard)
     raw = encode("cdr", TWIST, {})
     session.publish("/cmd_vel", TWIST, raw)
     writer = session._writers["/cmd_vel", TWIST]
@@ -569,7 +569,7 @@ def test_a_publisher_is_told_by_the_name_of_its_node(dds: Dds, heard: Ears, robo
 
 @pytest.mark.parametrize("length", [16, 24])
 def test_node_names_are_understood_from_any_distribution_and_other_messages_ignored(heard: Ears, length: int) -> None:
-    session = _dds_session.Session(DOMAIN, heard)
+    session = _dds_session.DdsSession(DOMAIN, heard)
     key = bytes(range(16))
     gid = struct.pack(f"{length}s", key)
     name = struct.pack("<I2s2xI4s", 2, b"/", 4, b"nav")

@@ -13,7 +13,7 @@ import pytest
 from robowidgets.behaviors import Drive
 from robowidgets.driving.command_watchdog import RefusedError, Velocity
 from robowidgets.feeds import Advert, Driving, Feed, FeedError
-from robowidgets.feeds.middleware import NotYetError
+from robowidgets.feeds.middleware import NotConnectedYetError
 
 from ..test_drive_widget import Pad
 from ..waiting import wait_for
@@ -469,7 +469,7 @@ def connects_after(attempts: int, script: Scripted, monkeypatch: pytest.MonkeyPa
     def publish_later(topic: str, message_type: str, message: Mapping[str, Any]) -> None:
         tried.append(time.monotonic())
         if len(tried) <= attempts:
-            raise NotYetError("/robot listens to it, but has not connected")
+            raise NotConnectedYetError("/robot listens to it, but has not connected")
         publish(topic, message_type, message)
 
     monkeypatch.setattr(script, "publish", publish_later)

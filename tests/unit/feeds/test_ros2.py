@@ -16,7 +16,7 @@ import pytest
 
 from robowidgets import feeds
 from robowidgets.feeds import _ros2_session
-from robowidgets.feeds.middleware import CLOSE_TIMEOUT, SEND_TIMEOUT, Advert, FeedError, NotYetError
+from robowidgets.feeds.middleware import CLOSE_TIMEOUT, SEND_TIMEOUT, Advert, FeedError, NotConnectedYetError
 from robowidgets.feeds.ros2 import EARLY_LOOK, LOOK, Ros2
 
 from ..waiting import wait_for
@@ -735,7 +735,7 @@ def test_a_speed_with_which_the_robot_was_found_again_owes_no_earlier_zero(
     def is_published() -> bool:
         try:
             ros2.publish("/cmd_vel", TWIST, FORWARD)
-        except NotYetError:
+        except NotConnectedYetError:
             return False
         return True
 

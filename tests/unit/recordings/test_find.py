@@ -14,7 +14,7 @@ import pytest
 import robowidgets
 from robowidgets import RecordingError, conditions
 from robowidgets.find._steps import NO, UNKNOWN, YES, Steps, combined, inverted, spans, steps
-from robowidgets.find.base import Function
+from robowidgets.find.base import FunctionCondition
 from robowidgets.find.spans import Spans
 from robowidgets.kinds import KINDS, LASER
 from robowidgets.recordings import UnknownTopicError
@@ -307,7 +307,7 @@ class TestInterrupts:
         def interrupted(frame: Any, event: str, _: Any) -> Any:
             nonlocal line
             if event == "call":
-                return interrupted if frame.f_code is Function.steps.__code__ else None
+                return interrupted if frame.f_code is FunctionCondition.steps.__code__ else None
             if event == "line" and len(frame.f_locals.get("times", ())) >= 30:
                 line += 1
                 if line == at:

@@ -6,18 +6,18 @@ import numpy as np
 import pytest
 
 from robowidgets.samples import Scan
-from robowidgets.scanogram.clock import Clock
 from robowidgets.scanogram.levels import Levels
 from robowidgets.scanogram.page_parts import DETAIL_BYTES, OVERVIEW_BYTES, detail, overview, pack
+from robowidgets.scanogram.scan_times import ScanTimes
 from robowidgets.scanogram.scans import ScansInMemory, Sweep
 
 
-def made(count: int, rays: int) -> tuple[Levels, Clock]:
+def made(count: int, rays: int) -> tuple[Levels, ScanTimes]:
     ranges = np.random.default_rng(4).uniform(0.2, 29.0, (count, rays)).astype(np.float32)
     times = np.arange(count) * 100_000_000
     return Levels(
         ScansInMemory(times, [ranges[:7], ranges[7:]]), Sweep.of(Scan(ranges[0], -1.0, 0.001, 0.1, 30.0))
-    ), Clock(times, 0)
+    ), ScanTimes(times, 0)
 
 
 def test_a_short_recording_is_sent_whole_to_the_very_float() -> None:

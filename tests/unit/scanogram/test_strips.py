@@ -3,14 +3,14 @@ from __future__ import annotations
 import numpy as np
 
 from robowidgets.samples import AXES
-from robowidgets.scanogram.clock import Clock
+from robowidgets.scanogram.scan_times import ScanTimes
 from robowidgets.scanogram.strips import MOST_SPEEDS, MOST_TOUCHES, SpeedStrip, TouchStrip
 
 LIMITS = dict.fromkeys(AXES, (-1.0, 1.0))
 
 
 def strip(values: np.ndarray) -> SpeedStrip:
-    return SpeedStrip("/odom", Clock(np.arange(len(values)) * 10_000_000, 0), values, LIMITS)
+    return SpeedStrip("/odom", ScanTimes(np.arange(len(values)) * 10_000_000, 0), values, LIMITS)
 
 
 def test_sideways_speed_has_a_strip_only_where_there_is_any() -> None:
@@ -23,7 +23,7 @@ def test_sideways_speed_has_a_strip_only_where_there_is_any() -> None:
 def test_a_strip_has_limits_only_where_somebody_set_them() -> None:
     values = np.zeros((10, 6))
     values[5, 0], values[6, 2] = 3.0, 1.5
-    speeds = SpeedStrip("/odom", Clock(np.arange(10), 0), values, {"angular.z": (-1.0, 1.0)})
+    speeds = SpeedStrip("/odom", ScanTimes(np.arange(10), 0), values, {"angular.z": (-1.0, 1.0)})
     assert speeds.axes == ["linear.x", "linear.z", "angular.z"], "an axis that is fast has a strip without limits too"
     assert speeds.limits == [None, None, (-1.0, 1.0)]
 

@@ -37,8 +37,8 @@ export function drawShape(
       context.moveTo(x + RING, y);
       context.arc(x, y, RING, 0, 2 * Math.PI);
     }
-  } else if (shape.kind === "pose") {
-    tracePose(context, points[0] as Point, directionOf(toPoint, shape, places));
+  } else if (shape.kind === "arrow") {
+    traceArrow(context, points[0] as Point, directionOf(toPoint, shape, places));
   } else if (shape.kind !== "text") {
     for (const [i, { x, y }] of points.entries()) {
       if (i) context.lineTo(x, y);
@@ -62,7 +62,7 @@ function traceTick(context: CanvasRenderingContext2D, end: Point, before: Point)
   context.lineTo(end.x + x, end.y + y);
 }
 
-function tracePose(context: CanvasRenderingContext2D, place: Point, angle: number): void {
+function traceArrow(context: CanvasRenderingContext2D, place: Point, angle: number): void {
   const [edge, tip] = [tipOf(place, angle, 2 * RING), tipOf(place, angle)];
   context.moveTo(place.x + 2 * RING, place.y);
   context.arc(place.x, place.y, 2 * RING, 0, 2 * Math.PI);
@@ -80,7 +80,7 @@ function tipOf({ x, y }: Point, angle: number, length = ARROW): Point {
   return { x: x + length * Math.cos(angle), y: y - length * Math.sin(angle) };
 }
 
-/** The direction of a pose in the picture. */
+/** The direction of an arrow in the picture. */
 function directionOf(toPoint: ToPoint, { yaw = 0 }: Shape, [place]: Metres[]): number {
   const [x, y] = place as Metres;
   const [from, to] = [toPoint([x, y]), toPoint([x + Math.cos(yaw), y + Math.sin(yaw)])];
@@ -98,7 +98,7 @@ export function pathOf(toPoint: ToPoint, isInView: (point: Point) => boolean, sh
   const points = outlineOf(toPoint, shape, places);
   if (shape.kind === "points" || shape.kind === "text") return points.filter(isInView);
   const closed = shape.kind === "polygon" ? [...points, points[0] as Point] : points;
-  if (shape.kind === "pose") closed.push(tipOf(points[0] as Point, directionOf(toPoint, shape, places)));
+  if (shape.kind === "arrow") closed.push(tipOf(points[0] as Point, directionOf(toPoint, shape, places)));
   const path: Point[] = [];
   for (const [i, from] of closed.slice(0, -1).entries()) {
     const to = closed[i + 1] as Point;
@@ -108,7 +108,7 @@ export function pathOf(toPoint: ToPoint, isInView: (point: Point) => boolean, sh
       path.push({ x: from.x + share * (to.x - from.x), y: from.y + share * (to.y - from.y) });
     }
   }
-  if (shape.kind === "pose")
+  if (shape.kind === "arrow")
     path.push(...[0, 1, 2, 3].map((i) => tipOf(points[0] as Point, i * (Math.PI / 2), 2 * RING)));
   return path.filter(isInView);
 }

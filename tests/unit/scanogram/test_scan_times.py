@@ -2,13 +2,13 @@ from __future__ import annotations
 
 import numpy as np
 
-from robowidgets.scanogram.clock import Clock
+from robowidgets.scanogram.scan_times import ScanTimes
 
 SECOND = 1_000_000_000
 
 
-def clock(*seconds: float) -> Clock:
-    return Clock((np.array(seconds) * SECOND).astype(np.int64), 0)
+def clock(*seconds: float) -> ScanTimes:
+    return ScanTimes((np.array(seconds) * SECOND).astype(np.int64), 0)
 
 
 def test_a_scan_lasts_until_the_next_but_not_over_a_gap() -> None:

@@ -10,7 +10,7 @@ from ..samples.staleness import SCAN_GAP
 _PAUSE = 0.1
 
 
-class Clock:
+class ScanTimes:
     """Start and end of all scans in seconds: a scan ends where the next scan or a gap begins.
 
     ``pause`` is the median time from one scan to the next, ``gap`` the longest pause that is no gap. A time that goes
