@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from itertools import takewhile
 from typing import Any, NamedTuple, Protocol
 
-from .kinds import KINDS, Kind, TopicWidget, load
+from .kinds import KINDS, Kind, Role, TopicWidget, load, namespace_of
 
 
 class Shown(Protocol):
@@ -30,15 +30,13 @@ class Shown(Protocol):
 
 
 class WidgetChoice(NamedTuple):
-    """A widget for a topic, and the commanded topic that goes with a measured one, if there is any.
+    """A widget, and the topics that it shows in their roles: those in its first role, then those that go with them.
 
-    ``commanded`` marks a commanded topic that has a widget of its own. ``second`` is None for the widget of the kind.
+    Where a widget shows another role alone, that is its first. ``second`` is None for the widget of the kind.
     """
 
     kind: Kind
-    topic: str
-    command: str = ""
-    commanded: bool = False
+    parts: tuple[tuple[Role, str], ...]
     second: TopicWidget | None = None
 
     @property
@@ -47,54 +45,100 @@ class WidgetChoice(NamedTuple):
         return self.second or self.kind
 
     @property
+    def role(self) -> Role:
+        """The first role."""
+        return self.parts[0][0]
+
+    @property
+    def topic(self) -> str:
+        """The first topic."""
+        return self.parts[0][1]
+
+    @property
     def topics(self) -> tuple[str, ...]:
-        """The topics that the widget shows, its own first."""
-        return (self.topic, self.command) if self.command else (self.topic,)
+        """The topics that the widget shows, the first one first."""
+        return tuple(topic for _, topic in self.parts)
+
+    @property
+    def own(self) -> tuple[str, ...]:
+        """Those in its first role."""
+        return tuple(topic for role, topic in self.parts if role is self.role)
+
+    @property
+    def titles(self) -> tuple[str, ...]:
+        """What it shows, for a person: its topics, or their namespace in place of all of them, the first one first."""
+        return tuple(dict.fromkeys(namespace_of(topic) if role.each else topic for role, topic in self.parts))
+
+    def is_like(self, other: WidgetChoice) -> bool:
+        """Whether the widget of another choice is the one for this, too: only the topics that go with it may differ."""
+        return (self.shown, self.role, self.titles[0]) == (other.shown, other.role, other.titles[0])
+
+    def method(self, role: Role) -> str:
+        """The method of the widget that takes the messages of a role."""
+        return "update" if role is self.role else role.take
 
     def make(self) -> Any:
         """The widget, with its titles."""
         widget = load(self.shown.widget)
         if self.second:
-            return widget(title=self.topic)
-        if not self.kind.commands:
-            return widget(title=self.topic, **self.kind.options)
-        bars = "commanded" if self.commanded else "measured"
-        return widget(title=self.topic, command_title=self.command, bars=bars, **self.kind.options)
+            return widget(title=self.titles[0])
+        titles = {f"{role.take}_title": topic for role, topic in self.parts if role is not self.role}
+        return widget(title=self.titles[0], **titles, **self.kind.options, **(self.role.alone or {}))
 
 
 def choose_widgets(topics: Iterable[Shown]) -> tuple[WidgetChoice, ...]:
-    """A choice for each topic of a kind, in the order of the kinds, without those that go with a measured topic.
+    """The widgets for topics, in the order of the kinds; second widgets come last.
 
-    A measured topic gets the first commanded one of its robot. The second widgets of topics come last.
+    There is one for each topic in the first role of its kind, or for all of its namespace, and one for each topic in
+    another role that goes with none of these, where the role may be alone.
     """
-    chosen: list[WidgetChoice] = []
     listed = list(topics)
-    for kind in KINDS.values():
-        shown = [topic for topic in listed if topic.widget == kind.name]
-        command_of = _paired([t.name for t in shown if not t.commanded], [t.name for t in shown if t.commanded])
-        chosen.extend(
-            WidgetChoice(kind, topic.name, command_of.get(topic.name, ""), topic.commanded)
-            for topic in shown
-            if topic.name not in command_of.values()
-        )
+    chosen = [choice for kind in KINDS.values() for choice in _of_kind(kind, listed)]
     types = {topic.name: topic.type for topic in listed}
     more = [
-        WidgetChoice(choice.kind, choice.topic, second=second)
+        WidgetChoice(choice.kind, tuple((choice.role, name) for name in choice.own), second)
         for choice in chosen
-        if not choice.commanded
+        if not choice.role.commanded
         for second in choice.kind.second_widgets(types[choice.topic])
     ]
     return (*chosen, *more)
 
 
-def _paired(measured: list[str], commands: list[str]) -> dict[str, str]:
-    """The commanded topic of each measured one: the one with most of its namespace, unless another shares more."""
-    command_of = {}
-    for name in measured:
-        best = max(commands, key=lambda command: shared(name, command), default="")
-        if best and shared(name, best) == max(shared(other, best) for other in measured):
-            command_of[name] = best
-    return command_of
+def _of_kind(kind: Kind, listed: list[Shown]) -> list[WidgetChoice]:
+    """The widgets of one kind, in the order in which their first topics are listed."""
+    first, *others = kind.roles
+    own = _in_role(kind, first, listed)
+    groups: dict[str, list[str]] = {}
+    for name in own:
+        groups.setdefault(namespace_of(name) if first.each else name, []).append(name)
+    parts = {group[0]: [(first, name) for name in group] for group in groups.values()}
+    alone: list[WidgetChoice] = []
+    for role in others:
+        there = _in_role(kind, role, listed)
+        goes_with = _paired(list(parts), there)
+        for name, other in goes_with.items():
+            parts[name].append((role, other))
+        if role.required:
+            parts = {name: some for name, some in parts.items() if name in goes_with}
+        if role.alone is not None:
+            alone += [WidgetChoice(kind, ((role, name),)) for name in there if name not in goes_with.values()]
+    chosen = [*(WidgetChoice(kind, tuple(some)) for some in parts.values()), *alone]
+    place = {topic.name: i for i, topic in enumerate(listed)}
+    return sorted(chosen, key=lambda choice: place[choice.topic])
+
+
+def _in_role(kind: Kind, role: Role, listed: list[Shown]) -> list[str]:
+    return [t.name for t in listed if t.widget == (role.kind or kind.name) and t.commanded == role.commanded]
+
+
+def _paired(own: list[str], others: list[str]) -> dict[str, str]:
+    """The topic that goes with each: the one with most of its namespace, unless another shares more with that."""
+    goes_with = {}
+    for name in own:
+        best = max(others, key=lambda other: shared(name, other), default="")
+        if best and shared(name, best) == max(shared(one, best) for one in own):
+            goes_with[name] = best
+    return goes_with
 
 
 def shared(one: str, other: str) -> int:

@@ -11,16 +11,56 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from importlib import import_module
 from math import nan
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 
 from .messages import to_scan, to_speed, to_touch
 from .messages.fields import Shape, unwrap
+from .messages.standard import ContactMessages, ToMessage, scan_message, speed_message
 from .messages.touch import TOUCH_TYPES
 from .samples import Pose, Problem, Scan, Speed, Touch
+from .samples.touch_tracker import TouchesBetween
 
 _SAMPLE_FRAMES = "robowidgets.player._frames:SampleFrames"
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Role:
+    """What a topic is for a widget: the one that it shows, or another that goes with that one.
+
+    Args:
+        name: of its samples: the keyword under which the frames of a player get them; of a role with `each`, what
+            programs call the sample of all topics.
+        take: the method of the widget that takes a message. One other than ``update`` has a title of its own, which the
+            widget takes as ``command_title`` where the method is ``command``.
+        kind: the kind of its topics; empty: that of the row.
+        commanded: whether its samples are what was asked for, not what was measured.
+        required: whether there is no widget without such a topic.
+        each: of the first role, makes one sample of the newest ones of all topics of a namespace, which share a widget:
+            of the samples and of the seconds at which each came, both by the names of their sensors. The method takes
+            the name of the sensor before the message. None: each topic has a widget of its own.
+        alone: of another role than the first, the keywords of a widget that shows a topic in it by ``update`` because
+            none in the first role goes with it; None: there is no such widget.
+    """
+
+    name: str
+    take: str = "update"
+    kind: str = ""
+    commanded: bool = False
+    required: bool = False
+    each: Callable[[Mapping[str, Any], Mapping[str, float]], Any] | None = None
+    alone: Mapping[str, Any] | None = None
+
+
+class Gathered(Protocol):
+    """What a program gets of the messages that came since its last step, where the newest one is not all."""
+
+    def add(self, sample: Any) -> None:
+        """Take the next sample."""
+
+    def take(self) -> Any:
+        """What a step gets."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -55,8 +95,11 @@ class Kind(TopicWidget):
         undecided: those of `types` of which some messages only are of this kind: the first message of a topic decides.
         columns: the series class of `Recording.series`.
         rerun: what logs the topics to Rerun, a `robowidgets.in_rerun.rerun_log.TopicLog`; empty: Rerun leaves them out.
-        commands: whether a topic may hold what was asked for, not measured; it goes with a measured topic: the widget
-            has ``command(sample)`` too, and takes ``command_title`` and ``bars``.
+        roles: what the topics of the widget are for it. The first is that of the topic that it shows, whose messages
+            ``update`` takes; topics in the others go with the one of the first that shares most of their namespace.
+        to_message: called for each topic that is recorded, makes what turns its samples into messages of ROS 2; None:
+            a feed that has samples, not messages, cannot record them.
+        gathered: makes what a program gets of the messages between two steps; None: the newest one.
         options: keywords of the widget where a topic gets it, in place of the widget's own defaults.
         goes_stale: whether a sample says nothing any more once the topic is silent. What a touch sensor said holds.
         every_message: whether each message counts, as an event does; of other kinds the newest is enough.
@@ -71,11 +114,23 @@ class Kind(TopicWidget):
     undecided: frozenset[str] = frozenset()
     columns: str = "robowidgets.recordings.columns.series:Samples"
     rerun: str = ""
-    commands: bool = False
+    roles: tuple[Role, ...] = (Role(name="sample"),)
+    to_message: Callable[[], ToMessage] | None = None
+    gathered: Callable[[], Gathered] | None = None
     options: Mapping[str, Any] = field(default_factory=dict)
     goes_stale: bool = True
     every_message: bool = False
     also: tuple[TopicWidget, ...] = ()
+
+    @property
+    def commands(self) -> bool:
+        """Whether its topics may hold what was asked for, not measured."""
+        return any(role.commanded for role in self.roles)
+
+    @property
+    def parameter(self) -> str:
+        """What programs call the newest sample of its widget."""
+        return self.roles[0].name if self.roles[0].each else self.sample_name
 
     def is_command(self, topic: str) -> bool:
         """Whether samples on this topic were asked for, not measured."""
@@ -128,6 +183,7 @@ LASER = Kind(
     columns="robowidgets.recordings.columns.scans:Scans",
     frames="robowidgets.player._frames:ScanFrames",
     rerun="robowidgets.in_rerun.rerun_log:ScanLog",
+    to_message=lambda: scan_message,
     # A room is much smaller than what many scanners can see.
     options={"view_range": "auto"},
 )
@@ -158,7 +214,11 @@ SPEED = Kind(
     columns="robowidgets.recordings.columns.speeds:Speeds",
     frames="robowidgets.player._frames:SpeedFrames",
     rerun="robowidgets.in_rerun.rerun_log:SpeedLog",
-    commands=True,
+    roles=(
+        Role(name="measured"),
+        Role(name="commanded", take="command", commanded=True, alone={"bars": "commanded"}),
+    ),
+    to_message=lambda: speed_message,
     # No topic says how fast its robot may be.
     options={"linear_limits": None, "angular_limits": None},
     also=(PATH,),
@@ -177,6 +237,8 @@ TOUCH = Kind(
     columns="robowidgets.recordings.columns.touches:Touches",
     frames="robowidgets.player._frames:TouchFrames",
     rerun="robowidgets.in_rerun.rerun_log:TouchLog",
+    to_message=ContactMessages,
+    gathered=TouchesBetween,
     goes_stale=False,
     every_message=True,
 )
@@ -260,8 +322,7 @@ def kind_of_message(message: Any, type_name: str = "") -> Kind | None:
 
     It may be a sample, or what holds one.
     """
-    sample = unwrap(message)
-    of_sample = [kind for kind in KINDS.values() if isinstance(sample, kind.sample)]
+    of_sample = [kind] if (kind := kind_of_sample(unwrap(message))) else []
     for kind in of_sample or kinds_of_type(type_name) or [kind for kind in KINDS.values() if kind.has_shape]:
         try:
             kind.read(message)
@@ -275,9 +336,36 @@ def kind_of_message(message: Any, type_name: str = "") -> Kind | None:
     return None
 
 
+def kind_of_sample(sample: Any) -> Kind | None:
+    """The kind of a sample; None for anything else."""
+    return next((kind for kind in KINDS.values() if isinstance(sample, kind.sample)), None)
+
+
+def kind_of_parameter(name: str) -> Kind | None:
+    """The kind whose samples a program calls so; None without any."""
+    return next((kind for kind in KINDS.values() if kind.parameter == name), None)
+
+
+def role_of(widget: type, method: str) -> Role | None:
+    """What the topics are whose messages a method of a widget takes; None where no row says it."""
+    names = {f"{base.__module__}:{base.__qualname__}" for base in widget.__mro__}
+    roles = (role for kind in KINDS.values() if kind.widget in names for role in kind.roles)
+    return next((role for role in roles if role.take == method), None)
+
+
 def counts_every_message(type_name: str) -> bool:
     """Whether each message of a type counts, as an event that no later one repeats; of others the newest is enough."""
     return any(kind.every_message for kind in kinds_of_type(type_name))
+
+
+def namespace_of(topic: str) -> str:
+    """The namespace of a topic: ``"/sonar"`` of ``"/sonar/left"``."""
+    return topic.rpartition("/")[0] or "/"
+
+
+def sensor_of(topic: str) -> str:
+    """The sensor of a topic that shares its widget with all of its namespace: ``"left"`` of ``"/sonar/left"``."""
+    return topic.rpartition("/")[2]
 
 
 def is_command(topic: str) -> bool:

@@ -30,7 +30,7 @@ def parameters_of(function: Callable[..., Any], name: str, topics: Mapping[str, 
     """
     if not callable(function) or isinstance(function, type):
         raise TypeError(f"program: expected a function that returns a Drive, got {function!r}")
-    samples = [kind.sample_name for kind in KINDS.values()]
+    samples = [kind.parameter for kind in KINDS.values()]
     given = (*samples, *GIVEN, *ODOMETRY)
     asked = asked_by(function, name, (*given, *topics))
     for one in asked:

@@ -448,7 +448,7 @@ class Machine:
             ) from None
 
 
-_KNOWN = (*(kind.sample_name for kind in KINDS.values()), *GIVEN, *ODOMETRY, SINCE)
+_KNOWN = (*(kind.parameter for kind in KINDS.values()), *GIVEN, *ODOMETRY, SINCE)
 
 
 @lru_cache(maxsize=500)

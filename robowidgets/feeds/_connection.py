@@ -110,7 +110,7 @@ class Connection(Observed):
         check_name(topic)
         if not targets:
             raise TypeError(f"connect({topic!r}) needs a widget, or a function of a sample")
-        of_widgets, functions = sorted_targets(targets)
+        of_widgets, functions = sorted_targets(topic, targets)
         self._connect(topic, of_widgets)
         with self._lock:
             self.functions.connect(topic, [target.call for target in of_widgets if not target.is_ours], raw=True)
@@ -121,7 +121,7 @@ class Connection(Observed):
     def disconnect(self, topic: str, *targets: Any) -> None:
         """See `Feed.disconnect`."""
         check_name(topic)
-        of_widgets, functions = sorted_targets(targets)
+        of_widgets, functions = sorted_targets(topic, targets)
         with self._lock:
             self.functions.disconnect(topic, [*functions, *(one.call for one in of_widgets)] if targets else None)
             self._table.disconnect(topic, of_widgets if targets else None)

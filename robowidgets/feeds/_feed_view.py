@@ -77,7 +77,8 @@ class FeedView(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no type
         return stacked([self._stop, *self._shown.values(), *(widget for widget in more if widget is not None)])
 
     def __repr__(self) -> str:
-        return f"<FeedView: {', '.join(self.widgets) or 'no topics'}>"
+        shown = dict.fromkeys(choice.titles[0] for choice in self._shown)
+        return f"<FeedView: {', '.join(shown) or 'no topics'}>"
 
     def _repr_mimebundle_(self, **kwargs: Any) -> Any:
         """What a cell shows of it: all of it, or the bar that puts it beside the notebook."""
@@ -86,10 +87,11 @@ class FeedView(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no type
 
     @property
     def widgets(self) -> dict[str, Any]:
-        """The widgets on show, by topic; of a topic with two the first."""
+        """The widgets on show, by topic; of a topic with two the first. One may have all topics of a namespace."""
         firsts: dict[str, Any] = {}
         for choice, widget in self._shown.items():
-            firsts.setdefault(choice.topic, widget)
+            for topic in choice.own:
+                firsts.setdefault(topic, widget)
         return firsts
 
     def close(self) -> None:
@@ -145,22 +147,19 @@ class FeedView(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no type
         return (self.program, self.machine) != shown
 
     def _set_widgets(self, wanted: Sequence[WidgetChoice]) -> None:
-        there = {(choice.shown, choice.topic, choice.commanded): choice for choice in self._shown}
+        there = dict(self._shown)
         shown = {}
         for choice in wanted:
-            before = there.pop((choice.shown, choice.topic, choice.commanded), None)
+            before = next((one for one in there if one.is_like(choice)), None)
             if before is None:
                 shown[choice] = choice.make()
                 if isinstance(shown[choice], SpeedWidget):
                     shown[choice].show_used_axes()
-                self._connection.connect(choice.topic, shown[choice])
             else:
-                shown[choice] = self._shown[before]
-            self._change_command(shown[choice], before.command if before else "", choice.command)
-        for choice in there.values():
-            widget = self._shown[choice]
-            self._connection.disconnect(choice.topic, widget)
-            self._change_command(widget, choice.command, "")
+                shown[choice] = there.pop(before)
+            self._change_topics(shown[choice], before, choice)
+        for choice, widget in there.items():
+            self._change_topics(widget, choice, None)
             widget.close()
         self._shown = shown
         sensors = list(shown.values())
@@ -188,13 +187,15 @@ class FeedView(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no type
         self.children = [self._stop, self._status, self._screen]
         _close_boxes(old)
 
-    def _change_command(self, widget: Any, before: str, after: str) -> None:
-        """Show the commanded speed of another topic, or of none."""
-        if before != after:
-            if before:
-                self._connection.disconnect(before, widget.command)
-            if after:
-                self._connection.connect(after, widget.command)
+    def _change_topics(self, widget: Any, before: WidgetChoice | None, after: WidgetChoice | None) -> None:
+        """Show in a widget the topics of another choice, each in its role."""
+        old, new = (
+            {} if one is None else {name: one.method(role) for role, name in one.parts} for one in (before, after)
+        )
+        for topic in [topic for topic in old if topic not in new]:
+            self._connection.disconnect(topic, getattr(widget, old[topic]))
+        for topic in [topic for topic in new if topic not in old]:
+            self._connection.connect(topic, getattr(widget, new[topic]))
 
     def _show_status(self) -> None:
         """Show the status of the topics without a widget; a widget shows the status of its own topic."""

@@ -12,9 +12,8 @@ from typing import TYPE_CHECKING, Any
 
 from ..behaviors.odometer import Odometer
 from ..behaviors.robot import ODOMETRY, POSE, DrivenRobot, NotReadyError
-from ..kinds import KINDS, PATH, SPEED, Kind
-from ..samples import Speed, Touch
-from ..samples.touch_tracker import TouchTracker
+from ..kinds import PATH, SPEED, Gathered, Kind, kind_of_parameter, kind_of_sample
+from ..samples import Speed
 from ._subscription import Target
 from ._topics import queue_length, sample_of
 
@@ -63,7 +62,7 @@ class _Latest:
         self._times: deque[float] = deque(maxlen=3)
         self._sample: Any = None
         self._goes_stale = False
-        self._touches: TouchTracker | None = None
+        self._gathered: Gathered | None = None
         self._target: Target = connection.attach(topic, self._put)
 
     def close(self) -> None:
@@ -75,7 +74,8 @@ class _Latest:
         with self._lock:
             messages, self._messages = self._messages, deque()
             times = list(self._times)
-        touched = self._take(messages) if messages else set()
+        if messages:
+            self._take(messages)
         if self._sample is None:
             raise NotReadyError(self._connection.status_of(self.topic) or f"waiting for {self.topic}")
         age = time.monotonic() - times[-1]
@@ -85,12 +85,11 @@ class _Latest:
                 raise NotReadyError(
                     self._connection.status_of(self.topic) or f"no {name} comes on {self.topic} any more"
                 )
-        return self._touch_of(touched) if self._touches is not None else self._sample
+        return self._sample if self._gathered is None else self._gathered.take()
 
-    def _take(self, messages: Sequence[Any]) -> set[str]:
-        """Read messages; returns the touch sensors that were touched. NotReadyError if a message cannot be read."""
+    def _take(self, messages: Sequence[Any]) -> None:
+        """Read messages. NotReadyError if a message cannot be read."""
         topic = self._connection.topic_of(self.topic)
-        touched: set[str] = set()
         for message in messages:
             try:
                 sample = sample_of(message, topic)
@@ -99,15 +98,14 @@ class _Latest:
             self._sample = sample
             if self.odometer is not None and isinstance(sample, Speed) and sample.pose is not None:
                 self.odometer.add(sample.pose)
-            if isinstance(sample, Touch):
-                touched |= {sensor for sensor, state in sample.touched.items() if state}
-                self._touches = self._touches or TouchTracker()
-                self._touches.apply(sample, time.monotonic_ns())
-        self._goes_stale = any(kind.goes_stale for kind in KINDS.values() if isinstance(self._sample, kind.sample))
-        return touched
+            kind = kind_of_sample(sample)
+            self._goes_stale = kind is not None and kind.goes_stale
+            if kind is not None and kind.gathered is not None:
+                self._gathered = self._gathered or kind.gathered()
+                self._gathered.add(sample)
 
     def _put(self, message: Any) -> None:
-        """Store a message; of touch sensors each one counts. In the transport's thread."""
+        """Store a message; of some kinds each one counts. In the transport's thread."""
         with self._lock:
             if not self._messages:
                 kept = queue_length(self._connection.topic_of(self.topic).type)
@@ -115,13 +113,6 @@ class _Latest:
             self._messages.append(message)
             self._times.append(time.monotonic())
         self._on_message()
-
-    def _touch_of(self, touched: set[str]) -> Touch:
-        """The states of all sensors; one that was touched and released since the last step counts as touched."""
-        assert self._touches is not None
-        states = self._touches.states(time.monotonic_ns())
-        known = {name: one.state.as_bool for name, one in states.items()}
-        return Touch({**known, **dict.fromkeys(touched, True)})
 
 
 class FeedInputs:
@@ -224,6 +215,6 @@ class FeedInputs:
 
 
 def _kind(name: str) -> Kind:
-    if name in ODOMETRY:
-        return SPEED
-    return next(kind for kind in KINDS.values() if kind.sample_name == name)
+    kind = SPEED if name in ODOMETRY else kind_of_parameter(name)
+    assert kind is not None  # the parameters of a program are checked before
+    return kind

@@ -4,15 +4,39 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable, Sequence
+from functools import update_wrapper
 from typing import Any, NamedTuple
 
 from .._core.log_once import LogOnce, log_in_thread
 from .._core.robot_widget import RobotWidget
 from ..drive_widget import DriveWidget
+from ..kinds import namespace_of, role_of, sensor_of
 from ._topics import FeedTopic, no_such
 from ._two_scanners import TwoScanners
 
 _PACKAGE = __name__.partition(".")[0]
+
+
+class OfSensor:
+    """A method of a widget of several sensors, as what takes the messages of one of them.
+
+    Args:
+        method: it takes the name of the sensor, and a message.
+        sensor: the name.
+    """
+
+    def __init__(self, method: Callable[[str, Any], object], sensor: str) -> None:
+        update_wrapper(self, method)
+        self._method, self._sensor = method, sensor
+
+    def __call__(self, message: Any) -> object:
+        return self._method(self._sensor, message)
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, OfSensor) and (self._method, self._sensor) == (other._method, other._sensor)
+
+    def __hash__(self) -> int:
+        return hash((self._method, self._sensor))
 
 
 class Target(NamedTuple):
@@ -28,7 +52,17 @@ class Target(NamedTuple):
     @property
     def is_primary(self) -> bool:
         """Whether the widget shows the topic itself; a commanded speed, for one, is shown beside the measured one."""
-        return self.widget is not None and getattr(self.call, "__name__", "") == "update"
+        return self.widget is not None and self.title == "title"
+
+    @property
+    def title(self) -> str:
+        """The trait in which the widget names the topic."""
+        method = getattr(self.call, "__name__", "")
+        return "title" if method == "update" else f"{method}_title"
+
+    def name_of(self, topic: str) -> str:
+        """What the widget calls the topic: its namespace, where it shows all topics of one."""
+        return namespace_of(topic) if isinstance(self.call, OfSensor) else topic
 
     @property
     def is_ours(self) -> bool:
@@ -39,15 +73,15 @@ class Target(NamedTuple):
         return self.widget is None or str(getattr(self.call, "__module__", "")).partition(".")[0] == _PACKAGE
 
 
-def _target_of(given: Any) -> Target | Callable[[Any], object]:
+def _target_of(topic: str, given: Any) -> Target | Callable[[Any], object]:
     """The target for a widget, or for a method of one (`SpeedWidget.command`); a function as it is."""
     if isinstance(given, RobotWidget):
         update = getattr(given, "update", None)
         if callable(update):
-            return Target(update, given)
+            return _of_widget(topic, update, given)
     elif callable(given) and not isinstance(given, type):
         owner = getattr(given, "__self__", None)
-        return Target(given, owner) if isinstance(owner, RobotWidget) else given
+        return _of_widget(topic, given, owner) if isinstance(owner, RobotWidget) else given
     hint = f"; make one of it: {given.__name__}()" if isinstance(given, type) else ""
     if isinstance(given, DriveWidget):
         hint = "; a pad that drives is connected to a feed: pad.connect(feed)"
@@ -56,9 +90,14 @@ def _target_of(given: Any) -> Target | Callable[[Any], object]:
     )
 
 
-def sorted_targets(targets: Sequence[Any]) -> tuple[list[Target], list[Callable[[Any], object]]]:
-    """The targets of `connect`, separated into those of widgets and functions."""
-    every = [_target_of(target) for target in targets]
+def _of_widget(topic: str, method: Callable[..., object], widget: RobotWidget[Any]) -> Target:
+    role = role_of(type(widget), getattr(method, "__name__", ""))
+    return Target(OfSensor(method, sensor_of(topic)) if role is not None and role.each else method, widget)
+
+
+def sorted_targets(topic: str, targets: Sequence[Any]) -> tuple[list[Target], list[Callable[[Any], object]]]:
+    """The targets of `connect` to a topic, separated into those of widgets and functions."""
+    every = [_target_of(topic, target) for target in targets]
     of_widgets = [one for one in every if isinstance(one, Target)]
     return of_widgets, [one for one in every if not isinstance(one, Target)]
 

@@ -146,10 +146,10 @@ def _rank(connected: _Connected) -> tuple[bool, bool, bool]:
 
 
 def _set_titles(widget: RobotWidget[Any], connected: Sequence[_Connected]) -> None:
-    """Title a widget after its first primary topic, and a speed widget's commands after their first topic."""
-    first, target = connected[0]
-    if target.is_primary:
-        widget._name_after(first.topic)
-    command = getattr(widget, "command", None)
-    for subscription in [subscription for subscription, target in connected if target.call == command][:1]:
-        widget._name_after(subscription.topic, "command_title")
+    """Give a widget its titles, each after the first topic that its method takes."""
+    titled: set[str] = set()
+    for subscription, target in connected:
+        title = target.title
+        if title not in titled and widget.has_trait(title):
+            titled.add(title)
+            widget._name_after(target.name_of(subscription.topic), title)

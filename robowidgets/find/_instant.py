@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
-from ..kinds import KINDS, Kind
+from ..kinds import KINDS, Kind, kind_of_sample
 from ..recordings.topics import Topic, UnknownTopicError, UnnamedTopicError, only
 from ..samples import Scan, Speed, Touch
 from ..samples.verdict import Trace
@@ -114,9 +114,9 @@ class OneSample:
         self._sample = sample
 
     def __getattr__(self, name: str) -> Any:
-        there = next(kind.sample_name for kind in KINDS.values() if isinstance(self._sample, kind.sample))
-        if name != there:
-            raise AttributeError(f"no {name!r} here: this is one {there}")
+        kind = kind_of_sample(self._sample)
+        if kind is not None and name != kind.sample_name:
+            raise AttributeError(f"no {name!r} here: this is one {kind.sample_name}")
         return self._sample
 
     def __getitem__(self, topic: str) -> Any:

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from math import cos, sin
 from typing import Any
 
-from ..samples import Scan, Speed, TouchState
+from ..samples import Scan, Speed, Touch, TouchState
 from ..samples.touch_tracker import TouchTracker
 
 LASER_SCAN = "sensor_msgs/msg/LaserScan"
@@ -14,10 +15,13 @@ TWIST = "geometry_msgs/msg/Twist"
 TWIST_STAMPED = "geometry_msgs/msg/TwistStamped"
 CONTACTS = "ros_gz_interfaces/msg/Contacts"
 
+ToMessage = Callable[[Any, int, str], tuple[str, dict[str, Any]]]
+"""The type and the fields of the message of a sample: of it, its time in nanoseconds, and the type of its topic."""
 
-def scan_fields(scan: Scan, time_ns: int) -> dict[str, Any]:
-    """The fields of a ``sensor_msgs/LaserScan``, stamped with a time in nanoseconds."""
-    return {
+
+def scan_message(scan: Scan, time_ns: int, _topic_type: str) -> tuple[str, dict[str, Any]]:
+    """A ``sensor_msgs/LaserScan``, stamped with its time."""
+    return LASER_SCAN, {
         "header": _header(time_ns, scan.frame_id),
         "angle_min": scan.angle_min,
         "angle_max": scan.angle_min + max(0, len(scan) - 1) * scan.angle_increment,
@@ -45,14 +49,22 @@ def speed_message(speed: Speed, time_ns: int, topic_type: str) -> tuple[str, dic
     return TWIST_STAMPED, {"header": _header(time_ns, speed.frame_id), "twist": twist}
 
 
-def contact_fields(touches: TouchTracker, time_ns: int) -> dict[str, Any]:
-    """The fields of ``ros_gz_interfaces/Contacts``: a contact for each sensor that is touched now.
+class ContactMessages:
+    """Makes a ``ros_gz_interfaces/Contacts`` of each touch of a topic: a contact for each sensor that is touched then.
 
     No standard type names touch sensors. This one takes any names, and each message tells of all sensors.
     """
-    touched = [name for name, one in touches.states(time_ns).items() if one.state is TouchState.TOUCHED]
-    contacts = [{"collision1": {"name": name}, "collision2": {"name": "something"}} for name in touched]
-    return {"header": _header(time_ns, ""), "contacts": contacts}
+
+    def __init__(self) -> None:
+        self._touches = TouchTracker()
+
+    def __call__(self, touch: Touch, time_ns: int, _topic_type: str) -> tuple[str, dict[str, Any]]:
+        """See `ToMessage`."""
+        self._touches.apply(touch, time_ns)
+        states = self._touches.states(time_ns)
+        touched = [name for name, one in states.items() if one.state is TouchState.TOUCHED]
+        contacts = [{"collision1": {"name": name}, "collision2": {"name": "something"}} for name in touched]
+        return CONTACTS, {"header": _header(time_ns, ""), "contacts": contacts}
 
 
 def _header(time_ns: int, frame_id: str) -> dict[str, Any]:

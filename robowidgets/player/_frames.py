@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from math import inf, nan
 from typing import Any, Protocol
 
@@ -51,35 +51,41 @@ class Track(Protocol):
 
 
 class SampleFrames:
-    """A `Track` of the last sample of a topic at each time, and of the commanded topic that goes with it, if any.
+    """A `Track` of the last sample of each topic of a widget at each time.
 
     Args:
         recording: the recording.
-        choice: the topics, and their kind.
+        choice: the topics in their roles, and their kind.
         widget: packs the samples.
     """
 
     def __init__(self, recording: RecordingData, choice: WidgetChoice, widget: Any) -> None:
-        self._recording, self._topics, self._widget = recording, choice.topics, widget
+        self._recording, self._choice, self._widget = recording, choice, widget
         self._nothing = choice.shown.nothing
-        shows = [widget.update, *([widget.command] if choice.command else [])]
-        self._seeks = [_newest(recording, *shown, self._nothing) for shown in zip(choice.topics, shows, strict=True)]
+        shows = [(topic, getattr(widget, choice.method(role))) for role, topic in choice.parts]
+        self._seeks = [_newest(recording, topic, show, self._nothing) for topic, show in shows]
 
     def frames(self, start: float, end: float) -> Iterator[TimedFrame]:
         """See `Track`."""
-        last = {name: self._recording.at(name, start) for name in self._topics}
+        topics = self._choice.topics
+        last = {name: self._recording.at(name, start) for name in topics}
         now = {name: moment.sample if moment else self._nothing for name, moment in last.items()}
-        yield self._frame(max(moment.seconds if moment else BEFORE for moment in last.values()), *now.values())
-        for moment in self._recording.samples(self._topics, start, end):
+        yield self._shown(max(moment.seconds if moment else BEFORE for moment in last.values()), now)
+        for moment in self._recording.samples(topics, start, end):
             now[moment.topic] = moment.sample
-            yield self._frame(moment.seconds, *now.values())
+            yield self._shown(moment.seconds, now)
 
     def seek(self, seconds: float) -> None:
         """See `Track`."""
         for seek in self._seeks:
             seek(seconds)
 
-    def _frame(self, seconds: float, sample: Any, _commanded: Any = None) -> TimedFrame:
+    def _shown(self, seconds: float, now: Mapping[str, Any]) -> TimedFrame:
+        """The frame of the last sample of each topic."""
+        others = {role.name: now[name] for role, name in self._choice.parts[1:]}
+        return self._frame(seconds, now[self._choice.topic], **others)
+
+    def _frame(self, seconds: float, sample: Any) -> TimedFrame:
         about, frame = self._widget.frame_of(sample)
         return TimedFrame(seconds, about, _header(sample) + frame)
 
@@ -100,7 +106,7 @@ class ScanFrames(SampleFrames):
                 self._poses.add(moment.sample.pose, moment.seconds, moment.sample.stamp_ns)
         return super().frames(start, end)
 
-    def _frame(self, seconds: float, sample: Any, _commanded: Any = None) -> TimedFrame:
+    def _frame(self, seconds: float, sample: Any) -> TimedFrame:
         timed = super()._frame(seconds, sample)
         robot = self._poses.at(seconds, sample.stamp_ns)
         return timed._replace(about=timed.about | self._widget._scanner_at(robot))
@@ -122,7 +128,7 @@ class PathFrames(SampleFrames):
         if not len(widget.points):
             widget.show_whole(*_path_of(recording, choice.topic))
 
-    def _frame(self, seconds: float, sample: Any, _commanded: Any = None) -> TimedFrame:
+    def _frame(self, seconds: float, sample: Any) -> TimedFrame:
         x, y, yaw = sample.pose
         return super()._frame(seconds, PathPoint(seconds, x, y, yaw, sample.stamp_ns))
 

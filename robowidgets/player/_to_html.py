@@ -249,11 +249,12 @@ def _heading(player: Player, recording: RecordingData, wanted: Wanted, span: tup
     stretch = f"{duration:.2f} s" if end - start == duration else f"{start:.2f} to {end:.2f} s of {duration:.2f} s"
     start_ns = recording.start_ns or 0
     topics = list(dict.fromkeys(topic for view in player.views for topic in view.choice.topics))
+    titles = list(dict.fromkeys(title for view in player.views for title in view.choice.titles))
     facts = [
         *([name] if wanted.title else []),
         stretch,
         *([as_date(start_ns + round(start * 1e9))] if has_date(start_ns) else []),
-        ", ".join(topics),
+        ", ".join(titles),
         *([f"one of every {wanted.every} scans"] if wanted.every > 1 else []),
         *(["without Rerun's viewer"] if player.rerun else []),
     ]

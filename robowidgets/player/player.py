@@ -147,7 +147,7 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
         self._on_time(ahead, None)
 
     def __repr__(self) -> str:
-        shown = ", ".join(dict.fromkeys(topic for view in self.views for topic in view.choice.topics))
+        shown = ", ".join(dict.fromkeys(title for view in self.views for title in view.choice.titles))
         return f"<Player {self.recording.path.name}: {self.time:.2f} of {self.duration:.2f} s, {shown or 'no topics'}>"
 
     @property

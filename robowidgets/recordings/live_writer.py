@@ -13,12 +13,11 @@ from queue import Empty, SimpleQueue
 from typing import Any
 
 from .._core.text import many
-from ..messages import standard
+from ..kinds import kind_of_sample
 from ..messages.channel import Channel
 from ..messages.encoding import encode
+from ..messages.standard import ToMessage
 from ..repair.write import McapWriter
-from ..samples import Scan, Speed, Touch
-from ..samples.touch_tracker import TouchTracker
 
 log = logging.getLogger("robowidgets")
 
@@ -55,7 +54,7 @@ class LiveWriter:
         self._unwritable: dict[str, str] = {}
         self._failed = ""
         self._channels: dict[tuple[str, str], Channel] = {}
-        self._touches: dict[str, TouchTracker] = {}
+        self._to_message: dict[str, ToMessage] = {}
         # A clock that is set meanwhile moves no message.
         self._epoch_ns = time.time_ns() - time.monotonic_ns()
         self._queue: SimpleQueue[tuple[str, str, int, Any] | None] = SimpleQueue()
@@ -136,12 +135,9 @@ class LiveWriter:
 
     def _standard(self, topic: str, topic_type: str, time_ns: int, message: Any) -> tuple[str, Any]:
         """The type and the fields of a message; those of a standard type for a sample."""
-        if isinstance(message, Scan):
-            return standard.LASER_SCAN, standard.scan_fields(message, time_ns)
-        if isinstance(message, Speed):
-            return standard.speed_message(message, time_ns, topic_type)
-        if isinstance(message, Touch):
-            touches = self._touches.setdefault(topic, TouchTracker())
-            touches.apply(message, time_ns)
-            return standard.CONTACTS, standard.contact_fields(touches, time_ns)
-        return topic_type, message
+        kind = kind_of_sample(message)
+        if kind is None or kind.to_message is None:
+            return topic_type, message
+        if topic not in self._to_message:
+            self._to_message[topic] = kind.to_message()
+        return self._to_message[topic](message, time_ns, topic_type)

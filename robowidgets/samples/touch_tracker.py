@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from dataclasses import dataclass, replace
 from math import inf
 
@@ -140,3 +141,22 @@ class TouchTracker:
         silence = self.hold if self.timeout is None else self.timeout
         wait = self.hold if sensor.missed else silence
         return None if wait == inf else sensor.seen_ns + round(wait * 1e9)
+
+
+class TouchesBetween:
+    """The states of all touch sensors, where one that was touched and released since it was asked counts as touched."""
+
+    def __init__(self) -> None:
+        self._tracker = TouchTracker()
+        self._touched: set[str] = set()
+
+    def add(self, touch: Touch) -> None:
+        """Apply a message that has arrived."""
+        self._touched |= {sensor for sensor, state in touch.touched.items() if state}
+        self._tracker.apply(touch, time.monotonic_ns())
+
+    def take(self) -> Touch:
+        """The states, by name. The next call tells of what comes from now on."""
+        touched, self._touched = self._touched, set()
+        states = self._tracker.states(time.monotonic_ns())
+        return Touch({**{name: one.state.as_bool for name, one in states.items()}, **dict.fromkeys(touched, True)})

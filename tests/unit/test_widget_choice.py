@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 
+from robowidgets import kinds
 from robowidgets._widget_choice import choose_widgets
 from robowidgets.feeds._topics import FeedTopic
-from robowidgets.kinds import is_command
+from robowidgets.kinds import KINDS, Role, is_command
+
+from ..fourth_kind.number import NUMBER, added
 
 
 @pytest.mark.parametrize(
@@ -29,7 +34,7 @@ from robowidgets.kinds import is_command
 def test_a_measured_speed_gets_the_command_of_its_own_robot(topics: list[str], command_of: dict[str, str]) -> None:
     shown = [FeedTopic(name, "", "speed", is_command(name), offered=True, wanted=None) for name in topics]
     chosen = choose_widgets(shown)
-    assert {choice.topic: choice.command for choice in chosen if choice.command} == command_of
+    assert {choice.topic: choice.topics[1] for choice in chosen if choice.topics[1:]} == command_of
     assert {choice.topic for choice in chosen} == set(topics) - set(command_of.values())
 
 
@@ -39,7 +44,7 @@ def test_a_command_alone_is_shown_as_one() -> None:
         FeedTopic(name, "", widget, widget == "speed" and is_command(name), offered=True, wanted=None)  # type: ignore[arg-type]
         for name, widget in topics
     ]
-    assert [(choice.topic, choice.commanded) for choice in choose_widgets(shown)] == [
+    assert [(choice.topic, choice.role.commanded) for choice in choose_widgets(shown)] == [
         ("/scan", False), ("/odom", False), ("/cmd_vel_mux/input", True)
     ]  # fmt: skip
     assert [choice.make().bars for choice in choose_widgets(shown)[1:]] == ["measured", "commanded"]
@@ -67,3 +72,43 @@ def test_a_speed_of_a_topic_has_no_limits_until_somebody_sets_them() -> None:
     assert speed.over_limits == {}
     speed.linear_limits = 0.5
     assert speed.over_limits == {"linear.x": 3.0}
+
+
+def listed(**widget_of: str) -> list[FeedTopic]:
+    names = {name.replace("__", "/"): widget for name, widget in widget_of.items()}
+    return [
+        FeedTopic(f"/{name}", "", widget, commanded=False, offered=True, wanted=None) for name, widget in names.items()
+    ]
+
+
+def test_all_topics_of_a_namespace_share_a_widget_where_the_role_is_of_each() -> None:
+    with added():
+        kinds.add(replace(NUMBER, roles=(Role(name="numbers", each=lambda samples, _: samples),)), replace=True)
+        topics = listed(a__left="number", b__left="number", scan="laser", a__right="number", top="number")
+        chosen = choose_widgets(topics)
+        assert [choice.topics for choice in chosen] == [("/scan",), ("/a/left", "/a/right"), ("/b/left",), ("/top",)]
+        assert [choice.titles for choice in chosen[1:]] == [("/a",), ("/b",), ("/",)]
+        assert [choice.make().title for choice in chosen[1:]] == ["/a", "/b", "/"]
+        more = choose_widgets([*topics, *listed(a__back="number")])
+        assert [one.is_like(other) for one, other in zip(chosen, more, strict=True)] == [True] * 4
+
+
+def test_a_picture_needs_its_calibration_and_may_have_a_scan_which_keeps_its_own_widget() -> None:
+    with added():
+        needed = Role(name="camera_info", take="calibrate", kind="camera_info", required=True)
+        image = replace(
+            NUMBER,
+            name="image",
+            sample_name="image",
+            roles=(Role(name="image"), needed, Role(name="scan", take="overlay", kind="laser")),
+        )
+        kinds.add(replace(NUMBER, name="camera_info", sample_name="camera_info"))
+        kinds.add(image)
+        front = listed(front__image="image", front__camera_info="camera_info", back__image="image")
+        shown = {choice.topics: choice for choice in choose_widgets([*front, *listed(scan="laser")])}
+        assert list(shown) == [
+            ("/scan",), ("/front/camera_info",), ("/front/image", "/front/camera_info", "/scan")
+        ]  # fmt: skip
+        choice = shown["/front/image", "/front/camera_info", "/scan"]
+        assert [choice.method(role) for role, _ in choice.parts] == ["update", "calibrate", "overlay"]
+    assert "image" not in KINDS

@@ -62,7 +62,7 @@ def from_1970(at: int = 50) -> list[Message]:
 def open_scans(path: Path) -> tuple[Recording, SampleFrames]:
     """A recording, and the frames of its laser as a player asks for them."""
     recording = robowidgets.open(path)
-    return recording, SampleFrames(recording, WidgetChoice(LASER, SCAN), LaserWidget())
+    return recording, SampleFrames(recording, WidgetChoice(LASER, ((LASER.roles[0], SCAN),)), LaserWidget())
 
 
 @pytest.mark.parametrize("kind", KINDS)
