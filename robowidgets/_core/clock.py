@@ -2,20 +2,23 @@
 
 from __future__ import annotations
 
+import asyncio
 import heapq
 import itertools
 import logging
 import os
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Coroutine
 from contextlib import suppress
-from typing import Protocol
+from typing import Any, Protocol, TypeVar
 
 from .platform_fixes import run_beside_debugger
 from .user_threads import UserThread
 
 log = logging.getLogger("robowidgets")
+
+T = TypeVar("T")
 
 Turn = Callable[[], "float | None"]
 """Does what is due now. It returns the time of the next turn, or None to wait until it is woken; `Left` ends it."""
@@ -67,6 +70,10 @@ class Clock(Protocol):
     def began(self, thread: threading.Thread) -> None:
         """Called with each thread that waits by this clock, before it starts."""
 
+    def run(self, main: Coroutine[Any, Any, T]) -> T:
+        """Run a coroutine in an event loop of its own, whose time is that of this clock."""
+        ...
+
 
 class Ticket(Protocol):
     """Repeats one turn. Any thread may call its methods."""
@@ -106,6 +113,10 @@ class RealClock:
 
     def began(self, thread: threading.Thread) -> None:
         """See `Clock`."""
+
+    def run(self, main: Coroutine[Any, Any, T]) -> T:
+        """See `Clock`."""
+        return asyncio.run(main)
 
 
 class _RealSignal:

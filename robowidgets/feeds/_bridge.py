@@ -10,6 +10,7 @@ from collections.abc import Callable, Iterable, Mapping
 from functools import partial
 from typing import Any
 
+from .._core.clock import Clock
 from ._threaded import ThreadedMiddleware
 from ._topics import queue_length
 from ._websocket import COMPARE, LARGEST, Frame, WebSocket, checked
@@ -38,8 +39,8 @@ class Bridge(ThreadedMiddleware):
         TypeError, ValueError: the address is invalid.
     """
 
-    def __init__(self, address: str, subprotocols: list[str] | None = None) -> None:
-        super().__init__()
+    def __init__(self, address: str, subprotocols: list[str] | None = None, clock: Clock | None = None) -> None:
+        super().__init__(clock)
         self._address, self._subprotocols = checked(address), subprotocols
         self._socket: WebSocket | None = None
         """The newest connection."""
@@ -101,14 +102,14 @@ class Bridge(ThreadedMiddleware):
     def _run_session(self, listener: Listener) -> str:
         self._listener = listener
         with contextlib.suppress(asyncio.CancelledError):  # `close` cancels it
-            return asyncio.run(self._run_connection())
+            return self._clock.run(self._run_connection())
         return ""
 
     async def _run_connection(self) -> str:
         with self._lock:
             if self._closed.is_set():
                 return ""
-            socket = self._socket = WebSocket(self.where, self, self._subprotocols)
+            socket = self._socket = WebSocket(self.where, self, self._subprotocols, self._clock)
         reason = await socket.run()
         self._was_tried = True
         if socket.has_lasted:

@@ -6,6 +6,7 @@ import logging
 import threading
 from abc import ABC, abstractmethod
 
+from .._core.clock import Clock, scheduler
 from .._core.log_once import LogOnce
 from .._core.platform_fixes import run_beside_debugger
 from .middleware import CLOSE_TIMEOUT, Listener
@@ -36,18 +37,25 @@ class Backoff:
 
 
 class ThreadedMiddleware(ABC):
-    """The wanted topics of a `Middleware`, and its thread, which runs a session, and after a pause the next one."""
+    """The wanted topics of a `Middleware`, and its thread, which runs a session, and after a pause the next one.
 
-    def __init__(self) -> None:
+    Args:
+        clock: what its waits go by; None: the clock of the computer.
+    """
+
+    def __init__(self, clock: Clock | None = None) -> None:
+        self._clock: Clock = clock or scheduler.clock
         self._closed = threading.Event()
         self._lock = threading.RLock()
-        self._changed = threading.Condition(self._lock)
+        self._changed = self._clock.condition(self._lock)
         self._wanted: frozenset[str] = frozenset()
         self._each: frozenset[str] = frozenset()
         """The wanted topics of which each message is passed on."""
         self._backoff = Backoff()
         """Reset by a session that has reached the robot."""
         self._thread: threading.Thread | None = None
+        self._is_over = False
+        """Whether the thread has ended, but for its last step."""
 
     def follow(self, topics: frozenset[str], each: frozenset[str] = frozenset()) -> None:
         """See `Middleware`."""
@@ -61,16 +69,31 @@ class ThreadedMiddleware(ABC):
         with self._lock:
             if not self._closed.is_set():
                 self._closed.set()
+                self._changed.notify_all()
                 self._wake()
-        if self._thread is not None and self._thread is not threading.current_thread():
-            self._thread.join(CLOSE_TIMEOUT)
+            if self._thread is None or self._thread is threading.current_thread():
+                return
+            until = self._clock.now() + CLOSE_TIMEOUT
+            while not self._is_over and self._changed.wait_until(until):
+                pass
+        if self._is_over:
+            self._thread.join()
 
     def _start_thread(self, name: str, listener: Listener) -> None:
         self._thread = threading.Thread(target=self._run, args=(listener,), name=name, daemon=True)
         run_beside_debugger(self._thread)
+        self._clock.began(self._thread)
         self._thread.start()
 
     def _run(self, listener: Listener) -> None:
+        try:
+            self._run_sessions(listener)
+        finally:
+            with self._lock:
+                self._is_over = True
+                self._changed.notify_all()
+
+    def _run_sessions(self, listener: Listener) -> None:
         log_once = LogOnce(log.exception)
         while not self._closed.is_set():
             try:
@@ -81,7 +104,14 @@ class ThreadedMiddleware(ABC):
             if not self._closed.is_set():
                 pause = self._backoff.next_pause()
                 listener.on_lost(reason, pause)
-                self._closed.wait(pause)
+                self._pause(pause)
+
+    def _pause(self, seconds: float) -> None:
+        """Wait for some seconds, or until it is closed."""
+        until = self._clock.now() + seconds
+        with self._lock:
+            while not self._closed.is_set() and self._changed.wait_until(until):
+                pass
 
     @abstractmethod
     def _run_session(self, listener: Listener) -> str:

@@ -3,18 +3,17 @@
 from __future__ import annotations
 
 import asyncio
-import concurrent.futures
 import contextlib
 import itertools
 import math
 import socket
 import threading
-import time
 from collections import deque
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 from urllib.parse import urlsplit
 
+from .._core.clock import Clock
 from .._core.platform_fixes import acknowledge_at_once, close_when_connected, report_close_code
 from ..samples.staleness import ROBOT_GONE, ROBOT_SILENCE
 from .middleware import SEND_TIMEOUT, FeedError
@@ -44,9 +43,8 @@ _TIMED_OUT = 599  # tornado's code for a time-out, which no server sends
 class _Ping:
     """A ping, which its pong repeats. The robot has then read every frame before it."""
 
-    def __init__(self, mark: bytes) -> None:
-        self.mark = mark
-        self.sent_at = time.monotonic()
+    def __init__(self, mark: bytes, sent_at: float) -> None:
+        self.mark, self.sent_at = mark, sent_at
         self.answered = asyncio.Event()
 
 
@@ -59,17 +57,21 @@ class WebSocket:
         address: the address; see `checked`.
         bridge: what speaks over it; `Bridge` describes the methods that are called.
         subprotocols: names of the protocol; the robot must know one of them.
+        clock: that of the event loop, by which `publish` waits, too.
 
     Attributes:
         too_big: whether it ended because of a message larger than `LARGEST`.
         is_cancelled: whether `cancel` was called.
     """
 
-    def __init__(self, address: str, bridge: Bridge, subprotocols: list[str] | None) -> None:
+    def __init__(self, address: str, bridge: Bridge, subprotocols: list[str] | None, clock: Clock) -> None:
         self.address = address
         self._bridge = bridge
         self._subprotocols = subprotocols
+        self._clock = clock
         self._lock = threading.Lock()
+        self._publishing = threading.RLock()
+        self._published = clock.condition(self._publishing)
         self._loop: asyncio.AbstractEventLoop | None = asyncio.get_running_loop()
         self._task = asyncio.current_task()
         self._connection: Any = None
@@ -100,7 +102,7 @@ class WebSocket:
     @property
     def has_lasted(self) -> bool:
         """Whether it was open for a while: a robot that accepts a connection may drop it at once."""
-        return time.monotonic() - self._opened_at > PATIENCE
+        return self._clock.now() - self._opened_at > PATIENCE
 
     async def run(self) -> str:
         """Connect, and run until the connection ends; returns the reason."""
@@ -158,19 +160,28 @@ class WebSocket:
             if self._connection is None or self._loop is None:
                 raise FeedError(f"there is no connection to {self.address}")
             sending = asyncio.run_coroutine_threadsafe(self._publish(frame, confirm, taken), self._loop)
+        sending.add_done_callback(self._note_published)
+        until = self._clock.now() + SEND_TIMEOUT
+        with self._publishing:
+            while not sending.done() and self._published.wait_until(until):
+                pass
+        late: OSError
         try:
-            sending.result(SEND_TIMEOUT)
-            return
+            if sending.done():
+                return sending.result()
+            late = TimeoutError(self._why_late())
         except FeedError:
             raise
-        except concurrent.futures.TimeoutError:
-            late: OSError = TimeoutError(self._why_late())
         except Exception:  # whatever the network and tornado raise, or it was cancelled
             late = ConnectionError(f"the connection to {self.address} ended")
         if not confirm and taken.acquire(blocking=False):
             sending.cancel()
             raise FeedError(str(late))
         raise late
+
+    def _note_published(self, _: object) -> None:
+        with self._publishing:
+            self._published.notify_all()
 
     async def _connect(self) -> Any:
         from tornado.httpclient import HTTPRequest
@@ -203,7 +214,7 @@ class WebSocket:
         stream.set_nodelay(True)
         report_close_code(connection, self._on_close_code)
         connection.on_message, connection.on_pong = self._on_frame, self._on_pong
-        self._opened_at = time.monotonic()
+        self._opened_at = self._clock.now()
         try:
             self._bridge.on_open()
             while self._early:
@@ -262,7 +273,7 @@ class WebSocket:
     @property
     def _silence(self) -> float:
         """Seconds for which the oldest ping without an answer has waited for it."""
-        return time.monotonic() - self._unanswered[0].sent_at if self._unanswered else 0.0
+        return self._clock.now() - self._unanswered[0].sent_at if self._unanswered else 0.0
 
     def _note_silence(self) -> None:
         is_silent = self._silence >= ROBOT_SILENCE
@@ -271,7 +282,7 @@ class WebSocket:
             self._bridge.on_silence(is_silent)
 
     def _ping(self) -> _Ping:
-        ping = _Ping(b"%d" % next(self._pings))
+        ping = _Ping(b"%d" % next(self._pings), self._clock.now())
         self._unanswered += (ping,)
         self.later(ROBOT_SILENCE, self._note_silence)
         with contextlib.suppress(Exception):  # the connection ended
@@ -290,7 +301,7 @@ class WebSocket:
     def _deliver_soon(self) -> asyncio.Future[None] | None:
         # While the network has more frames, tornado reads on and nothing else runs in this thread, so that only the
         # newest frames are decoded. After `_OVERDUE` it pauses, so that other calls can run.
-        loop, now = asyncio.get_running_loop(), time.monotonic()
+        loop, now = asyncio.get_running_loop(), self._clock.now()
         if self._kept_since is None:
             self._kept_since = now
             loop.call_soon(self._deliver)

@@ -7,12 +7,12 @@ from __future__ import annotations
 
 import json
 import re
-import time
 from collections.abc import Mapping
 from functools import partial
 from struct import Struct
 from typing import Any, NamedTuple
 
+from .._core.clock import Clock
 from ..messages.channel import Channel
 from ..messages.encoding import encode
 from ..messages.standard import TWIST_STAMPED
@@ -49,7 +49,7 @@ class Foxglove(Bridge):
         TypeError, ValueError: the address is invalid.
     """
 
-    def __init__(self, address: str = "ws://127.0.0.1:8765") -> None:
+    def __init__(self, address: str = "ws://127.0.0.1:8765", clock: Clock | None = None) -> None:
         self._subscriptions = 0
         self._reactions = {
             "serverInfo": self._on_info,
@@ -58,7 +58,7 @@ class Foxglove(Bridge):
             "connectionGraphUpdate": self._on_graph,
             "status": self._on_status,
         }
-        super().__init__(address, FOXGLOVE)
+        super().__init__(address, FOXGLOVE, clock)
 
     def publish(self, topic: str, message_type: str, message: Mapping[str, Any]) -> None:
         """See `Middleware`."""
@@ -135,7 +135,7 @@ class Foxglove(Bridge):
             if channel is not None:
                 self._end({channel.id})
                 self._channels[channel.id] = channel
-                self._settled_at[channel.id] = time.monotonic() + _SETTLE
+                self._settled_at[channel.id] = self._clock.now() + _SETTLE
         self._change({channel.topic for channel in self._channels.values()})
 
     def _on_unadvertise(self, operation: dict[str, Any]) -> None:
@@ -166,7 +166,7 @@ class Foxglove(Bridge):
         if topic not in self._followed:
             return
         channels = [channel for channel in self._channels.values() if channel.topic == topic]
-        wait = max((self._settled_at[channel.id] for channel in channels), default=0.0) - time.monotonic()
+        wait = max((self._settled_at[channel.id] for channel in channels), default=0.0) - self._clock.now()
         if wait > 0:
             self._later(wait, lambda: self._start(topic))
             return

@@ -117,8 +117,8 @@ class Ros1(ThreadedMiddleware):
         with self._lock:
             self._wake()
 
-    def _run(self, listener: Listener) -> None:
-        super()._run(listener)
+    def _run_sessions(self, listener: Listener) -> None:
+        super()._run_sessions(listener)
         for subscription in self._subscriptions.values():
             subscription.subscriber.unregister()
         self._subscriptions.clear()
@@ -129,11 +129,13 @@ class Ros1(ThreadedMiddleware):
         while not self._closed.is_set():
             reason = self._poll(listener)
             if not reason:
+                until = self._clock.now() + POLL
                 with self._lock:
-                    self._changed.wait_for(lambda: self._woken, POLL)
+                    while not self._woken and self._changed.wait_until(until):
+                        pass
                     self._woken = False
             elif self._connected:
-                self._closed.wait(self._backoff.next_pause())
+                self._pause(self._backoff.next_pause())
             else:
                 return reason
         return ""

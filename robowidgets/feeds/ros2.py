@@ -72,7 +72,7 @@ class Ros2(ThreadedMiddleware):
 
     def publish(self, topic: str, message_type: str, message: Mapping[str, Any]) -> None:
         """See `Middleware`."""
-        until = time.monotonic() + SEND_TIMEOUT
+        until = self._clock.now() + SEND_TIMEOUT
         while True:
             session = self._await_session(until)
             try:
@@ -93,7 +93,7 @@ class Ros2(ThreadedMiddleware):
                     if self._session.ok():
                         return self._session
                     self._session.wake()
-                if not self._changed.wait(until - time.monotonic()):
+                if not self._changed.wait_until(until):
                     raise FeedError(f"{self.where} is not connected yet")
 
     def _wake(self) -> None:

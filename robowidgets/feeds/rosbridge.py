@@ -11,6 +11,7 @@ from collections import deque
 from collections.abc import Mapping
 from typing import Any
 
+from .._core.clock import Clock
 from ..kinds import counts_every_message
 from ..messages.standard import TWIST, TWIST_STAMPED
 from ._bridge import Bridge, UnreadableError, full_type, other_nodes, short_type, strings
@@ -47,7 +48,7 @@ class Rosbridge(Bridge):
         TypeError, ValueError: the address is invalid.
     """
 
-    def __init__(self, address: str = "ws://127.0.0.1:9090") -> None:
+    def __init__(self, address: str = "ws://127.0.0.1:9090", clock: Clock | None = None) -> None:
         self._has_cbor = has_cbor()
         self._reactions = {
             "publish": self._on_publish,
@@ -55,7 +56,7 @@ class Rosbridge(Bridge):
             "fragment": self._on_fragment,
         }
         self._is_ros1 = False  # kept over connections: a speed may be sent before a new connection has listed the types
-        super().__init__(address)
+        super().__init__(address, clock=clock)
 
     def publish(self, topic: str, message_type: str, message: Mapping[str, Any]) -> None:
         """See `Middleware`."""

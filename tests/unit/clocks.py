@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+import asyncio
 import itertools
+import selectors
 import threading
 import time
+from collections.abc import Callable, Coroutine
 from contextlib import suppress
 from math import inf
-from typing import Any
+from typing import Any, TypeVar
+
+T = TypeVar("T")
 
 
 class ManualClock:
@@ -42,6 +47,22 @@ class ManualClock:
     def began(self, thread: threading.Thread) -> None:
         with self._lock:
             self._awake.add(thread)
+
+    def beside(self, function: Callable[[], object], name: str = "beside") -> threading.Thread:
+        """Call a function in a thread that this clock knows."""
+        thread = threading.Thread(target=function, name=name, daemon=True)
+        self.began(thread)
+        thread.start()
+        return thread
+
+    def run(self, main: Coroutine[Any, Any, T]) -> T:
+        loop = _Loop(self)
+        try:
+            return loop.run_until_complete(main)
+        finally:
+            asyncio.runners._cancel_all_tasks(loop)  # type: ignore[attr-defined]
+            loop.run_until_complete(loop.shutdown_asyncgens())
+            loop.close()
 
     def enter(self, when: float | None, what: Any) -> bool:
         """Note that the calling thread waits for this; False if the time is there already."""
@@ -120,3 +141,53 @@ class _Condition:
             return False
         self._changed.wait()
         return when is None or self._clock.now() < when
+
+
+class _Loop(asyncio.SelectorEventLoop):
+    """An event loop that waits for real sockets, and for the time of a clock."""
+
+    def __init__(self, clock: ManualClock) -> None:
+        self._clock, self._lock, self._is_poked = clock, threading.Lock(), False
+        super().__init__(_Selector(self))
+
+    def time(self) -> float:
+        return self._clock.now()
+
+    def wake(self) -> None:
+        self._write_to_self()
+
+    def run_in_executor(self, _: Any, func: Any, *args: Any) -> asyncio.Future[Any]:
+        """Call it here and now: no time passes while a name is looked up."""
+        future: asyncio.Future[Any] = self.create_future()
+        try:
+            future.set_result(func(*args))
+        except Exception as error:
+            future.set_exception(error)
+        return future
+
+    def _write_to_self(self) -> None:
+        with self._lock:
+            self._is_poked = True
+            self._clock.wakes(self)
+        super()._write_to_self()
+
+    def may_rest(self) -> bool:
+        """Whether it is to wait for a socket, a call of another thread, or the time of its next timer."""
+        with self._lock:
+            is_poked, self._is_poked = self._is_poked, False
+            return not is_poked and self._clock.enter(self._scheduled[0].when() if self._scheduled else None, self)
+
+
+class _Selector(selectors.DefaultSelector):  # type: ignore[misc,valid-type]
+    def __init__(self, loop: _Loop) -> None:
+        super().__init__()
+        self._loop = loop
+
+    def select(self, timeout: float | None = None) -> Any:
+        there = super().select(0)
+        if there or timeout == 0 or not self._loop.may_rest():
+            return there
+        try:
+            return super().select(None)
+        finally:
+            self._loop._clock.wakes(self._loop)

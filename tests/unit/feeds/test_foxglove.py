@@ -462,11 +462,11 @@ def test_a_widget_of_a_user_s_class_whose_update_hangs_holds_back_neither_speed_
 
 
 def test_zero_follows_a_speed_that_is_sent_after_it_was_given_up(monkeypatch: pytest.MonkeyPatch) -> None:
-    frame_on = Foxglove._frame_on
+    frame_on, told = Foxglove._frame_on, threading.Event()
 
     def slowly(self: Foxglove, key: tuple[str, str, str], payload: bytes, *, is_zero: bool) -> bytes:
         monkeypatch.setattr(Foxglove, "_frame_on", frame_on)
-        time.sleep(0.7)  # as where a busy program leaves no time for it
+        assert told.wait(20)  # as where a busy program leaves no time for it
         return frame_on(self, key, payload, is_zero=is_zero)
 
     with (
@@ -478,6 +478,7 @@ def test_zero_follows_a_speed_that_is_sent_after_it_was_given_up(monkeypatch: py
         monkeypatch.setattr(Foxglove, "_frame_on", slowly)
         with pytest.raises(FeedError, match="cannot drive: "):
             feed.drive(0.25)
+        told.set()
         wait_for(lambda: sum(isinstance(said, bytes) for said in server.heard) > 1, "the speed and zero came")
         speeds = [json.loads(said[5:])["linear"]["x"] for said in server.heard if isinstance(said, bytes)]
         assert speeds == [0.25, 0.0]

@@ -7,7 +7,6 @@ import os
 import socket
 import struct
 import threading
-import time
 import weakref
 from collections.abc import Callable, Iterator
 from functools import partial
@@ -18,8 +17,9 @@ import pytest
 from robowidgets import DriveWidget, feeds
 from robowidgets.feeds import Feed, FeedError, _other_bridge, _websocket
 from robowidgets.feeds.foxglove import Foxglove
-from robowidgets.feeds.middleware import CLOSE_TIMEOUT
+from robowidgets.feeds.middleware import CLOSE_TIMEOUT, SEND_TIMEOUT
 
+from ..clocks import ManualClock
 from ..waiting import wait_for
 from .ears import Ears
 from .fox import OldFoxglove, cdr, channel
@@ -27,12 +27,29 @@ from .servers import Server, free_port
 
 # A connection does the same whatever is spoken on it: here it is foxglove.
 
+TICK = 1 / 1024
+"""Seconds of which times are added without rounding."""
+
 TWIST = "geometry_msgs/msg/Twist"
+TAKES: dict[str, Any] = {"capabilities": ["clientPublish"], "supportedEncodings": ["json"]}
+"""What a server says that takes messages."""
 
 
 @pytest.fixture
 def ears() -> Ears:
     return Ears()
+
+
+@pytest.fixture
+def clock() -> ManualClock:
+    return ManualClock()
+
+
+def close(middleware: Foxglove, clock: ManualClock) -> None:
+    """Close a connection while time passes."""
+    closing = clock.beside(middleware.close)
+    clock.advance(CLOSE_TIMEOUT)
+    closing.join()
 
 
 @pytest.fixture
@@ -114,25 +131,23 @@ def test_it_may_be_closed_in_a_callback(scanning: tuple[OldFoxglove, Foxglove], 
     assert ears.lost == []
 
 
-def test_an_attempt_that_nobody_answers_says_what_to_compare_while_it_goes_on(
-    ears: Ears, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    assert _websocket.SILENT < 2.0
-    monkeypatch.setattr(_websocket, "SILENT", 0.05)
-    monkeypatch.setattr(_websocket, "PATIENCE", 1.0)
+def test_an_attempt_that_nobody_answers_says_what_to_compare_while_it_goes_on(ears: Ears, clock: ManualClock) -> None:
     with Raw(lambda taken: taken.recv(1)) as silent:
-        middleware = Foxglove(silent.address)
+        middleware = Foxglove(silent.address, clock)
         middleware.open(ears)
-        wait_for(lambda: ears.nobody, "it is told")
-        assert ears.lost == []
+        clock.advance(1.5 - TICK)
+        assert ears.nobody == ""
+        clock.advance(TICK)
         words = "is the robot on, and in this network? Is the address right? Does a firewall block the port?"
         assert ears.nobody == f"no answer from {silent.address} yet: {words}"
-        wait_for(lambda: ears.lost, "the attempt has ended")
-        assert ears.lost == [f"no answer from {silent.address} within 1 s: {words}"]
+        assert ears.lost == []
+        clock.advance(3.5)
+        assert ears.lost == [f"no answer from {silent.address} within 5 s: {words}"]
         ears.nobody = ""
-        wait_for(lambda: len(ears.lost) == 2, "the next one has, too")
+        clock.advance(5.5)
+        assert len(ears.lost) == 2
         assert ears.nobody == "", "the reason of the first one is on show meanwhile"
-        middleware.close()
+        close(middleware, clock)
 
 
 def test_a_connection_that_is_cut_is_made_again_and_what_was_asked_for_comes(
@@ -155,85 +170,109 @@ def test_a_robot_that_says_goodbye_is_quoted(scanning: tuple[OldFoxglove, Foxglo
     assert ears.lost == ["the connection ended: battery low"]
 
 
-def test_a_robot_that_falls_silent_is_given_up_when_it_is_promised(ears: Ears, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(_websocket, "ROBOT_GONE", 2.0)
+def test_a_robot_that_falls_silent_is_given_up_after_ten_seconds(ears: Ears, clock: ManualClock) -> None:
     with OldFoxglove([channel(1)]) as server:
-        middleware = Foxglove(server.address)
+        middleware = Foxglove(server.address, clock)
         middleware.open(ears)
-        wait_for(lambda: ears.topics, "it is connected")
+        wait_for(lambda: ears.topics and not _unanswered(middleware), "it is connected, and answered")
         go_on = server.stall()
-        began = time.monotonic()
-        wait_for(lambda: ears.lost, "it was lost")
-        assert 1.5 < time.monotonic() - began < 3.0
+        clock.advance(1.0)  # until it is asked again
+        clock.advance(10.0 - TICK)
+        assert ears.lost == []
+        clock.advance(TICK)
+        assert ears.lost == ["the robot did not answer for 10 s"]
         go_on()
+        clock.advance(0.5)
         wait_for(lambda: ears.connected == 2, "it is back")
-        middleware.close()
-    assert ears.lost[0] == "the robot did not answer for 2 s"
+        close(middleware, clock)
 
 
-def test_a_robot_that_answers_but_says_nothing_is_not_given_up(ears: Ears, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(_websocket, "ROBOT_GONE", 0.5)
-    pings = []
+def test_a_robot_that_answers_but_says_nothing_is_not_given_up(ears: Ears, clock: ManualClock) -> None:
+    pings: list[bytes] = []
     with OldFoxglove([]) as server:
-        middleware = Foxglove(server.address)
+        middleware = Foxglove(server.address, clock)
         middleware.open(ears)
-        wait_for(lambda: server.clients, "it is connected")
+        wait_for(lambda: server.clients and middleware._socket and middleware._socket.is_open, "it is connected")
         server.clients[0].on_ping = lambda data: pings.append(data)  # type: ignore[method-assign]
-        wait_for(lambda: len(pings) > 20, "it was asked for longer than that")
-        middleware.close()
+        wait_for(lambda: not _unanswered(middleware), "it answered")
+        before = len(pings)
+        for _ in range(20):
+            clock.advance(1.0)
+            wait_for(lambda: not _unanswered(middleware), "it answered")
+        assert len(pings) == before + 20
+        close(middleware, clock)
     assert ears.lost == []
 
 
 @pytest.fixture
-def taking(ears: Ears) -> Iterator[tuple[OldFoxglove, Foxglove]]:
-    """A server that takes messages, and a connection to it."""
-    info: dict[str, Any] = {"capabilities": ["clientPublish"], "supportedEncodings": ["json"]}
-    with OldFoxglove([channel(1)], **info) as server:
-        middleware = Foxglove(server.address)
+def taking(ears: Ears, clock: ManualClock) -> Iterator[tuple[OldFoxglove, Foxglove]]:
+    """A server that takes messages, and a connection to it that has answered its first ping."""
+    with OldFoxglove([channel(1)], **TAKES) as server:
+        middleware = Foxglove(server.address, clock)
         middleware.open(ears)
-        wait_for(lambda: ears.topics, "it is connected")
+        wait_for(lambda: ears.topics and not _unanswered(middleware), "it is connected, and answered")
         yield server, middleware
-        middleware.close()
+        close(middleware, clock)
+
+
+def late(middleware: Foxglove, clock: ManualClock, fields: dict[str, Any]) -> Exception | None:
+    """What is said of a message that is published, but not taken or answered until `SEND_TIMEOUT` has passed.
+
+    None where it was taken without any time.
+    """
+    errors: list[Exception] = []
+
+    def publish() -> None:
+        try:
+            middleware.publish("/cmd_vel", TWIST, fields)
+        except (FeedError, OSError) as error:
+            errors.append(error)
+
+    publishing = clock.beside(publish)
+    clock.advance(SEND_TIMEOUT - TICK)
+    if publishing.is_alive():
+        assert errors == []
+        clock.advance(TICK)
+    publishing.join()
+    return errors[0] if errors else None
 
 
 def sent(server: OldFoxglove) -> list[Any]:
     return [json.loads(said[5:]) for said in server.heard if isinstance(said, bytes)]
 
 
-def test_a_speed_and_a_zero_are_published_at_once(taking: tuple[OldFoxglove, Foxglove]) -> None:
+def test_a_speed_and_a_zero_are_published_while_time_stands_still(taking: tuple[OldFoxglove, Foxglove]) -> None:
     server, middleware = taking
-    seconds = []
     for speed in 10 * [1.0, 0.0]:
-        began = time.monotonic()
         middleware.publish("/cmd_vel", TWIST, {"linear": {"x": speed}})
-        seconds.append(time.monotonic() - began)
-    assert sorted(seconds)[10] < 0.1
     wait_for(lambda: [message["linear"]["x"] for message in sent(server)][:20] == 10 * [1.0, 0.0], "all came")
 
 
 def test_a_zero_that_a_new_publisher_of_the_bridge_may_lose_is_repeated_unless_a_speed_follows(
-    taking: tuple[OldFoxglove, Foxglove],
+    taking: tuple[OldFoxglove, Foxglove], clock: ManualClock
 ) -> None:
     server, middleware = taking
     zero, speed = {"linear": {"x": 0.0}}, {"linear": {"x": 0.2}}
     middleware.publish("/cmd_vel", TWIST, zero)
+    assert sent(server) == [zero], "it has been answered"
+    clock.advance(0.3)
     wait_for(lambda: sent(server) == [zero, zero], "it is repeated")
     middleware.publish("/cmd_vel", TWIST, zero)  # subscribers have found the publisher by now
     middleware.publish("/other/cmd_vel", TWIST, zero)
     middleware.publish("/other/cmd_vel", TWIST, speed)
-    time.sleep(0.6)
-    assert sent(server) == [zero, zero, zero, zero, speed]
+    clock.advance(0.6)
+    middleware.publish("/cmd_vel", TWIST, zero)  # it comes behind all that was sent before
+    assert sent(server) == [zero, zero, zero, zero, speed, zero]
 
 
 def test_to_a_robot_that_does_not_answer_a_zero_is_sent_and_said_not_to_be_answered(
-    taking: tuple[OldFoxglove, Foxglove],
+    taking: tuple[OldFoxglove, Foxglove], clock: ManualClock
 ) -> None:
     server, middleware = taking
     go_on = server.stall()
-    began = time.monotonic()
-    with pytest.raises(TimeoutError, match=f"{server.address} has not answered for 0.5 s"):
-        middleware.publish("/cmd_vel", TWIST, {"linear": {"x": 0.0}})
-    assert 0.4 < time.monotonic() - began < 1.0
+    error = late(middleware, clock, {"linear": {"x": 0.0}})
+    assert isinstance(error, TimeoutError)
+    assert str(error) == f"{server.address} has not answered for 0.5 s"
     go_on()
     wait_for(lambda: sent(server)[:1] == [{"linear": {"x": 0.0}}], "it came, for a robot may be slow to answer")
 
@@ -247,16 +286,17 @@ def refusal(middleware: Foxglove, fields: dict[str, Any]) -> str:
     return ""
 
 
-def test_to_a_robot_that_has_not_answered_for_a_while_no_speed_is_sent(taking: tuple[OldFoxglove, Foxglove]) -> None:
+def test_to_a_robot_that_has_not_answered_for_a_second_no_speed_is_sent(
+    taking: tuple[OldFoxglove, Foxglove], clock: ManualClock
+) -> None:
     server, middleware = taking
     go_on = server.stall()
-    began = time.monotonic()
     tried = 0
     while not (words := refusal(middleware, {"linear": {"x": 1.0 + tried}})):
         tried += 1
-        time.sleep(0.02)  # the pace of a program
-        assert time.monotonic() - began < 3.0
-    assert words.startswith(f"{server.address} has not answered for ")
+        clock.advance(1 / 64)
+    assert tried == 64
+    assert words == f"{server.address} has not answered for 1.0 s: until it answers, only zero is sent"
     go_on()
     middleware.publish("/cmd_vel", TWIST, {"linear": {"x": 0.0}})
     wait_for(lambda: sent(server)[-1] == {"linear": {"x": 0.0}}, "the zero came")
@@ -264,20 +304,25 @@ def test_to_a_robot_that_has_not_answered_for_a_while_no_speed_is_sent(taking: t
 
 
 def test_its_silence_counts_from_the_first_speed_without_an_answer_and_is_told_until_it_answers(
-    taking: tuple[OldFoxglove, Foxglove], ears: Ears, monkeypatch: pytest.MonkeyPatch
+    taking: tuple[OldFoxglove, Foxglove], ears: Ears, monkeypatch: pytest.MonkeyPatch, clock: ManualClock
 ) -> None:
     server, middleware = taking
     monkeypatch.setattr(_websocket, "ROBOT_GONE", 1000.0)  # no ping but those of speeds
-    wait_for(lambda: not refusal(middleware, {"linear": {"x": 1.0}}) and not _unanswered(middleware), "it answered")
+    clock.advance(1.0)  # to the end of the interval that began before
+    wait_for(lambda: not _unanswered(middleware), "it answered")
+    assert refusal(middleware, {"linear": {"x": 1.0}}) == ""
+    wait_for(lambda: not _unanswered(middleware), "it answered")
     go_on = server.stall()
-    wait_for(
-        lambda: "until it answers, only zero is sent" in refusal(middleware, {"linear": {"x": 1.0}}), "it is silent"
-    )
-    words = f"{server.address} does not answer: until it does, only zero is sent"
-    wait_for(lambda: ears.unheard.get("/cmd_vel") == words, "it is told")
+    clock.advance(5.0)
+    assert refusal(middleware, {"linear": {"x": 1.0}}) == ""
+    clock.advance(1.0 - TICK)
+    assert ears.unheard == {}
+    assert refusal(middleware, {"linear": {"x": 1.0}}) == ""
+    clock.advance(TICK)
+    assert ears.unheard == {"/cmd_vel": f"{server.address} does not answer: until it does, only zero is sent"}
+    assert refusal(middleware, {"linear": {"x": 1.0}})
     count = len(sent(server))
-    with pytest.raises(TimeoutError):
-        middleware.publish("/cmd_vel", TWIST, {"linear": {"x": 0.0}})
+    assert isinstance(late(middleware, clock, {"linear": {"x": 0.0}}), TimeoutError)
     assert refusal(middleware, {"linear": {"x": 2.0}})
     go_on()
     wait_for(lambda: ears.unheard["/cmd_vel"] == "", "it is well again")
@@ -288,13 +333,13 @@ def test_its_silence_counts_from_the_first_speed_without_an_answer_and_is_told_u
 
 
 def test_a_connection_that_ends_while_it_is_silent_is_told_by_its_end_alone(
-    taking: tuple[OldFoxglove, Foxglove], ears: Ears, monkeypatch: pytest.MonkeyPatch
+    taking: tuple[OldFoxglove, Foxglove], ears: Ears, clock: ManualClock
 ) -> None:
     server, middleware = taking
-    monkeypatch.setattr(_websocket, "ROBOT_SILENCE", 0.05)
     go_on = server.stall()
     refusal(middleware, {"linear": {"x": 1.0}})
-    wait_for(lambda: ears.unheard.get("/cmd_vel"), "it is told")
+    clock.advance(1.0)
+    assert ears.unheard["/cmd_vel"]
     server.drop()
     go_on()
     wait_for(lambda: ears.lost, "the connection ended")
@@ -302,8 +347,8 @@ def test_a_connection_that_ends_while_it_is_silent_is_told_by_its_end_alone(
 
 
 def _unanswered(middleware: Foxglove) -> bool:
-    assert middleware._socket is not None
-    return bool(middleware._socket._unanswered)
+    """Whether it is not connected, or a ping waits for its answer."""
+    return middleware._socket is None or not middleware._socket.is_open or bool(middleware._socket._unanswered)
 
 
 def _refused(feed: Feed) -> str:
@@ -315,8 +360,7 @@ def _refused(feed: Feed) -> str:
 
 
 def test_a_pad_says_that_a_robot_does_not_answer() -> None:
-    info: dict[str, Any] = {"capabilities": ["clientPublish"], "supportedEncodings": ["json"]}
-    with OldFoxglove([channel(1)], **info) as server, feeds.foxglove(server.address) as feed:
+    with OldFoxglove([channel(1)], **TAKES) as server, feeds.foxglove(server.address) as feed:
         pad = DriveWidget()
         pad.connect(feed)
         feed.drive(0.1)
@@ -326,6 +370,11 @@ def test_a_pad_says_that_a_robot_does_not_answer() -> None:
         wait_for(lambda: words in pad.get_state()["_state"]["status"], "the pad says so")
         go_on()
         wait_for(lambda: words not in pad.get_state()["_state"]["status"], "it is well again")
+
+
+def follow(server: OldFoxglove, middleware: Foxglove, clock: ManualClock) -> None:
+    middleware.follow(frozenset({"/scan"}))
+    wait_for(lambda: clock.advance(TICK) or server.subscribed, "it subscribed, a moment after the advertisement")
 
 
 PONG = 0xA
@@ -338,11 +387,10 @@ def pong_of(server: OldFoxglove) -> Callable[[bytes], object]:
 
 
 @pytest.fixture
-def hung(taking: tuple[OldFoxglove, Foxglove]) -> Iterator[tuple[OldFoxglove, Foxglove]]:
+def hung(taking: tuple[OldFoxglove, Foxglove], clock: ManualClock) -> Iterator[tuple[OldFoxglove, Foxglove]]:
     """A server that still sends scans, and pongs to what it read before, but reads one more message and no ping."""
     server, middleware = taking
-    middleware.follow(frozenset({"/scan"}))
-    wait_for(lambda: server.subscribed, "it subscribed")
+    follow(server, middleware, clock)
     pings: list[bytes] = []
     server.clients[0].on_ping = pings.append  # type: ignore[method-assign]
     middleware.publish("/cmd_vel", TWIST, {"linear": {"x": 0.0}})
@@ -363,31 +411,34 @@ def hung(taking: tuple[OldFoxglove, Foxglove]) -> Iterator[tuple[OldFoxglove, Fo
 
 
 def test_scans_and_old_answers_do_not_confirm_a_zero_and_let_no_speed_pass(
-    hung: tuple[OldFoxglove, Foxglove], ears: Ears
+    hung: tuple[OldFoxglove, Foxglove], ears: Ears, clock: ManualClock
 ) -> None:
     server, middleware = hung
-    with pytest.raises(TimeoutError, match=f"{server.address} has not answered for 0.5 s"):
-        middleware.publish("/cmd_vel", TWIST, {"linear": {"x": 0.0}})
-    words = f"{server.address} has not answered for "
-    wait_for(lambda: refusal(middleware, {"linear": {"x": 1.0}}).startswith(words), "no speed is sent", 3.0)
-    assert ears.messages
+    error = late(middleware, clock, {"linear": {"x": 0.0}})
+    assert isinstance(error, TimeoutError)
+    assert str(error) == f"{server.address} has not answered for 0.5 s"
+    clock.advance(0.5)
+    words = f"{server.address} has not answered for 1.0 s: until it answers, only zero is sent"
+    assert refusal(middleware, {"linear": {"x": 1.0}}) == words
+    wait_for(lambda: ears.messages, "scans come")
 
 
 def test_a_robot_whose_data_come_is_not_given_up_though_it_answers_late(
-    monkeypatch: pytest.MonkeyPatch, taking: tuple[OldFoxglove, Foxglove], ears: Ears, request: pytest.FixtureRequest
+    hung: tuple[OldFoxglove, Foxglove], ears: Ears, clock: ManualClock
 ) -> None:
-    monkeypatch.setattr(_websocket, "ROBOT_GONE", 1.0)
-    _, middleware = request.getfixturevalue("hung")
-    time.sleep(3.0)
+    _, middleware = hung
+    for _ in range(30):
+        before = len(ears.messages)
+        wait_for(lambda: len(ears.messages) > before, "a scan came")  # noqa: B023
+        clock.advance(1.0)
     assert ears.lost == []
     assert refusal(middleware, {"linear": {"x": 1.0}})
 
 
 def test_a_robot_may_answer_only_the_last_of_several_pings(
-    taking: tuple[OldFoxglove, Foxglove], ears: Ears, monkeypatch: pytest.MonkeyPatch
+    taking: tuple[OldFoxglove, Foxglove], monkeypatch: pytest.MonkeyPatch, clock: ManualClock
 ) -> None:
     server, middleware = taking
-    monkeypatch.setattr(_websocket, "SEND_TIMEOUT", 0.1)
     answering: Any = server.clients[0].ws_connection
     pings: list[bytes] = []
     write = answering._write_frame
@@ -402,34 +453,37 @@ def test_a_robot_may_answer_only_the_last_of_several_pings(
 
     monkeypatch.setattr(answering, "_write_frame", keep_pongs)
     for _ in range(2):
-        with pytest.raises(TimeoutError, match=f"{server.address} has not answered for "):
-            middleware.publish("/cmd_vel", TWIST, {"linear": {"x": 0.0}})
+        assert isinstance(late(middleware, clock, {"linear": {"x": 0.0}}), TimeoutError)
+    assert refusal(middleware, {"linear": {"x": 1.0}})
     monkeypatch.undo()
     assert len(set(pings)) > 1
     server._loop.call_soon_threadsafe(pong_of(server), pings[-1])
     wait_for(lambda: not refusal(middleware, {"linear": {"x": 1.0}}), "a speed is sent")
 
 
-def test_closing_takes_no_longer_than_promised_while_the_robot_does_not_answer(
-    taking: tuple[OldFoxglove, Foxglove],
+def test_closing_takes_half_a_second_while_the_robot_does_not_answer(
+    taking: tuple[OldFoxglove, Foxglove], clock: ManualClock
 ) -> None:
     server, middleware = taking
     go_on = server.stall()
-    began = time.monotonic()
-    middleware.close()
-    assert time.monotonic() - began < CLOSE_TIMEOUT
+    closing = clock.beside(middleware.close)
+    clock.advance(0.5 - TICK)
+    assert closing.is_alive()
+    clock.advance(TICK)
+    closing.join()
     assert _threads() == []
     go_on()
 
 
 def test_what_is_published_while_nobody_is_there_is_an_error_and_never_sent(
-    taking: tuple[OldFoxglove, Foxglove], ears: Ears
+    taking: tuple[OldFoxglove, Foxglove], ears: Ears, clock: ManualClock
 ) -> None:
     server, middleware = taking
     server.drop()
     wait_for(lambda: ears.lost, "it was lost")
     with pytest.raises(FeedError, match=f"there is no connection to {server.address}"):
         middleware.publish("/cmd_vel", TWIST, {"linear": {"x": 1.0}})
+    clock.advance(0.5)
     wait_for(lambda: ears.connected == 2, "it is back")
     middleware.publish("/cmd_vel", TWIST, {"linear": {"x": 0.0}})
     wait_for(lambda: sent(server), "what is published now came")
@@ -439,7 +493,6 @@ def test_what_is_published_while_nobody_is_there_is_an_error_and_never_sent(
 def test_a_connection_that_ends_while_something_is_published_is_an_error_at_once(
     taking: tuple[OldFoxglove, Foxglove], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(_websocket, "SEND_TIMEOUT", 20.0)
     server, middleware = taking
     go_on = server.stall()
     server.drop()
@@ -455,30 +508,23 @@ def test_a_connection_that_ends_while_something_is_published_is_an_error_at_once
 
 
 def test_what_a_robot_does_not_take_in_time_is_an_error_and_not_sent_later(
-    ears: Ears, monkeypatch: pytest.MonkeyPatch, taking: tuple[OldFoxglove, Foxglove]
+    taking: tuple[OldFoxglove, Foxglove], clock: ManualClock
 ) -> None:
-    monkeypatch.setattr(_websocket, "ROBOT_GONE", 1000.0)  # it is not asked whether it is there
-    monkeypatch.setattr(_websocket, "SEND_TIMEOUT", 0.2)
     server, middleware = taking
-    server.drop()
-    wait_for(lambda: ears.connected == 2, "it is connected anew")
-    wait_for(lambda: not refusal(middleware, {}), "it takes messages")
+    assert middleware._socket is not None
+    for stream in (server.clients[0].ws_connection.stream, middleware._socket._stream):  # type: ignore[union-attr]
+        for buffer in (socket.SO_RCVBUF, socket.SO_SNDBUF):
+            stream.socket.setsockopt(socket.SOL_SOCKET, buffer, 65_536)
     go_on = server.stall()
-    errors: dict[int, Exception] = {}
-    for i in range(60):
-        try:
-            middleware.publish("/cmd_vel", TWIST, {"data": 1_000_000 * "x", "i": i})
-        except (FeedError, TimeoutError) as error:
-            errors[i] = error
-        if len(errors) == 6:
-            break
-    assert {str(error) for error in errors.values()} == {f"{server.address} does not take what is sent"}
-    begun, *dropped = errors
-    assert isinstance(errors[begun], TimeoutError), "a part of it is sent, and the rest follows"
+    errors = [late(middleware, clock, {"data": 4_000_000 * "x", "i": i}) for i in range(6)]
+    assert {str(error) for error in errors} == {f"{server.address} does not take what is sent"}
+    begun, *dropped = map(type, errors)
+    assert begun is TimeoutError, "a part of it is sent, and the rest follows"
+    assert set(dropped) == {FeedError}
     go_on()
-    wait_for(lambda: not refusal(middleware, {"i": 60}), "it takes messages again")
-    wait_for(lambda: sent(server)[-1].get("i") == 60, "the last one came")
-    assert not {message.get("i") for message in sent(server)}.intersection(dropped)
+    wait_for(lambda: not refusal(middleware, {"i": 6}), "it takes messages again")
+    wait_for(lambda: sent(server)[-1:] == [{"i": 6}], "the last one came")
+    assert [message["i"] for message in sent(server)] == [0, 6]
 
 
 def test_a_server_that_never_answers_is_told(ears: Ears, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -511,21 +557,24 @@ def test_closing_does_not_wait_for_an_answer(ears: Ears) -> None:
         (b"SSH-2.0-OpenSSH_9.2\r\n\r\n", ""),
     ],
 )
-def test_a_server_that_is_no_websocket_server_is_told(answer: bytes, words: str, ears: Ears) -> None:
+def test_a_server_that_is_no_websocket_server_is_told(
+    answer: bytes, words: str, ears: Ears, clock: ManualClock
+) -> None:
     def talk(client: socket.socket) -> None:
         client.recv(4096)
         client.sendall(answer)
         client.shutdown(socket.SHUT_WR)
 
+    is_mute = answer.startswith(b"SSH")
     with Raw(talk) as server:
-        middleware = Foxglove(server.address)
+        middleware = Foxglove(server.address, clock)
         middleware.open(ears)
-        wait_for(lambda: ears.lost, "it gave up")
-        middleware.close()
+        wait_for(lambda: (is_mute and clock.advance(1.0)) or ears.lost, "it gave up")
+        close(middleware, clock)
     told = f"{server.address} cannot be connected to: {words}"
     # Tornado before 6.6, the newest for Python 3.10, waits on where no HTTP comes.
     silent = f"no answer from {server.address} within 5 s"
-    assert ears.lost[0].startswith((told, silent) if answer.startswith(b"SSH") else told)
+    assert ears.lost[0].startswith((told, silent) if is_mute else told)
     assert ears.connected == 0
 
 
@@ -554,14 +603,18 @@ def test_a_name_that_nobody_knows_is_told(ears: Ears, monkeypatch: pytest.Monkey
     assert ears.lost[0] == "the name robot.invalid cannot be resolved; try the robot's IP address"
 
 
-def test_a_server_that_takes_calls_and_drops_them_is_called_ever_more_rarely(ears: Ears) -> None:
+def test_a_server_that_takes_calls_and_drops_them_is_called_ever_more_rarely(ears: Ears, clock: ManualClock) -> None:
     with OldFoxglove([]) as server:
         server.on_open = lambda client: client.close()  # type: ignore[method-assign]
-        middleware = Foxglove(server.address)
+        middleware = Foxglove(server.address, clock)
         middleware.open(ears)
-        wait_for(lambda: len(ears.pauses) == 3, "it was lost three times")
-        middleware.close()
-    assert ears.pauses[0] < ears.pauses[1] < ears.pauses[2]
+        for pauses in ([0.5], [0.5, 1.0], [0.5, 1.0, 2.0], [0.5, 1.0, 2.0, 4.0], [0.5, 1.0, 2.0, 4.0, 8.0]):
+            wait_for(lambda: ears.pauses == pauses, "it was lost")  # noqa: B023
+            clock.advance(pauses[-1] - TICK)
+            assert server.opened == len(pauses)
+            clock.advance(TICK)
+        wait_for(lambda: ears.pauses[5:] == [8.0], "the longest pause stays")
+        close(middleware, clock)
 
 
 def test_a_hundred_opens_and_closes_leave_no_thread_no_socket_and_no_memory(ears: Ears) -> None:
@@ -585,34 +638,36 @@ def test_a_hundred_opens_and_closes_leave_no_thread_no_socket_and_no_memory(ears
             once(i % 2 == 0)
         wait_for(lambda: not server.clients, "every connection ended")
         assert _threads() == []
-        wait_for(lambda: _descriptors() <= before, "every socket is closed", 5)
+        wait_for(lambda: _descriptors() <= before, "every socket is closed")
     gc.collect()
     assert [ref for ref in there if ref() is not None] == []
 
 
 def test_frames_that_come_without_a_pause_keep_nobody_from_publishing_and_closing(
-    taking: tuple[OldFoxglove, Foxglove], ears: Ears, monkeypatch: pytest.MonkeyPatch
+    ears: Ears, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    server, middleware = taking
-    middleware.follow(frozenset({"/scan"}))
-    wait_for(lambda: server.subscribed, "it subscribed")
     monkeypatch.setattr(_websocket, "_GOODBYE", 0.05)
     monkeypatch.setattr(_websocket, "SEND_TIMEOUT", 20.0)  # the answer comes behind all frames that wait in the network
-    message = struct.pack("<BIQ", 1, server.subscribed[1], 0) + cdr()
-    assert len(message) < 126
-    frames = 50_000 * (bytes([0x82, len(message)]) + message)  # as they are on the wire
+    with OldFoxglove([channel(1)], **TAKES) as server:
+        middleware = Foxglove(server.address)
+        middleware.follow(frozenset({"/scan"}))
+        middleware.open(ears)
+        wait_for(lambda: server.subscribed, "it subscribed")
+        message = struct.pack("<BIQ", 1, server.subscribed[1], 0) + cdr()
+        assert len(message) < 126
+        frames = 50_000 * (bytes([0x82, len(message)]) + message)  # as they are on the wire
 
-    async def flood() -> None:
-        stream = server.clients[0].ws_connection.stream  # type: ignore[union-attr]
-        while not stream.closed():
-            await stream.write(frames)
+        async def flood() -> None:
+            stream = server.clients[0].ws_connection.stream  # type: ignore[union-attr]
+            while not stream.closed():
+                await stream.write(frames)
 
-    asyncio.run_coroutine_threadsafe(flood(), server._loop)
-    wait_for(lambda: len(ears.messages) > 5, "messages are handed on meanwhile")
-    for speed in (1.0, 0.0):
-        middleware.publish("/cmd_vel", TWIST, {"linear": {"x": speed}})
-    middleware.close()
-    assert _threads() == []
+        asyncio.run_coroutine_threadsafe(flood(), server._loop)
+        wait_for(lambda: len(ears.messages) > 5, "messages are handed on meanwhile")
+        for speed in (1.0, 0.0):
+            middleware.publish("/cmd_vel", TWIST, {"linear": {"x": speed}})
+        middleware.close()
+        wait_for(lambda: _threads() == [], "its thread ended")
 
 
 def _threads() -> list[str]:
