@@ -1,10 +1,10 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { type ArcLabel, arcDistances, arcLabels, rayIndices, thinLabels } from "../../robowidgets/js/laser/guides.ts";
-import { type Projection, rimBox, toPixel } from "../../robowidgets/js/laser/projection.ts";
 import { overlaps } from "../../robowidgets/js/shared/box.ts";
 import { angleOf, indexAt, type Sweep } from "../../robowidgets/js/shared/frames/scan.ts";
 import { Occupancy } from "../../robowidgets/js/shared/occupancy.ts";
+import { type Projection, rimBox, toPixel } from "../../robowidgets/js/shared/projection.ts";
 import { BOXES, circle, DEGREE, layOut, near, randoms, SWEEPS, sweepOf } from "./laser.ts";
 
 /** A scanner of a robot, whose last ray is one step short of the same angle as its first. */

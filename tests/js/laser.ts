@@ -1,7 +1,7 @@
 import { type RayLabel, rayIndices, rayLabels } from "../../robowidgets/js/laser/guides.ts";
-import type { Projection } from "../../robowidgets/js/laser/projection.ts";
-import { FORWARD, fit, sweepRim } from "../../robowidgets/js/laser/projection.ts";
 import { classify, type Scan, type Sweep, takeCensus } from "../../robowidgets/js/shared/frames/scan.ts";
+import type { Projection } from "../../robowidgets/js/shared/projection.ts";
+import { FORWARD, fit, sweepRim } from "../../robowidgets/js/shared/projection.ts";
 
 export const DEGREE = Math.PI / 180;
 

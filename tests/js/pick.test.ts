@@ -1,8 +1,8 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { pick } from "../../robowidgets/js/laser/pick.ts";
-import { toPixel } from "../../robowidgets/js/laser/projection.ts";
 import { angleOf } from "../../robowidgets/js/shared/frames/scan.ts";
+import { toPixel } from "../../robowidgets/js/shared/projection.ts";
 import { BOXES, circle, DEGREE, layOut, SWEEPS, scanOf, sweepOf } from "./laser.ts";
 
 const box = BOXES[2];

@@ -1,12 +1,12 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { thinLabels } from "../../robowidgets/js/laser/guides.ts";
-import { rimBox, toPixel } from "../../robowidgets/js/laser/projection.ts";
 import type { Box, Point } from "../../robowidgets/js/shared/box.ts";
 import { overlaps } from "../../robowidgets/js/shared/box.ts";
 import { angleOf, type Sweep } from "../../robowidgets/js/shared/frames/scan.ts";
 import { Occupancy } from "../../robowidgets/js/shared/occupancy.ts";
 import { crosses, placePopup } from "../../robowidgets/js/shared/popup_place.ts";
+import { rimBox, toPixel } from "../../robowidgets/js/shared/projection.ts";
 import { BOXES, layOut, randoms, SWEEPS } from "./laser.ts";
 
 /** From a short reading to the longest words, as a browser measures them: the style sheet allows less than half. */

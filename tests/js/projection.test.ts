@@ -1,8 +1,8 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { sweepHeight } from "../../robowidgets/js/laser/guides.ts";
-import { FORWARD, fromPixel, rimBox, toPixel } from "../../robowidgets/js/laser/projection.ts";
 import { angleOf } from "../../robowidgets/js/shared/frames/scan.ts";
+import { FORWARD, fromPixel, rimBox, toPixel } from "../../robowidgets/js/shared/projection.ts";
 import { BOXES, DEGREE, layOut, near, SWEEPS, sweepOf } from "./laser.ts";
 
 const FORWARDS = ["up", "left", "down", "right"];

@@ -1,6 +1,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { decideRange, fitRange, reach, resolveRange, roundUp, stepRange } from "../../robowidgets/js/laser/zoom.ts";
+import { decideRange, fitRange, reach, resolveRange } from "../../robowidgets/js/laser/zoom.ts";
+import { roundUp, stepRange } from "../../robowidgets/js/shared/zoom.ts";
 import { near, randoms, scanOf } from "./laser.ts";
 
 /** A scan whose readings all lie at one distance, but for the farthest few. */

@@ -1,9 +1,9 @@
 import type { Point, Size } from "../shared/box.ts";
+import { CopyCode } from "../shared/copy.ts";
 import { make, makeButton, setText } from "../shared/dom.ts";
 import { on } from "../shared/events.ts";
 import { LaidOut } from "../shared/laid_out.ts";
-import type { Form } from "./code.ts";
-import { CopyCode } from "./copy.ts";
+import { ABOUT_FORMS, FORMS, type Form } from "./code.ts";
 
 /** The texts of a chip. */
 export interface ChipTexts {
@@ -43,7 +43,7 @@ export class Chip {
   readonly #expression = makeField("rw-chip-expression", "rays as a slice, such as ranges[240:300]");
   readonly #error = make("div", "rw-chip-error");
   readonly #texts: HTMLElement[] = [];
-  readonly #copy: CopyCode;
+  readonly #copy: CopyCode<Form>;
   readonly #name: HTMLButtonElement;
   readonly #remove: HTMLButtonElement;
   readonly #naming = make("div", "rw-chip-row rw-chip-actions");
@@ -75,7 +75,7 @@ export class Chip {
       this.#texts.push(...(row.children as Iterable<HTMLElement>));
       this.element.append(row);
     }
-    this.#copy = new CopyCode(actions.toCode, actions.say, signal);
+    this.#copy = new CopyCode(actions.toCode, actions.say, signal, FORMS, ABOUT_FORMS);
     this.#name = makeButton("", "Keep it under a name (Enter)", () => this.askName(), signal, "Name");
     this.#remove = makeButton("", "Remove it (Delete)", actions.onRemove, signal, "Remove");
     this.#copy.row.append(this.#name, this.#remove);

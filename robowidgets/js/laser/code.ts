@@ -3,6 +3,7 @@ import { DEGREE, inDegrees, type Sector, stretchesOf, sweepOf, toExpression } fr
 
 export const FORMS = ["scan", "message", "slice"] as const;
 export type Form = (typeof FORMS)[number];
+export const ABOUT_FORMS = "for a Scan of robowidgets, for a ROS message without it, or the plain slice";
 
 const QUARTERS: Record<string, [number, number]> = {
   front: [-45, 45],

@@ -1,10 +1,10 @@
 import type { Point } from "../shared/box.ts";
 import { angleOf, TOO_CLOSE } from "../shared/frames/scan.ts";
 import type { Lamps } from "../shared/lamps.ts";
+import { toDirection } from "../shared/projection.ts";
 import type { Theme } from "../shared/theme.ts";
 import type { Lamp } from "../shared/traits.ts";
 import type { Depth, Layer, Painter, Stage, StripPainter, StripStage } from "./layer.ts";
-import { toDirection } from "./projection.ts";
 
 /** Pixels from a reading to the line behind it. */
 const BEHIND = 5;

@@ -1,8 +1,8 @@
 import { write } from "../shared/canvas.ts";
 import { angleOf, isFullCircle, type Limits, type Sweep } from "../shared/frames/scan.ts";
+import { type Projection, rimBox, toPixel } from "../shared/projection.ts";
 import type { Theme } from "../shared/theme.ts";
 import type { RayLabel } from "./guides.ts";
-import { type Projection, rimBox, toPixel } from "./projection.ts";
 
 /** Traces an arc from the first to the last ray, or back. */
 function traceArc(

@@ -12,9 +12,9 @@ import {
   type Validity,
 } from "../shared/frames/scan.ts";
 import type { Occupancy } from "../shared/occupancy.ts";
+import { type Projection, toDirection } from "../shared/projection.ts";
 import { type Theme, textFont } from "../shared/theme.ts";
 import type { ArcLabel } from "./guides.ts";
-import { type Projection, toDirection } from "./projection.ts";
 
 /** Pixels of a dot by the number of rays: a few small ones would be hard to find. */
 const DOTS = [

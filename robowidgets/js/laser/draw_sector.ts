@@ -1,8 +1,8 @@
 import type { Box, Point } from "../shared/box.ts";
 import { write } from "../shared/canvas.ts";
+import { type Projection, toDirection } from "../shared/projection.ts";
 import { type Theme, textFont } from "../shared/theme.ts";
 import { isFree, type Stage } from "./layer.ts";
-import { type Projection, toDirection } from "./projection.ts";
 import { LIMITS, type Sector, type State, sweepOf } from "./sector.ts";
 
 /** Pixels round the robot that edges leave free. */

@@ -1,10 +1,10 @@
 import type { Point } from "../shared/box.ts";
 import { angleOf, NOTHING_IN_RANGE, READING, type Scan } from "../shared/frames/scan.ts";
 import type { Model } from "../shared/model.ts";
+import { toPixel } from "../shared/projection.ts";
 import type { Stream } from "../shared/stream.ts";
 import type { Theme } from "../shared/theme.ts";
 import type { Depth, Layer, Painter, Stage } from "./layer.ts";
-import { toPixel } from "./projection.ts";
 import type { LaserTraits } from "./traits.ts";
 
 /** What the scanner has seen to be free: from the robot to each reading, and to the rim when nothing was in range. */

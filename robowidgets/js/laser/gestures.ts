@@ -1,18 +1,8 @@
 import type { Point } from "../shared/box.ts";
 import { isDragged, pointIn } from "../shared/dom.ts";
 import { isPlain, on } from "../shared/events.ts";
-import { watchWheel } from "../shared/wheel.ts";
+import { watchZoom, ZOOM_KEYS, type Zoom } from "../shared/zoom.ts";
 import type { Drag, Layer } from "./layer.ts";
-
-/** What the wheel and the keys + and - do, if no layer takes the key. */
-interface Zoom {
-  onZoom(direction: -1 | 1): void;
-  /** Whether it can zoom further; if not, the wheel scrolls the page. */
-  canZoom(direction: -1 | 1): boolean;
-}
-
-const ZOOM: Record<string, -1 | 1> = { "+": -1, "=": -1, "-": 1, _: 1 };
-const WHEEL_STEP = 40;
 
 /**
  * Offers what a person does to the picture to the layers, from the last of the list, until one takes it.
@@ -52,7 +42,7 @@ export function watchGestures(
   const onKey = (event: KeyboardEvent) => {
     // Some keyboards have brackets on AltGr, which counts as Ctrl and Alt.
     if (!isPlain(event) && !event.getModifierState?.("AltGraph")) return;
-    const direction = ZOOM[event.key];
+    const direction = ZOOM_KEYS[event.key];
     if (event.key === "Escape" && presses.cancel()) event.preventDefault();
     else if (event.key === "Tab" && event.target === element && walk(fromTop, event.shiftKey)) event.preventDefault();
     else if (fromTop.some((layer) => layer.onKey?.(event))) event.preventDefault();
@@ -63,18 +53,7 @@ export function watchGestures(
   };
   // On the card: after a click on the freeze button, arrow keys work without a click into the picture.
   on(parentElement ?? element, "keydown", onKey, signal);
-  let turned = 0;
-  const onWheel = (event: WheelEvent): boolean => {
-    if (!event.deltaY) return false;
-    const direction = event.deltaY < 0 ? -1 : 1;
-    turned += event.deltaY * (event.deltaMode === WheelEvent.DOM_DELTA_LINE ? 20 : 1);
-    if (Math.abs(turned) >= WHEEL_STEP) {
-      zoom.onZoom(direction);
-      turned = 0;
-    }
-    return zoom.canZoom(direction);
-  };
-  watchWheel(element, onWheel, signal);
+  watchZoom(element, zoom, signal);
 }
 
 /** Picks the next or the previous stop; returns false beyond the last, where Tab leads to the controls of the card. */

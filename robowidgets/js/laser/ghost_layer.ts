@@ -1,11 +1,11 @@
 import { write } from "../shared/canvas.ts";
 import { toFixed } from "../shared/format.ts";
 import { angleOf, READING, type Scan } from "../shared/frames/scan.ts";
+import { toPixel } from "../shared/projection.ts";
 import { type Theme, textFont } from "../shared/theme.ts";
 import { difference, distanceOf, largest, matchRays } from "./difference.ts";
 import type { Ghost } from "./ghost.ts";
 import type { Depth, Layer, Painter, Stage, StripPainter, StripStage } from "./layer.ts";
-import { toPixel } from "./projection.ts";
 
 /** Radius of a dot in pixels. */
 const DOT = 1;

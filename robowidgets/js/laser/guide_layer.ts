@@ -2,12 +2,12 @@ import { type Box, overlaps } from "../shared/box.ts";
 import { toShortMetres } from "../shared/format.ts";
 import { angleOf, type Sweep } from "../shared/frames/scan.ts";
 import type { Model } from "../shared/model.ts";
+import { rimBox } from "../shared/projection.ts";
 import { type Theme, textFont } from "../shared/theme.ts";
 import { angleFont, drawArea, drawGuides, drawRayLabels, drawRobot, indexFont } from "./draw_area.ts";
 import { drawArcLabels } from "./draw_readings.ts";
 import { type ArcLabel, arcDistances, arcLabels, type RayLabel, rayIndices, rayLabels, thinLabels } from "./guides.ts";
 import type { Depth, Layer, Painter, Stage } from "./layer.ts";
-import { rimBox } from "./projection.ts";
 import type { LaserTraits } from "./traits.ts";
 
 /** The detection area, range arcs, radial lines with their labels, and the robot. */

@@ -2,8 +2,8 @@ import { type Box, overlaps } from "../shared/box.ts";
 import { type AngleUnit, toAngle } from "../shared/format.ts";
 import { angleFrom, angleOf, indexAt, isFullCircle, type Sweep, spanOf } from "../shared/frames/scan.ts";
 import type { Occupancy } from "../shared/occupancy.ts";
+import { heightOf, type Projection, RIM_MARKS, type Rim, rimBox, sweepRim, toDirection } from "../shared/projection.ts";
 import { ticks } from "../shared/ticks.ts";
-import { heightOf, type Projection, RIM_MARKS, type Rim, rimBox, sweepRim, toDirection } from "./projection.ts";
 
 /**
  * Distances of the range arcs in metres: the given ones; or `count` that divide the view in equal parts; or, without a

@@ -3,10 +3,10 @@ import type { Surface } from "../shared/canvas.ts";
 import type { Limits, Scan, Sweep } from "../shared/frames/scan.ts";
 import type { Model } from "../shared/model.ts";
 import type { Occupancy } from "../shared/occupancy.ts";
+import type { Projection, Rim } from "../shared/projection.ts";
 import type { SampleCard } from "../shared/sample_card.ts";
 import type { Stream } from "../shared/stream.ts";
 import type { Theme } from "../shared/theme.ts";
-import type { Projection, Rim } from "./projection.ts";
 import type { LaserTraits } from "./traits.ts";
 
 /** Depths of the lower canvas, from the ground up. It is painted anew only when something in it changes. */

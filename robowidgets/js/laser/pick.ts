@@ -1,6 +1,6 @@
 import type { Point } from "../shared/box.ts";
 import { angleOf, indexAt, READING, type Scan } from "../shared/frames/scan.ts";
-import { fromPixel, type Projection, toPixel } from "./projection.ts";
+import { fromPixel, type Projection, toPixel } from "../shared/projection.ts";
 
 const NEAR = 9;
 const ROBOT = 8;

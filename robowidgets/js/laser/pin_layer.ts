@@ -3,9 +3,9 @@ import { write } from "../shared/canvas.ts";
 import { angleOf, READING, type Scan } from "../shared/frames/scan.ts";
 import { setTraits } from "../shared/model.ts";
 import { toSentence } from "../shared/popup.ts";
+import { toPixel } from "../shared/projection.ts";
 import type { Theme } from "../shared/theme.ts";
 import { type Depth, type Host, isFree, type Layer, type Painter, type Stage, type Stops } from "./layer.ts";
-import { toPixel } from "./projection.ts";
 import { describeRay } from "./text.ts";
 
 const RING = 6;

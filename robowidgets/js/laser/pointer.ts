@@ -1,17 +1,17 @@
 import type { Box, Point } from "../shared/box.ts";
+import { CopyCode } from "../shared/copy.ts";
 import { angleOf, OUTSIDE_LIMITS, READING, type Scan } from "../shared/frames/scan.ts";
 import { setTraits } from "../shared/model.ts";
 import { Popup, type PopupWords, toSentence } from "../shared/popup.ts";
 import { placePopup } from "../shared/popup_place.ts";
+import { toPixel } from "../shared/projection.ts";
 import type { Theme } from "../shared/theme.ts";
-import { type Form, toCode } from "./code.ts";
-import { CopyCode } from "./copy.ts";
+import { ABOUT_FORMS, FORMS, type Form, toCode } from "./code.ts";
 import { drawLine, drawRobot } from "./draw_area.ts";
 import { drawStripPointer } from "./draw_strip.ts";
 import { FormulaFoot } from "./formula_foot.ts";
 import type { Depth, Host, Layer, Painter, Stage, StripPainter } from "./layer.ts";
 import { pick } from "./pick.ts";
-import { toPixel } from "./projection.ts";
 import { sectorOf } from "./sector.ts";
 import { describeRay } from "./text.ts";
 
@@ -39,7 +39,7 @@ export class PointerLayer implements Layer {
   readonly #foot: FormulaFoot;
   readonly #pinned: Popup;
   readonly #hovered: Popup;
-  readonly #copy: CopyCode;
+  readonly #copy: CopyCode<Form>;
 
   /** @param moreOf what else is said of a ray */
   constructor(host: Host, moreOf: (index: number) => string) {
@@ -47,7 +47,7 @@ export class PointerLayer implements Layer {
     this.#moreOf = moreOf;
     this.#foot = new FormulaFoot(host.model, host.signal);
     const say = (words: string[]) => host.card.say(words);
-    this.#copy = new CopyCode((form) => this.#toCode(form), say, host.signal);
+    this.#copy = new CopyCode((form) => this.#toCode(form), say, host.signal, FORMS, ABOUT_FORMS);
     for (const element of [this.#copy.row, this.#copy.field]) element.classList.add("rw-over");
     this.#pinned = new Popup(host.card.picture, host.signal, this.#foot.element, this.#copy.row, this.#copy.field);
     this.#hovered = new Popup(host.card.picture, host.signal);

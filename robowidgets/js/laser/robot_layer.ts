@@ -4,12 +4,12 @@ import { toFixed } from "../shared/format.ts";
 import { decodeSpeeds, type Speeds } from "../shared/frames/speeds.ts";
 import { decodeTouch, type Touch } from "../shared/frames/touch.ts";
 import { onChange } from "../shared/model.ts";
+import { toPixel } from "../shared/projection.ts";
 import { type Theme, textFont } from "../shared/theme.ts";
 import { Companion } from "./companion.ts";
 import { drawRobot } from "./draw_area.ts";
 import { asSeen, atLeast, type Footprint, outlineOf, partOf, speedAt, touchesAt, wayOf } from "./footprint.ts";
 import { type Depth, type Host, isFree, type Layer, type Painter, type Stage } from "./layer.ts";
-import { toPixel } from "./projection.ts";
 
 /** Pixels across below which the robot is drawn larger than to scale: it holds the arrow head. */
 const LEAST = 26;

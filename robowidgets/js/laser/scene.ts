@@ -3,9 +3,9 @@ import { Canvas, type Surface } from "../shared/canvas.ts";
 import type { Scan } from "../shared/frames/scan.ts";
 import type { Model } from "../shared/model.ts";
 import { Occupancy } from "../shared/occupancy.ts";
+import { FORWARD, fit, sweepRim } from "../shared/projection.ts";
 import type { Theme } from "../shared/theme.ts";
 import { type Depth, type Layer, LOWER, type Painter, type Stage, UPPER } from "./layer.ts";
-import { FORWARD, fit, sweepRim } from "./projection.ts";
 import type { LaserTraits } from "./traits.ts";
 import { fitsReadings, resolveRange } from "./zoom.ts";
 

@@ -1,7 +1,7 @@
 import type { Point } from "../shared/box.ts";
 import { angleOf, indexAt, type Scan } from "../shared/frames/scan.ts";
+import { fromPixel } from "../shared/projection.ts";
 import type { Drag, Stage } from "./layer.ts";
-import { fromPixel } from "./projection.ts";
 import { type Edge, type Named, raysAt, type SectorStore, sectorTo, withEdge } from "./sector_store.ts";
 
 /** Drags of sectors along the arc. */

@@ -1,6 +1,7 @@
 import { type Box, holds, type Point } from "../shared/box.ts";
 import { make } from "../shared/dom.ts";
 import { angleOf, indexAt, READING, type Sweep } from "../shared/frames/scan.ts";
+import { arcRim, type Rim, toPixel } from "../shared/projection.ts";
 import type { Theme } from "../shared/theme.ts";
 import { leadTo } from "./chip_place.ts";
 import {
@@ -14,7 +15,6 @@ import {
   rimOf,
 } from "./draw_sector.ts";
 import type { Depth, Drag, Host, Layer, Painter, Stage, Stops, StripPainter } from "./layer.ts";
-import { arcRim, type Rim, toPixel } from "./projection.ts";
 import { isIn, sweepOf } from "./sector.ts";
 import { SectorChip } from "./sector_chip.ts";
 import { SectorDrags } from "./sector_drag.ts";

@@ -1,11 +1,11 @@
 import type { Point } from "../shared/box.ts";
 import { onAbort } from "../shared/events.ts";
+import type { Projection } from "../shared/projection.ts";
 import { drawShape, pathOf, WIDTH } from "../shared/shapes/draw.ts";
 import { type Metres, placesOf } from "../shared/shapes/places.ts";
 import type { Theme } from "../shared/theme.ts";
 import type { About, Shape } from "../shared/traits.ts";
 import type { Depth, Host, Layer, Painter, Stage } from "./layer.ts";
-import type { Projection } from "./projection.ts";
 import { ShapeLabels } from "./shape_labels.ts";
 import { describeShape, lasting, readingOf, toPicture, untilNext } from "./shapes.ts";
 

@@ -1,9 +1,9 @@
 import type { Point } from "../shared/box.ts";
 import { type AngleUnit, decimalsFor, toAngle, toFixed, toMany, toMetres } from "../shared/format.ts";
 import { angleOf, READING, type Scan } from "../shared/frames/scan.ts";
+import { type Projection, toPixel } from "../shared/projection.ts";
 import type { Metres } from "../shared/shapes/places.ts";
 import type { Shape } from "../shared/traits.ts";
-import { type Projection, toPixel } from "./projection.ts";
 
 export function readingOf(scan: Scan | null, index: number): Metres | null {
   if (scan?.kinds[index] !== READING) return null;

@@ -1,10 +1,10 @@
 import { toFixed } from "../shared/format.ts";
 import { angleOf, type Scan } from "../shared/frames/scan.ts";
 import type { Model } from "../shared/model.ts";
+import { toPixel } from "../shared/projection.ts";
 import type { Stream } from "../shared/stream.ts";
 import type { Theme } from "../shared/theme.ts";
 import type { Depth, Layer, Painter, Stage, StripPainter, StripStage } from "./layer.ts";
-import { toPixel } from "./projection.ts";
 import { type Spread, spreadAt, spreadOf } from "./spread.ts";
 import type { LaserTraits } from "./traits.ts";
 

@@ -3,10 +3,10 @@ import { Canvas, type Surface, watchSize, write } from "../shared/canvas.ts";
 import { make, pointIn } from "../shared/dom.ts";
 import { toShortMetres } from "../shared/format.ts";
 import { angleOf } from "../shared/frames/scan.ts";
+import { toPixel } from "../shared/projection.ts";
 import type { Theme } from "../shared/theme.ts";
 import { watchGestures } from "./gestures.ts";
 import { type Host, type Layer, LOWER, type StripStage, UPPER } from "./layer.ts";
-import { toPixel } from "./projection.ts";
 import { fromStrip, indexTicks, metreTicks, placeOf, plotBox, toX, toY } from "./strip_axis.ts";
 
 /** Pixels from the scanner within which the picture takes no ray, and within the rim. */

@@ -1,10 +1,10 @@
 import type { Point, Size } from "../shared/box.ts";
 import { make, setText } from "../shared/dom.ts";
 import { angleOf, READING, type Scan } from "../shared/frames/scan.ts";
+import { type Projection, toPixel } from "../shared/projection.ts";
 import type { Theme } from "../shared/theme.ts";
 import type { About } from "../shared/traits.ts";
 import type { Depth, Host, Layer, Painter, Stage } from "./layer.ts";
-import { type Projection, toPixel } from "./projection.ts";
 
 /** Opacity of the oldest and of the newest. */
 const FADED = [0.1, 0.5] as const;

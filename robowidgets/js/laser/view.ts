@@ -5,9 +5,11 @@ import { toMany, toShortMetres } from "../shared/format.ts";
 import type { Scan } from "../shared/frames/scan.ts";
 import { LaidOut } from "../shared/laid_out.ts";
 import { type Model, onChange, setTraits } from "../shared/model.ts";
+import { FORWARD } from "../shared/projection.ts";
 import { SampleCard } from "../shared/sample_card.ts";
 import { READING_MS, throttle } from "../shared/schedule.ts";
 import type { Stream } from "../shared/stream.ts";
+import { stepRange } from "../shared/zoom.ts";
 import { ConditionLayer } from "./condition_layer.ts";
 import { FreeLayer } from "./free_layer.ts";
 import { watchGestures } from "./gestures.ts";
@@ -21,7 +23,6 @@ import type { Host, Layer, Stage } from "./layer.ts";
 import { Legend } from "./legend.ts";
 import { PinLayer } from "./pin_layer.ts";
 import { PointerLayer } from "./pointer.ts";
-import { FORWARD } from "./projection.ts";
 import { ReadingLayer } from "./reading_layer.ts";
 import { RobotLayer } from "./robot_layer.ts";
 import { Scene, SETTINGS } from "./scene.ts";
@@ -31,7 +32,7 @@ import { SpreadLayer } from "./spread_layer.ts";
 import { Strip } from "./strip.ts";
 import { TrailLayer } from "./trail_layer.ts";
 import type { LaserTraits } from "./traits.ts";
-import { decideRange, stepRange } from "./zoom.ts";
+import { decideRange } from "./zoom.ts";
 
 const GHOST =
   "M6 .5a4.3 4.3 0 0 0-4.3 4.3v6.7l1.5-1.2 1.4 1.2 1.4-1.2 1.4 1.2 1.4-1.2 1.5 1.2V4.800A4.300 4.300 0 0 0 6 .5z";

@@ -1,26 +1,9 @@
 import { FARTHEST_VIEW, NO_LIMIT, READING, type Scan } from "../shared/frames/scan.ts";
+import { roundUp } from "../shared/zoom.ts";
 import type { ViewRange } from "./traits.ts";
-
-const CLOSEST = 0.05;
 
 /** Metres shown by a picture without a scan or a limit. */
 const EMPTY = 10;
-
-/** Round numbers of metres, from 1 cm to 800 km. */
-const ROUND = [-2, -1, 0, 1, 2, 3, 4, 5].flatMap((power) =>
-  [1, 1.5, 2, 2.5, 3, 4, 5, 6, 8].map((step) => Number(`${step}e${power}`)),
-);
-
-/** The smallest round number of metres that is at least this. */
-export function roundUp(metres: number): number {
-  return ROUND.find((round) => round >= metres * (1 - 1e-9)) ?? metres;
-}
-
-/** One step nearer (-1) or farther (+1) in round numbers, and farther only within what the sensor can see. */
-export function stepRange(metres: number, direction: -1 | 1, maxRange: number): number {
-  if (direction > 0) return Math.max(metres, Math.min(maxRange, FARTHEST_VIEW, roundUp(metres * 1.01)));
-  return Math.max(CLOSEST, ROUND.filter((round) => round <= metres * 0.99).at(-1) ?? 0);
-}
 
 /** Distance within which all but the farthest 2 % of the readings lie; 0 without readings. */
 export function reach(scan: Scan): number {

@@ -1,36 +1,45 @@
-import { make, makeButton, setText } from "../shared/dom.ts";
-import { on } from "../shared/events.ts";
-import { FORMS, type Form } from "./code.ts";
+import { make, makeButton, setText } from "./dom.ts";
+import { on } from "./events.ts";
 
 const COPIED_MS = 2000;
 const LABEL = "Copy code";
 
 /**
- * A button that copies code in the form that stands beside it. Where the browser does not allow that, a field shows the
- * code, to be copied by hand.
+ * A button that copies code, in the form that stands beside it where there are several. Where the browser does not allow
+ * that, a field shows the code, to be copied by hand.
  */
-export class CopyCode {
+export class CopyCode<F extends string = string> {
   /** The button and the form. */
   readonly row = make("div", "rw-chip-row rw-chip-actions");
   /** Hidden as long as it is not needed. */
   readonly field = make("textarea", "rw-code");
   readonly #button: HTMLButtonElement;
   readonly #form = make("select", "rw-button rw-chip-form");
-  readonly #toCode: (form: Form) => string;
+  readonly #toCode: (form: F) => string;
   readonly #say: (words: string[]) => void;
   #copied: ReturnType<typeof setTimeout> | undefined;
 
-  /** @param say has a screen reader say words */
-  constructor(toCode: (form: Form) => string, say: (words: string[]) => void, signal: AbortSignal) {
+  /**
+   * @param say has a screen reader say words
+   * @param forms in which there is code, if there are several
+   * @param about the tooltip of the forms
+   */
+  constructor(
+    toCode: (form: F) => string,
+    say: (words: string[]) => void,
+    signal: AbortSignal,
+    forms: readonly F[] = [],
+    about = "",
+  ) {
     this.#toCode = toCode;
     this.#say = say;
     this.#button = makeButton("rw-copy", `${LABEL} (C)`, () => this.copy(), signal, LABEL);
     // Its name is the text, which says when it is copied.
     this.#button.ariaLabel = null;
-    for (const form of FORMS) this.#form.append(new Option(form));
-    this.#form.title = "for a Scan of robowidgets, for a ROS message without it, or the plain slice";
+    for (const form of forms) this.#form.append(new Option(form));
+    this.#form.title = about;
     this.#form.ariaLabel = "form of the code";
-    this.row.append(this.#button, this.#form);
+    this.row.append(this.#button, ...(forms.length ? [this.#form] : []));
     // Their keys are theirs: the picture would walk its rays.
     for (const own of [this.#form, this.field]) {
       on(own, "keydown", (event) => event.key !== "Escape" && event.stopPropagation(), signal);
@@ -41,7 +50,7 @@ export class CopyCode {
   }
 
   async copy(): Promise<void> {
-    const code = this.#toCode(this.#form.value as Form);
+    const code = this.#toCode(this.#form.value as F);
     const isCopied = await copyText(code);
     clearTimeout(this.#copied);
     this.field.hidden = isCopied;

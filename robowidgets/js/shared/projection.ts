@@ -1,5 +1,5 @@
-import type { Box, Point } from "../shared/box.ts";
-import { angleFrom, type Sweep, spanOf } from "../shared/frames/scan.ts";
+import type { Box, Point } from "./box.ts";
+import { angleFrom, type Sweep, spanOf } from "./frames/scan.ts";
 
 /** Where the scanner stands in the picture. */
 interface Center {
