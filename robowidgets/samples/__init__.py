@@ -8,6 +8,7 @@ from ._age import HasAge
 from .pose import Pose, yaw_of
 from .problem import Problem
 from .range import Range
+from .ranges import Ranges
 from .ray import Ray, Validity
 from .scan import Scan
 from .sector import Sector
@@ -21,6 +22,7 @@ __all__ = [
     "Pose",
     "Problem",
     "Range",
+    "Ranges",
     "Ray",
     "Scan",
     "Sector",
