@@ -19,6 +19,7 @@ from .laser.trail import HasTrail
 from .messages import to_scan
 from .messages.fields import unwrap
 from .samples import Problem, Scan, Validity
+from .samples.age import note_arrival
 from .samples.scan import MAX_RAYS
 from .shapes.drawing import DrawsShapes
 
@@ -269,7 +270,7 @@ class LaserWidget(HasTrail, HasGhost, HasSectors, DrawsShapes):
             frame_id=texts.get("frame_id", ""),
             header_problems=tuple(Problem(*problem) for problem in known),
         )
-        scan._arrive(arrived)
+        note_arrival(scan, arrived)
         return scan
 
     @traitlets.observe("angle_offset")

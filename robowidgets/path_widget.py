@@ -22,6 +22,7 @@ from .messages.fields import frame_id, stamp_ns, unwrap
 from .poses.path import Path
 from .poses.recent import RecentPoses
 from .samples import HasAge, Pose
+from .samples.age import arrival_of, note_arrival
 from .samples.checks import finite, to_radians
 
 _FRAME = struct.Struct("<4d")
@@ -115,7 +116,7 @@ class PathWidget(RobotWidget[PathPoint]):
                 if not self.driven_by_player:
                     pose = Pose(point.x, point.y, point.yaw)
                     self._track.add(point.time, pose)
-                    self._recent.add(pose, point._arrived, point.stamp_ns)
+                    self._recent.add(pose, arrival_of(point), point.stamp_ns)
                     self._is_path_new = True
                 self._show(point, {"frame_id": point.frame_id})
         except (TypeError, ValueError) as error:
@@ -149,7 +150,7 @@ class PathWidget(RobotWidget[PathPoint]):
     def robot_at(self, sample: HasAge) -> Pose | None:
         """Where the robot was at the time of a sample that came just now; None while that is unknown."""
         with self._newest.lock:
-            return self._recent.at(sample._arrived, getattr(sample, "stamp_ns", None))
+            return self._recent.at(arrival_of(sample), getattr(sample, "stamp_ns", None))
 
     def show_whole(self, path: Path, until: float = inf) -> None:
         """Show a recording's path, of which a player then shows one moment; complete up to a time in seconds."""
@@ -192,7 +193,7 @@ class PathWidget(RobotWidget[PathPoint]):
         _, _, stamp_ns, arrived = FRAME_HEADER.unpack_from(frame)
         seconds, x, y, yaw = _FRAME.unpack_from(frame, FRAME_HEADER.size)
         point = PathPoint(seconds, x, y, yaw, stamp_ns or None, self._frozen_about.get("frame_id", ""))
-        point._arrive(arrived)
+        note_arrival(point, arrived)
         return point
 
     def _bring_up_to_date(self) -> None:

@@ -18,6 +18,7 @@ from ._core.timed_frame import FRAME_HEADER
 from ._core.traits import Flag, HistorySeconds
 from .messages import to_speed
 from .samples import AXES, Speed
+from .samples.age import arrival_of, note_arrival
 
 _FRAME = struct.Struct("<ddqd24d")
 """After the head: what there is (1: measured, 2: commanded), resets of the peaks, stamp of the commanded speed in ns
@@ -276,7 +277,7 @@ class SpeedWidget(RobotWidget[Reading]):
             (_MEASURED if measured else 0) + (_COMMANDED if commanded else 0),
             sample.resets,
             (commanded.stamp_ns or 0) if commanded else 0,
-            commanded._arrived if commanded else 0.0,
+            arrival_of(commanded) if commanded else 0.0,
             *(measured.values if measured else _NO_VALUES),
             *(commanded.values if commanded else _NO_VALUES),
             *sample.least,
@@ -288,9 +289,9 @@ class SpeedWidget(RobotWidget[Reading]):
         there, resets, commanded_ns, commanded_arrived, *values = _FRAME.unpack_from(frame, FRAME_HEADER.size)
         frame_id = self._frozen_about.get("frame_id", "")
         measured = Speed(tuple(values[:3]), tuple(values[3:6]), stamp_ns or None, frame_id)
-        measured._arrive(arrived)
+        note_arrival(measured, arrived)
         commanded = Speed(tuple(values[6:9]), tuple(values[9:12]), commanded_ns or None)
-        commanded._arrive(commanded_arrived)
+        note_arrival(commanded, commanded_arrived)
         return Reading(
             measured if int(there) & _MEASURED else None,
             commanded if int(there) & _COMMANDED else None,

@@ -24,6 +24,7 @@ from .._core.text import many
 from .._core.user_function import line_of, name_of
 from .._core.user_threads import MayDrive
 from ..samples import HasAge
+from ..samples.age import note_arrival
 from ._topics import FeedTopic, queue_length, sample_of
 
 log = logging.getLogger("robowidgets")
@@ -239,7 +240,7 @@ class FunctionCaller:
         try:
             sample = message if function.raw else sample_of(message, topic)
             if not function.raw and isinstance(sample, HasAge):
-                sample._arrive(came_at)
+                note_arrival(sample, came_at)
         except (TypeError, ValueError) as error:
             function.error = f"a message of {function.topic} cannot be read for `{function.name}`: {error}"
             function.context.copy().run(self._log, function.error, exc_info=error)

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 from .._core.newest_sample import NewestSample
 from ..messages import to_scan
 from ..samples import Scan
+from ..samples.age import note_arrival
 
 if TYPE_CHECKING:
     from ._connection import Connection
@@ -46,7 +47,7 @@ def scans_of(connection: Connection, topic: str, timeout: float) -> Iterator[Sca
                 raise TimeoutError(f"no scan of {topic} for {limit:g} s" + (f": {why}" if why else ""))
             limit, taken = timeout, sequence
             scan = to_scan(message)
-            scan._arrive(arrived)
+            note_arrival(scan, arrived)
             yield scan
     finally:
         connection.detach(topic, target)

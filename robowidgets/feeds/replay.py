@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from ..recordings import RecordingData
+from ..samples.age import note_arrival
 from ..samples.checks import finite
 from ._threaded import ThreadedMiddleware
 from ._topics import YOURS
@@ -98,7 +99,7 @@ class Played(ThreadedMiddleware):
         for moment in self._recording.samples(names, start=max(now, 0.0)) if names else ():
             if self._woken.wait(max(0.0, started + moment.seconds / self._speed - time.monotonic())):
                 return False
-            moment.sample._arrive()
+            note_arrival(moment.sample)
             listener.on_message(moment.topic, moment.sample)
         return not self._woken.wait(max(0.0, started + self._recording.duration / self._speed - time.monotonic()))
 

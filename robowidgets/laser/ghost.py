@@ -9,6 +9,7 @@ import traitlets
 from .._core.timed_frame import FRAME_HEADER
 from .._core.traits import bytes_trait
 from ..samples import Scan
+from ..samples.age import arrival_of
 
 
 class HasGhost(traitlets.HasTraits):
@@ -66,5 +67,5 @@ class HasGhost(traitlets.HasTraits):
         widget: Any = self
         newest = widget._newest
         number = float(newest.sequence) if scan is newest.sample else 0.0
-        head = FRAME_HEADER.pack(number, float("nan"), scan.stamp_ns or 0, scan._arrived)
+        head = FRAME_HEADER.pack(number, float("nan"), scan.stamp_ns or 0, arrival_of(scan))
         return head + bytes(widget._pack(scan))

@@ -4,7 +4,7 @@ A sample is immutable, in SI units and in the body frame of REP-103 (x forward, 
 counter-clockwise). It knows neither ROS nor a page.
 """
 
-from ._age import HasAge
+from .age import HasAge
 from .pose import Pose, yaw_of
 from .problem import Problem
 from .range import Range

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from ._age import HasAge
+from .age import HasAge, note_arrival
 from .checks import number, shortest
 from .problem import Problem
 from .ray import CODES_END, Validity
@@ -55,7 +55,7 @@ class Range(HasAge):
     problems: tuple[Problem, ...] = ()
 
     def __post_init__(self) -> None:
-        self._arrive()
+        note_arrival(self)
         for name in ("range", "min_range", "max_range", "field_of_view"):
             object.__setattr__(self, name, _float32(name, getattr(self, name)))
         low, high = self.min_range, self.max_range

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import scan_problems
-from ._age import HasAge
+from .age import HasAge, note_arrival
 from .checks import (
     ANGLE_ROUNDING,
     finite,
@@ -117,7 +117,7 @@ class Scan(HasAge):
         put(self, "range_min", low)
         put(self, "range_max", high)
         put(self, "header_problems", tuple(dict.fromkeys(odd)))
-        self._arrive()
+        note_arrival(self)
 
     def __len__(self) -> int:
         return int(self.ranges.size)
@@ -347,7 +347,7 @@ class Scan(HasAge):
         if not by:
             return self
         turned = replace(self, angle_min=self.angle_min + by)
-        turned._arrive(self._arrived)
+        note_arrival(turned, self._arrived)
         return turned
 
     @property

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Set
 from dataclasses import dataclass
 from typing import Any
 
-from ._age import HasAge
+from .age import HasAge, note_arrival
 from .checks import number
 from .pose import Pose
 
@@ -42,7 +42,7 @@ class Speed(HasAge):
     pose: Pose | None = None
 
     def __post_init__(self) -> None:
-        self._arrive()
+        note_arrival(self)
         for name in ("linear", "angular"):
             given = getattr(self, name)
             if type(given) is tuple and len(given) == 3 and all(type(v) is float for v in given):

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from ._age import HasAge
+from .age import HasAge, note_arrival
 
 
 class TouchState(IntEnum):
@@ -80,7 +80,7 @@ class Touch(HasAge):
         object.__setattr__(self, "touched", MappingProxyType(touched))
         known = dict.fromkeys(self.sensors) | dict.fromkeys(touched)
         object.__setattr__(self, "sensors", tuple(known))
-        self._arrive()
+        note_arrival(self)
 
     def __getstate__(self) -> dict[str, Any]:
         return {**vars(self), "touched": dict(self.touched)}

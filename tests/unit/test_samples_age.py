@@ -12,7 +12,7 @@ import pytest
 import robowidgets
 from robowidgets import LaserWidget, Range, Scan, Speed, SpeedWidget, Touch
 from robowidgets._core import newest_sample
-from robowidgets.samples import _age
+from robowidgets.samples import age as _age
 from robowidgets.samples import scan as scan_module
 
 from .waiting import Clock

@@ -8,14 +8,13 @@ import time
 class HasAge:
     """A sample that knows when it arrived. Not a field: two samples with the same content stay equal.
 
-    A dataclass that has a `__post_init__` of its own calls `_arrive` in it.
+    A dataclass that has a `__post_init__` of its own calls `note_arrival` in it.
     """
 
     _arrived: float
-    """Seconds of the monotonic clock."""
 
     def __post_init__(self) -> None:
-        self._arrive()
+        note_arrival(self)
 
     @property
     def age(self) -> float:
@@ -25,6 +24,12 @@ class HasAge:
         """
         return time.monotonic() - self._arrived
 
-    def _arrive(self, when: float | None = None) -> None:
-        """Note that it arrived now, or at another time of the monotonic clock."""
-        object.__setattr__(self, "_arrived", time.monotonic() if when is None else when)
+
+def note_arrival(sample: HasAge, when: float | None = None) -> None:
+    """Note that a sample arrived now, or at another time of the monotonic clock, in seconds."""
+    object.__setattr__(sample, "_arrived", time.monotonic() if when is None else when)
+
+
+def arrival_of(sample: HasAge) -> float:
+    """Seconds of the monotonic clock at which a sample arrived."""
+    return sample._arrived  # no field of a sample, and no attribute for users, who ask for its age
