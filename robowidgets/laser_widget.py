@@ -221,10 +221,8 @@ class LaserWidget(HasTrail, HasGhost, HasSectors, DrawsShapes):
     def frame_of(self, sample: Scan) -> tuple[dict[str, Any], bytes]:
         """See `RobotWidget`."""
         scan = sample.turned(self.angle_offset)
-        about = (
-            about_scan(sample, self.angle_offset) | self._drawn_on(scan) | self._judged_on(scan if len(scan) else None)
-        )
-        return about, self._pack(scan)
+        judged = self._watches.judged_on(scan if len(scan) else None)
+        return about_scan(sample, self.angle_offset) | self._drawn_on(scan) | judged, self._pack(scan)
 
     def _describe(self) -> str:
         return repr(self.scan).strip("<>") if self.scan else ""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Collection, Iterable, Sequence
 from dataclasses import replace
 from math import isfinite
@@ -14,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 from ._core.base_widget import NamedWidget
 from ._core.front_end import bundle
 from ._core.limit_traits import Pair
-from ._core.png import SavesPng
+from ._core.png import Png, Saving
 from ._core.time_traits import Marks, States, TimeSpan
 from ._core.traits import Flag, bytes_trait
 from .samples import AXES, Scan
@@ -31,7 +32,7 @@ if TYPE_CHECKING:
     from .recordings import RecordingData
 
 
-class ScanogramWidget(SavesPng, NamedWidget):
+class ScanogramWidget(NamedWidget):
     """Many scans as one picture: time across, ray angle up, colour for distance, speed and touch under it.
 
     The reader sees a column per moment and a row per ray, counter-clockwise angles above (REP-103), dark where
@@ -104,6 +105,7 @@ class ScanogramWidget(SavesPng, NamedWidget):
         self._picture: Picture | None = None
         self._edition = 0
         self._png_error = ""
+        self._png = Png(self, self._set_png_error)
         super().__init__(**kwargs)
 
     @staticmethod
@@ -256,6 +258,13 @@ class ScanogramWidget(SavesPng, NamedWidget):
             notes = [note for note in self._about.get("notes", ()) if note != self._png_error]
             self._png_error = error
             self._about = {**self._about, "notes": [*notes, error] if error else notes}
+
+    def save_png(self, path: str | os.PathLike[str]) -> Saving:
+        """Write what the widget shows now into a PNG file; the page that shows it draws the picture a moment later.
+
+        To have the file within the cell, use ``await scanogram.save_png("drive.png")``. See `LaserWidget.save_png`.
+        """
+        return self._png.save(path)
 
     def _scans_first(self, call: str) -> Picture:
         if self._picture is None:

@@ -62,7 +62,7 @@ class TouchWidget(RobotWidget[Touch]):
 
     sample_name = "touch"
     goes_stale = False
-    _packs_now = True
+    packs_now = True
 
     sensors = traitlets.List(traitlets.Unicode(), help="Names of the sensors to show, from left to right.").tag(
         sync=True
@@ -186,7 +186,7 @@ class TouchWidget(RobotWidget[Touch]):
         """Have states judged again that have changed without a message: a touch that was held is released."""
         with self._send_lock:
             self._packed_ns = self._now_ns()
-            if self._judge and self._states_at(self._packed_ns) != self._judged:
+            if self.watched and self._states_at(self._packed_ns) != self._judged:
                 with self._newest.lock:
                     self._newest.renew()
             super()._bring_up_to_date()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 import threading
+from collections.abc import Callable
 from typing import Any, Protocol
 
 from .log_once import LogOnce
@@ -22,11 +23,9 @@ PATIENCE = 0.1
 class JudgedWidget(Sender, Protocol):
     """A widget whose samples are judged."""
 
-    title: str
-    _newest: NewestSample[Any]
-    _packs_now: bool
-
-    def _to_judge(self, shown: Any) -> Any: ...
+    @property
+    def title(self) -> str:
+        """What it shows, for the log."""
 
 
 class Judge:
@@ -37,12 +36,18 @@ class Judge:
     A function that does not return is ended when its watch is removed or replaced.
 
     Args:
-        widget: the widget.
+        widget: the widget, which the pacer sends once the verdicts are there.
+        newest: its newest sample.
+        to_judge: gives what is judged of a sample as it is shown; None before the first.
+        waits: whether a new sample waits for its verdicts while the one before is on show.
     """
 
-    def __init__(self, widget: JudgedWidget) -> None:
+    def __init__(
+        self, widget: JudgedWidget, newest: NewestSample[Any], to_judge: Callable[[Any], Any], *, waits: bool
+    ) -> None:
         self._widget = widget
-        self._newest = widget._newest
+        self._newest = newest
+        self._to_judge, self._waits = to_judge, waits
         self.watches: dict[str, Watch] = {}
         self.make_runner()
         self._newest.on_new = self._wake
@@ -111,7 +116,7 @@ class Judge:
             self._newest.wait_for(lambda: self._done == newest.version, PATIENCE)
         if self._done == newest.version:
             return newest, self._lamps
-        if self._shot is not None and self._shot.version > packed and not self._widget._packs_now:
+        if self._shot is not None and self._shot.version > packed and self._waits:
             return self._shot, self._lamps
         if not self.is_late:
             return None, []  # the runner has the widget marked when it is
@@ -158,7 +163,7 @@ class Judge:
                 return None
             self._seen = newest.version
             shot, watches = newest.shot(), list(self.watches.values())
-        sample, error = call(self._widget._to_judge, shot.sample, of=self)  # None, so unknown, where it raises
+        sample, error = call(self._to_judge, shot.sample, of=self)  # None, so unknown, where it raises
         if error is not None:
             self._log(f"{self._widget.title}: {type(error).__name__}: {error}".strip())
         for watch in watches:

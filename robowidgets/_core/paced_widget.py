@@ -39,9 +39,11 @@ class PacedWidget(BeatingWidget, FreezableWidget):
         "most.",
     ).tag(sync=True)
 
+    _newest: NewestSample[Any]
+    """The newest sample, which the subclass makes."""
+
     def __init__(self, **kwargs: Any) -> None:
         self._process = os.getpid()
-        self._newest: NewestSample[Any] = NewestSample()
         self._sent: tuple[bytes, dict[str, Any]] = (b"", {})
         """`_frame` and `_about` as they were sent last; only the pacer sends them."""
         self._sent_frames = SentFrames()

@@ -8,12 +8,11 @@ import itertools
 import logging
 import os
 import threading
-from collections.abc import Generator
+from collections.abc import Callable, Generator
 from concurrent.futures import Future
 from pathlib import Path
-from typing import Any
+from typing import Any, Protocol
 
-import anywidget
 from comm import DummyComm
 
 from .error_routing import cell_is_running
@@ -33,9 +32,9 @@ class Saving:
     Awaiting returns the path, or raises the error that kept the file from being written.
     """
 
-    def __init__(self, path: Path) -> None:
+    def __init__(self, path: Path, written: Future[Path]) -> None:
         self.path = path
-        self._written: Future[Path] = Future()
+        self._written = written
 
     def __await__(self) -> Generator[Any, None, Path]:
         return asyncio.shield(asyncio.wrap_future(self._written)).__await__()
@@ -46,71 +45,70 @@ class Saving:
         error = self._written.exception()
         return f"<{error}>" if error else f"<{self.path}: written>"
 
-    def _end(self, error: Exception | None = None) -> None:
-        if self._written.done():
-            return
-        if error is None:
-            self._written.set_result(self.path)
-        else:
-            self._written.set_exception(error)
+
+class DrawnWidget(Protocol):
+    """A widget that a page can draw."""
+
+    comm: Any
+
+    def send(self, content: dict[str, Any]) -> None:
+        """Send a message to the pages that show it."""
+
+    def on_msg(self, callback: Callable[[Any, dict[str, Any], Any], None]) -> None:
+        """Have a function called with each message of a page."""
 
 
-class SavesPng(anywidget.AnyWidget):
-    """A widget that a page can save as a picture. Subclasses implement `_set_png_error` and `_catch_up`."""
+class Png:
+    """The pictures of a widget, which a page draws and Python writes into files.
 
-    def __init__(self, **kwargs: Any) -> None:
-        self._asked: dict[int, Saving] = {}
+    Args:
+        widget: the widget.
+        show_error: shows on it what went wrong; empty removes the text.
+        catch_up: sends the state that the page does not show yet; None: there is none.
+    """
+
+    def __init__(
+        self, widget: DrawnWidget, show_error: Callable[[str], None], catch_up: Callable[[], object] | None = None
+    ) -> None:
+        self._widget, self._show_error, self._catch_up = widget, show_error, catch_up
+        self._asked: dict[int, tuple[Path, Future[Path]]] = {}
         self._numbers = itertools.count(1)
         self._patience: threading.Timer | None = None
-        super().__init__(**kwargs)
-        self.on_msg(self._on_answer)
 
-    def save_png(self, path: str | os.PathLike[str]) -> Saving:
-        """Write what the widget shows now into a PNG file, at least twice as fine as on the screen.
-
-        The page that shows the widget draws the picture. The call returns at once, and the file is written a moment
-        later, or after the cell has ended, because many kernels process no message of a page before. To have the file
-        within the cell, use ``await laser.save_png("corner.png")``. Later errors appear on the widget and in the log.
-
-        Args:
-            path: the file; an existing one is replaced.
-
-        Raises:
-            TypeError: no path. ValueError: a name that does not end in .png. OSError: a missing folder, or one that is
-                not writable. RuntimeError: no notebook, or the widget is closed.
-        """
+    def save(self, path: str | os.PathLike[str]) -> Saving:
+        """See `RobotWidget.save_png`."""
         target = checked_output("save_png", path, (".png",))
-        if self.comm is None:
+        widget = self._widget
+        if widget.comm is None:
             raise RuntimeError("save_png(): this widget is closed; show a new one")
-        if isinstance(self.comm, DummyComm):
+        if isinstance(widget.comm, DummyComm):
             raise RuntimeError("save_png() needs a notebook: a page that shows the widget draws the picture")
-        number, saving = next(self._numbers), Saving(target)
-        self._asked[number] = saving
-        self._set_png_error("")
-        self._catch_up()
-        self.send({"png": number})
+        number = next(self._numbers)
+        if number == 1:
+            widget.on_msg(self._on_answer)
+        written: Future[Path] = Future()
+        self._asked[number] = target, written
+        self._show_error("")
+        if self._catch_up:
+            self._catch_up()
+        widget.send({"png": number})
         self._wait()
-        return saving
-
-    def _set_png_error(self, error: str) -> None:
-        """Show on the widget what went wrong; empty removes the text."""
-        raise NotImplementedError
-
-    def _catch_up(self) -> None:
-        """Send the state that the page does not show yet."""
+        return Saving(target, written)
 
     def _on_answer(self, _widget: Any, content: dict[str, Any], _buffers: Any) -> None:
         # Several pages may answer; the first one counts.
-        saving = self._asked.pop(content.get("png", 0), None)
-        if saving is None:
+        asked = self._asked.pop(content.get("png", 0), None)
+        if asked is None:
             return
+        path, written = asked
         try:
-            _write(saving.path, content.get("url", ""))
+            _write(path, content.get("url", ""))
         except OSError as error:
-            self._fail(saving, error)
+            self._fail(path, written, error)
         else:
-            self._set_png_error("")
-            saving._end()
+            self._show_error("")
+            if not written.done():  # else it was given up before
+                written.set_result(path)
 
     def _wait(self) -> None:
         """Restart the time-out for all pictures that are outstanding."""
@@ -124,18 +122,19 @@ class SavesPng(anywidget.AnyWidget):
         if cell_is_running():
             self._wait()
             return
-        for saving in list(self._asked.values()):
+        for path, written in list(self._asked.values()):
             error = (
                 f"no page that shows this widget has answered for {PATIENCE:g} s; have it in view and call save_png() "
                 "again. If a cell is still awaiting something, the kernel may hear the page only when it ends"
             )
-            self._fail(saving, TimeoutError(error))
+            self._fail(path, written, TimeoutError(error))
 
-    def _fail(self, saving: Saving, error: Exception) -> None:
-        text = f"{saving.path} was not written: {error}"
-        log.error("%s: %s", type(self).__name__, text)
-        self._set_png_error(text)
-        saving._end(type(error)(text))
+    def _fail(self, path: Path, written: Future[Path], error: Exception) -> None:
+        text = f"{path} was not written: {error}"
+        log.error("%s: %s", type(self._widget).__name__, text)
+        self._show_error(text)
+        if not written.done():
+            written.set_exception(type(error)(text))
 
 
 def _write(target: Path, url: str) -> None:

@@ -4,25 +4,26 @@ from __future__ import annotations
 
 import os
 import threading
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from importlib import import_module
 from math import inf
 from pathlib import Path
-from typing import Any, Generic, TypeVar
+from typing import Any, Generic, TypeVar, overload
 
 import traitlets
 
 from ..samples.checks import not_negative
 from ..samples.staleness import LIVE
 from .error_routing import called_from_cell
+from .newest_sample import NewestSample
 from .output_file import checked_output
 from .paced_widget import PacedWidget
 from .pacer import pacer
-from .plotted_numbers import PlottedNumbers
-from .png import SavesPng
+from .png import Png, Saving
 from .timed_frame import FRAME_HEADER
 from .traits import Flag
-from .watching import JudgesConditions
+from .watch import Watch
+from .watching import Hooks, Watches
 
 PATIENCE = 2.0
 """Seconds after which a thread that waits is told that what it waits for is missing, if that is known."""
@@ -36,7 +37,7 @@ NO_TEXTS: dict[str, Any] = {}
 S = TypeVar("S")
 
 
-class RobotWidget(SavesPng, JudgesConditions, PacedWidget, Generic[S]):
+class RobotWidget(PacedWidget, Generic[S]):
     """A widget that shows the newest sample of type S.
 
     Subclasses pack samples to bytes and back, and pass new ones to `_show`. The calling thread only stores a sample,
@@ -51,8 +52,14 @@ class RobotWidget(SavesPng, JudgesConditions, PacedWidget, Generic[S]):
     goes_stale = True
     """Whether a sample says nothing any more once the source is silent."""
 
-    _packs_now = False
+    packs_now = False
     """Whether a frame tells what is known when it is packed, not a sample."""
+
+    sample_name = "sample"
+    """What programs call one sample: ``"scan"``."""
+
+    judges_frames = False
+    """Whether a player shows the verdicts on each sample of this widget."""
 
     column = "narrow"
     """The column in which it stands in a view with several widgets: ``"wide"``, ``"narrow"`` or ``"map"``."""
@@ -72,7 +79,10 @@ class RobotWidget(SavesPng, JudgesConditions, PacedWidget, Generic[S]):
     def __init__(self, **kwargs: Any) -> None:
         self._png_error = self._missing = ""
         self._packed_version = 0
-        self._plotted = PlottedNumbers()
+        self._newest: NewestSample[Any] = NewestSample()
+        hooks = Hooks(self._to_judge, self._why_unknown, self._say_more, self._renew_frames)
+        self._watches = Watches(self, self._newest, hooks)
+        self._png = Png(self, self._set_png_error, self.send_newest)
         super().__init__(**kwargs)
 
     # -- what a person uses --------------------------------------------------------------------------------------------
@@ -113,6 +123,71 @@ class RobotWidget(SavesPng, JudgesConditions, PacedWidget, Generic[S]):
                 raise TimeoutError(self._why_none(seconds))
             newest.take()
             return self._newest_measured()
+
+    @overload
+    def watch(self, name: str, value: float, /) -> float: ...
+    @overload
+    def watch(self, condition: Any, name: str | None = None) -> Watch: ...
+    def watch(self, condition: Any, name: Any = None) -> Any:
+        """Judge a condition on each sample, ``watch(condition, name)``; or plot a number, ``watch(name, value)``.
+
+        What comes first decides. A condition gets a lamp below the picture, a name gets a line there with its numbers
+        of the last ten seconds. Conditions are judged in a thread of their own, on the newest sample. What raises is
+        switched off, and the lamp says why. The changes are kept, and a program may wait for it: see `Watch`.
+
+        Args:
+            condition: a function of one sample that returns True or False, or None for unknown; or one of
+                `robowidgets.conditions` that looks at samples of this widget. Or, for a number, its name.
+            name: of the lamp, plain text. A watch of the same name is replaced. None: the name of the function, or the
+                text of the condition. Or the number: it is plotted at the time of the newest sample; NaN and infinities
+                are gaps.
+
+        Returns:
+            The `Watch` of the condition; or the number, so that the call may stand where the number is used.
+
+        Raises:
+            TypeError: no such condition, a lambda without a name, or no number.
+            ValueError: the condition looks at samples of another widget; the name is empty or too long, or both a
+                condition and a number would have it; there are more than eight numbers; a player of a recording moves
+                this widget, and shows verdicts on lasers only: `Recording.find` finds the condition.
+
+        Example:
+            >>> from robowidgets import LaserWidget
+            >>> laser = LaserWidget()
+            >>> wall = laser.watch(lambda scan: scan.distance("front") < 0.5, name="wall")
+            >>> laser.watch("r", 0.42)
+            0.42
+        """
+        return self._watches.watch(condition, name)
+
+    def unwatch(self, name: str) -> None:
+        """Judge a condition no more, and remove its lamp; or remove a number with its line.
+
+        Raises:
+            KeyError: there is no watch of that name.
+        """
+        self._watches.unwatch(name)
+
+    @property
+    def watched(self) -> Mapping[str, Watch]:
+        """The watches by name."""
+        return self._watches.by_name
+
+    def save_png(self, path: str | os.PathLike[str]) -> Saving:
+        """Write what the widget shows now into a PNG file, at least twice as fine as on the screen.
+
+        The page that shows the widget draws the picture. The call returns at once, and the file is written a moment
+        later, or after the cell has ended, because many kernels process no message of a page before. To have the file
+        within the cell, use ``await laser.save_png("corner.png")``. Later errors appear on the widget and in the log.
+
+        Args:
+            path: the file; an existing one is replaced.
+
+        Raises:
+            TypeError: no path. ValueError: a name that does not end in .png. OSError: a missing folder, or one that is
+                not writable. RuntimeError: no notebook, or the widget is closed.
+        """
+        return self._png.save(path)
 
     def to_html(self, path: str | os.PathLike[str], *, title: str = "", note: str = "") -> Path:
         """Write a page with the widget as it is, and its history to play: one file, without a kernel or the web.
@@ -187,17 +262,21 @@ class RobotWidget(SavesPng, JudgesConditions, PacedWidget, Generic[S]):
             self._newest.changed = True
         self._mark()
 
+    def _renew_frames(self) -> None:
+        """Have a player show its samples anew, on which something else is judged or drawn now."""
+        if self.driven_by_player:
+            self._edition += 1
+
     def _make_locks(self) -> None:
         super()._make_locks()
-        if self._judge:
-            self._judge.make_runner()
+        self._watches.make_locks()
 
     def _mark(self) -> None:
         """Have the newest sample sent with what is on it, once the verdicts on it are there.
 
         To send before that would send nothing, and the next send would wait for the interval between two.
         """
-        judge = self._judge
+        judge = self._watches.judge
         if judge is None or not judge.will_mark():
             pacer.mark(self)
 
@@ -241,9 +320,6 @@ class RobotWidget(SavesPng, JudgesConditions, PacedWidget, Generic[S]):
             self._png_error = error
             self._say_more()
 
-    def _catch_up(self) -> None:
-        self.send_newest()
-
     def frame_of(self, sample: S) -> tuple[dict[str, Any], bytes]:
         """The text on a sample, and its frame without the header: what `update` of the sample would show."""
         return {}, self._pack(sample)
@@ -283,8 +359,7 @@ class RobotWidget(SavesPng, JudgesConditions, PacedWidget, Generic[S]):
 
     def close(self) -> None:
         """Remove the widget from the page."""
-        if self._judge:
-            self._judge.close()
+        self._watches.close()
         super().close()
 
     def _bring_up_to_date(self) -> None:
@@ -294,7 +369,8 @@ class RobotWidget(SavesPng, JudgesConditions, PacedWidget, Generic[S]):
             with newest.lock:
                 if not newest.changed:
                     return
-                shot, lamps = self._judge.choose(self._packed_version) if self._judge else (newest.shot(), [])
+                judge = self._watches.judge
+                shot, lamps = judge.choose(self._packed_version) if judge else (newest.shot(), [])
                 if shot is None:
                     return
                 newest.changed, self._packed_version = shot.version != newest.version, shot.version
@@ -304,7 +380,7 @@ class RobotWidget(SavesPng, JudgesConditions, PacedWidget, Generic[S]):
                     about = {**self._about_sample(sample), **about}
                 if self._png_error:
                     about = {**about, "notes": [*about.get("notes", ()), self._png_error]}
-                shown = {**about, **self._texts_now(), **self._plotted.on(sequence)}
+                shown = {**about, **self._texts_now(), **self._watches.numbers.on(sequence)}
             if lamps:
                 shown |= {"lamps": lamps, "judged": sequence}
             self._trait_values["_about"] = shown
@@ -323,10 +399,11 @@ class RobotWidget(SavesPng, JudgesConditions, PacedWidget, Generic[S]):
         return shown
 
     def _why_unknown(self) -> str:
+        """Why nothing is known of the present; empty while the newest sample is not stale."""
         if self._newest_measured() is None:
             return f"no {self.sample_name} came"
         limit, age = self._longest_silence(), self._newest.age
-        busy_for = self._judge.busy_for if self._judge else 0.0
+        busy_for = self._watches.judge.busy_for if self._watches.judge else 0.0
         if busy_for > limit:
             return f"conditions at work for {busy_for:.1f} s"
         if self.goes_stale and self.has_rate and age > limit:

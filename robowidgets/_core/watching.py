@@ -1,4 +1,4 @@
-"""The methods of a widget that judge conditions on its samples."""
+"""What a widget watches: conditions on its samples, and numbers that a program plots."""
 
 from __future__ import annotations
 
@@ -6,10 +6,10 @@ import inspect
 from collections.abc import Callable, Mapping
 from numbers import Real
 from types import MappingProxyType
-from typing import Any, overload
+from typing import Any, NamedTuple, Protocol
 
 from ..samples.checks import number
-from .judge import Judge
+from .judge import Judge, JudgedWidget
 from .newest_sample import NewestSample
 from .plotted_numbers import PlottedNumbers
 from .user_function import name_of
@@ -19,58 +19,61 @@ LONGEST_NAME = 40
 """Characters of the name of a watch."""
 
 
-class JudgesConditions:
-    """A widget on which conditions can be watched."""
+class WatchedWidget(JudgedWidget, Protocol):
+    """A widget on which conditions and numbers can be watched."""
 
-    sample_name = "sample"
-    """What programs call one sample: ``"scan"``."""
+    @property
+    def sample_name(self) -> str:
+        """What programs call one sample: ``"scan"``."""
 
-    driven_by_player = False
-    judges_frames = False
-    """Whether a player shows the verdicts on each sample of this widget."""
+    @property
+    def packs_now(self) -> bool:
+        """Whether a frame tells what is known when it is packed, not a sample."""
 
-    _edition: int
-    _judge: Judge | None = None
-    _newest: NewestSample[Any]
-    _plotted: PlottedNumbers
+    @property
+    def driven_by_player(self) -> bool:
+        """Whether a player moves it."""
 
-    @overload
-    def watch(self, name: str, value: float, /) -> float: ...
-    @overload
-    def watch(self, condition: Any, name: str | None = None) -> Watch: ...
-    def watch(self, condition: Any, name: Any = None) -> Any:
-        """Judge a condition on each sample, ``watch(condition, name)``; or plot a number, ``watch(name, value)``.
+    @property
+    def judges_frames(self) -> bool:
+        """Whether a player shows the verdicts on each sample."""
 
-        What comes first decides. A condition gets a lamp below the picture, a name gets a line there with its numbers
-        of the last ten seconds. Conditions are judged in a thread of their own, on the newest sample. What raises is
-        switched off, and the lamp says why. The changes are kept, and a program may wait for it: see `Watch`.
 
-        Args:
-            condition: a function of one sample that returns True or False, or None for unknown; or one of
-                `robowidgets.conditions` that looks at samples of this widget. Or, for a number, its name.
-            name: of the lamp, plain text. A watch of the same name is replaced. None: the name of the function, or the
-                text of the condition. Or the number: it is plotted at the time of the newest sample; NaN and infinities
-                are gaps.
+class Hooks(NamedTuple):
+    """What the watches of a widget call.
 
-        Returns:
-            The `Watch` of the condition; or the number, so that the call may stand where the number is used.
+    Args:
+        to_judge: gives what conditions are judged on, of a sample as it is shown; None before the first.
+        why_unknown: says why nothing is known of the present; empty while the newest sample is not stale.
+        say_more: has the page told what else there is to say of the newest sample.
+        renew_frames: has a player show its samples anew.
+    """
 
-        Raises:
-            TypeError: no such condition, a lambda without a name, or no number.
-            ValueError: the condition looks at samples of another widget; the name is empty or too long, or both a
-                condition and a number would have it; there are more than eight numbers; a player of a recording moves
-                this widget, and shows verdicts on lasers only: `Recording.find` finds the condition.
+    to_judge: Callable[[Any], Any]
+    why_unknown: Callable[[], str]
+    say_more: Callable[[], None]
+    renew_frames: Callable[[], None]
 
-        Example:
-            >>> from robowidgets import LaserWidget
-            >>> laser = LaserWidget()
-            >>> wall = laser.watch(lambda scan: scan.distance("front") < 0.5, name="wall")
-            >>> laser.watch("r", 0.42)
-            0.42
-        """
+
+class Watches:
+    """What a widget watches: conditions, which a `Judge` judges on its samples, and numbers, which it plots.
+
+    Attributes:
+        judge: judges the conditions; None before the first.
+        numbers: the plotted numbers.
+    """
+
+    def __init__(self, widget: WatchedWidget, newest: NewestSample[Any], hooks: Hooks) -> None:
+        self._widget, self._newest, self._hooks = widget, newest, hooks
+        self.judge: Judge | None = None
+        self.numbers = PlottedNumbers()
+
+    def watch(self, condition: Any, name: Any) -> Any:
+        """See `RobotWidget.watch`."""
         if isinstance(condition, str):
             return self._plot(condition, name)
-        if self.driven_by_player and not self.judges_frames:
+        widget = self._widget
+        if widget.driven_by_player and not widget.judges_frames:
             raise ValueError(
                 "watch: a player moves this widget; give the condition to recording.find, and the spans to player.marks"
             )
@@ -80,43 +83,46 @@ class JudgesConditions:
             hint = f'; a number comes after its name: watch("r", {named!r})' if isinstance(named, Real) else ""
             raise TypeError(f"name: expected text, got {named!r}{hint}")
         _check_name(named)
-        if named in self._plotted:
+        if named in self.numbers:
             raise ValueError(f"watch: {named!r} is the name of a number; unwatch({named!r}) removes it")
-        watch = Watch(named, condition, self.sample_name, self._why_unknown)
-        if self._judge is None:
-            self._judge = Judge(self)  # type: ignore[arg-type]  # what is missing is in RobotWidget
-        self._judge.put(watch)
-        if self.driven_by_player:
-            self._edition += 1
+        watch = Watch(named, condition, widget.sample_name, self._hooks.why_unknown)
+        if self.judge is None:
+            self.judge = Judge(widget, self._newest, self._hooks.to_judge, waits=not widget.packs_now)
+        self.judge.put(watch)
+        self._hooks.renew_frames()
         return watch
 
     def unwatch(self, name: str) -> None:
-        """Judge a condition no more, and remove its lamp; or remove a number with its line.
-
-        Raises:
-            KeyError: there is no watch of that name.
-        """
-        if name in self._plotted:
+        """See `RobotWidget.unwatch`."""
+        if name in self.numbers:
             with self._newest.lock:
-                self._plotted.remove(name)
-            self._say_more()
+                self.numbers.remove(name)
+            self._hooks.say_more()
             return
-        if name not in self.watched:
-            raise KeyError(f"no watch {name!r}: there are {', '.join(self.watched) or 'none'}")
-        if self._judge:
-            self._judge.remove(name)
-        if self.driven_by_player:
-            self._edition += 1
+        if self.judge is None or name not in self.judge.watches:
+            raise KeyError(f"no watch {name!r}: there are {', '.join(self.by_name) or 'none'}")
+        self.judge.remove(name)
+        self._hooks.renew_frames()
 
     @property
-    def watched(self) -> Mapping[str, Watch]:
+    def by_name(self) -> Mapping[str, Watch]:
         """The watches by name."""
-        return MappingProxyType(self._judge.watches if self._judge else {})
+        return MappingProxyType(self.judge.watches if self.judge else {})
 
-    def _judged_on(self, sample: Any) -> dict[str, Any]:
+    def judged_on(self, sample: Any) -> dict[str, Any]:
         """The verdicts on a sample of a recording, as a text on it; None before the first sample."""
-        watches = list(self.watched.values())
+        watches = list(self.by_name.values())
         return {"lamps": [watch.lamp_on(sample) for watch in watches], "judged": 0} if watches else {}
+
+    def make_locks(self) -> None:
+        """Make free locks; see `NewestSample.make_locks`."""
+        if self.judge:
+            self.judge.make_runner()
+
+    def close(self) -> None:
+        """End the thread, and whatever waits for a watch."""
+        if self.judge:
+            self.judge.close()
 
     def _plot(self, name: str, value: Any) -> float:
         if value is None or isinstance(value, str):
@@ -124,45 +130,37 @@ class JudgesConditions:
                 f"watch({name!r}): expected a number after its name, as watch({name!r}, 0.42), "
                 f"or a condition before it; got {value!r}"
             )
-        if self.driven_by_player:
+        if self._widget.driven_by_player:
             raise ValueError(f"watch({name!r}): a player moves this widget, and its samples are not of now")
         shown = number(f"watch({name!r})", value)
         _check_name(name)
-        if name in self.watched:
+        if name in self.by_name:
             raise ValueError(f"watch({name!r}): a condition has this name; unwatch({name!r}) removes it")
         with self._newest.lock:
-            self._plotted.put(name, shown, self._newest.sequence)
-        self._say_more()
+            self.numbers.put(name, shown, self._newest.sequence)
+        self._hooks.say_more()
         return shown
-
-    def _say_more(self) -> None:
-        """Have the page told what else there is to say of the newest sample."""
-        raise NotImplementedError
-
-    def _why_unknown(self) -> str:
-        """Why nothing is known of the present; empty while the newest sample is not stale."""
-        raise NotImplementedError
 
     def _check(self, condition: Any) -> None:
         """TypeError or ValueError for what cannot be judged on samples of this widget."""
+        sample_name = self._widget.sample_name
         if hasattr(condition, "judge"):
-            others = condition.reads - {self.sample_name}
+            others = condition.reads - {sample_name}
             if others:
                 raise ValueError(
                     f"watch: {condition} looks at a {' and a '.join(sorted(others))}; "
-                    f"this is a {type(self).__name__}, which has a {self.sample_name}"
+                    f"this is a {type(self._widget).__name__}, which has a {sample_name}"
                 )
             return
         if not callable(condition):
             raise TypeError(
-                f"watch: expected a function of one {self.sample_name}, or one of robowidgets.conditions, "
-                f"got {condition!r}"
+                f"watch: expected a function of one {sample_name}, or one of robowidgets.conditions, got {condition!r}"
             )
         if inspect.iscoroutinefunction(condition):
             raise TypeError(f"watch: expected a plain function, got the coroutine function {name_of(condition)}")
         if not _takes_one(condition):
             raise TypeError(
-                f"watch: expected a function of one {self.sample_name}; "
+                f"watch: expected a function of one {sample_name}; "
                 f"{name_of(condition)} takes {inspect.signature(condition)}"
             )
 

@@ -112,8 +112,7 @@ class DrawsShapes(RobotWidget[Scan]):
                 raise
             self._refuse(error)
             return
-        if self.driven_by_player:
-            self._edition += 1
+        self._renew_frames()
         self._mark()
 
     @property

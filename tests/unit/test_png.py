@@ -15,9 +15,9 @@ import pytest
 
 from robowidgets import LaserWidget, ScanogramWidget
 from robowidgets._core import png as _png
-from robowidgets._core.png import SavesPng
 
 T = TypeVar("T")
+Drawn = LaserWidget | ScanogramWidget
 
 PICTURE = b"\x89PNG\r\n\x1a\n and so on"
 URL = "data:image/png;base64," + base64.b64encode(PICTURE).decode()
@@ -28,7 +28,7 @@ class Page:
 
     comm_id = "page"
 
-    def __init__(self, widget: SavesPng) -> None:
+    def __init__(self, widget: Drawn) -> None:
         self.asked: list[int] = []
         self.told: list[str] = []
         self._widget = widget
@@ -54,14 +54,14 @@ class Page:
 
 
 @pytest.fixture(params=[LaserWidget, ScanogramWidget])
-def widget(request: pytest.FixtureRequest) -> Iterator[SavesPng]:
+def widget(request: pytest.FixtureRequest) -> Iterator[Drawn]:
     made = request.param(title="/scan")
     yield made
     made.close()
 
 
 @pytest.fixture
-def page(widget: SavesPng) -> Page:
+def page(widget: Drawn) -> Page:
     return Page(widget)
 
 
@@ -71,13 +71,13 @@ def run(coroutine: Coroutine[Any, Any, T]) -> T:
         return thread.submit(asyncio.run, coroutine).result()
 
 
-def notes(widget: SavesPng) -> list[str]:
+def notes(widget: Drawn) -> list[str]:
     found: list[str] = widget.get_state()["_about"].get("notes", [])
     return found
 
 
 class TestTheFile:
-    def test_it_is_there_when_the_page_has_answered(self, widget: SavesPng, page: Page, tmp_path: Path) -> None:
+    def test_it_is_there_when_the_page_has_answered(self, widget: Drawn, page: Page, tmp_path: Path) -> None:
         path = tmp_path / "a.png"
         saving = widget.save_png(path)
         assert repr(saving) == f"<{path}: asked for, not written yet>"
@@ -87,7 +87,7 @@ class TestTheFile:
         assert repr(saving) == f"<{path}: written>"
         assert os.listdir(tmp_path) == ["a.png"]
 
-    def test_a_second_answer_writes_nothing(self, widget: SavesPng, page: Page, tmp_path: Path) -> None:
+    def test_a_second_answer_writes_nothing(self, widget: Drawn, page: Page, tmp_path: Path) -> None:
         widget.save_png(tmp_path / "a.png")
         page.answer()
         (tmp_path / "a.png").unlink()
@@ -96,7 +96,7 @@ class TestTheFile:
         assert not os.listdir(tmp_path)
 
     def test_each_answer_goes_where_its_question_said(
-        self, widget: SavesPng, page: Page, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+        self, widget: Drawn, page: Page, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
     ) -> None:
         monkeypatch.chdir(tmp_path)
         widget.save_png("a.png")
@@ -120,7 +120,7 @@ class TestTheFile:
 
 
 class TestAwaiting:
-    def test_it_gives_the_path(self, widget: SavesPng, page: Page, tmp_path: Path) -> None:
+    def test_it_gives_the_path(self, widget: Drawn, page: Page, tmp_path: Path) -> None:
         async def save() -> Path:
             saving = widget.save_png(tmp_path / "a.png")
             asyncio.get_running_loop().call_soon(page.answer)
@@ -128,9 +128,7 @@ class TestAwaiting:
 
         assert run(save()) == tmp_path / "a.png"
 
-    def test_it_raises_what_kept_the_file_from_being_written(
-        self, widget: SavesPng, page: Page, tmp_path: Path
-    ) -> None:
+    def test_it_raises_what_kept_the_file_from_being_written(self, widget: Drawn, page: Page, tmp_path: Path) -> None:
         async def save() -> None:
             saving = widget.save_png(tmp_path / "a.png")
             page.answer(url="data:,")
@@ -139,7 +137,7 @@ class TestAwaiting:
         with pytest.raises(OSError, match=r"a\.png was not written: the page could not draw the picture; it answered"):
             run(save())
 
-    def test_who_gives_up_waiting_still_gets_the_file(self, widget: SavesPng, page: Page, tmp_path: Path) -> None:
+    def test_who_gives_up_waiting_still_gets_the_file(self, widget: Drawn, page: Page, tmp_path: Path) -> None:
         async def save() -> None:
             with pytest.raises(asyncio.TimeoutError):
                 await asyncio.wait_for(widget.save_png(tmp_path / "a.png"), 0.01)
@@ -151,7 +149,7 @@ class TestAwaiting:
 
 class TestWhatGoesWrongLater:
     def test_a_folder_that_has_gone_is_said_until_it_works(
-        self, widget: SavesPng, page: Page, tmp_path: Path, caplog: pytest.LogCaptureFixture
+        self, widget: Drawn, page: Page, tmp_path: Path, caplog: pytest.LogCaptureFixture
     ) -> None:
         folder = tmp_path / "gone"
         folder.mkdir()
@@ -167,7 +165,7 @@ class TestWhatGoesWrongLater:
         page.answer()  # what nobody answers is logged ten seconds later, in another test
 
     def test_silence_is_said_and_a_late_answer_taken(
-        self, widget: SavesPng, page: Page, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+        self, widget: Drawn, page: Page, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
     ) -> None:
         monkeypatch.setattr(_png, "PATIENCE", 0.01)
 
@@ -183,7 +181,7 @@ class TestWhatGoesWrongLater:
 
     def test_while_a_cell_runs_no_answer_is_expected(
         self,
-        widget: SavesPng,
+        widget: Drawn,
         page: Page,
         tmp_path: Path,
         monkeypatch: pytest.MonkeyPatch,
@@ -213,7 +211,7 @@ class TestRefusals:
         ],
     )
     def test_a_path_that_cannot_be_is_refused_at_the_call(
-        self, widget: SavesPng, page: Page, tmp_path: Path, name: str, error: type[Exception], words: str
+        self, widget: Drawn, page: Page, tmp_path: Path, name: str, error: type[Exception], words: str
     ) -> None:
         (tmp_path / "folder.png").mkdir()
         with pytest.raises(error) as refusal:
@@ -222,22 +220,22 @@ class TestRefusals:
         assert not page.asked
 
     def test_what_may_not_be_written_is_refused_at_the_call(
-        self, widget: SavesPng, page: Page, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+        self, widget: Drawn, page: Page, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
     ) -> None:
         monkeypatch.setattr(os, "access", lambda _path, _mode: False)
         with pytest.raises(PermissionError, match=r"a\.png' may not be written; choose another folder or name"):
             widget.save_png(tmp_path / "a.png")
         assert not page.asked
 
-    def test_no_path_is_refused(self, widget: SavesPng) -> None:
+    def test_no_path_is_refused(self, widget: Drawn) -> None:
         with pytest.raises(TypeError, match=r"^save_png\(\): expected the path of a file, got 3$"):
             widget.save_png(3)  # type: ignore[arg-type]
 
-    def test_without_a_notebook_there_is_no_picture(self, widget: SavesPng, tmp_path: Path) -> None:
+    def test_without_a_notebook_there_is_no_picture(self, widget: Drawn, tmp_path: Path) -> None:
         with pytest.raises(RuntimeError, match=r"^save_png\(\) needs a notebook: a page that shows the widget draws"):
             widget.save_png(tmp_path / "a.png")
 
-    def test_a_closed_widget_has_no_picture(self, widget: SavesPng, tmp_path: Path) -> None:
+    def test_a_closed_widget_has_no_picture(self, widget: Drawn, tmp_path: Path) -> None:
         widget.close()
         with pytest.raises(RuntimeError, match=r"^save_png\(\): this widget is closed; show a new one$"):
             widget.save_png(tmp_path / "a.png")

@@ -12,7 +12,7 @@ import pytest
 import robowidgets
 from robowidgets import LaserWidget, Range, Scan, Speed, SpeedWidget, Touch
 from robowidgets._core import newest_sample
-from robowidgets.samples import age as _age
+from robowidgets.samples import age
 from robowidgets.samples import scan as scan_module
 
 from .waiting import Clock
@@ -28,7 +28,7 @@ MAKES: dict[str, Callable[[], Any]] = {
 @pytest.fixture
 def clock(monkeypatch: pytest.MonkeyPatch) -> Clock:
     made = Clock()
-    for module in (_age, scan_module, newest_sample):
+    for module in (age, scan_module, newest_sample):
         monkeypatch.setattr(module, "time", made)
     return made
 

@@ -135,20 +135,19 @@ class TestLamp:
             watch.wait()
 
     @pytest.mark.filterwarnings("ignore::pytest.PytestUnhandledThreadExceptionWarning")
-    def test_that_can_be_judged_no_more_holds_no_picture_back(
-        self, laser: LaserWidget, monkeypatch: pytest.MonkeyPatch
-    ) -> None:
+    def test_that_can_be_judged_no_more_holds_no_picture_back(self) -> None:
+        class Failing(LaserWidget):
+            def _to_judge(self, shown: Any) -> Any:  # noqa: ARG002
+                raise MemoryError
+
+        laser = Failing()
         page = Page(laser)
-
-        def fail(_shown: Any) -> Any:
-            raise MemoryError
-
-        monkeypatch.setattr(laser, "_to_judge", fail, raising=True)
         laser.watch(conditions.nearest_below(0.5), name="wall")
         for number in (1, 2):
             show(laser, 0.4)
             wait_for(lambda number=number: sequence(page.state) == number, "the scan is shown")
             assert lamp(page)["state"] == "unknown"
+        laser.close()
 
     def test_is_in_a_notebook_that_is_saved_after_the_cell(self, laser: LaserWidget) -> None:
         laser.watch(conditions.nearest_below(0.5), name="wall")
@@ -250,11 +249,11 @@ class TestWaiting:
         clear.wait(5)
         other.wait(5)
         show(laser, 0.11)
-        wait_for(lambda: laser._judge and laser._judge.is_late, "it is at work")
+        wait_for(lambda: laser._watches.judge and laser._watches.judge.is_late, "it is at work")
         assert (clear.value, other.value) == (True, True)
         now = time.monotonic()
         monkeypatch.setattr(time, "monotonic", lambda: now + 60)
-        monkeypatch.setattr(laser._judge._runner, "_now", lambda: now + 60)
+        monkeypatch.setattr(laser._watches.judge._runner, "_now", lambda: now + 60)
         show(laser, 0.11)
         assert (clear.value, other.value) == (None, None)
         assert re.fullmatch(r"<clear: unknown: conditions at work for 60\.\d s, 2.00 > 0.50 m, 0 changes>", repr(clear))
@@ -410,7 +409,7 @@ def test_a_function_that_never_ends_is_ended_when_it_is_not_wanted_any_more(lase
     ):
         ended.clear()
         wall = laser.watch(endless, name="wall")
-        wait_for(lambda: laser._judge and laser._judge.is_late, "it is at work")
+        wait_for(lambda: laser._watches.judge and laser._watches.judge.is_late, "it is at work")
         end()
         wait_for(lambda: ended, "it has ended")
         assert wall.error == "", "that is no error of the function"
@@ -449,9 +448,9 @@ def test_a_judge_is_deleted_with_its_widget_though_a_condition_hung() -> None:
         touch = TouchWidget()
         touch.watch(lambda _: gate.wait(20), name="bump")
         touch.update(left=True)
-        wait_for(lambda: touch._judge.is_late, "it hangs")
+        wait_for(lambda: touch._watches.judge.is_late, "it hangs")
         touch.close()
-        return weakref.ref(touch._judge)
+        return weakref.ref(touch._watches.judge)
 
     judge = judge_and_close()
     gate.set()
