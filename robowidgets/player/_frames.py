@@ -20,6 +20,7 @@ from ..recordings import RecordingData
 from ..recordings.odometry import odometry
 from ..recordings.topics import Moment
 from ..samples import Pose, Touch
+from ..samples.age import arrival_of
 from ..speed_widget import Reading
 from ..touch_widget import TouchWidget, about_touch, pack_states
 from ._touch_history import TouchHistory
@@ -203,4 +204,4 @@ def _newest(recording: RecordingData, topic: str, show: Callable[[Any], None], n
 
 def _header(sample: Any) -> bytes:
     """The header of a frame without a sequence number and a rate: the page numbers the frames of a player."""
-    return FRAME_HEADER.pack(0.0, nan, sample.stamp_ns or 0, sample._arrived)
+    return FRAME_HEADER.pack(0.0, nan, sample.stamp_ns or 0, arrival_of(sample))

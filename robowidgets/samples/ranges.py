@@ -9,7 +9,7 @@ from math import inf, nan
 from types import MappingProxyType
 from typing import Any
 
-from ._age import HasAge
+from .age import HasAge, arrival_of, note_arrival
 from .range import Range
 
 _NUMBERS = re.compile(r"(\d+)")
@@ -35,9 +35,9 @@ class Ranges(HasAge, Mapping[str, Range]):
     def __post_init__(self) -> None:
         readings = {name: self.readings[name] for name in sorted(self.readings, key=_by_number)}
         object.__setattr__(self, "readings", MappingProxyType(readings))
-        times = self.times or {name: reading._arrived for name, reading in readings.items()}
+        times = self.times or {name: arrival_of(reading) for name, reading in readings.items()}
         object.__setattr__(self, "times", MappingProxyType({name: times[name] for name in readings}))
-        self._arrive(self.newest._arrived if self.newest else None)
+        note_arrival(self, arrival_of(self.newest) if self.newest else None)
 
     def __getitem__(self, name: str) -> Range:
         try:
@@ -89,14 +89,14 @@ class Ranges(HasAge, Mapping[str, Range]):
 
     def updated(self, readings: Mapping[str, Range]) -> Ranges:
         """With these ranges in place of the older ones of their sensors, each of the time when it arrived here."""
-        times = {name: reading._arrived for name, reading in readings.items()}
+        times = {name: arrival_of(reading) for name, reading in readings.items()}
         return Ranges({**self.readings, **readings}, {**self.times, **times})
 
     def expecting(self, names: Iterable[str]) -> Ranges:
         """With sensors that have not measured yet, beside those that have."""
         new = {name: Range(nan) for name in names if name not in self.readings}
         for reading in new.values():
-            reading._arrive(-inf)
+            note_arrival(reading, -inf)
         return self.updated(new)
 
 
