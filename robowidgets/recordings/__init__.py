@@ -3,6 +3,6 @@
 from ..repair import RecordingError
 from .data import RecordingData
 from .time_slice import TimeSlice
-from .topics import Moment, Topic, UnknownTopicError
+from .topics import Moment, TimedMessage, Topic, UnknownTopicError
 
-__all__ = ["Moment", "RecordingData", "RecordingError", "TimeSlice", "Topic", "UnknownTopicError"]
+__all__ = ["Moment", "RecordingData", "RecordingError", "TimeSlice", "TimedMessage", "Topic", "UnknownTopicError"]

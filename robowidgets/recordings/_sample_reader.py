@@ -17,11 +17,13 @@ from ..repair import Message, RecordingError, Source
 from ..samples import Problem
 from ..samples.staleness import OPEN_END
 from .columns._decoders import Decoder
+from .columns._fields import Fields
 from .columns._memory import Memory
+from .columns._messages import MessageDecoder
 from .columns._store import Store
 from .columns.series import Series
 from .program_log import TEXT
-from .topics import Moment, Topic
+from .topics import Moment, TimedMessage, Topic
 
 _SHORTEST = 1e-3
 _BURST, _BURST_OF_MANY = 1.0, 0.1
@@ -62,7 +64,9 @@ class Messages:
         self._stopped: list[str] = []
         # Of each topic the sample that `last` found last, and the time before which none follows: in a long silence the
         # same one is wanted again and again.
-        self._last: dict[str, tuple[Moment, int]] = {}
+        self._last: dict[tuple[str, bool], tuple[Moment, int]] = {}
+        self._readers: dict[int, MessageDecoder | str] = {}
+        """By channel what reads its messages as they are, or why they cannot be read."""
         self._closed = False
         # Channels without a message last: of several types of a topic, the type of the first message is shown.
         by_count = sorted(source.channels, key=lambda channel: not channel.count)
@@ -103,14 +107,48 @@ class Messages:
             self._stop(error)
         yield from self._moments(batch)
 
-    def last(self, topic: str, time_ns: int) -> Moment | None:
-        """The last sample of a topic at or before a time; None if there is none."""
-        channels = self._shown[topic]
+    def messages(self, topic: str, start_ns: int | None, stop_ns: int | None) -> Iterator[TimedMessage]:
+        """The messages of a topic, of any type, from ``start_ns`` up to, not including, ``stop_ns``."""
+        try:
+            for message in self._source.messages(self._readable(topic), start_ns, stop_ns):
+                yield from self._as_messages([message])
+        except RecordingError as error:
+            self._stop(error)
+
+    def fields(self, topic: str, memory: Memory) -> Fields:
+        """The messages of a topic as columns of their fields.
+
+        Of several types, that of the kind of the topic is read, else that of the first channel with a message.
+        """
+        channels = sorted(self._readable(topic), key=lambda channel: not channel.count)
+        of_kind = self._kinds[topic][1] if topic in self._kinds else channels[0].type
+        first = next(channel for channel in channels if channel.type == of_kind)
+        decoders = {channel.id: self._reader(channel) for channel in channels}
+        alike = [channel for channel in channels if _is_alike(decoders[channel.id], decoders[first.id])]
+        for other in channels:
+            if other not in alike and other.count:
+                another = "another definition of it" if other.type == first.type else other.type
+                line = f"{topic}: the fields are those of {first.type}, messages of {another} are left out of them"
+                self._left_out.setdefault(f"{topic} as {other.type}", line)
+        own = {channel.id: decoders[channel.id] for channel in alike if not isinstance(decoders[channel.id], str)}
+        return Fields(Store(self._source, alike, own, memory, self._note, self._stop), self.start_ns or 0)  # type: ignore[arg-type]
+
+    def why_unreadable(self, topic: str) -> str:
+        """Why no message of a topic can be read, whether it has a widget or not; empty if they can."""
+        channels = [channel for channel in self._source.channels if channel.topic == topic]
+        if self._readable(topic):
+            return ""
+        return next((why for channel in channels if isinstance(why := self._reader(channel), str)), "")
+
+    def last(self, topic: str, time_ns: int, *, as_messages: bool = False) -> Moment | None:
+        """The last sample of a topic at or before a time, or its last message; None if there is none."""
+        channels = self._readable(topic) if as_messages else self._shown[topic]
+        read, key = (self._as_messages if as_messages else self._moments), (topic, as_messages)
         count = sum(channel.count for channel in channels)
         if not count or self.start_ns is None or self.end_ns is None:
             return None
         stop = min(time_ns, self.end_ns) + 1
-        before, until = self._last.get(topic, (None, stop))
+        before, until = self._last.get(key, (None, stop))
         if before is None or before.time_ns >= stop:
             before, until = None, self.start_ns
         look = max(2 * (self.end_ns - self.start_ns) // count, _SHORTEST_LOOK_NS)
@@ -122,13 +160,13 @@ class Messages:
             except RecordingError as error:
                 self._stop(error)
                 return None
-            moments = (moment for message in reversed(found) for moment in self._moments([message]))
+            moments = (moment for message in reversed(found) for moment in read([message]))
             if (last := next(moments, None)) is not None:
-                self._last[topic] = last, stop
+                self._last[key] = last, stop
                 return last
             look *= 4
         if before is not None:
-            self._last[topic] = before, max(until, stop)
+            self._last[key] = before, max(until, stop)
         return before
 
     def series(self, topic: str, memory: Memory) -> Series[Any]:
@@ -157,8 +195,8 @@ class Messages:
 
     def _understand(self, channel: Channel) -> tuple[Kind | None, str]:
         """Make the decoder of a channel; returns its kind, and the reason if it cannot be read."""
-        if channel.encoding not in ENCODINGS:
-            return None, f"its messages are encoded as {channel.encoding!r}: expected {' or '.join(ENCODINGS)}"
+        if why := self._why_encoding(channel):
+            return None, why
         kinds = kinds_of_type(channel.type)
         if not kinds and is_standard(channel.type):
             return None, ""
@@ -284,6 +322,37 @@ class Messages:
             channel, time_ns, _ = messages[place]
             yield Moment(channel.topic, time_ns, sample, self._seconds(time_ns))
 
+    def _as_messages(self, messages: Sequence[Message]) -> Iterator[TimedMessage]:
+        """Some messages as they are, without those that are no messages of their type."""
+        for channel, time_ns, raw in messages:
+            reader = self._reader(channel)
+            assert not isinstance(reader, str)
+            try:
+                message = reader.read(raw)
+            except ValueError as error:
+                self._note(channel, time_ns, error)
+                continue
+            yield TimedMessage(channel.topic, time_ns, message, self._seconds(time_ns))
+
+    def _readable(self, topic: str) -> list[Channel]:
+        """The channels of a topic whose messages can be read."""
+        channels = [channel for channel in self._source.channels if channel.topic == topic]
+        return [channel for channel in channels if not isinstance(self._reader(channel), str)]
+
+    def _reader(self, channel: Channel) -> MessageDecoder | str:
+        if channel.id not in self._readers:
+            try:
+                self._readers[channel.id] = self._why_encoding(channel) or MessageDecoder(channel)
+            except ValueError as error:
+                self._readers[channel.id] = str(error)
+        return self._readers[channel.id]
+
+    def _why_encoding(self, channel: Channel) -> str:
+        """Why messages in the encoding of a channel cannot be read; empty if they can."""
+        if channel.encoding in ENCODINGS:
+            return ""
+        return f"its messages are encoded as {channel.encoding!r}: expected {' or '.join(ENCODINGS)}"
+
     def _note(self, channel: Channel, time_ns: int, error: Exception) -> None:
         if channel.topic not in self._left_out:
             self._left_out[channel.topic] = (
@@ -301,6 +370,13 @@ class Messages:
         line = f"the file can be read no further: {one_line(error)}"
         if line not in self._stopped:
             self._stopped.append(line)
+
+
+def _is_alike(one: MessageDecoder | str, other: MessageDecoder | str) -> bool:
+    """Whether two channels have messages with the same fields."""
+    if isinstance(one, str) or isinstance(other, str):
+        return False
+    return one.type == other.type and one.leaves == other.leaves
 
 
 def silences(topic: str, count: int, first: float, last: float, end: float) -> list[str]:

@@ -21,6 +21,7 @@ from ..samples.state_span import StateSpan
 from ._info import heading, table_of
 from ._sample_reader import Messages
 from .columns._clock_problems import TopicClock, about_clocks, clock_of
+from .columns._fields import Fields
 from .columns._memory import Memory
 from .columns.scans import Scans
 from .columns.series import Series
@@ -31,7 +32,7 @@ from .odometry import places_of
 from .program_log import PROGRAM, STATES, ProgramVersion, spans_of, version_of
 from .time_slice import TimeSlice
 from .times import seconds_at, span_ns, to_ns
-from .topics import Moment, Topic, UnknownTopicError, check, named, only, shown, wanted
+from .topics import Moment, TimedMessage, Topic, UnknownTopicError, check, check_known, named, only, shown, wanted
 
 if TYPE_CHECKING:
     from typing_extensions import Self
@@ -68,6 +69,7 @@ class RecordingData:
         self._memory = Memory()
         self._series: dict[str, Series[Any]] = {}
         self._clocks: dict[str, TopicClock] = {}
+        self._fields: dict[str, Fields] = {}
         """Of the topics that were read from start to end, and are not silent for long in a sound recording."""
 
     @property
@@ -143,6 +145,42 @@ class RecordingData:
         self._check_open()
         return self._messages.last(topic, to_ns(self.start_ns, "seconds", seconds))
 
+    def messages(self, topic: str, start: float | None = None, end: float | None = None) -> Iterator[TimedMessage]:
+        """The messages of a topic of any type, in the order of their times, read one by one.
+
+        Each has the fields of its definition in ``message``, beside ``seconds`` and ``time_ns``. A message that cannot
+        be read is left out and named in `problems`.
+
+        Args:
+            topic: the name of the topic, whether a widget shows it or not.
+            start: seconds from the start of the recording; None: its start.
+            end: seconds from the start, not included; None: the end of the recording, included.
+
+        Raises:
+            UnknownTopicError: the recording has no such topic, or its messages cannot be read; the text says why.
+            RecordingError: the recording is closed.
+
+        Example:
+            >>> for moment in recording.messages("/imu", 2, 5):  # doctest: +SKIP
+            ...     print(moment.seconds, moment.message.linear_acceleration.x)
+        """
+        self._check_readable(topic)
+        return self._messages.messages(topic, *span_ns(self.start_ns, start, end))
+
+    def message_at(self, topic: str, seconds: float) -> TimedMessage | None:
+        """The last message of a topic of any type, at a time or before it; None if there is none yet.
+
+        Args:
+            topic: the name of the topic.
+            seconds: seconds from the start of the recording.
+
+        Raises:
+            UnknownTopicError, RecordingError: as `messages`.
+        """
+        self._check_readable(topic)
+        found = self._messages.last(topic, to_ns(self.start_ns, "seconds", seconds), as_messages=True)
+        return found if isinstance(found, TimedMessage) else None
+
     def seconds_at(self, when: datetime | str) -> float:
         """Seconds from the start of the recording at a date and time of day, as `at` and a player's `seek` take them.
 
@@ -192,17 +230,38 @@ class RecordingData:
         self._memory.limit = limit
 
     def series(self, topic: str) -> Series[Any]:
-        """The samples of a topic of any kind as columns, as `scans`, `speeds` and `touches` return them.
+        """A topic of any type as columns.
+
+        Topics of scans, speeds and touches are as `scans`, `speeds` and `touches` return them, all others as `fields`.
 
         Raises:
-            UnknownTopicError: the recording has no such topic, or no widget shows it.
+            UnknownTopicError: the recording has no such topic, or its messages cannot be read; the text says why.
             RecordingError: the recording is closed.
         """
-        self.check(topic)
+        if check_known(topic, self.topics, self.path.name).name not in shown(self.topics):
+            return self.fields(topic)
         self._check_open()
         if topic not in self._series:
             self._series[topic] = self._messages.series(topic, self._memory)
         return self._series[topic]
+
+    def fields(self, topic: str) -> Fields:
+        """The messages of a topic of any type with each of their fields as a column, also of scans and speeds.
+
+        Raises:
+            UnknownTopicError: the recording has no such topic, or its messages cannot be read; the text says why.
+            RecordingError: the recording is closed.
+
+        Example:
+            >>> import robowidgets
+            >>> fields = robowidgets.open(robowidgets.SAMPLE).fields("/odom")
+            >>> fields["pose.pose.position.x"].shape == fields.seconds.shape
+            True
+        """
+        self._check_readable(topic)
+        if topic not in self._fields:
+            self._fields[topic] = self._messages.fields(topic, self._memory)
+        return self._fields[topic]
 
     def scans(self, topic: str | None = None) -> Scans:
         """The scans of a topic as columns: times, ranges (N, R), intensities, geometry.
@@ -275,6 +334,7 @@ class RecordingData:
         self._closed = True
         self._note_clocks()
         self._series.clear()
+        self._fields.clear()
         self._messages.close()
 
     def __enter__(self) -> Self:
@@ -322,6 +382,13 @@ class RecordingData:
         if not wanted(shown(self.topics).values(), ()):
             return (*found, Problem("no message came on its topics that a widget shows", _NOTHING))
         return (*found, *(Problem(line, _CLOCKS) for line in about_clocks(self._note_clocks())))
+
+    def _check_readable(self, name: str) -> None:
+        """Check that the recording is open and has messages of a topic that can be read."""
+        check_known(name, self.topics, self.path.name)
+        self._check_open()
+        if why := self._messages.why_unreadable(name):
+            raise UnknownTopicError(f"{self.path.name}: topic {name!r} cannot be read: {why}")
 
     def _check_open(self) -> None:
         if self._closed:

@@ -6,12 +6,13 @@ from collections.abc import Iterable, Iterator
 from typing import TYPE_CHECKING, Any
 
 from ..samples.time_span import time_span
+from .columns._fields import Fields
 from .columns.scans import Scans
 from .columns.speeds import Speeds
 from .columns.touches import Touches
 from .span import Span
 from .times import span_ns
-from .topics import Moment
+from .topics import Moment, TimedMessage
 
 if TYPE_CHECKING:
     from .data import RecordingData
@@ -74,6 +75,14 @@ class TimeSlice:
     def touches(self, topic: str | None = None) -> Touches:
         """The touches in the span as columns, as in `Recording.touches`."""
         return self._recording.touches(topic).between(self.start, self.end)
+
+    def messages(self, topic: str) -> Iterator[TimedMessage]:
+        """The messages of a topic of any type in the span, as in `Recording.messages`."""
+        return self._recording.messages(topic, self.start, self.end)
+
+    def fields(self, topic: str) -> Fields:
+        """The messages of a topic of any type in the span as columns, as in `Recording.fields`."""
+        return self._recording.fields(topic).between(self.start, self.end)
 
     def __iter__(self) -> Iterator[Moment]:
         return self.samples()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Sequence
+from difflib import get_close_matches
 from typing import Any, NamedTuple
 
 from ..kinds import KINDS
@@ -38,6 +39,15 @@ class Moment(NamedTuple):
     time_ns: int
     sample: Any
     seconds: float
+
+
+class TimedMessage(Moment):
+    """One message of any type: its topic, its time, and the message itself, in ``message`` and ``sample``."""
+
+    @property
+    def message(self) -> Any:
+        """The message, with the fields of its definition: ``message.linear_acceleration.x``."""
+        return self.sample
 
 
 class UnknownTopicError(RecordingError, KeyError):
@@ -78,19 +88,36 @@ def named(topics: Iterable[Topic], widget: str) -> list[str]:
     return [topic.name for topic in topics if topic.widget == widget]
 
 
-def check(name: str, topics: Iterable[Topic], file: str) -> None:
+def check(name: str, topics: Sequence[Topic], file: str) -> None:
     """See `Recording.check`."""
-    if not isinstance(name, str):
-        raise TypeError(f"expected the name of a topic as text, got {name!r}")
+    known = check_known(name, topics, file)
     can = shown(topics)
     if name in can:
         return
     there = ", ".join(can) or "none"
+    if known.problem:
+        raise UnknownTopicError(f"{file}: topic {name!r} cannot be shown ({known.problem}): those that can are {there}")
+    raise UnknownTopicError(
+        f"{file}: topic {name!r} cannot be shown (no widget shows {known.type}): those that can are {there}; "
+        f"recording.messages({name!r}) and recording.fields({name!r}) read its messages"
+    )
+
+
+def check_known(name: str, topics: Sequence[Topic], file: str) -> Topic:
+    """The topic of a name.
+
+    Raises:
+        UnknownTopicError: the recording has no topic of this name. TypeError: the name is no text.
+    """
+    if not isinstance(name, str):
+        raise TypeError(f"expected the name of a topic as text, got {name!r}")
     known = next((topic for topic in topics if topic.name == name), None)
     if known is None:
-        raise UnknownTopicError(f"{file} has no topic {name!r}: those that a widget shows are {there}")
-    why = known.problem or f"no widget shows {known.type}"
-    raise UnknownTopicError(f"{file}: topic {name!r} cannot be shown ({why}): those that can are {there}")
+        near = get_close_matches(name, [topic.name for topic in topics])
+        hint = f"; did you mean {' or '.join(map(repr, near))}?" if near else ""
+        there = ", ".join(shown(topics)) or "none"
+        raise UnknownTopicError(f"{file} has no topic {name!r}: those that a widget shows are {there}{hint}")
+    return known
 
 
 def only(name: str, topics: Iterable[Topic], widget: str) -> str:

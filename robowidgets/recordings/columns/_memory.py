@@ -72,6 +72,17 @@ class Memory:
                 self._cached[key] = made
                 self._bytes += size
 
+    def check(self, size: int, what: str) -> None:
+        """Check that an array is not larger than the limit.
+
+        Raises:
+            RecordingError: it is.
+        """
+        if size > self._limit:
+            raise RecordingError(
+                f"{what} would take {megabytes(size)} of memory, and the limit is {megabytes(self._limit)}: {_INSTEAD}"
+            )
+
     @contextmanager
     def reserved(self, size: int, what: str) -> Iterator[None]:
         """Make room for an array while it is filled, and give the room back.
@@ -79,10 +90,7 @@ class Memory:
         Raises:
             RecordingError: it is larger than the limit.
         """
-        if size > self._limit:
-            raise RecordingError(
-                f"{what} would take {megabytes(size)} of memory, and the limit is {megabytes(self._limit)}: {_INSTEAD}"
-            )
+        self.check(size, what)
         self._reserved += size
         self._drop(0)
         try:

@@ -17,6 +17,7 @@ from ...samples.distances import distances, ray_distances
 from ...samples.sector import ALL_ROUND, Asked
 from ...samples.spread import readings, spread_of
 from ..times import span_ns
+from . import tables
 from ._decoders import ScanDecoder
 from .chunks import ScanChunk
 from .series import Series
@@ -177,6 +178,10 @@ class Scans(Series[Scan]):
     def to_numpy(self) -> dict[str, NDArray[Any]]:
         """Times, ranges and intensities, by name."""
         return {**super().to_numpy(), "ranges": self.ranges, "intensities": self.intensities}
+
+    def to_pandas(self) -> Any:
+        """See `Series`: the ranges, with a column for each ray."""
+        return tables.rays_to_pandas(self.to_numpy())
 
     @property
     def _rays(self) -> NDArray[np.int64]:

@@ -13,28 +13,38 @@ TIMES = ("times_ns", "seconds", "stamps_ns")
 
 
 def to_pandas(columns: Mapping[str, NDArray[Any]]) -> Any:
-    """A DataFrame by seconds. Ranges have one column per ray, named by its index."""
+    """A DataFrame by seconds. A two-dimensional column becomes columns of their own: ``covariance[0]`` and so on."""
     pandas = library("pandas", "to_pandas")
-    index = pandas.Index(columns["seconds"], name="seconds")
-    values = {name: column for name, column in columns.items() if name not in TIMES}
-    if "ranges" in values:
-        rays = pandas.RangeIndex(values["ranges"].shape[1], name="ray")
-        return pandas.DataFrame(values["ranges"], index=index, columns=rays)
-    frame = pandas.DataFrame(values, index=index)
-    return frame.astype({name: "boolean" for name, column in values.items() if column.dtype == object})
+    values: dict[str, Any] = {}
+    for name, column in columns.items():
+        if name in TIMES:
+            continue
+        if column.ndim == 2:
+            values.update({f"{name}[{i}]": one for i, one in enumerate(column.T)})
+        else:
+            dtype = _nullable(column)
+            values[name] = column if dtype is None else pandas.array(column.tolist(), dtype=dtype)
+    return pandas.DataFrame(values, index=_seconds(pandas, columns))
+
+
+def rays_to_pandas(columns: Mapping[str, NDArray[Any]]) -> Any:
+    """A DataFrame by seconds with the ranges of scans: a column for each ray, named by its index."""
+    pandas = library("pandas", "to_pandas")
+    ranges = columns["ranges"]
+    rays = pandas.RangeIndex(ranges.shape[1], name="ray")
+    return pandas.DataFrame(ranges, index=_seconds(pandas, columns), columns=rays)
 
 
 def to_polars(columns: Mapping[str, NDArray[Any]]) -> Any:
     """A DataFrame with all columns; each value of a two-dimensional column is an array."""
     polars = library("polars", "to_polars")
-    return polars.DataFrame(
-        [
-            polars.Series(name, column.tolist(), dtype=polars.Boolean)
-            if column.dtype == object
-            else polars.Series(name, column)
-            for name, column in _filled(columns).items()
-        ]
-    )
+
+    def series(name: str, column: NDArray[Any]) -> Any:
+        if _nullable(column) == "boolean":
+            return polars.Series(name, column.tolist(), dtype=polars.Boolean)
+        return polars.Series(name, _plain(column))
+
+    return polars.DataFrame([series(name, column) for name, column in _filled(columns).items()])
 
 
 def to_arrow(columns: Mapping[str, NDArray[Any]]) -> Any:
@@ -42,12 +52,38 @@ def to_arrow(columns: Mapping[str, NDArray[Any]]) -> Any:
     arrow = library("pyarrow", "to_arrow")
 
     def array(column: NDArray[Any]) -> Any:
-        if column.dtype == object:
+        if _nullable(column) == "boolean":
             return arrow.array(column.tolist(), type=arrow.bool_())
+        if column.dtype == object or np.ma.isMaskedArray(column):
+            return arrow.array(_plain(column))
         flat = arrow.array(np.ascontiguousarray(column).reshape(-1))
         return flat if column.ndim == 1 else arrow.FixedSizeListArray.from_arrays(flat, column.shape[1])
 
     return arrow.table({name: array(column) for name, column in _filled(columns).items()})
+
+
+def _seconds(pandas: Any, columns: Mapping[str, NDArray[Any]]) -> Any:
+    return pandas.Index(columns["seconds"], name="seconds")
+
+
+def _nullable(column: NDArray[Any]) -> str | None:
+    """The dtype of pandas for a column of flags or masked integers, of which some may be missing; else None."""
+    if column.dtype == object:
+        return (
+            "boolean"
+            if column.ndim == 1 and all(value is None or isinstance(value, bool) for value in column)
+            else None
+        )
+    if not np.ma.isMaskedArray(column):
+        return None
+    return "boolean" if column.dtype == bool else column.dtype.name.capitalize().replace("Ui", "UI")
+
+
+def _plain(column: NDArray[Any]) -> Any:
+    """A column as it is, or as a list where values are texts, arrays or missing."""
+    if column.dtype == object:
+        return [value.tolist() if isinstance(value, np.ndarray) else value for value in column.tolist()]
+    return column.tolist() if np.ma.isMaskedArray(column) else column
 
 
 def _filled(columns: Mapping[str, NDArray[Any]]) -> dict[str, NDArray[Any]]:

@@ -203,7 +203,8 @@ class TestErrors:
             with pytest.raises(UnknownTopicError) as caught:
                 ask()
             assert str(caught.value) == (
-                "drive has no topic '/scam': those that a widget shows are /scan, /odom, /cmd_vel, /bumper"
+                "drive has no topic '/scam': those that a widget shows are /scan, /odom, /cmd_vel, /bumper; "
+                "did you mean '/scan'?"
             )
         assert isinstance(caught.value, KeyError)
         assert isinstance(caught.value, RecordingError)

@@ -1,0 +1,86 @@
+"""The names of the fields of a message type, as a person writes them, and errors for those that it does not have."""
+
+from __future__ import annotations
+
+import difflib
+import re
+from collections.abc import Sequence
+
+from .layout import TIMES, Leaf, Place
+
+_INDEX = re.compile(r"\[(\d*)\]")
+_TIME_PARTS = ("sec", "nanosec")
+_NEAREST = 3
+_LONGEST_TREE = 600
+"""Characters of a tree in an error: definitions may have thousands of fields."""
+
+
+def find(leaves: Sequence[Leaf], name: str) -> Place | None:
+    """The place of a field, such as ``position[2]`` or ``transforms[0].header.stamp.sec``; None if there is none.
+
+    An index in brackets stands for one value, empty brackets and none stand for all.
+    """
+    which = [int(text) if text else None for text in _INDEX.findall(name)]
+    plain = _INDEX.sub("[]", name)
+    numbers = {leaf.name: number for number, leaf in enumerate(leaves)}
+    for path, part in ((plain, ""), tuple(plain.rpartition(".")[::2])):
+        number = numbers.get(path, numbers.get(path.removesuffix("[]")))
+        if number is None or (part and (part not in _TIME_PARTS or leaves[number].type not in TIMES)):
+            continue
+        leaf = leaves[number]
+        is_indexed = path not in numbers
+        if is_indexed and not leaf.is_array:
+            continue
+        value = which[-1] if is_indexed else None
+        outer = which[:-1] if is_indexed else which
+        if leaf.is_array and leaf.dtype is None:  # an array of text is one of the arrays that it is in
+            return Place(number, (*outer, value), None, part)
+        return Place(number, tuple(outer), value, part)
+    return None
+
+
+def within(leaves: Sequence[Leaf], name: str) -> list[Leaf]:
+    """The field of a name; of the name of a message, or of an array of messages, those in it."""
+    return [leaf for leaf in leaves if leaf.name == name or leaf.name.startswith((f"{name}.", f"{name}[]."))]
+
+
+def type_of(leaf: Leaf) -> str:
+    """The type of a field, as definitions say it: ``float64[36]``, ``string[]``."""
+    return f"{leaf.type}{_brackets(leaf)}"
+
+
+def no_such_field(leaves: Sequence[Leaf], name: str) -> str:
+    """Text for a field that does not exist: the nearest names, and all there are."""
+    if inner := within(leaves, name):
+        names = ", ".join(repr(leaf.name) for leaf in inner[:_NEAREST])
+        return f"{name!r} is no single field but a message: name fields in it, such as {names}"
+    every = [leaf.name for leaf in leaves]
+    last = name.rpartition(".")[2]
+    alike = [other for other in every if other.rpartition(".")[2] == last]
+    near = difflib.get_close_matches(name[:100], every, _NEAREST) or alike[:_NEAREST]
+    hint = f"; did you mean {' or '.join(map(repr, near))}?" if near else ""
+    return f"no field {name[:100]!r}{hint} Its fields are {tree(leaves) or '(none)'}"
+
+
+def tree(leaves: Sequence[Leaf]) -> str:
+    """All fields in one line: ``header{stamp, frame_id}, orientation{x, y, z, w}, covariance[9]``."""
+    text = ""
+    open_parts: list[str] = []
+    for leaf in leaves:
+        *outer, last = leaf.name.split(".")
+        same = 0
+        while same < min(len(outer), len(open_parts)) and outer[same] == open_parts[same]:
+            same += 1
+        text += "}" * (len(open_parts) - same)
+        text += ", " if text else ""
+        text += "".join(f"{part}{{" for part in outer[same:]) + last + _brackets(leaf)
+        open_parts = outer
+        if len(text) > _LONGEST_TREE:
+            return f"{text[:_LONGEST_TREE]}… ({len(leaves):,} fields)"
+    return text + "}" * len(open_parts)
+
+
+def _brackets(leaf: Leaf) -> str:
+    if not leaf.is_array:
+        return ""
+    return "[]" if leaf.count is None or leaf.dtype is None else f"[{leaf.count}]"
