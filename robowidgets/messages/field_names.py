@@ -6,7 +6,7 @@ import difflib
 import re
 from collections.abc import Sequence
 
-from .layout import TIMES, Leaf, Place
+from .layout import TIMES, FieldPath, Leaf
 
 _INDEX = re.compile(r"\[(\d*)\]")
 _TIME_PARTS = ("sec", "nanosec")
@@ -15,8 +15,8 @@ _LONGEST_TREE = 600
 """Characters of a tree in an error: definitions may have thousands of fields."""
 
 
-def find(leaves: Sequence[Leaf], name: str) -> Place | None:
-    """The place of a field, such as ``position[2]`` or ``transforms[0].header.stamp.sec``; None if there is none.
+def find(leaves: Sequence[Leaf], name: str) -> FieldPath | None:
+    """The path of a field, such as ``position[2]`` or ``transforms[0].header.stamp.sec``; None if there is none.
 
     An index in brackets stands for one value, empty brackets and none stand for all.
     """
@@ -34,8 +34,8 @@ def find(leaves: Sequence[Leaf], name: str) -> Place | None:
         value = which[-1] if is_indexed else None
         outer = which[:-1] if is_indexed else which
         if leaf.is_array and leaf.dtype is None:  # an array of text is one of the arrays that it is in
-            return Place(number, (*outer, value), None, part)
-        return Place(number, tuple(outer), value, part)
+            return FieldPath(number, (*outer, value), None, part)
+        return FieldPath(number, tuple(outer), value, part)
     return None
 
 

@@ -93,7 +93,7 @@ class _Node(NamedTuple):
         return max([self.align, *(node.alignment for node in self.inner or ())])
 
 
-class Place(NamedTuple):
+class FieldPath(NamedTuple):
     """What of a leaf is wanted.
 
     ``which`` says for each array of messages that it is in the one that is meant, ``value`` which of its values; None:
@@ -150,7 +150,7 @@ class Layout:
                 raise DecodeError(f"a text at byte {start} does not end with a zero")
         return True
 
-    def offsets(self, leaf: Leaf, place: Place) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    def offsets(self, leaf: Leaf, place: FieldPath) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
         """The offsets of the wanted values of a leaf in each message, and of each its number of bytes or characters."""
         starts, sizes = self.starts[place.leaf], self.sizes[place.leaf]
         if any(which is not None for which in place.which):
@@ -169,7 +169,7 @@ class Layout:
         numbers = np.arange(counts.sum()) - np.repeat(firsts, counts)
         return np.repeat(starts, counts) + dtype.itemsize * numbers, counts
 
-    def values(self, rows: Rows, leaf: Leaf, place: Place) -> NDArray[Any]:
+    def values(self, rows: Rows, leaf: Leaf, place: FieldPath) -> NDArray[Any]:
         """The wanted numbers of a leaf in all rows, shape (N, T), a copy; times in nanoseconds unless a part is."""
         dtype = leaf.dtype
         assert dtype is not None
@@ -193,7 +193,7 @@ class Layout:
         nanoseconds: NDArray[Any] = found["sec"].astype(np.int64) * 1_000_000_000 + found["nanosec"]
         return nanoseconds
 
-    def texts(self, raw: bytes, leaf: Leaf, place: Place) -> list[str]:
+    def texts(self, raw: bytes, leaf: Leaf, place: FieldPath) -> list[str]:
         """The wanted texts of a leaf in one message."""
         starts, sizes = self.offsets(leaf, place)
         return [raw[start : start + size].decode() for start, size in zip(starts.tolist(), sizes.tolist(), strict=True)]

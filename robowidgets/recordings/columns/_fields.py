@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...messages.field_names import find, no_such_field, type_of, within
-from ...messages.layout import Leaf, Place
+from ...messages.layout import FieldPath, Leaf
 from ...repair import RecordingError
 from ..topics import Moment, TimedMessage
 from . import tables
@@ -137,7 +137,7 @@ class Fields(Series[Any]):
             found += [leaf.name for leaf in inner] or [name]
         return type(self)(self._store, self._start_ns, self._rows, list(dict.fromkeys(found)))
 
-    def _place(self, name: str) -> Place:
+    def _place(self, name: str) -> FieldPath:
         place = find(self._leaves, name)
         if place is None:
             raise UnknownFieldError(f"{self.topic}: {no_such_field(self._leaves, name)}")
@@ -158,7 +158,7 @@ class Fields(Series[Any]):
                 parts[name].append(part)
         return {name: self._joined(name, leaves[place.leaf], place, parts[name]) for name, place in places.items()}
 
-    def _parts(self, chunk: MessageChunk, places: Mapping[str, Place]) -> Iterable[tuple[str, Part]]:
+    def _parts(self, chunk: MessageChunk, places: Mapping[str, FieldPath]) -> Iterable[tuple[str, Part]]:
         for layout, rows, raws in chunk.groups():
             matrix = as_rows(raws)
             for name, place in places.items():
@@ -168,7 +168,7 @@ class Fields(Series[Any]):
                 else:
                     yield name, (chunk.start + rows, layout.values(matrix, leaf, place))
 
-    def _joined(self, name: str, leaf: Leaf, place: Place, parts: Sequence[Part]) -> NDArray[Any]:
+    def _joined(self, name: str, leaf: Leaf, place: FieldPath, parts: Sequence[Part]) -> NDArray[Any]:
         """One column of its parts."""
         is_text = leaf.dtype is None
         dtype = np.dtype(object) if is_text else parts[0][1].dtype if parts else _dtype(leaf, place)
@@ -208,7 +208,7 @@ def _as_column(name: str) -> str:
     return f"{name}_" if name in tables.TIMES else name
 
 
-def _dtype(leaf: Leaf, place: Place) -> np.dtype[Any]:
+def _dtype(leaf: Leaf, place: FieldPath) -> np.dtype[Any]:
     """Of the column of numbers of a topic without a message."""
     assert leaf.dtype is not None
     if leaf.dtype.names is None:

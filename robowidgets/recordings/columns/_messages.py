@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from ...messages.channel import Channel
 from ...messages.decoding import DecodeError, decoder_of
-from ...messages.layout import Layout, Layouts, Leaf, Place, Rows
+from ...messages.layout import FieldPath, Layout, Layouts, Leaf, Rows
 from ._decoders import Note
 from .chunks import Chunk
 
@@ -35,7 +35,7 @@ class MessageDecoder:
         self._layouts = Layouts(channel)
         self.leaves: Sequence[Leaf] = self._layouts.leaves
         stamps = [i for i, leaf in enumerate(self.leaves) if leaf.name == "header.stamp" and leaf.type == "time"]
-        self._stamp = Place(stamps[0]) if stamps else None
+        self._stamp = FieldPath(stamps[0]) if stamps else None
 
     def decode(self, raws: Sequence[bytes], times: Sequence[int], note: Note) -> list[Any]:
         """See `Decoder`."""

@@ -16,7 +16,7 @@ from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 import robowidgets
 from robowidgets.messages.channel import Channel
 from robowidgets.messages.decoding import decoder_of, store_of
-from robowidgets.messages.layout import Layouts, Place
+from robowidgets.messages.layout import FieldPath, Layouts
 from robowidgets.recordings.columns._fields import Fields, UnknownFieldError
 
 from . import recorded
@@ -383,5 +383,5 @@ def test_arrays_of_messages_are_read_whatever_their_alignment(encoding: str, par
         layout, read = layouts.of(raw), decoder_of(described)(raw)
         matrix = np.frombuffer(raw, np.uint8)[None]
         for number, leaf in enumerate(layouts.leaves):
-            values = layout.values(matrix, leaf, Place(number))[0]
+            values = layout.values(matrix, leaf, FieldPath(number))[0]
             assert values.tolist() == np.hstack([[], *values_at(read, leaf.name)]).tolist()
