@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from itertools import takewhile
 from typing import Any, NamedTuple, Protocol
 
-from .kinds import KINDS, Kind, Role, TopicWidget, load, namespace_of
+from .kinds import KINDS, Kind, Role, TopicWidget, by_namespace, load, namespace_of
 
 
 class Shown(Protocol):
@@ -108,10 +108,8 @@ def _of_kind(kind: Kind, listed: list[Shown]) -> list[WidgetChoice]:
     """The widgets of one kind, in the order in which their first topics are listed."""
     first, *others = kind.roles
     own = _in_role(kind, first, listed)
-    groups: dict[str, list[str]] = {}
-    for name in own:
-        groups.setdefault(namespace_of(name) if first.each else name, []).append(name)
-    parts = {group[0]: [(first, name) for name in group] for group in groups.values()}
+    groups = by_namespace(own).values() if first.each else [[name] for name in own]
+    parts = {group[0]: [(first, name) for name in group] for group in groups}
     alone: list[WidgetChoice] = []
     for role in others:
         there = _in_role(kind, role, listed)

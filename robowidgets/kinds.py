@@ -7,7 +7,7 @@ names what lies in the layers above it as entry points do, ``"module:name"``: re
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from importlib import import_module
 from math import nan
@@ -272,7 +272,7 @@ def add(kind: Kind, *, replace: bool = False) -> None:
             not ``"module:name"``.
     """
     others = [other for other in KINDS.values() if not (replace and other.name == kind.name)]
-    for key in ("name", "sample_name"):
+    for key in ("name", "sample_name", "parameter"):
         name = getattr(kind, key)
         taken = (*_RESERVED, *(getattr(other, key) for other in others))
         if not name.isidentifier() or name in taken:
@@ -341,6 +341,11 @@ def kind_of_sample(sample: Any) -> Kind | None:
     return next((kind for kind in KINDS.values() if isinstance(sample, kind.sample)), None)
 
 
+def sample_names() -> tuple[str, ...]:
+    """What one may ask of a moment: the only sample of a kind, and that of all topics of a namespace."""
+    return tuple(dict.fromkeys(name for kind in KINDS.values() for name in (kind.sample_name, kind.parameter)))
+
+
 def kind_of_parameter(name: str) -> Kind | None:
     """The kind whose samples a program calls so; None without any."""
     return next((kind for kind in KINDS.values() if kind.parameter == name), None)
@@ -366,6 +371,14 @@ def namespace_of(topic: str) -> str:
 def sensor_of(topic: str) -> str:
     """The sensor of a topic that shares its widget with all of its namespace: ``"left"`` of ``"/sonar/left"``."""
     return topic.rpartition("/")[2]
+
+
+def by_namespace(topics: Iterable[str]) -> dict[str, list[str]]:
+    """Topics by their namespaces, in the order given."""
+    found: dict[str, list[str]] = {}
+    for topic in topics:
+        found.setdefault(namespace_of(topic), []).append(topic)
+    return found
 
 
 def is_command(topic: str) -> bool:

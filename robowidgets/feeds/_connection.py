@@ -24,7 +24,7 @@ from ._open_feeds import open_feeds
 from ._program_inputs import robot_of
 from ._subscription import Target, sorted_targets
 from ._subscription_table import SubscriptionTable
-from ._topics import FeedTopic, check_name, topics_of, unlisted
+from ._topics import FeedTopic, check_name, decided, topics_of, unlisted
 from .middleware import Advert, FeedError, Middleware
 
 log = logging.getLogger("robowidgets")
@@ -65,6 +65,8 @@ class Connection(Observed):
         self._reached = self._listed = self.is_closed = self.is_forked = False
         self._driven: str | None = None
         """The topic on which this feed publishes speeds and nobody else publishes anything."""
+        self._decided: dict[str, FeedTopic] = {}
+        """The topics with a widget that only a message could decide."""
         self._opened = time.monotonic()
         self._subscribe = CoalescedCall(self._follow_connected)
         self.driver = Driver(self, middleware)
@@ -311,8 +313,21 @@ class Connection(Observed):
         With ``on_missed`` it gets each message, and is told the number of those that it does not get.
         """
         target = Target(take, None, on_missed)
-        self._connect(topic, [target])
+        self.attach_target(topic, target)
         return target
+
+    def attach_target(self, topic: str, target: Target) -> None:
+        """Do what `attach` does, for a target that is known before its first message."""
+        self._connect(topic, [target])
+
+    def decide(self, topic: FeedTopic, message: Any) -> None:
+        """List the widget that shows the messages of a topic, of which this is one, if one does."""
+        found = decided(topic, message)
+        if found.widget:
+            with self._lock:
+                self._decided[topic.name] = found
+                self._list_topics()
+            self._call_observers()
 
     def detach(self, topic: str, target: Target) -> None:
         """End an `attach`."""
@@ -368,6 +383,9 @@ class Connection(Observed):
         driven = topics.get(self._driven or "")
         if driven is not None and not driven.offered:  # whatever its name says
             topics[driven.name] = driven._replace(commanded=True)
+        for name, found in self._decided.items():
+            if name in topics and topics[name].type == found.type:
+                topics[name] = topics[name]._replace(widget=found.widget, commanded=found.commanded)
         self._table.learn(topics)
 
     def _show_status(self, topic: str) -> None:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from functools import partial
 from html import escape
 from typing import TYPE_CHECKING, Any
 
@@ -19,8 +18,8 @@ from ..machine_widget import MachineWidget
 from ..program_widget import ProgramWidget
 from ..speed_widget import SpeedWidget
 from ..stop_widget import StopWidget
-from ._subscription import Target
-from ._topics import FeedTopic, decided, is_open
+from ._probes import Probes
+from ._topics import FeedTopic
 from .middleware import FeedError
 
 if TYPE_CHECKING:
@@ -51,7 +50,7 @@ class FeedView(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no type
         self._names = topics
         self._known: dict[str, FeedTopic] = {}
         self._shown: dict[WidgetChoice, Any] = {}
-        self._probes: dict[str, Target] = {}
+        self._probes = Probes(self._connection)
         self._closed = False
         self.refresh = CoalescedCall(self._refresh)
         self._status = ipywidgets.HTML()
@@ -110,7 +109,10 @@ class FeedView(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no type
         topics = [topic for topic in self._connection.topics if not self._names or topic.name in self._names]
         self._known.update((topic.name, topic) for topic in topics if topic.widget)
         try:
-            self._probe(() if self._closed else topics)
+            if self._closed:
+                self._probes.close()
+            else:
+                self._probes.add(topics)
             wanted = () if self._closed else choose_widgets(list(self._known.values()))
             if self._add_program() or set(wanted) != self._shown.keys():
                 self._set_widgets(wanted)
@@ -118,22 +120,6 @@ class FeedView(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no type
             if not self._connection.is_closed:  # a feed that was closed meanwhile connects no widgets
                 raise
         self._show_status()
-
-    def _probe(self, topics: Sequence[FeedTopic]) -> None:
-        """Subscribe to the topics whose widget only a message can decide."""
-        for topic in topics:
-            if topic.name not in self._probes and is_open(topic):
-                self._probes[topic.name] = self._connection.attach(topic.name, partial(self._decide, topic))
-        if self._closed:
-            for name, probe in self._probes.items():
-                self._connection.detach(name, probe)
-
-    def _decide(self, topic: FeedTopic, message: Any) -> None:
-        self._connection.detach(topic.name, self._probes[topic.name])
-        found = decided(topic, message)
-        if found.widget:
-            self._known[topic.name] = found
-            self.refresh()
 
     def _add_program(self) -> bool:
         """Make the widgets of the program and of its state machine once they are there; returns whether it made one."""
@@ -207,7 +193,7 @@ class FeedView(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no type
         elif missing:
             lines = [_not_shown(there[name]) if name in there else self._connection.status_of(name) for name in missing]
         elif troubles := [
-            trouble for name in self._probes.keys() - shown if (trouble := self._connection.trouble_of(name))
+            trouble for name in self._probes.topics - shown if (trouble := self._connection.trouble_of(name))
         ]:
             lines = troubles
         elif shown:

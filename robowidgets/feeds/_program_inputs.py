@@ -7,13 +7,24 @@ import time
 from collections import deque
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
-from itertools import pairwise
+from itertools import chain, pairwise
 from typing import TYPE_CHECKING, Any
 
 from ..behaviors.odometer import Odometer
 from ..behaviors.robot import ODOMETRY, POSE, DrivenRobot, NotReadyError
-from ..kinds import PATH, SPEED, Gathered, Kind, kind_of_parameter, kind_of_sample
+from ..kinds import (
+    PATH,
+    SPEED,
+    Gathered,
+    Kind,
+    by_namespace,
+    kind_of_parameter,
+    kind_of_sample,
+    namespace_of,
+    sensor_of,
+)
 from ..samples import Speed
+from ._probes import Probes
 from ._subscription import Target
 from ._topics import queue_length, sample_of
 
@@ -68,6 +79,11 @@ class _Latest:
     def close(self) -> None:
         """Take no more messages."""
         self._connection.detach(self.topic, self._target)
+
+    @property
+    def came_at(self) -> float:
+        """When the newest message came, by the monotonic clock."""
+        return self._times[-1]
 
     def read(self, name: str) -> Any:
         """The newest sample. NotReadyError if there is none, or if it is too old."""
@@ -126,8 +142,9 @@ class FeedInputs:
         self._on: str | None = None
         self._latest: dict[str, _Latest] = {}
         """By topic."""
-        self._chosen: dict[str, str] = {}
-        """The topic of each parameter."""
+        self._chosen: dict[str, Sequence[str]] = {}
+        """The topics of each parameter."""
+        self._probes = Probes(connection)
         self._odometer = Odometer()
 
     def choose(self, wanted: Mapping[str, str | None], on: str | None) -> None:
@@ -141,13 +158,21 @@ class FeedInputs:
     def take(self) -> dict[str, Any]:
         """See `Inputs`."""
         with self._lock:
-            if len(self._chosen) < len(self._wanted):
+            if len(self._chosen) < len(self._wanted) or any(_each(name) for name in self._wanted):
                 self._find()
             for name in self._wanted:
                 if name not in self._chosen:
                     raise NotReadyError(self._missing(name))
-            values = {name: self._latest[topic].read(name) for name, topic in self._chosen.items()}
+            values = {name: self._read(name, topics) for name, topics in self._chosen.items()}
             return {name: self._odometry(name) if name in ODOMETRY else value for name, value in values.items()}
+
+    def _read(self, name: str, topics: Sequence[str]) -> Any:
+        """The newest sample of a parameter. NotReadyError if there is none, or if it is too old."""
+        latest = {topic: self._latest[topic] for topic in topics}
+        if (each := _each(name)) is None:
+            return latest[topics[0]].read(name)
+        samples = {sensor_of(topic): one.read(_kind(name).sample_name) for topic, one in latest.items()}
+        return each(samples, {sensor_of(topic): one.came_at for topic, one in latest.items()})
 
     def why_silent(self, on: str) -> str:
         """See `Inputs`."""
@@ -158,15 +183,17 @@ class FeedInputs:
         with self._lock:
             self._wanted, self._on, self._chosen = {}, None, {}
             self._prune()
+            self._probes.close()
 
     def _find(self) -> None:
         """Find the topics that are not chosen yet; they may appear at any time."""
         for name, topic in self._wanted.items():
-            if name in self._chosen:
+            if name in self._chosen and not _each(name):
                 continue
-            found = [topic] if topic else self._candidates(name)
+            found = [[topic]] if topic and not _each(name) else self._candidates(name)
             if len(found) == 1:
-                self._attach(found[0], is_odometry=name in ODOMETRY)
+                for one in found[0]:
+                    self._attach(one, is_odometry=name in ODOMETRY)
                 self._chosen[name] = found[0]
         if self._on is not None:
             self._attach(self._on)
@@ -187,34 +214,52 @@ class FeedInputs:
     def _odometry(self, name: str) -> Any:
         """A value of the odometer. NotReadyError while there is none."""
         if self._odometer.pose is None:
-            raise NotReadyError(f"no pose comes on {self._chosen[name]}: is it odometry?")
+            raise NotReadyError(f"no pose comes on {self._chosen[name][0]}: is it odometry?")
         return self._odometer.pose if name == POSE else getattr(self._odometer, name)
 
     def _prune(self) -> None:
-        for topic in [topic for topic in self._latest if topic not in self._chosen.values() and topic != self._on]:
+        used = {self._on, *chain.from_iterable(self._chosen.values())}
+        for topic in [topic for topic in self._latest if topic not in used]:
             self._latest.pop(topic).close()
 
-    def _candidates(self, name: str) -> list[str]:
-        """The topics with a kind of sample; the topic that wakes the program comes before the others."""
-        kind = _kind(name)
+    def _candidates(self, name: str) -> list[list[str]]:
+        """The topics with a kind of sample, those together that a parameter gets together.
+
+        The topic that wakes the program comes before the others.
+        """
+        kind, named = _kind(name), self._wanted[name]
+        self._probes.add(topic for topic in self._connection.topics if topic.type in kind.undecided)
         topics = [topic for topic in self._connection.topics if topic.widget == kind.name and not topic.commanded]
         if name in ODOMETRY:
-            if named := next((topic for other, topic in self._wanted.items() if other in ODOMETRY and topic), None):
-                return [named]
+            if odometry := next((topic for other, topic in self._wanted.items() if other in ODOMETRY and topic), None):
+                return [[odometry]]
             topics = [topic for topic in topics if not PATH.types.isdisjoint(topic.type.split(", "))]
         found = [topic.name for topic in topics]
-        return [self._on] if self._on in found else found
+        if _each(name):
+            found = [topic for topic in found if named is None or named in (topic, namespace_of(topic))]
+            groups = list(by_namespace(found).values())
+        else:
+            groups = [[topic] for topic in found]
+        return [group for group in groups if self._on in group] or groups
 
     def _missing(self, name: str) -> str:
         if self._connection.status:
             return self._connection.status
-        found = self._candidates(name)
+        found = [namespace_of(group[0]) if _each(name) else group[0] for group in self._candidates(name)]
         if found:
-            return f"{len(found)} topics have a {name}: {', '.join(found)}; name one: program({name}={found[0]!r})"
-        return f"waiting for a topic with {'odometry' if name in ODOMETRY else _kind(name).noun}"
+            what = f"namespaces have {name}" if _each(name) else f"topics have a {name}"
+            return f"{len(found)} {what}: {', '.join(found)}; name one: program({name}={found[0]!r})"
+        noun = "odometry" if name in ODOMETRY else _kind(name).noun
+        return f"waiting for a topic with {noun}" + (f" in {self._wanted[name]}" if self._wanted[name] else "")
 
 
 def _kind(name: str) -> Kind:
     kind = SPEED if name in ODOMETRY else kind_of_parameter(name)
     assert kind is not None  # the parameters of a program are checked before
     return kind
+
+
+def _each(name: str) -> Callable[..., Any] | None:
+    """What makes the value of a parameter that gets all topics of a namespace; None for any other."""
+    kind = kind_of_parameter(name)
+    return None if kind is None else kind.roles[0].each

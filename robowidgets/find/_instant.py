@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
-from ..kinds import KINDS, Kind, kind_of_sample
+from ..kinds import KINDS, Kind, by_namespace, kind_of_parameter, kind_of_sample, sample_names, sensor_of
 from ..recordings.topics import Topic, UnknownTopicError, UnnamedTopicError, only
 from ..samples import Scan, Speed, Touch
 from ..samples.verdict import Trace
@@ -28,8 +28,9 @@ class Instant:
     """The last sample of each topic at one time.
 
     ``moment.scan``, ``moment.speed`` and ``moment.touch`` are the samples of the only topic of their kind (for speeds,
-    of the measured one); a sample of another kind has the name `Kind.sample_name`. ``moment["/cmd_vel"]`` is the sample
-    of any topic. ``moment.seconds`` counts from the start of the recording, ``moment.time_ns`` is by its clock.
+    of the measured one); a sample of another kind has the name `Kind.sample_name`. ``moment.sonars`` has the samples of
+    all topics of the only namespace with some, once each is there. ``moment["/cmd_vel"]`` is the sample of any topic.
+    ``moment.seconds`` counts from the start of the recording, ``moment.time_ns`` is by its clock.
 
     Raises:
         UnknownTopicError: the recording has several topics of a kind, so one must be named.
@@ -52,8 +53,16 @@ class Instant:
         self._now = start_ns
         self._samples: dict[str, Any] = {}
         """The last sample of each topic, or the function that makes it."""
+        self._came: dict[str, int] = {}
+        """The time of the last sample of each topic."""
         self._used: set[str] = set()
         """The topics that the function has read."""
+
+    def _put(self, time_ns: int, samples: dict[str, Make]) -> None:
+        """Go on to a time, at which these topics have a sample."""
+        self._now = time_ns
+        self._samples.update(samples)
+        self._came.update(dict.fromkeys(samples, time_ns))
 
     @property
     def time_ns(self) -> int:
@@ -68,6 +77,8 @@ class Instant:
 
     def __getattr__(self, name: str) -> Any:
         kind = next((kind for kind in KINDS.values() if kind.sample_name == name), None)
+        if kind is None and (joined := kind_of_parameter(name)):
+            return self._of_all(joined)
         if kind is None:
             raise AttributeError(f"no {name!r} here: there are {', '.join(self._attributes())} and moment[topic]")
         if kind.name not in self._topic_of:
@@ -90,7 +101,22 @@ class Instant:
 
     @staticmethod
     def _attributes() -> list[str]:
-        return [*(kind.sample_name for kind in KINDS.values()), "seconds", "time_ns"]
+        return [*sample_names(), "seconds", "time_ns"]
+
+    def _of_all(self, kind: Kind) -> Any:
+        """The sample of all topics of the only namespace with this kind."""
+        each = kind.roles[0].each
+        assert each is not None  # its name is that of such a sample
+        found = by_namespace(topic.name for topic in self._topics if topic.widget == kind.name)
+        if not found:
+            raise AttributeError(f"{self._name} has no {kind.noun} among those that are looked at")
+        if len(found) > 1:
+            first, *_ = found.values()
+            there = f"{self._name} has {kind.noun} in several namespaces ({', '.join(found)})"
+            raise UnnamedTopicError(there, first, kind.name, f"have one looked at, as in topics={first!r}")
+        (topics,) = found.values()
+        samples = {sensor_of(topic): self[topic] for topic in topics}
+        return each(samples, {sensor_of(topic): (self._came[topic] - self._start_ns) / 1e9 for topic in topics})
 
     def _only(self, kind: Kind) -> str:
         try:

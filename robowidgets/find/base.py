@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from .._core.watch import Watch
-from ..kinds import KINDS
+from ..kinds import KINDS, sample_names
 from ..messages.decoding import one_line
 from ..recordings.topics import Topic, UnnamedTopicError, shown
 from ..repair import RecordingError
@@ -101,7 +101,7 @@ class FunctionCondition(Condition):
     def __init__(self, function: Callable[..., Any], names: Sequence[str] | None = None, text: str = "") -> None:
         self._function = function
         self._text = text or str(getattr(function, "__name__", type(function).__name__))
-        self._names = sample_names(function) if names is None else tuple(names)
+        self._names = names_of(function) if names is None else tuple(names)
 
     @property
     def reads(self) -> frozenset[str]:
@@ -149,8 +149,7 @@ class FunctionCondition(Condition):
             for time_ns, samples in together({topic.name: samples_of(recording, topic.name) for topic in topics}):
                 if time_ns > search.end_ns and search.is_cut:
                     break
-                instant._now = time_ns
-                instant._samples.update(samples)
+                instant._put(time_ns, samples)
                 if not times or TIME in instant._used or not instant._used.isdisjoint(samples):
                     value = self._call(instant, search)
                     used = frozenset(instant._used)
@@ -215,7 +214,7 @@ def condition(given: Any) -> Condition:
     raise TypeError(f"condition: expected a function of one moment, or one of robowidgets.conditions, got {given!r}")
 
 
-def sample_names(function: Callable[..., Any]) -> tuple[str, ...]:
+def names_of(function: Callable[..., Any]) -> tuple[str, ...]:
     """The samples that a function takes, by the names of its parameters: ``lambda scan, speed: ...``.
 
     None where it takes a moment: where its one parameter has another name, or it tells of no parameters.
@@ -230,7 +229,7 @@ def sample_names(function: Callable[..., Any]) -> tuple[str, ...]:
     given = [
         p.name for p in parameters if p.default is p.empty and p.kind in (p.POSITIONAL_ONLY, p.POSITIONAL_OR_KEYWORD)
     ]
-    known = [kind.sample_name for kind in KINDS.values()]
+    known = sample_names()
     if given and set(given) <= set(known):
         return tuple(given)
     if len(given) > 1:

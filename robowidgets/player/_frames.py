@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from math import inf, nan
 from typing import Any, Protocol
 
@@ -12,6 +12,7 @@ import numpy as np
 from .._core.progress import without_bars
 from .._core.timed_frame import FRAME_HEADER, TimedFrame, table_of
 from .._widget_choice import WidgetChoice
+from ..kinds import sensor_of
 from ..laser_widget import LaserWidget
 from ..path_widget import PathPoint, PathWidget
 from ..poses.path import Path
@@ -37,8 +38,8 @@ BEFORE = -1.0
 LONGEST_PATH = 2.0
 """Seconds for which the path of a recording is read before it is shown."""
 
-Seek = Callable[[float], None]
-"""Makes a widget show a topic at a time, in seconds from the start."""
+TOGETHER = 0.01
+"""Seconds within which what the sensors of a ring measure is shown in one frame: they often measure at once."""
 
 
 class Track(Protocol):
@@ -63,28 +64,56 @@ class SampleFrames:
     def __init__(self, recording: RecordingData, choice: WidgetChoice, widget: Any) -> None:
         self._recording, self._choice, self._widget = recording, choice, widget
         self._nothing = choice.shown.nothing
-        shows = [(topic, getattr(widget, choice.method(role))) for role, topic in choice.parts]
-        self._seeks = [_newest(recording, topic, show, self._nothing) for topic, show in shows]
+        goes_with = choice.parts[len(choice.own) :]
+        shows = [(choice.own, widget.update), *(((name,), getattr(widget, role.take)) for role, name in goes_with)]
+        self._seeks = [self._seek(topics, show) for topics, show in shows]
 
     def frames(self, start: float, end: float) -> Iterator[TimedFrame]:
         """See `Track`."""
         topics = self._choice.topics
-        last = {name: self._recording.at(name, start) for name in topics}
-        now = {name: moment.sample if moment else self._nothing for name, moment in last.items()}
-        yield self._shown(max(moment.seconds if moment else BEFORE for moment in last.values()), now)
+        now = {name: self._recording.at(name, start) for name in topics}
+        seconds, began = max(moment.seconds if moment else BEFORE for moment in now.values()), -inf
         for moment in self._recording.samples(topics, start, end):
-            now[moment.topic] = moment.sample
-            yield self._shown(moment.seconds, now)
+            if not self._choice.role.each or moment.seconds - began >= TOGETHER:
+                yield self._shown(seconds, now)
+                began = moment.seconds
+            now[moment.topic] = moment
+            seconds = moment.seconds
+        yield self._shown(seconds, now)
 
     def seek(self, seconds: float) -> None:
         """See `Track`."""
         for seek in self._seeks:
             seek(seconds)
 
-    def _shown(self, seconds: float, now: Mapping[str, Any]) -> TimedFrame:
-        """The frame of the last sample of each topic."""
-        others = {role.name: now[name] for role, name in self._choice.parts[1:]}
-        return self._frame(seconds, now[self._choice.topic], **others)
+    def _seek(self, topics: Sequence[str], show: Callable[[Any], None]) -> Callable[[float], None]:
+        """A function that shows the last moments of some topics at a time, unless those were shown last."""
+        before: list[Any] = [None]
+
+        def seek(seconds: float) -> None:
+            now = {topic: self._recording.at(topic, seconds) for topic in topics}
+            times = [moment and moment.time_ns for moment in now.values()]
+            if times != before[0]:
+                before[0] = times
+                alone = now[topics[0]] if len(topics) == 1 and self._choice.role.each is None else None
+                show(alone or self._sample(topics, now))
+
+        return seek
+
+    def _sample(self, topics: Sequence[str], now: Mapping[str, Moment | None]) -> Any:
+        """The last sample of a topic, or the one of all topics of a namespace."""
+        samples = {name: moment.sample if (moment := now[name]) else self._nothing for name in topics}
+        each = self._choice.role.each
+        if each is None or topics != self._choice.own:
+            return samples[topics[0]]
+        came = {sensor_of(name): moment.seconds if (moment := now[name]) else -inf for name in topics}
+        return each({sensor_of(name): sample for name, sample in samples.items()}, came)
+
+    def _shown(self, seconds: float, now: Mapping[str, Moment | None]) -> TimedFrame:
+        """The frame of the last moment of each topic."""
+        own = self._choice.own
+        others = {role.name: self._sample((name,), now) for role, name in self._choice.parts[len(own) :]}
+        return self._frame(seconds, self._sample(own, now), **others)
 
     def _frame(self, seconds: float, sample: Any) -> TimedFrame:
         about, frame = self._widget.frame_of(sample)
@@ -186,20 +215,6 @@ def _path_of(recording: RecordingData, topic: str) -> tuple[Path, float]:
             if time.monotonic() - began > LONGEST_PATH:
                 return path, (int(chunk.times_ns[-1]) - start_ns) / 1e9
     return path, inf
-
-
-def _newest(recording: RecordingData, topic: str, show: Callable[[Any], None], nothing: Any) -> Seek:
-    """A function that shows the last sample of a topic at a time, unless that sample was shown last."""
-    before: list[int | None] = [-1]
-
-    def seek(seconds: float) -> None:
-        moment = recording.at(topic, seconds)
-        time_ns = moment.time_ns if moment else None
-        if time_ns != before[0]:
-            before[0] = time_ns
-            show(moment or nothing)
-
-    return seek
 
 
 def _header(sample: Any) -> bytes:

@@ -1,0 +1,47 @@
+"""Topics whose widget only a message can decide."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from functools import partial
+from typing import TYPE_CHECKING, Any
+
+from ._subscription import Target
+from ._topics import FeedTopic, is_open
+
+if TYPE_CHECKING:
+    from ._connection import Connection
+
+
+class Probes:
+    """Subscriptions to topics for the message that decides their widget; each ends with its first.
+
+    Args:
+        connection: that of the feed, which lists what is decided.
+    """
+
+    def __init__(self, connection: Connection) -> None:
+        self._connection = connection
+        self._targets: dict[str, Target] = {}
+
+    @property
+    def topics(self) -> frozenset[str]:
+        """The names of the topics that were or are looked at."""
+        return frozenset(self._targets)
+
+    def add(self, topics: Iterable[FeedTopic]) -> None:
+        """Look at those of some topics that are open, each once."""
+        for topic in topics:
+            if topic.name not in self._targets and is_open(topic):
+                # Known before the first message, which may come from another thread at once.
+                self._targets[topic.name] = target = Target(partial(self._decide, topic), None)
+                self._connection.attach_target(topic.name, target)
+
+    def close(self) -> None:
+        """Wait for no message any more."""
+        for name, target in self._targets.items():
+            self._connection.detach(name, target)
+
+    def _decide(self, topic: FeedTopic, message: Any) -> None:
+        self._connection.detach(topic.name, self._targets[topic.name])
+        self._connection.decide(topic, message)

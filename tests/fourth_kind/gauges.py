@@ -1,0 +1,94 @@
+"""Numbers of which several share one widget: what a row adds to that of a single topic."""
+
+from __future__ import annotations
+
+import struct
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass, field, replace
+from types import MappingProxyType
+from typing import Any
+
+from robowidgets import kinds
+from robowidgets._core.robot_widget import RobotWidget
+from robowidgets.kinds import KINDS, Kind, Role
+from robowidgets.samples import HasAge
+
+from .number import NUMBER, Number, to_number
+
+FLOAT64 = "std_msgs/msg/Float64"
+
+
+@dataclass(frozen=True, eq=False)
+class Numbers(HasAge, Mapping[str, Number]):
+    """The newest number of each sensor by its name, and when each came."""
+
+    numbers: Mapping[str, Number]
+    seconds: Mapping[str, float] = field(default_factory=lambda: MappingProxyType({}))
+    stamp_ns: int | None = None
+
+    def __getitem__(self, sensor: str) -> Number:
+        return self.numbers[sensor]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(sorted(self.numbers))
+
+    def __len__(self) -> int:
+        return len(self.numbers)
+
+
+class GaugesWidget(RobotWidget[Numbers]):
+    """The newest number of each sensor."""
+
+    _esm, _css = "export default {}", ""
+    sample_name = "gauges"
+
+    def update(self, sensor: Any, message: Any = None) -> None:
+        """Show the number of a sensor, or those of all."""
+        try:
+            if isinstance(sensor, Numbers):
+                self._show(sensor, self.frame_of(sensor)[0])
+                return
+            before = self._newest.sample or Numbers({})
+            numbers = Numbers({**before, sensor: to_number(message)})
+        except (TypeError, ValueError) as error:
+            self._refuse(error)
+        else:
+            self._show(numbers, self.frame_of(numbers)[0])
+
+    @property
+    def gauges(self) -> Numbers | None:
+        """Those on show."""
+        return self._newest.sample
+
+    def frame_of(self, sample: Numbers) -> tuple[dict[str, Any], bytes]:
+        """See `RobotWidget`."""
+        return {"sensors": list(sample)}, self._pack(sample)
+
+    def _pack(self, sample: Numbers) -> bytes:
+        return struct.pack(f"<{len(sample)}d", *(number.value for number in sample.values()))
+
+
+GAUGE = replace(
+    NUMBER,
+    name="gauge",
+    sample_name="gauge",
+    noun="gauges",
+    types=frozenset({FLOAT64}),
+    undecided=frozenset(),
+    widget="tests.fourth_kind.gauges:GaugesWidget",
+    roles=(Role(name="gauges", each=Numbers),),
+    to_message=lambda: lambda number, _time_ns, _type: (FLOAT64, {"data": number.value}),
+)
+
+
+@contextmanager
+def added() -> Iterator[Kind]:
+    """Have gauges in the table of kinds for a while."""
+    before = dict(KINDS)
+    kinds.add(GAUGE)
+    try:
+        yield GAUGE
+    finally:
+        KINDS.clear()
+        KINDS.update(before)
