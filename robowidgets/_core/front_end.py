@@ -10,6 +10,8 @@ from typing import Any
 import anywidget
 import traitlets
 
+from .platform_fixes import share_class
+
 STATIC = Path(__file__).parents[1] / "static"
 
 
@@ -61,13 +63,11 @@ class FrontEndWidget(anywidget.AnyWidget):
     def add_traits(self, **traits: Any) -> None:
         """Give the widget the front end as traits, as anywidget does for every widget, but make the class only once.
 
-        Making a class for every widget would double the time of making a widget. The page keeps what Jupyter runs for
-        each widget, so that is a small script, which runs the widget's own once.
+        The page keeps what Jupyter runs for each widget, so that is a small script, which runs the widget's own once.
         """
         plain = type(self)
         known = _with_front_end.get(plain)
-        if known is not None and traits.keys() <= vars(known).keys():
-            self.__class__ = known
+        if known is not None and traits.keys() <= vars(known).keys() and share_class(self, known):
             return
         if "_esm" in traits:
             texts = {"_style": getattr(plain, "_css", "")}

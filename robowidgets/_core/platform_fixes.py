@@ -1,25 +1,32 @@
 """Fixes for Python, Linux and other packages: each changes or bypasses something that is not ours.
 
-Each function is one fix, and its docstring says what is wrong, what the fix does and what happens without it. With
-``ROBOWIDGETS_PLATFORM_FIXES=off`` in the environment of the kernel all of them do nothing: to find out whether a fix
-causes a problem, or whether a new version still needs it.
+Each function is one fix, and its docstring says what is wrong, what the fix does and what happens without it. Its last
+lines name the versions that need it, with the issue or the code upstream. `tests/unit/test_platform_fixes.py` shows for
+each of these lines that an installed version goes wrong without the fix: that test fails when a version is cured.
+
+With ``ROBOWIDGETS_PLATFORM_FIXES=off`` in the environment of the kernel no fix does anything: to find out whether one
+causes a problem.
 """
 
 from __future__ import annotations
 
 import asyncio
 import contextlib
+import functools
 import itertools
 import os
 import signal
 import socket
 import sys
 import threading
+from collections import deque
 from collections.abc import Callable
-from types import SimpleNamespace
+from types import SimpleNamespace, TracebackType
 from typing import Any
 
 from .error_routing import ipython_shell
+
+_Changed = contextlib.AbstractContextManager["TracebackType | None"]
 
 ENABLED = os.environ.get("ROBOWIDGETS_PLATFORM_FIXES", "").strip().lower() != "off"
 
@@ -37,6 +44,8 @@ def shorten_switch_interval() -> None:
     By default a thread waits 5 ms before it asks for the lock, and that wait begins anew each time the lock changes
     hands. A loop that reads a file or prints every millisecond so starves all other threads, and the page stands still.
     The fix sets 0.1 ms, unless the program has set an interval itself.
+
+    Needed for Python >=3.10: https://bugs.python.org/issue7946
     """
     if ENABLED and sys.getswitchinterval() == _DEFAULT_SWITCH_INTERVAL:
         sys.setswitchinterval(SWITCH_INTERVAL)
@@ -48,6 +57,8 @@ def message_padding() -> dict[str, str]:
     Jupyter's server leaves Nagle's algorithm on, so it holds a small message back until the previous one is
     acknowledged. Linux takes messages of equal length for full segments and delays their acknowledgement by 40 ms. So
     every third frame of the display would be missing. Messages of different length are acknowledged at once.
+
+    Needed for jupyter_server >=2: https://github.com/jupyter-server/jupyter_server/blob/main/jupyter_server/services/kernels/websocket.py
     """
     return {"pad": next(_pads)} if ENABLED else {}
 
@@ -57,6 +68,8 @@ def run_beside_debugger(thread: Any) -> None:
 
     At a breakpoint debugpy, which JupyterLab and VS Code use, suspends all threads, and with them the one that would
     send zero. The fix marks a thread as ipykernel marks its own. Without it, a robot drives on meanwhile.
+
+    Needed for debugpy >=1.6: https://github.com/microsoft/debugpy/issues/547
     """
     if ENABLED:
         thread.pydev_do_not_trace = thread.is_pydev_daemon_thread = True
@@ -69,6 +82,8 @@ def route_by_message(comm: Any) -> None:
     7.3 handle the message there. ipykernel 7.4 handles it in the shell from which the widget last sent something. That
     is nearly always the main one, where the message waits for the end of the cell. The fix makes one comm use the name
     in the message instead; its handlers must be safe in any thread. ipykernel 6 has no subshells.
+
+    Needed for ipykernel >=7.4: https://github.com/ipython/ipykernel/blob/main/ipykernel/comm/comm.py
     """
     if ENABLED and hasattr(comm, "_reply_subshell_for"):
         comm._reply_subshell_for = lambda _data, named_by_message: named_by_message
@@ -81,6 +96,9 @@ def call_on_interrupt(call: Callable[[], None]) -> None:
     would drive on meanwhile. A cell with ``await`` may even go on to its end. ipykernel sets a SIGINT handler anew for
     each cell, Python's or, for a cell with ``await``, one of its own. So each cell must call this. A handler of the
     program stays. Without the fix, only the event is left.
+
+    Needed for ipython >=8: https://github.com/ipython/ipython/blob/main/IPython/core/events.py
+    Needed for ipykernel >=6: https://github.com/ipython/ipykernel/issues/328
     """
     before: Any = signal.getsignal(signal.SIGINT)
 
@@ -98,6 +116,8 @@ def call_before_traceback(shell: Any, call: Callable[[], None]) -> None:
 
     IPython's own event comes after that, which may take seconds, and not at all for a script that ``%run`` runs: a
     robot would drive on meanwhile. Without the fix, only the event is left.
+
+    Needed for ipython >=8: https://github.com/ipython/ipython/blob/main/IPython/core/interactiveshell.py
     """
     show = shell.showtraceback
 
@@ -115,6 +135,8 @@ def call_on_idle_interrupt(kernel: Any, call: Callable[[], None]) -> None:
     Between cells ipykernel ignores SIGINT. But a program goes on driving between cells, and who interrupts the kernel
     then wants it to stop. ipykernel restores the handler of before each cell after it; the fix replaces what it
     restores. Without the fix, only Stop and a running cell's interrupt stop a program.
+
+    Needed for ipykernel >=6: https://github.com/ipython/ipykernel/pull/49
     """
 
     def on_interrupt(_number: int, _frame: Any) -> None:
@@ -133,6 +155,9 @@ def call_before_end(call: Callable[[], object]) -> None:
     would have. Where rclpy handles SIGTERM, it does not end: rclpy shuts down, and the program ends itself. The main
     thread notices a signal only between two steps of Python. A handler of the program stays. Without the fix, only a
     process that ends in an orderly way calls the function.
+
+    Needed for Python >=3.10: https://docs.python.org/3/library/atexit.html
+    Needed for ipykernel >=6: https://github.com/ipython/ipykernel/blob/main/ipykernel/parentpoller.py
     """
 
     def end(number: int, ends: bool) -> None:
@@ -175,12 +200,111 @@ def let_threads_print() -> None:
     Python uses the identifier of an ended thread again, so the notes may form a circle, and ipykernel follows it
     without end. The fix drops the notes on an ended thread when its identifier is used again. Without the fix, a thread
     that prints or logs may hang, and so does each thread that logs after it.
+
+    Needed for ipykernel >=6.29,<7.1: https://github.com/ipython/ipykernel/issues/1269
     """
     kernel = getattr(ipython_shell(), "kernel", None)
     for name in ("_stdout", "_stderr"):
         stream: Any = getattr(kernel, name, None)
         if ENABLED and type(getattr(stream, "_thread_to_parent", None)) is dict:
             stream._thread_to_parent = _ThreadParents()
+
+
+def capture_prints(take: Callable[[str], bool]) -> None:
+    """Pass what the calling thread prints to a function; it returns whether nothing else is to show it.
+
+    ``sys.stdout`` belongs to the process: Python has no other output for one thread. The fix puts a stream in its place
+    that looks at the thread. IPython and pytest replace ``sys.stdout`` at any time; so this looks again each time that
+    it is called. Without the fix, a program's page does not show its prints.
+
+    Needed for Python >=3.10: https://docs.python.org/3/library/contextlib.html#contextlib.redirect_stdout
+    """
+    if not ENABLED:
+        return
+    with _printing:
+        _takes[threading.get_ident()] = take
+        if not isinstance(sys.stdout, _Router):
+            sys.stdout = _router_of(sys.stdout)
+
+
+def release_prints() -> None:
+    """Undo `capture_prints` for the calling thread. After the last thread, ``sys.stdout`` is what it was."""
+    with _printing:
+        _takes.pop(threading.get_ident(), None)
+        if not _takes and isinstance(sys.stdout, _Router):
+            sys.stdout = sys.stdout.inner
+
+
+class _Router:
+    """Stands in for ``sys.stdout``: passes on what is printed, and shows it to what takes the prints of the thread."""
+
+    def __init__(self, inner: Any) -> None:
+        self.inner = inner
+
+    def write(self, text: str) -> int:
+        """Write a text."""
+        take = _takes.get(threading.get_ident())
+        if take is not None and take(text):
+            return len(text)
+        written: int = self.inner.write(text)
+        return written
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self.inner, name)
+
+
+def _router_of(stream: Any) -> _Router:
+    for router in _routers:
+        if router.inner is stream:
+            return router
+    _routers.append(_Router(stream))
+    return _routers[-1]
+
+
+_takes: dict[int, Callable[[str], bool]] = {}
+"""By thread: what takes its prints."""
+_routers: deque[_Router] = deque(maxlen=50)
+"""The last that were made, one for each stream. They stay, because ``print`` may hold no reference to ``sys.stdout``
+while it writes there: one that went away meanwhile, when the last program ended, would take the process with it."""
+_printing = threading.Lock()
+
+
+def change_tracebacks(change: Callable[[BaseException, TracebackType | None], _Changed]) -> None:
+    """Have IPython, if it is running, show each traceback as a context manager gives it.
+
+    IPython asks only errors of other classes than Python's own how they are shown, and always shows the last frame,
+    even one that is marked as hidden. The fix wraps what makes the traceback. Without it, a wrong argument is shown
+    with the lines of robowidgets and traitlets that found it.
+
+    Needed for ipython >=8: https://github.com/ipython/ipython/issues/12565
+    """
+    shows = getattr(ipython_shell(), "InteractiveTB", None)  # a nicety, which a shell may do without
+    if not ENABLED or shows is None:
+        return
+    whole = shows.structured_traceback
+
+    @functools.wraps(whole)
+    def changed(
+        kind: type[BaseException], error: BaseException, traceback: TracebackType | None, *args: Any, **options: Any
+    ) -> Any:
+        with change(error, traceback) as shown:
+            return whole(kind, error, shown, *args, **options)
+
+    shows.structured_traceback = changed
+
+
+def share_class(widget: Any, made: type) -> bool:
+    """Give a widget the class, with further traits, that another of its class was given; returns whether it was done.
+
+    anywidget adds the front end to each widget as traits, for which traitlets makes a class of its own each time. That
+    doubles the time of making a widget. Without the fix, each has its own.
+
+    Needed for traitlets >=5: https://github.com/ipython/traitlets/issues/500
+    Needed for anywidget >=0.11: https://github.com/manzt/anywidget/blob/main/anywidget/widget.py
+    """
+    if ENABLED:
+        widget.__class__ = made
+    return ENABLED
 
 
 class _ThreadParents(dict[int, int]):
@@ -230,6 +354,8 @@ def acknowledge_at_once(sock: socket.socket) -> None:
 
     The Foxglove SDK's server leaves Nagle's algorithm on: it sends no more until its last message is acknowledged, and
     Linux delays that by up to 40 ms. The option lasts for one acknowledgement only, so each delivery calls this.
+
+    Needed for foxglove-sdk >=0.10: https://github.com/foxglove/foxglove-sdk/blob/main/rust/foxglove/src/websocket/server.rs
     """
     if ENABLED and _QUICKACK is not None:
         sock.setsockopt(socket.IPPROTO_TCP, _QUICKACK, 1)
@@ -240,6 +366,8 @@ def report_close_code(connection: Any, report: Callable[[int | None], None]) -> 
 
     tornado tells its user only the code that the other side sent. The fix wraps the method by which the protocol of one
     connection closes it. Without the fix, a topic whose messages are too large ends each new connection.
+
+    Needed for tornado >=6.5: https://github.com/tornadoweb/tornado/issues/1377
     """
     protocol = connection.protocol
     close = protocol.close
@@ -257,6 +385,8 @@ async def close_when_connected(connecting: asyncio.Future[Any], seconds: float) 
 
     Cancelling tornado's ``websocket_connect`` leaves the socket open. The fix waits for the connection for some seconds
     and closes it then, with its socket. Without the fix, the socket stays open until it is garbage-collected.
+
+    Needed for tornado >=6.5: https://github.com/tornadoweb/tornado/blob/master/tornado/websocket.py
     """
     if not ENABLED:
         return
@@ -272,6 +402,8 @@ def bound_decompression() -> None:
 
     By itself rosbags decompresses for as long as there is memory, so a hostile file of some kilobytes ends the kernel.
     The fix replaces the functions in its tables of decompressors; a chunk that is larger, or damaged, raises.
+
+    Needed for rosbags >=0.11.9: https://gitlab.com/ternaris/rosbags/-/blob/master/src/rosbags/rosbag1/reader.py
     """
     if not ENABLED:
         return

@@ -6,11 +6,10 @@ import dis
 import sys
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
-from functools import wraps
 from types import TracebackType
 from typing import Any
 
-from .error_routing import ipython_shell
+from .platform_fixes import change_tracebacks
 from .user_function import say_what_was_meant
 
 _OURS = __name__.partition(".")[0]
@@ -24,24 +23,17 @@ _RAISE = dis.opmap["RAISE_VARARGS"]
 def shorten_tracebacks() -> None:
     """Have IPython, if it is running, leave out our frames where we raised an error.
 
-    IPython asks only errors of other classes than Python's own how they are shown, so this wraps what makes the
-    traceback. It stays whole in a debugger and outside notebooks. Where Python alone shows an error, it says
-    what was meant by a wrong name, which IPython leaves out.
+    The traceback stays whole in a debugger and outside notebooks. Where Python alone shows an error, it says what was
+    meant by a wrong name, which IPython leaves out.
     """
-    shows = getattr(ipython_shell(), "InteractiveTB", None)  # a nicety, which a shell may do without
-    if shows is None:
-        return
-    whole = shows.structured_traceback
+    change_tracebacks(_shortened)
 
-    @wraps(whole)
-    def shortened(
-        kind: type[BaseException], error: BaseException, traceback: TracebackType | None, *args: Any, **options: Any
-    ) -> Any:
-        with _shortened_causes(error):
-            say_what_was_meant(error)
-            return whole(kind, error, _of_the_user(traceback), *args, **options)
 
-    shows.structured_traceback = shortened
+@contextmanager
+def _shortened(error: BaseException, traceback: TracebackType | None) -> Iterator[TracebackType | None]:
+    with _shortened_causes(error):
+        say_what_was_meant(error)
+        yield _of_the_user(traceback)
 
 
 @contextmanager

@@ -15,14 +15,14 @@ from typing import Any
 from .._core.inform import inform
 from .._core.log_once import LogOnce
 from .._core.observed import Observed
-from .._core.platform_fixes import run_beside_debugger
+from .._core.platform_fixes import capture_prints, release_prints, run_beside_debugger
 from .._core.rate import RateMeter
 from .._core.short_traceback import without_our_frames
 from .._core.user_function import line_of, say_what_was_meant
 from .._core.user_threads import UserThread, frames_of
 from ..samples.state_span import spelled
 from .drive import STANDSTILL, drive_of
-from .prints import Prints, capture, release
+from .prints import Prints
 from .robot import DRIVEN, GIVEN, TURNED, DrivenRobot, NotReadyError
 from .step_clock import StepClock
 from .variables import ProgramState, Variables
@@ -285,7 +285,7 @@ class Program(Observed):
         me = threading.current_thread()
         try:
             while self._wait(me):
-                capture(self._take_print)
+                capture_prints(self._take_print)
                 version, values = self._prepare()
                 if values is not None and not self._step(me, version, values):
                     return
@@ -302,7 +302,7 @@ class Program(Observed):
                 self._end(FAILED, error=error)
             self._log_error(error, failure)
         finally:
-            release()
+            release_prints()
 
     def _wait(self, me: threading.Thread) -> bool:
         """Wait for the time, message or silence of the next step; returns whether the thread is still wanted."""

@@ -8,9 +8,10 @@ from functools import wraps
 from math import inf
 from typing import Any
 
+from .._core.platform_fixes import capture_prints, release_prints
 from .._core.user_function import error_in, line_of
 from .._core.user_threads import UserThread, frames_of
-from ..behaviors.prints import Prints, capture, release
+from ..behaviors.prints import Prints
 from ..behaviors.program import HUNG, LATEST_TICK, TICK
 from ..samples.hints import hearing
 
@@ -68,14 +69,14 @@ class Bounded:
             raised: list[BaseException] = []
 
             def run() -> None:
-                capture(self._take_print)
+                capture_prints(self._take_print)
                 try:
                     with hearing(self.hints.append):
                         returned.append(function(*args, **kwargs))
                 except BaseException as error:
                     raised.append(error)
                 finally:
-                    release()
+                    release_prints()
 
             self._run(UserThread(run, "lesson"), function)
             if raised:

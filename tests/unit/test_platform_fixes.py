@@ -4,15 +4,23 @@ from __future__ import annotations
 
 import json
 import os
+import platform
+import re
 import subprocess
 import sys
 import threading
+from collections.abc import Iterator
+from importlib.metadata import requires, version
 from itertools import pairwise
-from types import SimpleNamespace
+from types import FunctionType, SimpleNamespace
 from typing import Any
 
 import pytest
+from packaging.requirements import Requirement
+from packaging.specifiers import SpecifierSet
+from packaging.version import Version
 
+from robowidgets._core import platform_fixes
 from robowidgets._core.platform_fixes import (
     let_threads_print,
     message_padding,
@@ -21,6 +29,58 @@ from robowidgets._core.platform_fixes import (
 )
 
 from .shells import put_in_place
+from .upstream import GOES_WRONG, GOES_WRONG_SLOWLY
+
+FIXES = {
+    name: fix
+    for name, fix in vars(platform_fixes).items()
+    if isinstance(fix, FunctionType) and fix.__module__ == platform_fixes.__name__ and not name.startswith("_")
+}
+NEEDED = re.compile(r"^    Needed for (\S+) (\S+): https://\S+$", re.MULTILINE)
+
+
+def needs() -> Iterator[tuple[str, str, str]]:
+    """Each fix with a project that goes wrong without it, and its versions that do."""
+    for name, fix in FIXES.items():
+        for project, versions in NEEDED.findall(fix.__doc__ or ""):
+            yield name, project, versions
+
+
+def test_each_fix_says_who_needs_it_and_each_need_is_shown() -> None:
+    undo = {"release_prints"}
+    assert {fix for fix, _, _ in needs()} == FIXES.keys() - undo
+    assert sorted((fix, project) for fix, project, _ in needs()) == sorted([*GOES_WRONG, *GOES_WRONG_SLOWLY])
+
+
+@pytest.mark.parametrize(
+    ("fix", "project", "versions"),
+    [
+        pytest.param(
+            *need, marks=[pytest.mark.slow] if need[:2] in GOES_WRONG_SLOWLY else [], id=f"{need[0]}-{need[1]}"
+        )
+        for need in needs()
+    ],
+)
+def test_without_a_fix_the_versions_that_it_names_go_wrong_and_no_others(fix: str, project: str, versions: str) -> None:
+    installed = platform.python_version() if project == "Python" else version(project)
+    goes_wrong = (GOES_WRONG | GOES_WRONG_SLOWLY)[fix, project]()
+    assert goes_wrong == SpecifierSet(versions).contains(installed, prereleases=True), (
+        f"{project} {installed} {'goes wrong' if goes_wrong else 'is cured'}: change the last lines of `{fix}`"
+    )
+
+
+def test_each_fix_is_needed_by_a_version_that_is_allowed() -> None:
+    """One that is not is to go, with its test."""
+    lowest: dict[str, list[Version]] = {}
+    for line in requires("robowidgets") or ():
+        asked = Requirement(line)
+        lowest.setdefault(asked.name, []).extend(
+            Version(one.version) for one in asked.specifier if one.operator == ">="
+        )
+    for fix, project, versions in needs():
+        cured = [Version(one.version) for one in SpecifierSet(versions) if one.operator == "<"]
+        assert not cured or min(lowest[project]) < min(cured), f"no {project} that is allowed needs `{fix}`"
+
 
 EVERY_FIX = """
 import asyncio, json, signal, socket, sys
@@ -28,6 +88,7 @@ from types import SimpleNamespace
 import IPython
 from robowidgets._core import platform_fixes as fixes
 from IPython.core.interactiveshell import InteractiveShell
+from rosbags.rosbag1.reader import decompressors
 
 class Shell(InteractiveShell):
     def __init__(self, **members):
@@ -53,6 +114,26 @@ IPython.get_ipython = lambda: shell
 fixes.let_threads_print()
 options = []
 fixes.acknowledge_at_once(SimpleNamespace(setsockopt=lambda *option: options.append(option)))
+out, traceback = sys.stdout, lambda *_: None
+class Plain:
+    pass
+class Known(Plain):
+    pass
+fixes.capture_prints(lambda text: False)
+prints_captured = sys.stdout is not out
+fixes.release_prints()
+shell.InteractiveTB = SimpleNamespace(structured_traceback=traceback)
+fixes.change_tracebacks(lambda *_: None)
+shell.showtraceback = traceback
+fixes.call_before_traceback(shell, lambda: None)
+widget = Plain()
+fixes.share_class(widget, Known)
+kernel = SimpleNamespace(saved_sigint_handler=signal.SIG_IGN)
+fixes.call_on_idle_interrupt(kernel, lambda: None)
+thread = SimpleNamespace()
+fixes.run_beside_debugger(thread)
+decompress = decompressors["bz2"]
+fixes.bound_decompression()
 close = lambda code, reason: None
 protocol = SimpleNamespace(close=close)
 fixes.report_close_code(SimpleNamespace(protocol=protocol), print)
@@ -64,12 +145,20 @@ print(json.dumps({
     "end": signal.getsignal(signal.SIGTERM) is not signal.SIG_DFL,
     "prints": type(stream._thread_to_parent) is not dict,
     "acknowledgement": bool(options) or not hasattr(socket, "TCP_QUICKACK"),
+    "captured prints": prints_captured,
+    "tracebacks": shell.InteractiveTB.structured_traceback is not traceback,
+    "before the traceback": shell.showtraceback is not traceback,
+    "class": type(widget) is Known,
+    "idle interrupt": kernel.saved_sigint_handler is not signal.SIG_IGN,
+    "debugger": bool(vars(thread)),
+    "decompression": decompressors["bz2"] is not decompress,
     "close code": protocol.close is not close,
     "pending connection": asyncio.run(close_a_pending_connection()),
 }))
 """
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("switch", "applied"), [("", True), ("on", True), ("off", False), ("OFF", False)])
 def test_one_switch_in_the_environment_turns_every_fix_off(switch: str, applied: bool) -> None:
     # Where a parent ignores SIGINT, Python starts without its own handler.
