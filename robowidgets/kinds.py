@@ -100,6 +100,7 @@ class Kind(TopicWidget):
         to_message: called for each topic that is recorded, makes what turns its samples into messages of ROS 2; None:
             a feed that has samples, not messages, cannot record them.
         gathered: makes what a program gets of the messages between two steps; None: the newest one.
+        simulated: what the simulated robot sends of it, a `robowidgets.simulator.offers.MakeOffers`; empty: nothing.
         options: keywords of the widget where a topic gets it, in place of the widget's own defaults.
         goes_stale: whether a sample says nothing any more once the topic is silent. What a touch sensor said holds.
         every_message: whether each message counts, as an event does; of other kinds the newest is enough.
@@ -117,6 +118,7 @@ class Kind(TopicWidget):
     roles: tuple[Role, ...] = (Role(name="sample"),)
     to_message: Callable[[], ToMessage] | None = None
     gathered: Callable[[], Gathered] | None = None
+    simulated: str = ""
     options: Mapping[str, Any] = field(default_factory=dict)
     goes_stale: bool = True
     every_message: bool = False
@@ -184,6 +186,7 @@ LASER = Kind(
     frames="robowidgets.player._frames:ScanFrames",
     rerun="robowidgets.in_rerun.rerun_log:ScanLog",
     to_message=lambda: scan_message,
+    simulated="robowidgets.simulator.offers:scans",
     # A room is much smaller than what many scanners can see.
     options={"view_range": "auto"},
 )
@@ -219,6 +222,7 @@ SPEED = Kind(
         Role(name="commanded", take="command", commanded=True, alone={"bars": "commanded"}),
     ),
     to_message=lambda: speed_message,
+    simulated="robowidgets.simulator.offers:speeds",
     # No topic says how fast its robot may be.
     options={"linear_limits": None, "angular_limits": None},
     also=(PATH,),
@@ -238,6 +242,7 @@ TOUCH = Kind(
     frames="robowidgets.player._frames:TouchFrames",
     rerun="robowidgets.in_rerun.rerun_log:TouchLog",
     to_message=ContactMessages,
+    simulated="robowidgets.simulator.offers:touches",
     gathered=TouchesBetween,
     goes_stale=False,
     every_message=True,
@@ -281,9 +286,9 @@ def add(kind: Kind, *, replace: bool = False) -> None:
     for type_name in (*kind.types, *kind.undecided):
         if not _TYPE.fullmatch(type_name):
             raise ValueError(f"types: expected message types such as 'sensor_msgs/msg/Range', got {type_name!r}")
-    for key in ("widget", "columns", "frames", "rerun"):
+    for key in ("widget", "columns", "frames", "rerun", "simulated"):
         reference = getattr(kind, key)
-        if not _REFERENCE.fullmatch(reference) and (reference or key != "rerun"):
+        if not _REFERENCE.fullmatch(reference) and (reference or key not in ("rerun", "simulated")):
             raise ValueError(f"{key}: expected 'module:name', got {reference!r}")
     KINDS[kind.name] = kind
 

@@ -7,24 +7,19 @@ from dataclasses import replace
 from typing import Any
 
 from ..behaviors.program import ENDED
+from ..kinds import KINDS, load
 from ..laser_widget import LaserWidget
 from ..messages import to_speed
-from ..messages.standard import TWIST
 from ..samples.checks import finite
 from ..simulator import Robot, Scanner, World
 from ..simulator import room as room_of
+from ..simulator.offers import MakeOffers
 from ..simulator.real_time import RealTime
 from ..simulator.robot_process import RobotProcess
 from ..simulator.view import View
 from ._threaded import ThreadedMiddleware
 from .feed import Feed
 from .middleware import Advert, FeedError, Listener, NotConnectedYetError
-
-_TOPICS = (
-    Advert("/scan", "sensor_msgs/msg/LaserScan", wanted=False),
-    Advert("/odom", "nav_msgs/msg/Odometry", wanted=False),
-    Advert("/cmd_vel", TWIST, wanted=True, publishers=None),
-)
 
 
 class Simulated(ThreadedMiddleware):
@@ -39,7 +34,13 @@ class Simulated(ThreadedMiddleware):
     def __init__(self, robot: Robot, hz: float, wander: bool, process: bool) -> None:
         super().__init__()
         self._robot = robot
-        self._live = RobotProcess(robot, hz, wander) if process else RealTime(robot, hz, wander)
+        offers: list[MakeOffers] = [load(kind.simulated) for kind in KINDS.values() if kind.simulated]
+        self._topics = [
+            Advert(offer.topic, offer.type, wanted=offer.obeyed, publishers=None if offer.obeyed else ())
+            for make in offers
+            for offer in make(robot)
+        ]
+        self._live = (RobotProcess if process else RealTime)(robot, hz, wander, offers)
 
     @property
     def where(self) -> str:
@@ -51,8 +52,7 @@ class Simulated(ThreadedMiddleware):
         self._listener = listener
         if isinstance(self._live, RealTime):
             listener.on_connected()  # at once: the next line of a cell may drive
-        kind = self._robot.model.touch_type
-        listener.on_topics((*_TOPICS, Advert("/bumper", kind, wanted=False)) if kind else _TOPICS)
+        listener.on_topics(self._topics)
         self._start_thread("robowidgets-simulator", listener)
 
     def publish(self, topic: str, message_type: str, message: Mapping[str, Any]) -> None:  # noqa: ARG002

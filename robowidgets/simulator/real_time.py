@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import threading
 import time
-from collections.abc import Callable, Collection, Iterator
+from collections.abc import Callable, Collection, Iterator, Sequence
 from typing import Any
 
+from .offers import MakeOffers
 from .robot import Robot
 from .wander import wander as wander_about
 
@@ -30,10 +31,12 @@ class RealTime:
         hz: rate of its speeds and bumpers, per second. Scans come at the rate of its scanner, or at this one if that is
             lower.
         wander: whether it wanders while nobody drives it.
+        offers: what it sends, for each kind of sensor.
     """
 
-    def __init__(self, robot: Robot, hz: float, wander: bool) -> None:
+    def __init__(self, robot: Robot, hz: float, wander: bool, offers: Sequence[MakeOffers]) -> None:
         self._robot = robot
+        self._offers = [offer for make in offers for offer in make(robot)]
         self._step = 1 / hz
         self._wanders = wander
         self._wanted: frozenset[str] = frozenset()
@@ -42,7 +45,7 @@ class RealTime:
         self._ended = threading.Event()
 
     def want(self, topics: Collection[str], each: Collection[str] = ()) -> None:  # noqa: ARG002  # it leaves out none
-        """Pass on the samples of these topics, out of /scan, /odom, /cmd_vel and /bumper, and of no others.
+        """Pass on the samples of these of its topics, and of no others.
 
         Of the topics in ``each``, every sample is passed on; of others the newest is enough.
         """
@@ -64,22 +67,18 @@ class RealTime:
             on_sample: called with the topic of each sample, and the sample; bumpers as a message of the robot's model.
         """
         ways = wander_about(self._robot)
-        scan = None
         due = time.monotonic()
         while not self._ended.wait(max(0.0, due - time.monotonic())):
             # Catches up with time that a busy cell took from this thread, up to `_LATEST` seconds.
             due = max(due + self._step, time.monotonic() - _LATEST)
             ways = self._steer(ways)
             self._robot.step(self._step)
-            samples: dict[str, Any] = {"/odom": self._robot.speed()}
-            if time.monotonic() - self._driven_at > QUIET:
-                samples["/cmd_vel"] = self._robot.command()
-            if "/bumper" in self._wanted:
-                samples["/bumper"] = self._robot.model.to_message(self._robot.touch())
-            if "/scan" in self._wanted and self._robot.scan() is not scan:
-                scan = samples["/scan"] = self._robot.scan()
-            for topic in self._wanted & samples.keys():
-                on_sample(topic, samples[topic])
+            obeys = time.monotonic() - self._driven_at <= QUIET
+            for offer in self._offers:
+                if offer.topic in self._wanted and not (offer.obeyed and obeys):
+                    sample = offer.read()
+                    if sample is not None:
+                        on_sample(offer.topic, sample)
 
     def _steer(self, ways: Iterator[None]) -> Iterator[None]:
         driven = self._driven

@@ -10,10 +10,11 @@ import sys
 import threading
 import traceback
 from collections import Counter
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Collection, Sequence
 from functools import partial
 from typing import IO, Any
 
+from .offers import MakeOffers
 from .real_time import RealTime
 from .robot import Robot
 
@@ -35,14 +36,14 @@ class RobotProcess:
     The robot of this process follows that one, and what is changed of it here, such as on the page, is changed there.
 
     Args:
-        robot, hz, wander: as `RealTime` takes them.
+        robot, hz, wander, offers: as `RealTime` takes them; the functions are those of modules.
 
     Attributes:
         pid: the number of the process; 0 before the first.
     """
 
-    def __init__(self, robot: Robot, hz: float, wander: bool) -> None:
-        self._robot, self._rest = robot, (hz, wander)
+    def __init__(self, robot: Robot, hz: float, wander: bool, offers: Sequence[MakeOffers]) -> None:
+        self._robot, self._rest = robot, (hz, wander, offers)
         self._wanted: tuple[Collection[str], Collection[str]] = (), ()
         self._starting = threading.Lock()
         self._ended = False
@@ -221,8 +222,8 @@ def serve() -> None:
     given, out, parent = sys.stdin.buffer, sys.stdout.buffer, os.getppid()
     sys.stdout = sys.stderr  # what is printed must not get among the messages
     with contextlib.suppress(EOFError, OSError):
-        robot, hz, wander, edits = pickle.load(given)
-        real_time, outbox = RealTime(robot, hz, wander), _Outbox()
+        robot, hz, wander, offers, edits = pickle.load(given)
+        real_time, outbox = RealTime(robot, hz, wander, offers), _Outbox()
         robot.observe(lambda: outbox.put(STATE, (edits, robot.snapshot())))
         threading.Thread(target=outbox.write, args=(out, parent), daemon=True).start()
         threading.Thread(target=real_time.run, args=(outbox.put,), daemon=True).start()

@@ -13,6 +13,8 @@ from robowidgets import kinds
 from robowidgets._core.robot_widget import RobotWidget
 from robowidgets.kinds import KINDS, Kind, Role
 from robowidgets.samples import HasAge
+from robowidgets.simulator import Robot
+from robowidgets.simulator.offers import Offer
 
 from .number import NUMBER, Number, to_number
 
@@ -69,6 +71,14 @@ class GaugesWidget(RobotWidget[Numbers]):
         return struct.pack(f"<{len(sample)}d", *(number.value for number in sample.values()))
 
 
+def simulated(robot: Robot) -> list[Offer]:
+    """What the simulated robot sends: where it is."""
+    return [
+        Offer("/tank/left", FLOAT64, lambda: Number(robot.pose.x)),
+        Offer("/tank/right", FLOAT64, lambda: Number(robot.pose.y)),
+    ]
+
+
 GAUGE = replace(
     NUMBER,
     name="gauge",
@@ -79,6 +89,7 @@ GAUGE = replace(
     widget="tests.fourth_kind.gauges:GaugesWidget",
     roles=(Role(name="gauges", each=Numbers),),
     to_message=lambda: lambda number, _time_ns, _type: (FLOAT64, {"data": number.value}),
+    simulated="tests.fourth_kind.gauges:simulated",
 )
 
 

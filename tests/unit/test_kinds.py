@@ -113,6 +113,7 @@ def test_what_a_row_names_is_there(kind: kinds.Kind) -> None:
     seconds = [reference for second in kind.also for reference in (second.widget, second.frames)]
     for reference in (kind.widget, kind.columns, kind.frames, *seconds):
         assert isinstance(kinds.load(reference), type)
+    assert callable(kinds.load(kind.simulated))
     assert kind.read(kind.nothing) is kind.nothing
     assert isinstance(kind.nothing, kind.sample)
 

@@ -50,7 +50,7 @@ def recording(path: Path) -> Iterator[Recording]:
 
 
 def test_its_row_says_no_more_than_that_of_a_single_topic_but_for_the_roles() -> None:
-    named = {"name", "sample_name", "noun", "types", "undecided", "widget", "to_message"}
+    named = {"name", "sample_name", "noun", "types", "undecided", "widget", "to_message", "simulated"}
     other = {one.name for one in fields(Kind) if getattr(GAUGE, one.name) != getattr(NUMBER, one.name)}
     assert other - named == {"roles"}
 
@@ -201,3 +201,13 @@ def test_a_recorder_writes_what_the_row_makes_of_their_samples(path: Path, tmp_p
     assert recorder.problems == ()
     with robowidgets.open(tmp_path / "again.mcap") as again:
         assert {topic.name: topic.widget for topic in again.topics} == dict.fromkeys(TOPICS, "gauge")
+
+
+@pytest.mark.parametrize("process", [False, pytest.param(True, marks=pytest.mark.slow)])
+def test_the_simulated_robot_sends_what_the_row_offers(process: bool) -> None:
+    with feeds.simulator(wander=False, process=process) as feed:
+        view = feed.show(*TOPICS)
+        widget = view.widgets["/tank/right"]
+        wait_for(lambda: widget.gauges is not None and len(widget.gauges) == 2, "both have come")
+        x, y, _ = feed.robot.pose
+        assert [number.value for number in widget.gauges.values()] == [x, y]
