@@ -152,7 +152,7 @@ class DriveWidget(DrivingWidget):
     def _title_after_feed(self) -> None:
         feed = self._feed
         if feed is not None:
-            self._name_after(feed.driver.topic)
+            self.name_after(feed.driver.topic)
 
     def _on_press(self, message: PadMessage) -> None:
         press, over = message.press, self._why_not()

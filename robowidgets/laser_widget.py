@@ -123,8 +123,8 @@ class LaserWidget(HasTrail, HasGhost, HasSectors, DrawsShapes):
     """
 
     _esm, _css = bundle("laser_widget")
-    _meant: ClassVar = {**DrawsShapes._meant, "arcs": "arc_count", "rays": "ray_count", "offset": "angle_offset"}
-    _instead: ClassVar = {**DrawsShapes._instead, "ranges": "widget.scan.ranges", "angles": "widget.scan.angles"}
+    _meant: ClassVar = {"arcs": "arc_count", "rays": "ray_count", "offset": "angle_offset"}
+    _instead: ClassVar = {"ranges": "widget.scan.ranges", "angles": "widget.scan.angles"}
     _keywords = ("sectors", "pins")
     column = "wide"
     sample_name = "scan"

@@ -133,7 +133,7 @@ class MachineWidget(RobotWidget[MachineStep]):
         machine = program.version.function
         if isinstance(machine, Machine):
             self._clock = program.clock
-            self._set_source({**self._source, "error": program.error})
+            self.set_source({**self._source, "error": program.error})
             self._show(machine.last_step, counts=machine.last_step is not self._newest.sample)
 
     def _follow(self, program: Program) -> None:
@@ -142,7 +142,7 @@ class MachineWidget(RobotWidget[MachineStep]):
         machine, key = program.version.function, f"{program.name} {program.version.number}"
         status = ""
         if isinstance(machine, Machine):
-            self._name_after(machine.name)
+            self.name_after(machine.name)
             self._outline = {"key": key, "name": machine.name, "machines": machine.describe()}
         else:
             status = f"{program.name} drives now, which is no state machine"

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import traitlets
 
 from ._core.front_end import FrontEndWidget, bundle
@@ -53,6 +55,14 @@ class PlayerWidget(FrontEndWidget):
         """The span that is played, (start, end) in seconds."""
         start, end = self.selection if self.loop and self.selection else (0.0, self.duration)
         return min(start, self.duration), min(end, self.duration)
+
+    def follow(self, leader: dict[str, Any]) -> None:
+        """Move with another player in the page: see `robowidgets.player._leader.Leader`; empty: with none."""
+        self._leader = leader
+
+    def complain(self, problem: str) -> None:
+        """Show why the recording can be read no further."""
+        self._status = problem
 
     def _summary(self) -> str:
         return f"{'playing' if self.playing else 'stopped'} at {self.time:.2f} s of {self.duration:.1f} s"

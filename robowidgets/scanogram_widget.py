@@ -6,7 +6,7 @@ import os
 from collections.abc import Collection, Iterable, Sequence
 from dataclasses import replace
 from math import isfinite
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 import traitlets
@@ -29,7 +29,13 @@ from .scanogram.strips import SpeedStrip, TouchStrip
 
 if TYPE_CHECKING:
     from .recording import Recording
-    from .recordings import RecordingData
+
+
+class OpenFile(Protocol):
+    """What a picture is read from again, where it is looked at."""
+
+    def close(self) -> None:
+        """Close it."""
 
 
 class ScanogramWidget(NamedWidget):
@@ -101,7 +107,7 @@ class ScanogramWidget(NamedWidget):
     _detail = bytes_trait(echo_update=False)
 
     def __init__(self, **kwargs: Any) -> None:
-        self._file: RecordingData | None = None
+        self._file: OpenFile | None = None
         self._picture: Picture | None = None
         self._edition = 0
         self._png_error = ""
@@ -165,7 +171,7 @@ class ScanogramWidget(NamedWidget):
         scan = Scan(distances[0], angle_min, angle_increment, range_min, range_max)
         start = int(times[0]) if start_ns is None else start_ns
         odd = (*scan.header_problems, *of_ranges(distances.ravel(), scan.range_min, scan.range_max))
-        self._put(ScansInMemory(times, [distances]), Sweep.of(scan), start, notes=list(map(str, odd)))
+        self.show_scans(ScansInMemory(times, [distances]), Sweep.of(scan), start, notes=list(map(str, odd)))
 
     def _summary(self) -> str:
         picture = self._picture
@@ -225,7 +231,7 @@ class ScanogramWidget(NamedWidget):
         if self._file is not None:
             self._file.close()
 
-    def _put(
+    def show_scans(
         self,
         scans: ScanRanges,
         sweep: Sweep,
@@ -235,8 +241,10 @@ class ScanogramWidget(NamedWidget):
         duration: float = 0.0,
         notes: Sequence[str] = (),
         budget: int = BUDGET,
+        file: OpenFile | None = None,
     ) -> None:
-        """Show scans, in memory or in a file."""
+        """Show scans, in memory or in a file, which is closed with the widget."""
+        self._file = file
         clock = ScanTimes(scans.times_ns, start_ns)
         # The last scan lasts to the end of the recording, and a while where it is the last of all.
         end = duration if duration > clock.starts[-1] else float(clock.ends[-1])

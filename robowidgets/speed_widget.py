@@ -108,14 +108,12 @@ class SpeedWidget(RobotWidget[Reading]):
 
     _esm, _css = bundle("speed_widget")
     _meant: ClassVar = {
-        **RobotWidget._meant,
         "max_speed": "linear_limits",
         "max_linear": "linear_limits",
         "max_angular": "angular_limits",
         "peaks": "hold_peaks",
     }
     _instead: ClassVar = {
-        **RobotWidget._instead,
         "linear": "widget.speed.linear",
         "angular": "widget.speed.angular",
     }

@@ -58,7 +58,7 @@ class TouchWidget(RobotWidget[Touch]):
     """
 
     _esm, _css = bundle("touch_widget")
-    _meant: ClassVar = {**RobotWidget._meant, "touched": "states"}
+    _meant: ClassVar = {"touched": "states"}
 
     sample_name = "touch"
     goes_stale = False
@@ -91,8 +91,9 @@ class TouchWidget(RobotWidget[Touch]):
     def _describe(self) -> str:
         return ", ".join(f"{name} {state.name.lower()}" for name, state in self.states.items())
 
-    def _make_locks(self) -> None:
-        super()._make_locks()
+    def make_locks(self) -> None:
+        """See `PacedWidget`."""
+        super().make_locks()
         self._tracking = threading.Lock()
 
     def update(self, message: Any = None, *unnamed: Any, **touched: bool | int | None) -> None:

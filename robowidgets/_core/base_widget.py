@@ -32,9 +32,9 @@ class NamedWidget(FrontEndWidget):
     _usual = "title='/topic'"
     """A keyword as people give it."""
     _meant: ClassVar[Mapping[str, str]] = {}
-    """What people call a keyword, or another thing of a widget, and its name."""
+    """What people call a keyword, or another thing of a widget, and its name; those of the base classes hold, too."""
     _instead: ClassVar[Mapping[str, str]] = {"show": "display(widget)"}
-    """What people look for in a widget, and the code that does it."""
+    """What people look for in a widget, and the code that does it; those of the base classes hold, too."""
     _closed = False
 
     def __new__(cls, *unnamed: Any, **kwargs: Any) -> Any:
@@ -49,15 +49,17 @@ class NamedWidget(FrontEndWidget):
         settable = [*self._keywords, *filter(self._is_ours, self.trait_names())]
         for name in kwargs:
             if name not in settable:
-                raise TypeError(_unknown(f"{type(self).__name__}()", "keyword", name, settable, self._meant))
+                meant = self._hint("_meant", name)
+                raise TypeError(_unknown(f"{type(self).__name__}()", "keyword", name, settable, meant))
         super().__init__(**kwargs)
 
     def __setattr__(self, name: str, value: Any) -> None:
         if not name.startswith("_") and not hasattr(type(self), name):
             settable = [n for n in self.trait_names() if self._is_ours(n)]
-            raise AttributeError(_unknown(type(self).__name__, "trait", name, settable, self._meant))
+            raise AttributeError(_unknown(type(self).__name__, "trait", name, settable, self._hint("_meant", name)))
         if getattr(getattr(type(self), name, None), "fset", True) is None:
-            hint = f"; did you mean {self._instead[name]!r}?" if name in self._instead else ""
+            instead = self._hint("_instead", name)
+            hint = f"; did you mean {instead!r}?" if instead else ""
             raise AttributeError(f"{type(self).__name__}.{name} cannot be set{hint}")
         super().__setattr__(name, value)
 
@@ -82,7 +84,12 @@ class NamedWidget(FrontEndWidget):
             return True
         return not name.startswith("_") and any(name in vars(c) for c in cls.__mro__ if issubclass(c, NamedWidget))
 
-    def _name_after(self, topic: str, trait: str = "title") -> None:
+    @classmethod
+    def _hint(cls, table: str, name: str) -> str:
+        """What `_meant` or `_instead` of the class, or else of a base, has for a name; empty without any."""
+        return next((vars(c)[table][name] for c in cls.__mro__ if name in vars(c).get(table, ())), "")
+
+    def name_after(self, topic: str, trait: str = "title") -> None:
         """Set the title to a topic, instead of the previous topic, unless the user gave a title."""
         before = self._named_after.get(trait)
         if topic != before and getattr(self, trait) in ("", before):
@@ -132,7 +139,7 @@ def nearest_name(name: str, known: Iterable[str]) -> str | None:
     return next(iter(difflib.get_close_matches(name, longer or names, n=1)), None)
 
 
-def _unknown(of: str, what: str, name: str, known: list[str], meant: Mapping[str, str]) -> str:
-    near = meant.get(name) or nearest_name(name, known)
+def _unknown(of: str, what: str, name: str, known: list[str], meant: str) -> str:
+    near = meant or nearest_name(name, known)
     hint = f"; did you mean {near!r}?" if near else "."
     return f"{of} has no {what} {name!r}{hint} It takes: {', '.join(sorted(known))}"

@@ -26,11 +26,7 @@ class FreezableWidget(NamedWidget):
     """
 
     _meant: ClassVar[Mapping[str, str]] = {"freeze": "paused", "frozen": "paused"}
-    _instead: ClassVar = {
-        **NamedWidget._instead,
-        "freeze": "widget.paused = True",
-        "frozen": "widget.paused = True",
-    }
+    _instead: ClassVar = {"freeze": "widget.paused = True", "frozen": "widget.paused = True"}
 
     paused = Flag(False, help="Whether the picture is frozen. Python and the view write it.").tag(sync=True)
 
@@ -57,8 +53,12 @@ class FreezableWidget(NamedWidget):
         """Pack the newest sample into `_frame` and `_about` without sending them, as setting the traits would."""
         raise NotImplementedError
 
-    def _on_group(self) -> None:
-        """Called when the widget is in another group."""
+    def join_group(self, name: str, group: weakref.WeakSet[FreezableWidget]) -> None:
+        """Be frozen, released and stepped with the widgets of a group from now on. See `freeze_together`."""
+        self._group, self._together = group, name
+
+    def on_group(self) -> None:
+        """Called when all widgets of a new group are in it."""
 
     @traitlets.validate("paused")
     def _before_paused(self, proposal: Any) -> Any:
@@ -94,11 +94,16 @@ class FreezableWidget(NamedWidget):
             self._frozen_about = next(texts, self._about)
 
 
-def freeze_together(widgets: Iterable[FreezableWidget]) -> None:
-    """Freeze, release and step these widgets together from now on, in the page and in Python."""
+def freeze_together(widgets: Iterable[FreezableWidget]) -> str:
+    """Freeze, release and step these widgets together from now on, in the page and in Python.
+
+    Returns:
+        The name by which the page knows the group.
+    """
     group = weakref.WeakSet(widgets)
     name = uuid4().hex
     for widget in group:
-        widget._group, widget._together = group, name
+        widget.join_group(name, group)
     for widget in group:
-        widget._on_group()
+        widget.on_group()
+    return name

@@ -50,11 +50,11 @@ class PacedWidget(BeatingWidget, FreezableWidget):
         self._unsent: set[str] = set()
         """Names of the traits that were set since."""
         self._resync_at = time.monotonic() + RESYNC_S
-        self._make_locks()
+        self.make_locks()
         _made.add(self)
         super().__init__(**kwargs)
 
-    def _make_locks(self) -> None:
+    def make_locks(self) -> None:
         """Make free locks; see `NewestSample.make_locks`."""
         self._newest.make_locks()
         self._send_lock = threading.RLock()
@@ -135,7 +135,7 @@ _made: weakref.WeakSet[PacedWidget] = weakref.WeakSet()
 
 def _after_fork() -> None:
     for widget in _made:
-        widget._make_locks()
+        widget.make_locks()
 
 
 if hasattr(os, "register_at_fork"):

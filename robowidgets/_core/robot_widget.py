@@ -267,8 +267,8 @@ class RobotWidget(PacedWidget, Generic[S]):
         if self.driven_by_player:
             self._edition += 1
 
-    def _make_locks(self) -> None:
-        super()._make_locks()
+    def make_locks(self) -> None:
+        super().make_locks()
         self._watches.make_locks()
 
     def _mark(self) -> None:
@@ -305,7 +305,7 @@ class RobotWidget(PacedWidget, Generic[S]):
             none = f"no new {type(sample).__name__.lower()} for {age:.{'1f' if age >= 1 else '2g'}} s"
         return f"{type(self).__name__} {self.title}".rstrip() + f" had {none}" + f": {why}" * bool(why)
 
-    def _set_source(self, source: dict[str, Any], missing: str = "") -> None:
+    def set_source(self, source: dict[str, Any], missing: str = "") -> None:
         """Set the trait without a call of its observers: threads of a feed that carry speeds call this.
 
         ``missing`` tells why nothing will come unless something changes.

@@ -92,6 +92,16 @@ class MachineStep(NamedTuple):
     left: tuple[StateSpan, ...] = ()
 
 
+class MachineProgress(NamedTuple):
+    """How far a machine has come: what a version that goes on from there needs."""
+
+    states: dict[str, tuple[str, float]]
+    fired: deque[Fired]
+    left: deque[StateSpan]
+    marks: dict[str, tuple[float, float]]
+    is_new: bool
+
+
 class Machine:
     """A state machine, as the function of a program: each step judges events, moves, and runs the active states.
 
@@ -114,6 +124,7 @@ class Machine:
         cls: the class.
         fired: the last moves, oldest first.
         last_step: what the last step left, for other threads; at first, what the version before left.
+        before: the version whose states are taken over at the first step, and which may still make moves until then.
         note: what a new version could not keep, and what no move names; empty if there is nothing to say.
         turns: which two moves take turns at every step now; empty if none do.
         current: the function that runs now, or ran last.
@@ -158,8 +169,7 @@ class Machine:
         self._is_whole = False
         """Whether the active states are known down to the leaves: not at first, nor after an error."""
         self._is_new = True
-        self._before: Machine | None = None
-        """The version whose states are taken over at the first step: until then it may still make moves."""
+        self.before: Machine | None = None
         self._values: dict[str, Any] = {}
         self._judged: dict[tuple[str, str], EventVerdict] = {}
         self._seconds: dict[tuple[str, str], float] = {}
@@ -168,15 +178,15 @@ class Machine:
     @property
     def active(self) -> tuple[str, ...]:
         """The paths of the active states below the root, outer ones first."""
-        if self._before is not None:
-            return self._before.active
+        if self.before is not None:
+            return self.before.active
         start = len(self.root.path) + 1
         return tuple(node.path[start:] for node, _ in self._active_nodes(self.root))
 
     @property
     def active_text(self) -> str:
         """The active states as the picture writes them: inner ones behind outer ones, ``avoid › turn + look``."""
-        return self._before.active_text if self._before is not None else self._text_of(self.root)
+        return self.before.active_text if self.before is not None else self._text_of(self.root)
 
     def describe(self) -> list[dict[str, Any]]:
         """Its machines, with their states and moves, as plain values."""
@@ -184,7 +194,11 @@ class Machine:
 
     def adopt(self, before: Machine) -> None:
         """Go on in the states of another version that still exist; where one is gone, in the initial state."""
-        self._before, self.last_step = before, before.last_step
+        self.before, self.last_step = before, before.last_step
+
+    def hand_on(self) -> MachineProgress:
+        """How far it has come, for a version that goes on from here."""
+        return MachineProgress(dict(self._states), self.fired, self._left, dict(self._marks), self._is_new)
 
     def fresh(self) -> Machine:
         """The machine of the same class, in its initial state."""
@@ -209,12 +223,11 @@ class Machine:
         now: float = values["time"]
         self._odometer = values.get(DRIVEN, 0.0), values.get(TURNED, 0.0)
         self._steps += 1
-        if self._before is not None:
-            before, self._before = self._before, None
-            while before._before is not None:  # a version that made no step has no states of its own
-                before = before._before
-            self._states, self.fired, self._is_new = dict(before._states), before.fired, before._is_new
-            self._left, self._marks = before._left, dict(before._marks)
+        if self.before is not None:
+            before, self.before = self.before, None
+            while before.before is not None:  # a version that made no step has no states of its own
+                before = before.before
+            self._states, self.fired, self._left, self._marks, self._is_new = before.hand_on()
             for node in (self.root, *(node for node, _ in self._active_nodes(self.root))):
                 self._set_values(node, anew=False)
         try:

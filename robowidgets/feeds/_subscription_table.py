@@ -108,7 +108,7 @@ class SubscriptionTable:
     def _show_on(self, widget: RobotWidget[Any]) -> None:
         connected = sorted(self._widgets.get(widget, []), key=_rank)
         if not connected:
-            widget._set_source({})
+            widget.set_source({})
             return
         _set_titles(widget, connected)
         first = connected[0][0]
@@ -122,7 +122,7 @@ class SubscriptionTable:
             "error": "; ".join(filter(None, failed)),
             "lost": bool(self.down) and not first.receives,
         }
-        widget._set_source(source, self.down or first.why_missing(self.topics))
+        widget.set_source(source, self.down or first.why_missing(self.topics))
 
     def _without_replaced(self, widget: RobotWidget[Any], connected: Sequence[_Connected]) -> list[Subscription]:
         """The subscriptions, except those to missing topics whose target gets messages of a topic connected later."""
@@ -152,4 +152,4 @@ def _set_titles(widget: RobotWidget[Any], connected: Sequence[_Connected]) -> No
         title = target.title
         if title not in titled and widget.has_trait(title):
             titled.add(title)
-            widget._name_after(target.name_of(subscription.topic), title)
+            widget.name_after(target.name_of(subscription.topic), title)

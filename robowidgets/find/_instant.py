@@ -24,6 +24,34 @@ class NoSampleYetError(LookupError):
     """There is no sample of a topic yet: the condition is unknown."""
 
 
+class Now:
+    """The time of an `Instant`, with what came up to it, and what a function reads of that.
+
+    Attributes:
+        time_ns: the time.
+        samples: the last sample of each topic, or the function that makes it.
+        seconds_of: the time of that sample, in seconds from the start of the recording.
+        read: the topics that the function has read, and `TIME` if it asked for the time.
+    """
+
+    def __init__(self, start_ns: int) -> None:
+        self._start_ns = self.time_ns = start_ns
+        self.samples: dict[str, Any] = {}
+        self.seconds_of: dict[str, float] = {}
+        self.read: set[str] = set()
+
+    def put(self, time_ns: int, samples: dict[str, Make]) -> None:
+        """Go on to a time, at which these topics have a sample."""
+        self.time_ns = time_ns
+        self.samples.update(samples)
+        self.seconds_of.update(dict.fromkeys(samples, self.seconds))
+
+    @property
+    def seconds(self) -> float:
+        """The time in seconds from the start of the recording."""
+        return (self.time_ns - self._start_ns) / 1e9
+
+
 class Instant:
     """The last sample of each topic at one time.
 
@@ -43,37 +71,25 @@ class Instant:
     touch: Touch
     """The last known state of the touch sensors."""
 
-    def __init__(self, name: str, topics: list[Topic], start_ns: int) -> None:
+    def __init__(self, name: str, topics: list[Topic], now: Now) -> None:
         self._name = name
         self._topics = topics
         self._names = [topic.name for topic in topics]
         self._topic_of: dict[str, str] = {}
         """The only topic of each kind, by the kind."""
-        self._start_ns = start_ns
-        self._now = start_ns
-        self._samples: dict[str, Any] = {}
-        """The last sample of each topic, or the function that makes it."""
-        self._came: dict[str, int] = {}
-        """The time of the last sample of each topic."""
-        self._used: set[str] = set()
-        """The topics that the function has read."""
-
-    def _put(self, time_ns: int, samples: dict[str, Make]) -> None:
-        """Go on to a time, at which these topics have a sample."""
-        self._now = time_ns
-        self._samples.update(samples)
-        self._came.update(dict.fromkeys(samples, time_ns))
+        self._now = now
 
     @property
     def time_ns(self) -> int:
         """Nanoseconds since the epoch."""
-        self._used.add(TIME)
-        return self._now
+        self._now.read.add(TIME)
+        return self._now.time_ns
 
     @property
     def seconds(self) -> float:
         """Seconds from the start of the recording."""
-        return (self.time_ns - self._start_ns) / 1e9
+        self._now.read.add(TIME)
+        return self._now.seconds
 
     def __getattr__(self, name: str) -> Any:
         kind = next((kind for kind in KINDS.values() if kind.sample_name == name), None)
@@ -91,12 +107,13 @@ class Instant:
     def __getitem__(self, topic: str) -> Any:
         if topic not in self._names:
             raise KeyError(f"no topic {topic!r} is looked at here: those that are: {', '.join(self._names)}")
-        self._used.add(topic)
-        if topic not in self._samples:
+        self._now.read.add(topic)
+        samples = self._now.samples
+        if topic not in samples:
             raise NoSampleYetError(topic)
-        sample = self._samples[topic]
+        sample = samples[topic]
         if callable(sample):
-            sample = self._samples[topic] = sample()
+            sample = samples[topic] = sample()
         return sample
 
     @staticmethod
@@ -116,7 +133,7 @@ class Instant:
             raise UnnamedTopicError(there, first, kind.name, f"have one looked at, as in topics={first!r}")
         (topics,) = found.values()
         samples = {sensor_of(topic): self[topic] for topic in topics}
-        return each(samples, {sensor_of(topic): (self._came[topic] - self._start_ns) / 1e9 for topic in topics})
+        return each(samples, {sensor_of(topic): self._now.seconds_of[topic] for topic in topics})
 
     def _only(self, kind: Kind) -> str:
         try:

@@ -16,7 +16,7 @@ from ..recordings.topics import Topic, UnnamedTopicError, shown
 from ..repair import RecordingError
 from ..samples import HasAge
 from ..samples.verdict import Trace, Verdict
-from ._instant import TIME, Instant, NoSampleYetError, OneSample, TracedMoment, samples_of, together
+from ._instant import TIME, Instant, NoSampleYetError, Now, OneSample, TracedMoment, samples_of, together
 from ._silence import mark_stale
 from ._steps import NO, UNKNOWN, YES, Steps, combined, inverted, steps
 
@@ -135,7 +135,8 @@ class FunctionCondition(Condition):
         """See `Condition`."""
         recording = search.recording
         topics = _topics(recording, search.topics)
-        instant = Instant(recording.path.name, topics, recording.start_ns or 0)
+        now = Now(recording.start_ns or 0)
+        instant = Instant(recording.path.name, topics, now)
         times: list[int] = []
         values: list[int] = []
         used_at: list[frozenset[str]] = []
@@ -143,16 +144,15 @@ class FunctionCondition(Condition):
         value = UNKNOWN
         used: frozenset[str] = frozenset()
         sets: dict[frozenset[str], frozenset[str]] = {}
-        now = instant._now
-        looked = 0
+        done_ns, looked = now.time_ns, 0
         try:
             for time_ns, samples in together({topic.name: samples_of(recording, topic.name) for topic in topics}):
                 if time_ns > search.end_ns and search.is_cut:
                     break
-                instant._put(time_ns, samples)
-                if not times or TIME in instant._used or not instant._used.isdisjoint(samples):
-                    value = self._call(instant, search)
-                    used = frozenset(instant._used)
+                now.put(time_ns, samples)
+                if not times or TIME in now.read or not now.read.isdisjoint(samples):
+                    value = self._call(instant, now, search)
+                    used = frozenset(now.read)
                     # One set for all samples at which the function read the same.
                     used = sets.setdefault(used, used)
                 for topic in going_stale.keys() & samples:
@@ -161,12 +161,12 @@ class FunctionCondition(Condition):
                 values.append(value)
                 used_at.append(used)
                 times.append(time_ns)
-                now, looked = time_ns, looked + len(samples)
+                done_ns, looked = time_ns, looked + len(samples)
                 if looked >= _BAR_EVERY:
                     search.looked_at(looked)
                     looked = 0
         except KeyboardInterrupt:
-            search.cut(now)
+            search.cut(done_ns)
         search.looked_at(looked)
         rests_on = (
             (np.array(came, np.int64), np.array([name in names for names in used_at[: len(times)]], bool))
@@ -174,24 +174,21 @@ class FunctionCondition(Condition):
         )
         return mark_stale(steps(times, values[: len(times)]), rests_on, search.end_ns)
 
-    def _call(self, instant: Instant, search: Search) -> int:
-        instant._used.clear()
+    def _call(self, instant: Instant, now: Now, search: Search) -> int:
+        now.read.clear()
         trace = Trace()
         try:
             value = trace.value(self._result(instant, trace))
             if value and (ray := trace.nearest()):
-                search.met(
-                    np.array([instant._now]), np.array([ray.range]), np.array([ray.index]), np.array([ray.angle])
-                )
+                search.met(np.array([now.time_ns]), np.array([ray.range]), np.array([ray.index]), np.array([ray.angle]))
             return _code(value)
         except NoSampleYetError:
             return UNKNOWN
         except UnnamedTopicError:
             raise
         except Exception as error:
-            seconds = (instant._now - instant._start_ns) / 1e9
             raise RecordingError(
-                f"the condition {self} failed at {seconds:.2f} s: {type(error).__name__}: {one_line(error)}"
+                f"the condition {self} failed at {now.seconds:.2f} s: {type(error).__name__}: {one_line(error)}"
             ) from error
 
     def __str__(self) -> str:

@@ -9,6 +9,7 @@ from typing import Any
 
 import traitlets
 
+from .._core.freezing import FreezableWidget
 from ..samples.checks import finite, in_radians
 from ..samples.sector import Asked, to_sector
 
@@ -70,7 +71,7 @@ class Footprint:
         object.__setattr__(self, "scanner", scanner)
 
 
-class HasFootprint(traitlets.HasTraits):
+class HasFootprint(FreezableWidget):
     """A laser widget that shows the robot to scale."""
 
     _robot = traitlets.Dict(help="The fields of a footprint, and the models of its widgets; empty: none.").tag(
@@ -78,7 +79,6 @@ class HasFootprint(traitlets.HasTraits):
     )
 
     _footprint: Footprint | None = None
-    _group: Any
 
     @property
     def footprint(self) -> Footprint | None:
@@ -112,7 +112,7 @@ class HasFootprint(traitlets.HasTraits):
             "touch": self._model_of("touch", footprint.touch),
         }
 
-    def _on_group(self) -> None:
+    def on_group(self) -> None:
         """See `FreezableWidget`: take the widgets of this group."""
         self.footprint = self._footprint
 

@@ -6,13 +6,14 @@ from typing import Any
 
 import traitlets
 
+from .._core.robot_widget import RobotWidget
 from .._core.timed_frame import FRAME_HEADER
 from .._core.traits import bytes_trait
 from ..samples import Scan
 from ..samples.age import arrival_of
 
 
-class HasGhost(traitlets.HasTraits):
+class HasGhost(RobotWidget[Scan]):
     """A laser widget with a scan to compare with: pinned, some scans ago, or that of another widget."""
 
     _ghost = bytes_trait()
@@ -36,7 +37,7 @@ class HasGhost(traitlets.HasTraits):
             return self._ghost_widget
         if self._ghost_ago:
             return self._ghost_ago
-        return self._unpack(self._ghost) if self._ghost else None  # type: ignore[attr-defined]  # of the widget
+        return self._unpack(self._ghost) if self._ghost else None
 
     @ghost.setter
     def ghost(self, value: Any) -> None:
@@ -50,7 +51,7 @@ class HasGhost(traitlets.HasTraits):
         elif isinstance(value, int) and not isinstance(value, bool):
             if value < 1:
                 raise ValueError(f"ghost: expected how many scans ago, 1 or more, got {value}")
-            if self.driven_by_player:  # type: ignore[attr-defined]  # of the widget
+            if self.driven_by_player:
                 raise ValueError("ghost: a player keeps no earlier scans; set a scan, such as recording.at(...).sample")
             ago = value
         elif value is not None:
@@ -60,12 +61,11 @@ class HasGhost(traitlets.HasTraits):
         self._ghost_widget = other
         with self.hold_trait_notifications():
             self._ghost, self._ghost_ago = frame, ago
-            self._ghost_of = "" if other is None else other.model_id  # type: ignore[attr-defined]  # of the widget
+            self._ghost_of = "" if other is None else other.model_id
 
     def _frame_to_keep(self, scan: Scan) -> bytes:
         """A frame of a scan; with the number of the newest one if it is that, so that the page knows its age."""
-        widget: Any = self
-        newest = widget._newest
+        newest = self._newest
         number = float(newest.sequence) if scan is newest.sample else 0.0
         head = FRAME_HEADER.pack(number, float("nan"), scan.stamp_ns or 0, arrival_of(scan))
-        return head + bytes(widget._pack(scan))
+        return head + self._pack(scan)

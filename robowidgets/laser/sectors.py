@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable, Iterator, Mapping, MutableMapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, MutableMapping
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
@@ -106,14 +106,13 @@ class HasSectors(traitlets.HasTraits):
         Example:
             >>> laser.sectors["ahead"] = Sector("-15deg", "15deg", near=0.5)  # doctest: +SKIP
         """
-        return Sectors(self)
+        return Sectors(lambda: self._sectors, self._keep_sectors)
 
     @sectors.setter
     def sectors(self, sectors: Mapping[str, Asked]) -> None:
-        self._sectors = {
-            _name("sectors", name): _plain(to_sector(value)) for name, value in _by_name("sectors", sectors).items()
-        }
-        self._forget_selection()
+        self._keep_sectors(
+            {_name("sectors", name): _plain(to_sector(value)) for name, value in _by_name("sectors", sectors).items()}
+        )
 
     @property
     def pins(self) -> dict[str, int]:
@@ -235,7 +234,9 @@ class HasSectors(traitlets.HasTraits):
             raise ValueError(f"sector: expected {known} or two angles, got {sector!r}")
         return to_sector(sector)
 
-    def _forget_selection(self) -> None:
+    def _keep_sectors(self, sectors: dict[str, Any]) -> None:
+        """Keep these, and select none that is not among them any more."""
+        self._sectors = sectors
         if "name" in self._selection and self._selection["name"] not in self._sectors:
             self._selection = {}
 
@@ -243,11 +244,11 @@ class HasSectors(traitlets.HasTraits):
 class Sectors(MutableMapping[str, Sector]):
     """The kept sectors of a widget by name. What is changed here changes in the page, and the other way round."""
 
-    def __init__(self, widget: HasSectors) -> None:
-        self._widget = widget
+    def __init__(self, kept: Callable[[], dict[str, Any]], keep: Callable[[dict[str, Any]], None]) -> None:
+        self._kept, self._keep = kept, keep
 
     def __getitem__(self, name: str) -> Sector:
-        kept = self._widget._sectors
+        kept = self._kept()
         if name in kept:
             return Sector(**kept[name])
         if name in SECTORS:
@@ -255,22 +256,22 @@ class Sectors(MutableMapping[str, Sector]):
         raise KeyError(f"no sector {name!r}; there are: {', '.join([*kept, *SECTORS])}")
 
     def __setitem__(self, name: str, sector: Asked) -> None:
-        self._widget._sectors = self._widget._sectors | {_name("sectors", name): _plain(to_sector(sector))}
+        self._keep(self._kept() | {_name("sectors", name): _plain(to_sector(sector))})
 
     def __delitem__(self, name: str) -> None:
-        if name not in self._widget._sectors:
-            raise KeyError(f"no sector {name!r} is kept; there are: {', '.join(self._widget._sectors) or 'none'}")
-        self._widget._sectors = {other: value for other, value in self._widget._sectors.items() if other != name}
-        self._widget._forget_selection()
+        kept = self._kept()
+        if name not in kept:
+            raise KeyError(f"no sector {name!r} is kept; there are: {', '.join(kept) or 'none'}")
+        self._keep({other: value for other, value in kept.items() if other != name})
 
     def __contains__(self, name: object) -> bool:
-        return name in self._widget._sectors
+        return name in self._kept()
 
     def __iter__(self) -> Iterator[str]:
-        return iter(list(self._widget._sectors))
+        return iter(list(self._kept()))
 
     def __len__(self) -> int:
-        return len(self._widget._sectors)
+        return len(self._kept())
 
     def __repr__(self) -> str:
         return repr(dict(self))

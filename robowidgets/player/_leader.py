@@ -3,32 +3,27 @@
 from __future__ import annotations
 
 from math import isnan, nan
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
-from ..poses.places import Places, to_place
+from ..poses.places import to_place
 from ..poses.recent import FARTHEST
-from ..recordings.odometry import places_of
 from ..samples.checks import not_negative
-
-if TYPE_CHECKING:
-    from .player import Player
+from ._parts import LeadingPlayer
 
 
 class Leader:
     """A player, and when the robot of a follower was where the robot of that player is: see `Player.follow`."""
 
-    player: Player
-
-    def __init__(self, follower: Player, player: Player, origin: Any, within: float) -> None:
-        one: Player | None = player
+    def __init__(self, follower: LeadingPlayer, player: LeadingPlayer, origin: Any, within: float) -> None:
+        one: LeadingPlayer | None = player
         while one:
             if one is follower:
                 raise ValueError("follow: expected another player, which does not follow this one; got " + repr(player))
-            one = one._leader.player if one._leader else None
+            one = one.followed
         within, origin = not_negative("within", within, "metres"), to_place("origin", origin)
-        own, theirs = _places(follower), _places(player)
+        own, theirs = follower.places(), player.places()
         seconds, apart = own.seen_from(origin).nearest(theirs)
         name = player.recording.path.name
         if not np.isfinite(apart).any():
@@ -65,8 +60,3 @@ class Leader:
         row = int(np.searchsorted(self._times, self.player.time, "right")) - 1
         if row >= 0 and not isnan(self._seconds[row]):
             self._follower.time = float(self._seconds[row])
-
-
-def _places(player: Player) -> Places:
-    with player._seeking:
-        return places_of(player.recording)

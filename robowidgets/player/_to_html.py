@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from functools import partial
 from itertools import islice
 from math import floor
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import ipywidgets
 import numpy as np
@@ -28,9 +28,7 @@ from ..scanogram_widget import ScanogramWidget
 from ..speed_widget import SpeedWidget
 from ._frames import Track
 from ._overview import is_planar, whole_drive
-
-if TYPE_CHECKING:
-    from .player import Player
+from ._parts import PagedPlayer
 
 SEGMENT_BYTES = 400_000
 """About as many bytes of frames make a segment of a page: few enough to unpack between two pictures."""
@@ -58,7 +56,7 @@ class Wanted:
 
 
 @contextmanager
-def page_of(player: Player, wanted: Wanted, scanogram: bool | None = None) -> Iterator[Page]:
+def page_of(player: PagedPlayer, wanted: Wanted, scanogram: bool | None = None) -> Iterator[Page]:
     """The page of what a player shows.
 
     It reads the recording by itself, so that the player may read on.
@@ -127,7 +125,7 @@ def _stretch(recording: RecordingData, wanted: Wanted) -> tuple[float, float]:
 
 
 def _scanogram(
-    player: Player, recording: RecordingData, span: tuple[float, float], wanted: bool | None
+    player: PagedPlayer, recording: RecordingData, span: tuple[float, float], wanted: bool | None
 ) -> ScanogramWidget | None:
     """The scanogram of the stretch, with the settings of the player's own."""
     choices = [view.choice for view in player.views]
@@ -146,7 +144,7 @@ def _scanogram(
     return picture
 
 
-def _drawn_here(player: Player, picture: ScanogramWidget | None) -> dict[str, Any] | None:
+def _drawn_here(player: PagedPlayer, picture: ScanogramWidget | None) -> dict[str, Any] | None:
     """The scanogram that the page draws from scans, and the number of the widget that shows them."""
     if picture is None:
         return None
@@ -155,7 +153,7 @@ def _drawn_here(player: Player, picture: ScanogramWidget | None) -> dict[str, An
 
 
 def _models(
-    player: Player,
+    player: PagedPlayer,
     recording: RecordingData,
     picture: ScanogramWidget | None,
     span: tuple[float, float],
@@ -215,7 +213,7 @@ def _segment_seconds(tracks: Sequence[tuple[Any, Track]], start: float, end: flo
 
 
 def _segment(
-    player: Player,
+    player: PagedPlayer,
     tracks: Sequence[tuple[Any, Track]],
     span: tuple[float, float],
     seconds: float,
@@ -243,7 +241,7 @@ def _thinned(frames: list[TimedFrame], every: int) -> list[TimedFrame]:
     return frames if every == 1 else [*frames[:1], *frames[1::every]]
 
 
-def _heading(player: Player, recording: RecordingData, wanted: Wanted, span: tuple[float, float]) -> Heading:
+def _heading(player: PagedPlayer, recording: RecordingData, wanted: Wanted, span: tuple[float, float]) -> Heading:
     start, end = span
     name, duration = recording.path.name, recording.duration
     stretch = f"{duration:.2f} s" if end - start == duration else f"{start:.2f} to {end:.2f} s of {duration:.2f} s"

@@ -10,7 +10,7 @@ from functools import partial
 from html import escape
 from itertools import islice
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import ipywidgets
 import numpy as np
@@ -27,8 +27,9 @@ from ..export.html import MAX_SIZE, SUFFIXES
 from ..in_rerun.widget import RerunWidget
 from ..kinds import LASER, TOUCH, load
 from ..player_widget import PlayerWidget
-from ..poses.places import WITHIN
+from ..poses.places import WITHIN, Places
 from ..recordings import RecordingData
+from ..recordings.odometry import places_of
 from ..recordings.times import has_date
 from ..recordings.topics import wanted
 from ..samples.staleness import RECORDED, usual_step
@@ -38,6 +39,7 @@ from ..speed_widget import SpeedWidget
 from ._frames import Track
 from ._leader import Leader
 from ._overview import is_planar, whole_drive
+from ._parts import LeadingPlayer, PlayerView
 from ._prefetcher import SEGMENT, Prefetcher, segment
 from ._to_html import Wanted, page_of
 from ._touch_marks import touch_marks
@@ -53,14 +55,6 @@ page gets them at once, and the others from a thread."""
 
 _VIEWER = "660px"
 """Minimum width: Rerun hides its time in less."""
-
-
-class PlayerView(NamedTuple):
-    """A widget of the player, its choice, and its track."""
-
-    widget: Any
-    choice: WidgetChoice
-    track: Track
 
 
 class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
@@ -155,6 +149,20 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
         """Seconds of the recording."""
         return self.recording.duration
 
+    @property
+    def followed(self) -> LeadingPlayer | None:
+        """The player that this one follows; None: none."""
+        return self._leader.player if self._leader else None
+
+    def places(self) -> Places:
+        """Where the robot was at each of its scans, by odometry; without scans, at each message of odometry.
+
+        Raises:
+            UnknownTopicError: the recording has no odometry.
+        """
+        with self._seeking:
+            return places_of(self.recording)
+
     def seek(self, seconds: float) -> None:
         """Show a time, in seconds from the start of the recording.
 
@@ -186,7 +194,7 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
         if self._leader:
             self._leader.leave()
         self._leader = leader
-        self.bar._leader = leader.state if leader else {}
+        self.bar.follow(leader.state if leader else {})
 
     def to_html(
         self,
@@ -285,7 +293,7 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
         self.bar.send(content, buffers)
 
     def _complain(self, problem: str) -> None:
-        self.bar._status = problem
+        self.bar.complain(problem)
 
     def arranged(self, scanogram: ScanogramWidget | None) -> list[ipywidgets.Widget]:
         """All that it shows, from top to bottom, with a scanogram of its own or another."""

@@ -142,11 +142,12 @@ def _put_scans(widget: ScanogramWidget, recording: RecordingData, scans: ScanSer
     rays = max(count for count in counts if count <= _FINER * usual)
     if 4 * rays * len(scans) > most:
         loaded = None
+    file = None
     if loaded is None:
         # Opened again, so that the given recording may be closed.
-        widget._file = RecordingData(recording.path)
-        widget._file.memory = min(CACHE_BYTES, recording.memory)
-        series = widget._file.scans(scans.topic).between(*span)
+        file = RecordingData(recording.path)
+        file.memory = min(CACHE_BYTES, recording.memory)
+        series = file.scans(scans.topic).between(*span)
         likes = [(chunk.like, len(chunk)) for chunk in series.chunks()]
     else:
         likes = [(chunk.like, len(chunk)) for chunk in loaded]
@@ -158,7 +159,7 @@ def _put_scans(widget: ScanogramWidget, recording: RecordingData, scans: ScanSer
         if loaded is None
         else ScansInMemory(scans.times_ns, [ranges for chunk in loaded for ranges in mapper(chunk)])
     )
-    widget._put(
+    widget.show_scans(
         source,
         mapper.sweep._replace(by_angle=by_angle),
         recording.start_ns or 0,
@@ -166,6 +167,7 @@ def _put_scans(widget: ScanogramWidget, recording: RecordingData, scans: ScanSer
         duration=recording.duration if span[1] is None else span[1],
         notes=[*_about(likes, mapper, by_angle), *map(str, first.header_problems)],
         budget=min(BUDGET, recording.memory // 4),
+        file=file,
     )
     if not widget.title:
         widget.title = scans.topic

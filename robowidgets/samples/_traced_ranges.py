@@ -48,7 +48,7 @@ TracedRanges.__name__ = "array"  # for its repr
 def traced(ranges: NDArray[np.float32], note: Callable[[Any, Any], None]) -> NDArray[np.float32]:
     """A view of ranges that calls a function with each index that is read, and with what it gives."""
     view = ranges.view(TracedRanges)
-    view._note = note
+    vars(view)["_note"] = note
     return view
 
 

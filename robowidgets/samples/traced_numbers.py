@@ -195,7 +195,7 @@ class _Values:
 
 def plain(value: Any) -> Any:
     """The number behind one that is traced; another value as it is."""
-    return value._plain if isinstance(value, _Traced) else value
+    return vars(value)["_plain"] if isinstance(value, _Traced) else value
 
 
 def traced(value: Any, name: str, note: Note, unit: str = "") -> Any:

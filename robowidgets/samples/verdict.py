@@ -190,7 +190,7 @@ class Trace:
             result: bool = outcome
             return result
 
-        noted._note = compare
+        vars(noted)["_note"] = compare
         return noted
 
     def saw(self, ray: Ray | None) -> Ray | None:

@@ -70,7 +70,7 @@ class DrawsShapes(RobotWidget[Scan]):
     def __init__(self, **kwargs: Any) -> None:
         self._drawn: dict[str, Drawn] = {}
         self._places = 0
-        self._expiry = _Expiry(self)
+        self._expiry = _Expiry(self._drop_expired)
         super().__init__(**kwargs)
 
     def draw(
@@ -202,6 +202,13 @@ class DrawsShapes(RobotWidget[Scan]):
             self._forget(name)
             self._newest.changed = True
 
+    def _drop_expired(self) -> None:
+        """Drop the shapes whose time is over, and have the widget sent without them."""
+        with self._newest.lock:
+            self._drop(time.monotonic())
+            self._expiry.plan(one.ends for one in self._drawn.values())
+        pacer.mark(self)
+
     def _forget(self, name: str) -> None:
         self._places -= self._drawn.pop(name).places
 
@@ -212,21 +219,17 @@ class DrawsShapes(RobotWidget[Scan]):
 
 
 class _Expiry:
-    """Has the pacer send the widget when the time of a shape is over."""
+    """Has the shapes dropped whose time is over, when the first of them is due."""
 
-    def __init__(self, widget: DrawsShapes) -> None:
-        self._widget = widget
+    def __init__(self, drop: Callable[[], None]) -> None:
+        self._drop = drop
 
     def plan(self, ends: Any) -> None:
         pacer.mark_at(self, min((end for end in ends if end is not None), default=None))
 
     def send_newest(self) -> int:
         """The pacer calls it."""
-        widget = self._widget
-        with widget._newest.lock:
-            widget._drop(time.monotonic())
-            self.plan(one.ends for one in widget._drawn.values())
-        pacer.mark(widget)
+        self._drop()
         return 0
 
 

@@ -173,7 +173,7 @@ def test_a_file_that_is_gone_leaves_the_coarse_picture_and_a_word(caplog: pytest
     whole = ScanogramWidget()
     whole.update(**scans())
     assert whole._picture
-    whole._put(Gone(), whole._picture.levels.sweep._replace(ray_count=100), 0)
+    whole.show_scans(Gone(), whole._picture.levels.sweep._replace(ray_count=100), 0)
     whole._wanted = [100.0, 101.0, 800.0]
     assert whole._about["error"] == "no finer detail: the disk is out"
     assert "no finer detail: the disk is out" in caplog.text

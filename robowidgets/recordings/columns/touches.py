@@ -96,7 +96,7 @@ class Touches(Series[Touch]):
 
     def _with(self, rows: NDArray[np.int64]) -> Self:
         part = super()._with(rows)
-        part._table = self._table
+        vars(part)["_table"] = self._table  # the value of the cached property
         return part
 
     def _sample(self, row: int) -> Touch:
