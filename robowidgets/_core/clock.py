@@ -59,6 +59,9 @@ class Clock(Protocol):
         """The time in seconds."""
         ...
 
+    def sleep(self, seconds: float) -> None:
+        """Return after some seconds."""
+
     def signal(self) -> Signal:
         """A new signal that waits by this clock."""
         ...
@@ -102,6 +105,7 @@ class RealClock:
     """The monotonic clock of the computer."""
 
     now = staticmethod(time.monotonic)
+    sleep = staticmethod(time.sleep)
 
     def signal(self) -> Signal:
         """See `Clock`."""

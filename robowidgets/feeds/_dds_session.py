@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import threading
-import time
 from collections.abc import Iterable, Mapping
 from typing import Any, NamedTuple
 from uuid import UUID
@@ -17,6 +16,7 @@ from cyclonedds.sub import DataReader
 from cyclonedds.topic import Topic
 from cyclonedds.util import duration
 
+from .._core.clock import Clock, scheduler
 from ..messages.decoding import Decode, DecodeError
 from ._dds_domain import configured
 from ._dds_types import NODES, dds_topic, decoder, definition_of, opaque, ros_topic, ros_type, struct, type_hash
@@ -82,14 +82,23 @@ class DdsSession:
         listener: gets messages and reports.
         interface: the network interface to use.
         no_robot: what is said a moment later when there is no robot, until there is one.
+        clock: what its waits go by, but for those in Cyclone DDS.
 
     Raises:
         DDSException: the network cannot be used.
     """
 
-    def __init__(self, domain: int, listener: Listener, interface: str | None = None, no_robot: str = "") -> None:
+    def __init__(
+        self,
+        domain: int,
+        listener: Listener,
+        interface: str | None = None,
+        no_robot: str = "",
+        clock: Clock = scheduler.clock,
+    ) -> None:
+        self._clock = clock
         self._listener, self._no_robot = listener, no_robot
-        self._alone_until: float | None = time.monotonic() + ALONE
+        self._alone_until: float | None = self._clock.now() + ALONE
         """The time from which it is said that no robot is there; None once one was there."""
         self._domain = configured(domain, interface)
         self._participant = DomainParticipant(domain)
@@ -147,7 +156,7 @@ class DdsSession:
                 self._listener.on_nobody("")
             self._alone_until = None
         elif self._alone_until is not None:
-            if time.monotonic() < self._alone_until:
+            if self._clock.now() < self._alone_until:
                 return
             self._listener.on_nobody(self._no_robot)
         if not self._is_told:
@@ -266,11 +275,11 @@ class DdsSession:
         """Create those that are missing, and wait until the first ones of a topic match. Called with the lock held."""
         is_first = all(name != topic for name, _ in self._writers)
         new = [self._create_writer(topic, kind) for kind in types if (topic, kind) not in self._writers]
-        until = time.monotonic() + _MATCHING * is_first
-        while not all(map(self._is_settled, new)) and time.monotonic() < until:
-            time.sleep(0.005)
+        until = self._clock.now() + _MATCHING * is_first
+        while not all(map(self._is_settled, new)) and self._clock.now() < until:
+            self._clock.sleep(0.005)
         if is_first and any(map(self._matched, new)):
-            time.sleep(_SETTLING)
+            self._clock.sleep(_SETTLING)
 
     def _create_writer(self, topic: str, type_name: str) -> Any:
         qos = Qos(

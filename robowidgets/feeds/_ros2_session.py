@@ -5,11 +5,11 @@ from __future__ import annotations
 import os
 import secrets
 import threading
-import time
 from collections.abc import Callable, Iterable, Mapping
 from contextlib import ExitStack, suppress
 from typing import Any, NamedTuple
 
+from .._core.clock import Clock
 from ._ros2_common import adverts_of, not_coming, not_received, queue_depth, speed_types
 from ._twist import fill
 from .middleware import MOST_UNREAD, SEND_TIMEOUT, Advert, Listener, NotConnectedYetError
@@ -48,6 +48,7 @@ class Ros2Session:
         listener: gets messages and reports.
         is_wanted: returns whether messages of a topic are still wanted.
         matched: topics and types of which a publisher has been matched with a subscriber, also in earlier sessions.
+        clock: what its waits go by, but for those in rclpy.
 
     Raises:
         Exception: rclpy does not start; it has a class of its own for each reason.
@@ -59,16 +60,17 @@ class Ros2Session:
         listener: Listener,
         is_wanted: Callable[[str], bool],
         matched: set[tuple[str, str]],
+        clock: Clock,
     ) -> None:
         import rclpy
         from rclpy.context import Context
         from rclpy.executors import SingleThreadedExecutor
         from rclpy.signals import SignalHandlerOptions
 
-        self._listener, self._is_wanted, self._matched = listener, is_wanted, matched
+        self._listener, self._is_wanted, self._matched, self._clock = listener, is_wanted, matched, clock
         # Random, because processes in containers often have the same id, and rcl warns of two nodes with one name.
         self._name = f"robowidgets_{os.getpid()}_{secrets.token_hex(3)}"
-        self._opened = time.monotonic()
+        self._opened = self._clock.now()
         self._context = Context()
         self._offers: dict[str, list[Any]] = {}
         self._subscriptions: dict[_Wish, tuple[Any, Any]] = {}
@@ -100,7 +102,7 @@ class Ros2Session:
     @property
     def age(self) -> float:
         """Seconds since it was opened."""
-        return time.monotonic() - self._opened
+        return self._clock.now() - self._opened
 
     @property
     def is_young(self) -> bool:
@@ -179,7 +181,7 @@ class Ros2Session:
                 )
             self._missed -= found & {key}
             if found:
-                time.sleep(_MATCH_LAG)
+                self._clock.sleep(_MATCH_LAG)
             self._publishers[key].publish(fill(message_class(message_type)(), message))
 
     def close(self) -> None:
@@ -224,9 +226,9 @@ class Ros2Session:
         while not self._is_matched(self._publishers[key], key):
             wanted = self._types_wanted(topic)
             may_come = message_type in wanted or (self.is_young and not wanted)
-            if not may_come or time.monotonic() >= until:
+            if not may_come or self._clock.now() >= until:
                 return False
-            time.sleep(_MATCH_POLL)
+            self._clock.sleep(_MATCH_POLL)
         return True
 
     def _types_wanted(self, topic: str) -> set[str]:
@@ -248,10 +250,10 @@ class Ros2Session:
     def _await_acknowledgements(self) -> None:
         from rclpy.duration import Duration
 
-        until = time.monotonic() + SEND_TIMEOUT
+        until = self._clock.now() + SEND_TIMEOUT
         for publisher in self._publishers.values():
             # In short steps, because rclpy holds the GIL while it waits.
-            while not publisher.wait_for_all_acked(Duration(seconds=_ACK_POLL)) and time.monotonic() < until:
+            while not publisher.wait_for_all_acked(Duration(seconds=_ACK_POLL)) and self._clock.now() < until:
                 pass
 
     def _all_matched(self, topic: str, wants: Iterable[Any]) -> bool:

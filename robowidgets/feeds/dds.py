@@ -8,6 +8,7 @@ from contextlib import suppress
 from ipaddress import IPv4Address, IPv6Address, ip_address
 from typing import TYPE_CHECKING, Any
 
+from .._core.clock import Clock
 from ..messages.encoding import encode
 from ..messages.standard import TWIST_STAMPED
 from ._ros2_common import checked_domain, no_robot
@@ -28,10 +29,10 @@ class Dds(ThreadedMiddleware):
         TypeError, ValueError: no such domain, or no name of an interface.
     """
 
-    def __init__(self, domain: int = 0, *, interface: str | None = None) -> None:
+    def __init__(self, domain: int = 0, *, interface: str | None = None, clock: Clock | None = None) -> None:
         if interface is not None and not isinstance(interface, str):
             raise TypeError(f"interface: expected the name of a network interface, such as 'eth0', got {interface!r}")
-        super().__init__()
+        super().__init__(clock)
         self._domain, self._interface = checked_domain("domain", domain), interface
         self._session: DdsSession | None = None
 
@@ -75,7 +76,7 @@ class Dds(ThreadedMiddleware):
         from ._dds_session import DdsSession
         from ._dds_types import struct
 
-        session = DdsSession(self._domain, listener, self._interface, self._no_robot())
+        session = DdsSession(self._domain, listener, self._interface, self._no_robot(), self._clock)
         # Encoding the first message of a process takes 0.15 s, and no speed or zero should wait for it.
         encode("cdr", TWIST_STAMPED, {})
         struct(TWIST_STAMPED)

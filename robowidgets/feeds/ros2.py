@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import logging
 import os
-import time
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from .._core.clock import Clock
 from ._ros2_common import ALONE, checked_domain, is_alone, no_robot
 from ._ros2_session import Ros2Session, one_line
 from ._threaded import ThreadedMiddleware
@@ -36,14 +36,14 @@ class Ros2(ThreadedMiddleware):
         FeedError: the context of the node was shut down.
     """
 
-    def __init__(self, node: Any = None, *, domain_id: int | None = None) -> None:
+    def __init__(self, node: Any = None, *, domain_id: int | None = None, clock: Clock | None = None) -> None:
         if node is not None and not hasattr(node, "create_subscription"):
             raise TypeError(f"node: expected a node of rclpy, got {node!r}")
         if domain_id is not None:
             checked_domain("domain_id", domain_id)
         if node is not None and domain_id is not None:
             raise TypeError("domain_id: a node has its domain already; give a node or a domain_id, not both")
-        super().__init__()
+        super().__init__(clock)
         self._domain_id = domain_id if node is None else _domain_of(node)
         self._session: Ros2Session | None = None
         self._down = ""
@@ -115,7 +115,7 @@ class Ros2(ThreadedMiddleware):
 
     def _use_session(self, listener: Listener, one_was_shut_down: bool) -> None:
         """Run one session until it is closed, or until an interrupt shuts it down; the next one then begins at once."""
-        session = Ros2Session(self._domain_id, listener, self._is_wanted, self._matched)
+        session = Ros2Session(self._domain_id, listener, self._is_wanted, self._matched, self._clock)
         try:
             self._spin(session, listener, one_was_shut_down)
         except Exception:
@@ -137,11 +137,11 @@ class Ros2(ThreadedMiddleware):
         followed: tuple[frozenset[str], frozenset[str]] = frozenset(), frozenset()
         while not self._closed.is_set() and session.ok():
             wanted = self._wanted, self._each
-            if wanted != followed or time.monotonic() >= due:
-                followed, due = wanted, time.monotonic() + (EARLY_LOOK if session.is_young else LOOK)
+            if wanted != followed or self._clock.now() >= due:
+                followed, due = wanted, self._clock.now() + (EARLY_LOOK if session.is_young else LOOK)
                 self._report(session, session.look(), listener)
                 session.follow(*wanted)
-            session.spin_once(max(0.0, due - time.monotonic()))
+            session.spin_once(max(0.0, due - self._clock.now()))
 
     def _report(self, session: Ros2Session, adverts: Sequence[Advert], listener: Listener) -> None:
         """Report the topics; none at all only when there was time to discover some."""

@@ -33,6 +33,9 @@ class ManualClock:
     def now(self) -> float:
         return self._now
 
+    def sleep(self, seconds: float) -> None:
+        self.signal().wait_until(self._now + seconds)
+
     def set(self, now: float) -> None:
         """Set the time where no thread waits by this clock."""
         assert not self._waits, "advance() wakes who waits"
