@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import logging
 import threading
-import time
 from collections.abc import Callable, Collection, Mapping, Sequence
 from typing import Any
 
 from .._core.cells import running_cell, take_the_place
+from .._core.clock import Clock
 from .._core.coalesced_call import CoalescedCall
 from .._core.observed import Observed
 from .._core.platform_fixes import let_threads_print, shorten_switch_interval
@@ -42,8 +42,10 @@ class Connection(Observed):
     Args:
         middleware: the connection to the robot, which `open` opens.
         is_deleted: whether the feed is deleted.
+        clock: what its waits and its driving go by.
 
     Attributes:
+        clock: that clock.
         functions: the connected functions.
         adverts: the topics as the middleware listed them last.
         is_closed: whether `close` was called, or this is a forked process.
@@ -53,11 +55,12 @@ class Connection(Observed):
         driver, watchdog, programs: what drives the robot.
     """
 
-    def __init__(self, middleware: Middleware, is_deleted: Callable[[], bool]) -> None:
+    def __init__(self, middleware: Middleware, is_deleted: Callable[[], bool], clock: Clock) -> None:
         super().__init__()
+        self.clock = clock
         self.middleware = middleware
         self._lock = threading.RLock()
-        self._changed = threading.Condition(self._lock)
+        self._changed = self.clock.condition(self._lock)
         self.functions = FunctionCaller(self._show_status)
         self._table = SubscriptionTable(f"connecting to {middleware.where}", self.functions)
         self.adverts: tuple[Advert, ...] = ()
@@ -67,7 +70,7 @@ class Connection(Observed):
         """The topic on which this feed publishes speeds and nobody else publishes anything."""
         self._decided: dict[str, FeedTopic] = {}
         """The topics with a widget that only a message could decide."""
-        self._opened = time.monotonic()
+        self._opened = self.clock.now()
         self._subscribe = CoalescedCall(self._follow_connected)
         self.driver = Driver(self, middleware)
         self.watchdog = self.driver.watchdog
@@ -246,7 +249,7 @@ class Connection(Observed):
     @property
     def is_settled(self) -> bool:
         """Whether the topics are known, as far as they are discovered a moment after opening."""
-        return self.is_listed and time.monotonic() >= self._opened + PATIENCE
+        return self.is_listed and self.clock.now() >= self._opened + PATIENCE
 
     @property
     def page_name(self) -> str:
@@ -263,10 +266,10 @@ class Connection(Observed):
 
     def wait_until(self, condition: Callable[[], bool], seconds: float) -> None:
         """Wait until a condition is true or the feed is closed, for some seconds at most."""
-        until = time.monotonic() + seconds
+        until = self.clock.now() + seconds
         with self._lock:
-            while not condition() and not self.is_closed and (left := until - time.monotonic()) > 0:
-                self._changed.wait(left)
+            while not condition() and not self.is_closed and self._changed.wait_until(until):
+                pass
 
     def await_topics(self, names: Collection[str]) -> None:
         """Wait a moment until these topics have a widget, or, without names, any topic."""
@@ -281,12 +284,12 @@ class Connection(Observed):
         """Wait, on a feed that was just opened, for the connection and for a subscriber to a topic."""
         self.wait_until(
             lambda: self._reached and (self.status not in ("", self.nobody) or self._has_subscriber(topic)),
-            self._opened + PATIENCE - time.monotonic(),
+            self._opened + PATIENCE - self.clock.now(),
         )
 
     def why_missing(self, topic: str) -> str:
         """Why no message of a connected topic will come unless something changes, once that is known; else empty."""
-        if time.monotonic() < self._opened + PATIENCE:
+        if self.clock.now() < self._opened + PATIENCE:
             return ""
         subscription = self._table.by_topic.get(topic)
         return self.status or ("" if subscription is None else subscription.why_missing(self._table.topics))
@@ -359,7 +362,7 @@ class Connection(Observed):
     def on_fork(self) -> None:
         """Close in a forked process: the threads stayed with its parent, perhaps holding the lock."""
         self._lock = threading.RLock()
-        self._changed = threading.Condition(self._lock)
+        self._changed = self.clock.condition(self._lock)
         self.is_closed = self.is_forked = True
 
     def _has_subscriber(self, topic: str) -> bool:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import contextlib
 import threading
-import time
 from collections.abc import Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
@@ -37,19 +36,19 @@ class Driver:
     """
 
     def __init__(self, connection: Connection, middleware: Middleware) -> None:
-        self._connection = connection
+        self._connection, self._clock = connection, connection.clock
         self._driving = Driving()
         self._chosen: tuple[Driving, Driving] | None = None
         """Settings without a topic, and the same with the one that was chosen for them."""
         self._changing = threading.Lock()
         """Held while the settings change, so that no speed gets between the zero on the old topic and the new one."""
         self._status = DriveStatus()
-        self._twists = TwistPublisher(middleware)
+        self._twists = TwistPublisher(middleware, self._clock)
         self._connected_by: float | None = None
         """The time by which a subscriber should have connected; None before the first `drive` on the topic."""
         self._page_at = float("-inf")
         self._by_hand = False
-        self.watchdog = CommandWatchdog(self._send, not_sent=FeedError)
+        self.watchdog = CommandWatchdog(self._send, not_sent=FeedError, clock=self._clock)
         self.watchdog.observe(self._after_send)
 
     @property
@@ -85,7 +84,7 @@ class Driver:
         velocity, stops = self._within(wanted), self.watchdog.stops
         self._connection.await_subscriber(self.topic)
         if self._connected_by is None:
-            self._connected_by = time.monotonic() + CONNECT_TIMEOUT
+            self._connected_by = self._clock.now() + CONNECT_TIMEOUT
         try:
             while not self._try_drive(velocity, stops):
                 self._connection.wait_until(lambda: False, RETRY_PAUSE)
@@ -132,20 +131,20 @@ class Driver:
         Raises:
             FeedError, OSError: zero could not be sent.
         """
-        until = time.monotonic() + CONNECT_TIMEOUT
+        until = self._clock.now() + CONNECT_TIMEOUT
         try:
             self.watchdog.close()
         except (FeedError, OSError):
             if not isinstance(self.watchdog.error, NotConnectedYetError):
                 raise
             while self.watchdog.busy_for or not self._try_zero():
-                if time.monotonic() > until:
+                if self._clock.now() > until:
                     raise
-                time.sleep(RETRY_PAUSE)
+                self._clock.sleep(RETRY_PAUSE)
 
     def page_seen(self) -> None:
         """Record that a page shows the feed or a pad of it."""
-        self._page_at = time.monotonic()
+        self._page_at = self._clock.now()
 
     def on_connected(self) -> None:
         """Send the overdue zeros."""
@@ -172,7 +171,7 @@ class Driver:
         try:
             self.watchdog.sent_in_time(request)
         except (FeedError, OSError) as error:
-            is_connecting = isinstance(error, NotConnectedYetError) and time.monotonic() < (self._connected_by or 0.0)
+            is_connecting = isinstance(error, NotConnectedYetError) and self._clock.now() < (self._connected_by or 0.0)
             if is_connecting and self.watchdog.stops == stops:
                 return False
             raise FeedError(f"cannot drive: {self._connection.status or error}") from None
@@ -197,7 +196,7 @@ class Driver:
                 raise FeedError(f"cannot drive: {elsewhere}")
             self._connection.list_driven(self.topic)
         with self._changing:
-            if self._driving.needs_page and time.monotonic() - self._page_at > PAGE_SILENCE:
+            if self._driving.needs_page and self._clock.now() - self._page_at > PAGE_SILENCE:
                 raise FeedError(
                     "cannot drive: no page that shows this feed or its pad answers, and driving.needs_page asks for "
                     "one; while a cell runs, only ipykernel 7 or later receives messages of the page"

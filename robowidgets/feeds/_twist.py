@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Iterable, Mapping, Sequence
 from contextlib import ExitStack
 from typing import Any
 
+from .._core.clock import Clock
 from ..driving.command_watchdog import RECENT, ZERO, Velocity
 from ..messages.standard import TWIST, TWIST_STAMPED
 from .middleware import Advert, FeedError, Middleware
@@ -22,8 +22,8 @@ class TwistPublisher:
         refused: why the last message was published in one of two types only; empty if it was in each.
     """
 
-    def __init__(self, middleware: Middleware) -> None:
-        self._middleware = middleware
+    def __init__(self, middleware: Middleware, clock: Clock) -> None:
+        self._middleware, self._clock = middleware, clock
         self.refused = ""
         self._moved: dict[str, list[str]] = {}
         """For each topic, the types in which a speed other than zero was published."""
@@ -33,7 +33,7 @@ class TwistPublisher:
 
     def on_connected(self) -> None:
         """Make zero overdue again: one published shortly before the loss of connection may not have arrived."""
-        since = time.monotonic() - RECENT
+        since = self._clock.now() - RECENT
         self._owed |= {topic for topic, at in list(self._moved_at.items()) if at > since}
 
     def send(self, topic: str, velocity: Velocity, adverts: Sequence[Advert]) -> None:
@@ -74,7 +74,7 @@ class TwistPublisher:
                 failures[kind] = failure
             if moves and not isinstance(failures.get(kind), FeedError):  # it may have reached the robot
                 self._owed.add(topic)
-                self._moved_at[topic] = time.monotonic()
+                self._moved_at[topic] = self._clock.now()
                 if kind not in moved:
                     moved.append(kind)
         # After a FeedError nothing moves, so any other one is raised first.

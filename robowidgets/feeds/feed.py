@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING, Any
 
 from .._core.cells import CellNote, name_in_cells
+from .._core.clock import Clock, scheduler
 from .._core.tables import Table
 from ..behaviors.variables import Variables
 from ..driving.command_watchdog import Velocity
@@ -34,6 +35,7 @@ class Feed:
 
     Args:
         middleware: the connection, which the feed opens.
+        clock: for tests, what its waits and its driving go by; a middleware has its own.
 
     Raises:
         FeedError: it can never work. The text gives the reason and the next step.
@@ -45,9 +47,9 @@ class Feed:
         ...     feed.connect("/scan", laser)
     """
 
-    def __init__(self, middleware: Middleware) -> None:
+    def __init__(self, middleware: Middleware, *, clock: Clock = scheduler.clock) -> None:
         deleted = weakref.ref(self)
-        self.connection = Connection(middleware, lambda: deleted() is None)
+        self.connection = Connection(middleware, lambda: deleted() is None, clock)
         self.driver, self.watchdog = self.connection.driver, self.connection.watchdog
         self.programs = self.connection.programs
         self._drive_note, self._program_note = CellNote(), CellNote()
