@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import threading
-import time
 from collections.abc import Callable, Collection, Iterator, Sequence
 from typing import Any
 
+from .._core.clock import Clock, scheduler
 from .offers import MakeOffers
 from .robot import Robot
 from .wander import wander as wander_about
@@ -32,17 +32,27 @@ class RealTime:
             lower.
         wander: whether it wanders while nobody drives it.
         offers: what it sends, for each kind of sensor.
+        clock: the time that passes.
     """
 
-    def __init__(self, robot: Robot, hz: float, wander: bool, offers: Sequence[MakeOffers]) -> None:
-        self._robot = robot
+    def __init__(
+        self,
+        robot: Robot,
+        hz: float,
+        wander: bool,
+        offers: Sequence[MakeOffers],
+        clock: Clock = scheduler.clock,
+    ) -> None:
+        self._robot, self._clock = robot, clock
+        self._lock = threading.RLock()
+        self._changed = clock.condition(self._lock)
         self._offers = [offer for make in offers for offer in make(robot)]
         self._step = 1 / hz
         self._wanders = wander
         self._wanted: frozenset[str] = frozenset()
         self._driven: tuple[float, float, float] | None = None if wander else (0.0, 0.0, 0.0)
         self._driven_at = 0.0
-        self._ended = threading.Event()
+        self._is_ended = False
 
     def want(self, topics: Collection[str], each: Collection[str] = ()) -> None:  # noqa: ARG002  # it leaves out none
         """Pass on the samples of these of its topics, and of no others.
@@ -53,12 +63,14 @@ class RealTime:
 
     def drive(self, linear: float, angular: float, lateral: float) -> None:
         """Command a speed; see `Robot.drive`."""
-        self._driven_at = time.monotonic()
+        self._driven_at = self._clock.now()
         self._driven = (linear, angular, lateral)
 
     def end(self) -> None:
         """Have `run` return."""
-        self._ended.set()
+        with self._lock:
+            self._is_ended = True
+            self._changed.notify_all()
 
     def run(self, on_sample: Callable[[str, Any], object]) -> None:
         """Run until `end` is called.
@@ -67,25 +79,32 @@ class RealTime:
             on_sample: called with the topic of each sample, and the sample; bumpers as a message of the robot's model.
         """
         ways = wander_about(self._robot)
-        due = time.monotonic()
-        while not self._ended.wait(max(0.0, due - time.monotonic())):
+        due = self._clock.now()
+        while self._await(due):
             # Catches up with time that a busy cell took from this thread, up to `_LATEST` seconds.
-            due = max(due + self._step, time.monotonic() - _LATEST)
+            due = max(due + self._step, self._clock.now() - _LATEST)
             ways = self._steer(ways)
             self._robot.step(self._step)
-            obeys = time.monotonic() - self._driven_at <= QUIET
+            obeys = self._clock.now() - self._driven_at <= QUIET
             for offer in self._offers:
                 if offer.topic in self._wanted and not (offer.obeyed and obeys):
                     sample = offer.read()
                     if sample is not None:
                         on_sample(offer.topic, sample)
 
+    def _await(self, due: float) -> bool:
+        """Wait for a time; returns False if it is to end."""
+        with self._lock:
+            while not self._is_ended and self._changed.wait_until(due):
+                pass
+            return not self._is_ended
+
     def _steer(self, ways: Iterator[None]) -> Iterator[None]:
         driven = self._driven
         if driven is None:
             next(ways)
             return ways
-        if not self._wanders or time.monotonic() - self._driven_at < LET_GO:
+        if not self._wanders or self._clock.now() - self._driven_at < LET_GO:
             self._robot.drive(*driven)
             return ways
         self._driven = None

@@ -290,7 +290,7 @@ class TestSink:
         monkeypatch.setattr(logging.getLogger("robowidgets"), "error", lambda *_, **__: gate.wait(20.0))
         pad = Pad(send=send)
         pad.hold(forward=1)
-        wait_for(lambda: heard, "it is asked to stop", 5.0)
+        wait_for(lambda: heard, "it is asked to stop")
         gate.set()
 
     def test_what_it_raises_at_every_speed_is_said_with_the_first_error(self) -> None:

@@ -197,7 +197,7 @@ class TestOtherWidgets:
         touch.update(left=False)
         wait_for(lambda: lamp(page, "bump").get("state") == "true", "the first is judged")
         touch.update(left=True)
-        wait_for(lambda: b'"touched"' in page.state["_frame"], "the second is shown without its verdict", 5)
+        wait_for(lambda: b'"touched"' in page.state["_frame"], "the second is shown without its verdict")
         assert lamp(page, "bump")["state"] == "unknown"
         touch.close()
         gate.set()

@@ -155,7 +155,7 @@ def test_zero_follows_for_both_types_where_one_may_have_arrived(
         patch.setattr(script, "publish", taking(script, STAMPED.type, TimeoutError("the network hangs")))
         with pytest.raises(FeedError, match="the network hangs"):
             feed.drive(0.1)
-    wait_for(lambda: script.speeds[-2:] == [(0.0, 0.0)] * 2, "zero is sent", 5.0)
+    wait_for(lambda: script.speeds[-2:] == [(0.0, 0.0)] * 2, "zero is sent")
 
 
 def test_a_stamped_speed_does_not_carry_the_clock_of_this_machine(driven: Driven) -> None:

@@ -204,7 +204,7 @@ def test_where_the_log_hangs_the_thread_that_brings_messages_does_not(
     feed.connect("/scan", laser)
     sender = threading.Thread(target=lambda: script.listener.on_message("/scan", scan(3.0)))
     sender.start()
-    wait_for(lambda: laser.scan, "the message goes on to the others", 5.0)
+    wait_for(lambda: laser.scan, "the message goes on to the others")
     assert "ZeroDivisionError" in source(laser)["status"]
     gate.set()
     sender.join()

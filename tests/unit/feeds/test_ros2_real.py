@@ -172,7 +172,7 @@ def test_a_program_that_ends_while_it_drives_stops_the_robot(robot: Any, end: st
     if end == "interrupt":
         program.send_signal(signal.SIGINT)
     program.wait(20)
-    wait_for(lambda: speeds[-1] == 0.0, "the robot stops", 5.0)
+    wait_for(lambda: speeds[-1] == 0.0, "the robot stops")
 
 
 def test_of_a_node_only_the_domain_is_used(heard: Ears, robot: Any) -> None:

@@ -46,7 +46,10 @@ def test_it_is_driven_measured_moved_and_goes_on_while_a_call_holds_the_interpre
             re.match("(a+)+$", "a" * length + "b")  # no other thread runs until it returns
             if (passed := time.monotonic() - began) > 2.0:
                 break
-        wait_for(lambda: robot.time - before > passed - 0.3, "its time has gone on", 0.5)
+        # That of a robot in this process would have stood still, and catches up with one second at most.
+        wait_for(
+            lambda: time.monotonic() - began - (robot.time - before) < passed / 3, "its time has gone on meanwhile"
+        )
 
 
 def test_each_sample_is_recorded_while_a_call_holds_the_interpreter(tmp_path: Path) -> None:
@@ -114,7 +117,7 @@ def test_it_ends_with_the_process_that_opened_it_though_that_is_killed_and_a_for
     assert Path(f"/proc/{pid}").exists()
     opener.kill()
     opener.wait()
-    wait_for(lambda: not Path(f"/proc/{pid}").exists() or _is_zombie(pid), "it has ended", 3.0)
+    wait_for(lambda: not Path(f"/proc/{pid}").exists() or _is_zombie(pid), "it has ended")
     opener.stdout.close()
 
 

@@ -163,7 +163,7 @@ class TestTheTimeout:
                 driven += 1
 
         threading.Thread(target=scanner).start()
-        with pytest.raises(TimeoutError, match=r"^LaserWidget had no new scan for 1\.\d s$"):
+        with pytest.raises(TimeoutError, match=r"^LaserWidget had no new scan for \d+\.\d s$"):
             drive()
         assert 0 < driven <= 12
 
@@ -176,10 +176,8 @@ class TestTheTimeout:
 
         thread = threading.Thread(target=interrupt)
         thread.start()
-        began = time.monotonic()
         with pytest.raises(KeyboardInterrupt):
-            widget.wait(20.0)
-        assert time.monotonic() - began < 5.0
+            widget.wait(1000.0)
         assert widget._newest.waiting == 0
         thread.join()
 
