@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from functools import partial
 from typing import Any, NamedTuple
 
+from ..kinds import kind_of_parameter, load, sensor_of
 from ..simulator import Robot
+from ..simulator.offers import Offer
 from ._parameters import parameters_of, program_name
 from .drive import STANDSTILL, Drive, drive_of
 from .machine import Machine
@@ -56,7 +59,7 @@ def simulate(
         An iterator over the steps.
 
     Raises:
-        TypeError, ValueError: as `program` of a feed.
+        TypeError, ValueError: as `program` of a feed. ValueError: the robot has no sensor that it asks for.
 
     Example:
         >>> from robowidgets.simulator import Robot, World
@@ -69,13 +72,33 @@ def simulate(
     asks_for = parameters_of(function, program_name(function), {})
     period = 1 / to_rate(rate)
     own: dict[str, Any] = {"state": ProgramState(), "variables": Variables() if variables is None else variables}
+    samples = _samples(robot, asks_for)
     start, drive, odometer = robot.time, STANDSTILL, Odometer()
     while (now := robot.time - start) < seconds and not (until and until()):
         odometer.add(robot.odometry)
         own |= {POSE: odometer.pose, DRIVEN: odometer.driven, TURNED: odometer.turned}
-        samples = {"scan": robot.scan, "speed": robot.speed, "touch": robot.touch}
         values = {name: samples[name]() if name in samples else own.get(name, now) for name in asks_for}
         drive = drive_of(function(**values), drive)
         robot.drive(drive.linear, drive.angular, drive.lateral)
         robot.step(period)
         yield Step(now, drive, function.active if isinstance(function, Machine) else ())
+
+
+def _samples(robot: Robot, asks_for: Iterable[str]) -> dict[str, Callable[[], Any]]:
+    """By parameter, what returns the newest sample of the simulated robot. ValueError if it has no such sensor."""
+    found: dict[str, Callable[[], Any]] = {}
+    for name in asks_for:
+        kind = kind_of_parameter(name)
+        if kind is None:
+            continue
+        offers: list[Offer] = load(kind.simulated)(robot) if kind.simulated else []
+        measured = {sensor_of(offer.topic): offer.read for offer in offers if not offer.obeyed}
+        if not measured:
+            raise ValueError(f"a program asks for {name}, and the simulated robot has no {kind.noun}")
+        each = kind.roles[0].each
+        found[name] = next(iter(measured.values())) if each is None else partial(_read_all, robot, measured, each)
+    return found
+
+
+def _read_all(robot: Robot, measured: Mapping[str, Callable[[], Any]], each: Callable[..., Any]) -> Any:
+    return each({sensor: read() for sensor, read in measured.items()}, dict.fromkeys(measured, robot.time))

@@ -15,30 +15,29 @@ class Offer(NamedTuple):
     Attributes:
         topic: its name.
         type: the type of its messages.
-        read: returns what is to be sent now, a sample or a message; None: nothing new.
+        read: returns the newest sample; the same object as before where there is no newer one.
+        to_message: makes a message of the robot's model of it; None: the sample is sent.
         obeyed: whether the robot does what others send on it, which is not sent again then.
     """
 
     topic: str
     type: str
     read: Callable[[], Any]
+    to_message: Callable[[Any], Any] | None = None
     obeyed: bool = False
+
+    def message(self, sample: Any) -> Any:
+        """What is sent of a sample."""
+        return sample if self.to_message is None else self.to_message(sample)
 
 
 MakeOffers = Callable[[Robot], Sequence[Offer]]
-"""The topics of a robot with one kind of sensor. It is called in the process that simulates the robot."""
+"""The topics of a robot with one kind of sensor. It is called in the process that simulates the robot, too."""
 
 
 def scans(robot: Robot) -> list[Offer]:
-    """The scans, each once."""
-    last = None
-
-    def read() -> Any:
-        nonlocal last
-        before, last = last, robot.scan()
-        return None if last is before else last
-
-    return [Offer("/scan", LASER_SCAN, read)]
+    """The scans, at the rate of the scanner."""
+    return [Offer("/scan", LASER_SCAN, robot.scan)]
 
 
 def speeds(robot: Robot) -> list[Offer]:
@@ -49,4 +48,4 @@ def speeds(robot: Robot) -> list[Offer]:
 def touches(robot: Robot) -> list[Offer]:
     """The bumpers, as messages of the robot's model."""
     model = robot.model
-    return [Offer("/bumper", model.touch_type, lambda: model.to_message(robot.touch()))] if model.touch_type else []
+    return [Offer("/bumper", model.touch_type, robot.touch, model.to_message)] if model.touch_type else []

@@ -79,6 +79,7 @@ class RealTime:
             on_sample: called with the topic of each sample, and the sample; bumpers as a message of the robot's model.
         """
         ways = wander_about(self._robot)
+        last: dict[str, Any] = {}
         due = self._clock.now()
         while self._await(due):
             # Catches up with time that a busy cell took from this thread, up to `_LATEST` seconds.
@@ -88,9 +89,9 @@ class RealTime:
             obeys = self._clock.now() - self._driven_at <= QUIET
             for offer in self._offers:
                 if offer.topic in self._wanted and not (offer.obeyed and obeys):
-                    sample = offer.read()
-                    if sample is not None:
-                        on_sample(offer.topic, sample)
+                    before, last[offer.topic] = last.get(offer.topic), offer.read()
+                    if last[offer.topic] is not before:
+                        on_sample(offer.topic, offer.message(last[offer.topic]))
 
     def _await(self, due: float) -> bool:
         """Wait for a time; returns False if it is to end."""

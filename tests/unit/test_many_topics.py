@@ -11,9 +11,11 @@ import pytest
 import robowidgets
 from robowidgets import RecordingError, feeds
 from robowidgets.behaviors import Drive
+from robowidgets.behaviors.simulation import simulate
 from robowidgets.feeds import Advert, Feed
 from robowidgets.kinds import Kind
 from robowidgets.recording import Recording
+from robowidgets.simulator import Robot, World
 
 from ..fourth_kind.gauges import FLOAT64, GAUGE, GaugesWidget, Numbers, added
 from ..fourth_kind.number import NUMBER
@@ -211,3 +213,12 @@ def test_the_simulated_robot_sends_what_the_row_offers(process: bool) -> None:
         wait_for(lambda: widget.gauges is not None and len(widget.gauges) == 2, "both have come")
         x, y, _ = feed.robot.pose
         assert [number.value for number in widget.gauges.values()] == [x, y]
+
+
+def test_a_simulated_program_gets_them_as_one_of_a_robot_does() -> None:
+    robot = Robot(World.rooms(), seed=1)
+    got: list[Numbers] = []
+    steps = list(simulate(lambda gauges: got.append(gauges), robot, 0.2, rate=10))
+    assert len(steps) == len(got) == 2
+    assert [number.value for number in got[0].values()] == [*robot.pose[:2]]
+    assert got[1].seconds["left"] == pytest.approx(0.1)
