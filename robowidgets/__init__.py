@@ -14,9 +14,10 @@ from .drive_widget import DriveWidget
 from .laser.footprint import Footprint
 from .laser_widget import LaserWidget
 from .path_widget import PathWidget
-from .samples import Range, Ray, Scan, Sector, Speed, Touch, TouchMode, TouchState, Validity, spread
+from .samples import Range, Ranges, Ray, Scan, Sector, Speed, Touch, TouchMode, TouchState, Validity, spread
 from .scanogram_widget import ScanogramWidget
 from .shapes import Arc, Arrow, Line, Points, Polygon, Text
+from .sonar_widget import SonarWidget
 from .speed_widget import SpeedWidget
 from .touch_widget import TouchWidget
 
@@ -49,12 +50,14 @@ __all__ = [
     "Polygon",
     "ProgramWidget",
     "Range",
+    "Ranges",
     "Ray",
     "Recording",
     "RecordingError",
     "Scan",
     "ScanogramWidget",
     "Sector",
+    "SonarWidget",
     "Speed",
     "SpeedWidget",
     "Text",

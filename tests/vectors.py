@@ -18,7 +18,18 @@ from unittest.mock import patch
 import numpy as np
 
 import robowidgets
-from robowidgets import LaserWidget, Scan, ScanogramWidget, Sector, Speed, SpeedWidget, TouchWidget, spread
+from robowidgets import (
+    LaserWidget,
+    Range,
+    Scan,
+    ScanogramWidget,
+    Sector,
+    SonarWidget,
+    Speed,
+    SpeedWidget,
+    TouchWidget,
+    spread,
+)
 from robowidgets._core.robot_widget import RobotWidget
 from robowidgets._core.timed_frame import TimedFrame
 from robowidgets.export.segments import pack_tracks
@@ -47,7 +58,14 @@ def make() -> dict[str, Any]:
     """By name, the bytes of a frame in base64, and what the front end reads in them."""
     clock = patch.multiple("time", monotonic=lambda: ARRIVED, monotonic_ns=lambda: round(ARRIVED * 1e9))
     with clock, patch.object(RobotWidget, "rate", 30.0):
-        made = {"laser": _laser(), "speed": _speed(), "touch": _touch(), **_scanogram(), "segment": _segment()}
+        made = {
+            "laser": _laser(),
+            "speed": _speed(),
+            "touch": _touch(),
+            "sonar": _sonar(),
+            **_scanogram(),
+            "segment": _segment(),
+        }
         made |= _packed_tracks()
     return {
         name: {"base64": base64.b64encode(raw).decode(), "reads": _in_words(reads)}
@@ -166,6 +184,16 @@ def make_beats() -> dict[str, float]:
     return {"beat": staleness.BEAT, "page": staleness.PAGE_SILENCE, "scan gap": staleness.SCAN_GAP.steps}
 
 
+RANGED = (0.1, 0.0195, 0.0194, 0.09, 0.0, -1.0, 2.5, 5.0, 5.01, nan, inf, -inf)
+"""Ranges of one sensor."""
+
+
+def make_ranges() -> list[list[Any]]:
+    """Ranges of sensors with limits, their class, and the distance that a program goes by."""
+    ranges = [Range(one, low, high) for one in RANGED for low, high in ((0.1, 5.0), (0.0, inf), (0.01, 2.5))]
+    return _in_words([[r.range, r.min_range, r.max_range, int(r.validity), r.distance] for r in ranges])
+
+
 def _laser() -> tuple[bytes, dict[str, Any]]:
     ranges, intensities = [1.0, inf, -inf, nan, 0.0], [1.0, 2.5, nan, 0.0, 9.0]
     laser = LaserWidget()
@@ -205,6 +233,22 @@ def _touch() -> tuple[bytes, dict[str, Any]]:
         {"name": "left", "state": "free", "touches": 0, "seconds": 0},
     ]
     return frame, {"sequence": 1, "rate": 30.0, "arrived": 12.5, "sensors": sensors}
+
+
+def _sonar() -> tuple[bytes, dict[str, Any]]:
+    sonar = SonarWidget(poses={"rear": pi})
+    ranges = [Range(1.5, 0.125, 4.0, 0.5, "ultrasound"), Range(inf), Range(nan, 0.125, 4.0), Range(0.0, 0.125, 4.0)]
+    sonar.update({f"front_{i + 8}": one for i, one in enumerate(ranges)})
+    frame = sonar.get_state()["_frame"]
+    sonar.close()
+    rows = [
+        *([1.5, 0, 0.0, 10.0, 0.125, 4.0, 0.5], [inf, 2, 0.0, 10.0, 0.0, inf, 0.0]),
+        *([nan, 3, 0.0, 10.0, 0.125, 4.0, 0.0], [0.0, 4, 0.0, 10.0, 0.125, 4.0, 0.0]),
+        [nan, 3, inf, 10.0, 0.0, inf, 0.0],
+    ]
+    keys = ("range", "kind", "behind", "silentAfter", "minRange", "maxRange", "fieldOfView")
+    sonars = [dict(zip(keys, row, strict=True)) for row in rows]
+    return frame, {"sequence": 1, "rate": 30.0, "arrived": 12.5, "sonars": sonars}
 
 
 def _scanogram() -> dict[str, tuple[bytes, dict[str, Any]]]:
@@ -290,6 +334,7 @@ def write() -> None:
     """Put the frames of this Python into the file."""
     vectors = read() | {"frames": make(), "sectors": make_sectors(), "codes": make_codes(), "spreads": make_spreads()}
     vectors |= {"rays": make_rays(), "silences": make_silences(), "steps": make_steps(), "beats": make_beats()}
+    vectors |= {"ranges": make_ranges()}
     FILE.write_text(_to_text(vectors), encoding="utf-8")
 
 

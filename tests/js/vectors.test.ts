@@ -5,6 +5,7 @@ import { decodeDetail, decodeWhole } from "../../robowidgets/js/scanogram/data.t
 import { decodeScan } from "../../robowidgets/js/shared/frames/scan.ts";
 import { decodeSpeeds } from "../../robowidgets/js/shared/frames/speeds.ts";
 import { decodeTouch } from "../../robowidgets/js/shared/frames/touch.ts";
+import { decodeRing } from "../../robowidgets/js/sonar/ring.ts";
 import { frameOf, readsOf, vectors } from "./vectors.ts";
 
 /** What is read by name, in plain arrays. */
@@ -21,6 +22,7 @@ const FRAMES: Record<string, (bytes: DataView) => Record<string, unknown>> = {
   laser: (bytes) => pick(decodeScan(bytes), readsOf("laser")),
   speed: (bytes) => ({ ...decodeSpeeds(bytes) }),
   touch: (bytes) => ({ ...decodeTouch(bytes) }),
+  sonar: (bytes) => ({ ...decodeRing(bytes) }),
   scanogram(bytes) {
     const whole = decodeWhole(bytes);
     const { scanCount, pause, counts, block, touch } = whole;

@@ -47,6 +47,7 @@ interface Vectors {
     [held: [Stretch[], Word, number, Word, number][], own: [first: number, last: number, start: number, end: number][]]
   >;
   rays: [of: [number, number, number], on: [number, number, number], rays: number[]][];
+  ranges: [range: Word, minRange: number, maxRange: Word, kind: number, distance: Word][];
   spreads: [scans: Word[][], spread: Word[]][];
   silences: [step: Word, after: number][];
   steps: [times: number[], step: Word][];

@@ -1,0 +1,117 @@
+import { NO_LIMIT, READING } from "../shared/frames/scan.ts";
+import { roundUp } from "../shared/zoom.ts";
+import { distanceOf, type Ring, type Sonar } from "./ring.ts";
+import type { SonarAbout } from "./traits.ts";
+
+/** Metres shown by a picture without a limit or a reading. */
+const EMPTY = 2;
+/** Seconds; Python gives it to a sensor whose rate is not known. */
+const NO_RATE = 10;
+
+/** A place on the robot: metres and radians of its frame. */
+export interface Mount {
+  x: number;
+  y: number;
+  yaw: number;
+  /** Whether somebody said so. */
+  isKnown: boolean;
+}
+
+/** All that is shown of one sensor. */
+export interface Cone {
+  index: number;
+  name: string;
+  radiation: string;
+  frameId: string;
+  mount: Mount;
+  sonar: Sonar;
+  /** Radians of its opening. */
+  view: number;
+  isViewKnown: boolean;
+  /** The distance that a program goes by. */
+  distance: number;
+  /** Whether that is an alarm. */
+  isNear: boolean;
+  /** Whether it has measured. */
+  hasCome: boolean;
+  /** Seconds since it measured. */
+  age: number;
+  isSilent: boolean;
+}
+
+interface Settings {
+  poses: Record<string, [number, number, number]>;
+  near: number | null;
+  fieldOfView: number;
+  /** Seconds since the newest frame came; 0 where time stands still. */
+  elapsed: number;
+}
+
+/** The places of sensors: those given, and the others evenly by their order, counter-clockwise from forward. */
+export function toMounts(names: string[], poses: Settings["poses"]): Mount[] {
+  return names.map((name, i) => {
+    const pose = Object.hasOwn(poses, name) ? poses[name] : undefined;
+    if (pose) return { x: pose[0], y: pose[1], yaw: pose[2], isKnown: true };
+    return { x: 0, y: 0, yaw: (2 * Math.PI * i) / names.length, isKnown: false };
+  });
+}
+
+/** What the picture shows of each sensor. */
+export function toCones(ring: Ring, about: SonarAbout, { poses, near, fieldOfView, elapsed }: Settings): Cone[] {
+  const sensors = ring.sonars.map((_, i) => about.sensors?.[i] ?? ([`${i}`, "", ""] as const));
+  const mounts = toMounts(
+    sensors.map(([name]) => name),
+    poses,
+  );
+  return ring.sonars.map((sonar, index) => {
+    const [name, radiation, frameId] = sensors[index] as [string, string, string];
+    const distance = distanceOf(sonar);
+    const age = sonar.behind + elapsed;
+    // Without a rate nobody knows when the next is due, until others have gone on for long.
+    const isSilent = (sonar.silentAfter < NO_RATE ? age : sonar.behind) > sonar.silentAfter;
+    return {
+      index,
+      name,
+      radiation,
+      frameId,
+      mount: mounts[index] as Mount,
+      sonar,
+      view: sonar.fieldOfView || fieldOfView,
+      isViewKnown: sonar.fieldOfView > 0,
+      distance,
+      isNear: near !== null && distance < near,
+      hasCome: sonar.behind < Infinity,
+      age,
+      isSilent,
+    };
+  });
+}
+
+/** Seconds until the next sensor becomes silent if nothing comes; infinite if none will. */
+export function nextSilence(cones: Cone[]): number {
+  const left = cones.flatMap(({ sonar, age, isSilent, hasCome }) =>
+    hasCome && !isSilent && sonar.silentAfter < NO_RATE ? [sonar.silentAfter - age] : [],
+  );
+  return Math.min(Infinity, ...left);
+}
+
+/** Metres from the robot's middle, to the decimetre, that hold the reach of all sensors; 0 where none has a limit. */
+export function reachOf(cones: Cone[]): number {
+  const reaches = cones.flatMap(({ sonar: { maxRange }, mount: { x, y } }) =>
+    maxRange <= NO_LIMIT ? [maxRange + Math.hypot(x, y)] : [],
+  );
+  return Math.ceil(10 * Math.max(0, ...reaches) - 1e-6) / 10;
+}
+
+/** A round number of metres that holds all readings; 0 without any. */
+export function fitReadings(cones: Cone[]): number {
+  const ends = cones.flatMap(({ sonar: { range, kind }, mount: { x, y } }) =>
+    kind === READING ? [range + Math.hypot(x, y)] : [],
+  );
+  return ends.length ? roundUp(1.05 * Math.max(...ends)) : 0;
+}
+
+/** Metres to the edge of the picture. Without a limit it holds all readings so far. */
+export function resolveRange(setting: number | null, cones: Cone[], before: number): number {
+  return setting ?? (reachOf(cones) || Math.max(before, fitReadings(cones)) || EMPTY);
+}

@@ -1,0 +1,63 @@
+import { Reader } from "../shared/bytes.ts";
+import { classify, type Limits, READING, TOO_CLOSE, type Validity } from "../shared/frames/scan.ts";
+import { type Frame, readHead } from "../shared/stream.ts";
+
+/** The newest range of one sensor; metres, seconds and radians. */
+export interface Sonar extends Limits {
+  /** As measured. */
+  range: number;
+  kind: Validity;
+  /** By how much it is older than the newest of all; infinite: none has come yet. */
+  behind: number;
+  /** How old it may be before the sensor is silent. */
+  silentAfter: number;
+  /** 0: not known. */
+  fieldOfView: number;
+}
+
+export interface Ring extends Frame {
+  sonars: Sonar[];
+}
+
+/** Metres; a smaller range that is also below the least one is a code. Python has the same number. */
+const CODES_END = 0.0195;
+const LARGEST = 3.4e38;
+
+/** A frame of Python: the head, the number of sensors, then six columns of float32. */
+export function decodeRing(bytes: DataView): Ring {
+  const reader = new Reader(bytes);
+  const head = readHead(reader);
+  const count = reader.float64();
+  const columns = Array.from({ length: 6 }, () => reader.float32s(count));
+  const sonars = Array.from({ length: count }, (_, i) => {
+    const [range = NaN, behind = 0, silentAfter = 0, minRange = 0, maxRange = 0, fieldOfView = 0] = columns.map(
+      (column) => column[i] as number,
+    );
+    // Without a limit, +inf is no reading either.
+    const kind = classify(range, minRange, Math.min(maxRange, LARGEST));
+    return { range, kind, behind, silentAfter, minRange, maxRange, fieldOfView };
+  });
+  return { ...head, sonars };
+}
+
+/** The metres that a program goes by, as `Range.distance` in Python: 0 too close, infinite nothing in range, NaN unknown. */
+export function distanceOf({ range, kind, minRange, maxRange }: Sonar): number {
+  if (kind === READING) return range;
+  if (kind === TOO_CLOSE) return 0;
+  if (range > maxRange || range === Infinity) return Infinity;
+  return range < minRange && range >= CODES_END ? 0 : NaN;
+}
+
+/** Index of the sensor with the nearest thing; -1 where nothing is in range, or all is unknown. */
+export function nearestOf(sonars: Sonar[]): number {
+  let found = -1;
+  let least = Infinity;
+  for (const [i, sonar] of sonars.entries()) {
+    const distance = distanceOf(sonar);
+    if (distance < least) {
+      least = distance;
+      found = i;
+    }
+  }
+  return found;
+}
