@@ -110,7 +110,7 @@ def test_the_front_end_asks_the_web_for_nothing(package: Path) -> None:
 def test_the_wheel_holds_types_definitions_notebooks_and_one_small_recording(package: Path) -> None:
     assert (package / "py.typed").is_file()
     for name in ("kobuki_msgs", "create_msgs", "irobot_create_msgs", "turtlebot3_msgs", "gazebo_msgs"):
-        assert list((package / "messages" / "definitions" / name).rglob("*.msg")), f"no definitions of {name}"
+        assert (package / "messages" / "definitions" / f"{name}.txt").is_file(), f"no definitions of {name}"
     shipped = {file.name for file in (package / "notebooks").glob("*.ipynb")}
     assert shipped == {file.name for file in (ROOT / "notebooks").glob("*.ipynb")}
     assert shipped

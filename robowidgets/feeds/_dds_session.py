@@ -247,8 +247,9 @@ class DdsSession:
         except DecodeError:
             self._listener.on_trouble(
                 wish.topic,
-                f"{wish.topic} comes as {wish.type}, a type that is not known here; feeds.ros2 and feeds.foxglove can "
-                "read it, as the robot defines it for them",
+                f"{wish.topic} comes as {wish.type}, a type that is not known here: "
+                "robowidgets.messages.add_definitions(folder) takes its .msg files; feeds.ros2 and feeds.foxglove need "
+                "none",
             )
             return
         reliability = (

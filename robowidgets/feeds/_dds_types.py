@@ -16,6 +16,8 @@ from rosbags.typesys.store import Typestore
 
 from ..messages.channel import Channel
 from ..messages.decoding import Decode, DecodeError, decoder_of, store_of
+from ..messages.decoding import definition_of as definition_text
+from ..messages.definitions import added, version
 
 NODES = "ros_discovery_info"
 """The DDS topic on which ROS 2 announces its nodes and their endpoints. It is not a topic of ROS."""
@@ -113,14 +115,21 @@ def opaque(type_name: str) -> Any:
         return _as_bytes(make_idl_struct("Opaque", _dds_type(type_name), {"first": types.uint8}))
 
 
-@lru_cache
 def _definitions(type_name: str) -> tuple[str, ...]:
-    """The definitions of a type, as texts, newest first; an empty text is the definition that `store_of` has.
+    """The definitions of a type, as texts, best first; an empty text is the definition that `store_of` has.
 
-    ``sensor_msgs/Range``, for one, got the field ``variance`` after Humble.
+    Best is the one that a user added, then the newest: ``sensor_msgs/Range``, for one, got the field ``variance`` after
+    Humble.
     """
+    return _known_definitions(type_name, version())
+
+
+@lru_cache
+def _known_definitions(type_name: str, _version: int) -> tuple[str, ...]:
     newest = get_typestore(Stores.LATEST)
-    texts = [newest.generate_msgdef(type_name, ros_version=2)[0]] if type_name in newest.fielddefs else []
+    # As a text: what is made of an empty one is kept for good.
+    texts = [definition_text(_channel(type_name, ""))] if added(type_name) else []
+    texts += [newest.generate_msgdef(type_name, ros_version=2)[0]] if type_name in newest.fielddefs else []
     by_hash: dict[bytes, str] = {}
     for text in (*texts, ""):
         with suppress(DecodeError):

@@ -46,7 +46,8 @@ def decoder(channel: Channel) -> Callable[[bytes], Any]:
     except DecodeError:
         raise UnreadableError(
             f"{channel.topic} comes as {one_line(channel.type)}, which is not a known type, "
-            "and the server does not define it in a way that can be understood"
+            "and the server does not define it in a way that can be understood; "
+            "robowidgets.messages.add_definitions(folder) takes its .msg files"
         ) from None
 
     def read(raw: bytes) -> Any:

@@ -15,7 +15,7 @@ from rosbags.typesys import Stores, get_types_from_idl, get_types_from_msg, get_
 from rosbags.typesys.store import Typestore
 
 from .channel import Channel
-from .definitions import definitions
+from .definitions import added, elsewhere, version
 from .fields import Shape
 
 Decode = Callable[[bytes], Any]
@@ -40,9 +40,24 @@ class DecodeError(ValueError):
     """A type that is not known, or bytes that are no message of it. The text is one line for a person."""
 
 
+class UnknownTypeError(DecodeError):
+    """A type of which no definition is known. The text is the remedy, after a colon, or empty.
+
+    Attributes:
+        type_name: the type.
+    """
+
+    def __init__(self, type_name: str) -> None:
+        package, _, name = type_name.partition("/msg/")
+        super().__init__(
+            f": robowidgets.messages.add_definitions(folder) takes the .msg files of {package}" if name else ""
+        )
+        self.type_name = type_name
+
+
 def shape_of(channel: Channel) -> Shape:
     """The fields of a channel's messages; DecodeError when they are not known."""
-    return _shape(store_of(channel).fielddefs, channel.type)
+    return shape_in(store_of(channel).fielddefs, channel.type)
 
 
 def decoder_of(channel: Channel) -> Decode:
@@ -77,28 +92,24 @@ def definition_of(channel: Channel) -> str:
 def store_of(channel: Channel) -> Typestore:
     """The store that has the type of a channel; DecodeError if none has."""
     find = _find if len(channel.definition) <= _LONGEST_KEPT else _find.__wrapped__
-    return find(channel.type, channel.definition, channel.encoding)
+    return find(channel.type, channel.definition, channel.encoding, version())
 
 
 @lru_cache(_MOST_KEPT)
-def _find(type_name: str, definition: str, encoding: str) -> Typestore:
+def _find(type_name: str, definition: str, encoding: str, _version: int) -> Typestore:
     """A store of its own for what a file defines: another file may define a type of the same name in another way."""
     why = "no definition of its messages in the file"
     if definition.strip():
         try:
-            types = _complete(_parse(type_name, definition), encoding)
-            _shape(types, type_name)
-            store = get_typestore(Stores.EMPTY)
-            store.register(types)
-            return store
+            return _store(type_name, parsed(type_name, definition), encoding)
         except Exception:  # whatever rosbags stumbles over; what follows tells it
             why = "the definition of its messages in the file is not one that can be understood"
-    known = _default(encoding)
-    if type_name not in known.fielddefs:
-        _add_ours(known, type_name)
-    if type_name not in known.fielddefs:
-        raise DecodeError(f"{why}, nor among those that are known")
-    return known
+    if not added(type_name) and type_name in _default(encoding).fielddefs:
+        return _default(encoding)
+    try:
+        return _store(type_name, _known(type_name, encoding), encoding)
+    except UnknownTypeError as error:
+        raise DecodeError(f"{why}, nor among those that are known{error}") from None
 
 
 @lru_cache
@@ -106,21 +117,35 @@ def _default(encoding: str) -> Typestore:
     return get_typestore(_DEFAULTS[encoding])
 
 
-def _complete(types: Types, encoding: str) -> Types:
-    """The types, with those that the definition uses and does not contain."""
+def _store(type_name: str, types: Types, encoding: str) -> Typestore:
+    """A store of some types, with those that they use."""
+    types = complete(types, encoding)
+    shape_in(types, type_name)
+    store = get_typestore(Stores.EMPTY)
+    store.register(types)
+    return store
+
+
+def complete(types: Types, encoding: str = "cdr") -> Types:
+    """The types, with those that they use and that are known; UnknownTypeError for one that is not."""
     missing = {used for name in types for used in _used(types[name]) if used not in types}
     missing -= {"builtin_interfaces/msg/Time", "builtin_interfaces/msg/Duration"}
     if not missing:
         return types
-    known = _default(encoding).fielddefs
-    return _complete(types | {name: known[name] for name in missing}, encoding)
+    for name in sorted(missing):
+        types = types | _known(name, encoding)
+    return complete(types, encoding)
 
 
-def _add_ours(store: Typestore, type_name: str) -> None:
-    types: Types = {}
-    for name, text in definitions(type_name.split("/")[0]).items():
-        types.update(get_types_from_msg(text, name))
-    store.register(types)
+def _known(type_name: str, encoding: str) -> Types:
+    """A type that was added, or that rosbags, an installed ROS or we know."""
+    text = added(type_name)
+    if not text and type_name in (standard := _default(encoding).fielddefs):
+        return {type_name: standard[type_name]}
+    text = text or elsewhere(type_name)
+    if not text:
+        raise UnknownTypeError(type_name)
+    return parsed(type_name, text)
 
 
 def one_line(error: Exception) -> str:
@@ -129,7 +154,8 @@ def one_line(error: Exception) -> str:
     return (text if len(text) <= 120 else f"{text[:119]}…") or type(error).__name__
 
 
-def _parse(type_name: str, definition: str) -> Types:
+def parsed(type_name: str, definition: str) -> Types:
+    """The types in the text of a definition; raises whatever rosbags stumbles over."""
     if not _IDL_HEAD.match(definition):
         return dict(get_types_from_msg(_NEEDLESS.sub("", definition.replace("\r", "") + "\n"), type_name))
     types: Types = {}
@@ -146,7 +172,8 @@ def _used(definition: Any) -> Iterator[str]:
             yield name
 
 
-def _shape(types: Types, type_name: str, room: Iterator[int] | None = None) -> dict[str, Any]:
+def shape_in(types: Types, type_name: str, room: Iterator[int] | None = None) -> dict[str, Any]:
+    """The fields of one of some types; DecodeError for too many, RecursionError for a message that contains itself."""
     # Types within types double with every level: few lines can say more fields than fit in any memory.
     room = iter(range(_MOST_FIELDS)) if room is None else room
     return {name: _kind(types, kind, what, room) for name, (kind, what) in types[type_name][1]}
@@ -158,6 +185,6 @@ def _kind(types: Types, kind: int, what: Any, room: Iterator[int]) -> Any:
     if kind == Nodetype.BASE:
         return what[0]
     if kind == Nodetype.NAME:
-        return what.rpartition("/")[2] if what.startswith("builtin_interfaces/") else _shape(types, what, room)
+        return what.rpartition("/")[2] if what.startswith("builtin_interfaces/") else shape_in(types, what, room)
     (inner, name), count = what
     return f"{name[0] if inner == Nodetype.BASE else name}[{count if kind == Nodetype.ARRAY else ''}]"

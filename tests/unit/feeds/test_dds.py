@@ -28,6 +28,7 @@ from robowidgets.feeds import Driving, Feed, _dds_session, _threaded
 from robowidgets.feeds._dds_types import decoder, opaque, ros_topic, ros_type
 from robowidgets.feeds.dds import Dds
 from robowidgets.feeds.middleware import Advert, FeedError
+from robowidgets.messages import add_definitions, definitions
 from robowidgets.messages.decoding import DecodeError
 from robowidgets.messages.encoding import encode
 
@@ -230,9 +231,19 @@ def test_a_type_that_nobody_defines_is_named(dds: Dds, heard: Ears, robot: Robot
     dds.follow(frozenset({"/riddle"}))
     publish_until(robot, lambda: heard.troubles, "it is said", "/riddle", "Mystery", "?")
     assert heard.words("/riddle") == (
-        "/riddle comes as nobody_msgs/msg/Mystery, a type that is not known here; "
-        "feeds.ros2 and feeds.foxglove can read it, as the robot defines it for them"
+        "/riddle comes as nobody_msgs/msg/Mystery, a type that is not known here: "
+        "robowidgets.messages.add_definitions(folder) takes its .msg files; feeds.ros2 and feeds.foxglove need none"
     )
+
+
+def test_a_type_that_a_user_defines_is_heard(
+    dds: Dds, heard: Ears, robot: Robot, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(definitions, "_added", {})
+    add_definitions("MSG: nobody_msgs/Mystery\nstring text\n")
+    dds.follow(frozenset({"/riddle"}))
+    publish_until(robot, lambda: heard.messages, "it came", "/riddle", "Mystery", "!")
+    assert [message.text for _, message in heard.messages][-1] == "!"
 
 
 def test_a_type_with_other_fields_under_the_same_name_is_told(dds: Dds, heard: Ears, robot: Robot) -> None:

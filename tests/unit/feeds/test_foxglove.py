@@ -265,7 +265,7 @@ def test_a_truncated_message_is_told_until_a_whole_one_comes(real: Real, ears: E
         (
             {"kind": "my_msgs/msg/<b>Odd</b>", "schema": "no definition"},
             "/scan comes as my_msgs/msg/<b>Odd</b>, which is not a known type, and the server does not define it in a "
-            "way that can be understood",
+            "way that can be understood; robowidgets.messages.add_definitions(folder) takes its .msg files",
         ),
     ],
 )

@@ -51,7 +51,6 @@ ODD = {
         {"/scan": 99, "/odom": 579, "/cmd_vel": 99},
         [
             "metadata.yaml names rosbag2_2024_11_24-17_59_42_0.db3, not in the folder: read the files that are",
-            "/performance_metrics: no definition of its messages in the file, nor among those that are known",
         ],
     ),
     "jazzy_mcap_no_laser": ({}, [NO_WIDGET]),

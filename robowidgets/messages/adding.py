@@ -1,0 +1,78 @@
+"""Message definitions of the user's own."""
+
+from __future__ import annotations
+
+import os
+import re
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+from .decoding import Types, UnknownTypeError, complete, one_line, parsed, shape_in
+from .definitions import add, added
+
+_HEAD = re.compile(r"^(?:=+\n)?MSG:[ \t]*(\w+)/(?:msg/)?(\w+)[ \t]*\n", re.MULTILINE)
+_NAME = re.compile(r"<name>\s*(\w+)\s*</name>")
+_HOW = (
+    "expected a folder with .msg files, such as that of a ROS package or workspace, one such file, "
+    "or text in which a line such as 'MSG: my_msgs/Status' stands before each definition"
+)
+
+
+def add_all(sources: tuple[str | os.PathLike[str], ...]) -> tuple[str, ...]:
+    """See `robowidgets.messages.add_definitions`."""
+    texts: dict[str, str] = {}
+    for source in sources:
+        texts.update(_texts(source))
+    types: Types = {name: _parsed(name, text) for name, text in texts.items()}
+    before = {name: added(name) for name in texts}
+    add(texts)
+    try:
+        known = complete(types)
+        for name in types:
+            shape_in(known, name)
+    except (ValueError, RecursionError) as error:
+        add(before)
+        if isinstance(error, UnknownTypeError):
+            raise ValueError(f"{error.type_name}, which they use, is not known: give its .msg file, too") from None
+        what = "a message contains itself" if isinstance(error, RecursionError) else str(error)
+        raise ValueError(f"the definitions cannot be used: {what}") from None
+    return tuple(texts)
+
+
+def _parsed(name: str, text: str) -> Any:
+    try:
+        return parsed(name, text)[name]
+    except Exception as error:  # whatever rosbags stumbles over
+        raise ValueError(f"the definition of {name} cannot be understood: {one_line(error)}") from None
+
+
+def _texts(source: str | os.PathLike[str]) -> Iterator[tuple[str, str]]:
+    """The type names and texts of the definitions in a folder, a file or a text."""
+    if not isinstance(source, (str, os.PathLike)):
+        raise TypeError(f"{_HOW}; got {source!r}")
+    if isinstance(source, str) and "\n" in source:
+        yield from _in_text(source)
+        return
+    path = Path(source).expanduser()
+    files = sorted(path.rglob("*.msg")) if path.is_dir() else [path] if path.is_file() else []
+    if not files:
+        raise ValueError(f"no .msg file in {str(source)!r}: {_HOW}")
+    for file in files:
+        yield f"{_package_of(file.absolute())}/msg/{file.stem}", file.read_text(encoding="utf-8", errors="replace")
+
+
+def _in_text(text: str) -> Iterator[tuple[str, str]]:
+    before, *parts = _HEAD.split(text.replace("\r", ""))
+    if before.strip(" \t\n=") or not parts:
+        raise ValueError(_HOW)
+    for package, name, definition in zip(parts[::3], parts[1::3], parts[2::3], strict=True):
+        yield f"{package}/msg/{name}", re.sub(r"^=+\s*\Z", "", definition, flags=re.MULTILINE)
+
+
+def _package_of(file: Path) -> str:
+    """The name of the package of a .msg file: that in package.xml, else the folder that has its folder ``msg``."""
+    folder = file.parent.parent if file.parent.name == "msg" else file.parent
+    about = folder / "package.xml"
+    found = _NAME.search(about.read_text(encoding="utf-8", errors="replace")) if about.is_file() else None
+    return found[1] if found else folder.name
