@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import struct
 from collections.abc import Iterable, Mapping
-from math import inf, nan, radians
+from math import inf, isnan, nan, radians
 from numbers import Real
 from typing import Any, ClassVar
 
@@ -19,16 +19,17 @@ from ._core.timed_frame import FRAME_HEADER
 from ._core.traits import Angle
 from .messages import to_range
 from .messages.fields import MISSING, has, unwrap
-from .samples import Problem, Range, Ranges
+from .samples import Pose, Problem, Range, Ranges
 from .samples.age import arrival_of, note_arrival
-from .samples.checks import finite, in_radians
+from .samples.checks import finite, in_radians, shortest
 from .samples.staleness import LIVE
 
 MOST_SENSORS = 100
 
 _COUNT = struct.Struct("<d")
 _FLOAT = np.dtype("<f4")
-_ROWS = 6
+_ROWS = 9
+_NO_POSE = (nan, nan, nan)
 _BY_NAME = 'update("front", 0.42), or update(front=0.42, left=1.5)'
 
 
@@ -45,8 +46,8 @@ class SonarWidget(RobotWidget[Ranges]):
     Args:
         title: what is shown, for the header; usually the name of the topics.
         poses: sensor name to its place on the robot: (x, y, yaw) in metres and radians of the robot's frame, or the
-            angle alone, in radians or text like "20deg". Sensors without one are spread evenly by the order of their
-            names, counter-clockwise from forward, and the picture says so.
+            angle alone, in radians or text like "20deg"; in place of what their readings say. Sensors without one are
+            spread evenly by the order of their names, counter-clockwise from forward, and the picture says so.
         near: metres; a distance below it is an alarm. None: no alarm.
         field_of_view: the opening angle of sensors that do not tell theirs, radians or text like "20deg".
         view_range: metres from the robot to the edge of the picture; None: as far as the sensors reach. The view writes
@@ -257,6 +258,7 @@ class SonarWidget(RobotWidget[Ranges]):
                 reading.min_range,
                 reading.max_range,
                 reading.field_of_view,
+                *(reading.pose or _NO_POSE),
             )
             for name, reading in sample.items()
         ]
@@ -269,8 +271,9 @@ class SonarWidget(RobotWidget[Ranges]):
         sensors = self._frozen_about.get("sensors", ())
         readings, times = {}, {}
         for (name, radiation, frame_id), row in zip(sensors, columns.T, strict=False):
-            measured, behind, _, least, most, view = row.tolist()
-            readings[name] = Range(measured, least, most, view, radiation, frame_id=frame_id)
+            measured, behind, _, least, most, view, *place = row.tolist()
+            pose = None if isnan(place[0]) else Pose(*map(shortest, place))
+            readings[name] = Range(measured, least, most, view, radiation, frame_id=frame_id, pose=pose)
             times[name] = arrived - behind
             note_arrival(readings[name], times[name])
         return Ranges(readings, times)

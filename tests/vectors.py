@@ -34,7 +34,7 @@ from robowidgets._core.robot_widget import RobotWidget
 from robowidgets._core.timed_frame import TimedFrame
 from robowidgets.export.segments import pack_tracks
 from robowidgets.player._frames import pack
-from robowidgets.samples import staleness
+from robowidgets.samples import Pose, staleness
 from robowidgets.samples.sector import SECTORS as SECTORS_BY_NAME
 from robowidgets.samples.sector_code import for_array, for_message, for_scan
 from robowidgets.samples.stretches import sector_of, stretches
@@ -237,7 +237,12 @@ def _touch() -> tuple[bytes, dict[str, Any]]:
 
 def _sonar() -> tuple[bytes, dict[str, Any]]:
     sonar = SonarWidget(poses={"rear": pi})
-    ranges = [Range(1.5, 0.125, 4.0, 0.5, "ultrasound"), Range(inf), Range(nan, 0.125, 4.0), Range(0.0, 0.125, 4.0)]
+    ranges = [
+        Range(1.5, 0.125, 4.0, 0.5, "ultrasound", pose=Pose(0.5, -0.25, 1.5)),
+        Range(inf),
+        Range(nan, 0.125, 4.0),
+        Range(0.0, 0.125, 4.0),
+    ]
     sonar.update({f"front_{i + 8}": one for i, one in enumerate(ranges)})
     frame = sonar.get_state()["_frame"]
     sonar.close()
@@ -247,7 +252,8 @@ def _sonar() -> tuple[bytes, dict[str, Any]]:
         [nan, 3, inf, 10.0, 0.0, inf, 0.0],
     ]
     keys = ("range", "kind", "behind", "silentAfter", "minRange", "maxRange", "fieldOfView")
-    sonars = [dict(zip(keys, row, strict=True)) for row in rows]
+    poses = [[0.5, -0.25, 1.5], None, None, None, None]
+    sonars = [dict(zip(keys, row, strict=True), pose=pose) for row, pose in zip(rows, poses, strict=True)]
     return frame, {"sequence": 1, "rate": 30.0, "arrived": 12.5, "sonars": sonars}
 
 

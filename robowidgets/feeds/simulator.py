@@ -141,10 +141,11 @@ def simulator(
 ) -> SimulatorFeed:
     """A feed of the built-in robot, which needs no middleware: it wanders about a house until it is driven.
 
-    Its topics are /scan, /odom, /cmd_vel and, where it has bumpers, /bumper.
+    Its topics are /scan, /odom, /cmd_vel, /bumper where it has bumpers, and one below /sonar for each of its sonars.
 
     Args:
-        robot: "turtlebot3", "kobuki", "create3" or "pr2"; or a robot of `robowidgets.simulator`; None: a plain one.
+        robot: "turtlebot3", "kobuki", "create3", "pioneer" or "pr2"; or a robot of `robowidgets.simulator`; None: a
+            plain one.
         scanner: "utm30lx", "lds01", "rplidar_a1", "urg04lx" or "neato", or a `Scanner`; None: that of the robot.
         room: "house", "corridor", "office" or "maze"; or a `robowidgets.simulator.World`. None: the house, or the world
             of the robot.

@@ -6,13 +6,14 @@ from collections.abc import Callable
 from math import cos, sin
 from typing import Any
 
-from ..samples import Scan, Speed, Touch, TouchState
+from ..samples import Range, Scan, Speed, Touch, TouchState
 from ..samples.touch_tracker import TouchTracker
 
 LASER_SCAN = "sensor_msgs/msg/LaserScan"
 ODOMETRY = "nav_msgs/msg/Odometry"
 TWIST = "geometry_msgs/msg/Twist"
 TWIST_STAMPED = "geometry_msgs/msg/TwistStamped"
+RANGE = "sensor_msgs/msg/Range"
 CONTACTS = "ros_gz_interfaces/msg/Contacts"
 
 ToMessage = Callable[[Any, int, str], tuple[str, dict[str, Any]]]
@@ -30,6 +31,18 @@ def scan_message(scan: Scan, time_ns: int, _topic_type: str) -> tuple[str, dict[
         "range_max": scan.range_max,
         "ranges": scan.ranges,
         "intensities": scan.intensities,
+    }
+
+
+def range_message(measured: Range, time_ns: int, _topic_type: str) -> tuple[str, dict[str, Any]]:
+    """A ``sensor_msgs/Range``, stamped with its time."""
+    return RANGE, {
+        "header": _header(time_ns, measured.frame_id),
+        "radiation_type": 1 if measured.radiation == "infrared" else 0,
+        "field_of_view": measured.field_of_view,
+        "min_range": measured.min_range,
+        "max_range": measured.max_range,
+        "range": measured.range,
     }
 
 

@@ -10,6 +10,7 @@ import numpy as np
 
 from .age import HasAge, note_arrival
 from .checks import number, shortest
+from .pose import Pose
 from .problem import Problem
 from .ray import CODES_END, Validity
 
@@ -30,6 +31,7 @@ class Range(HasAge):
         radiation: "ultrasound" or "infrared"; empty: not known.
         stamp_ns: time in nanoseconds since the epoch, or None.
         frame_id: coordinate frame of the sensor, which looks along its x.
+        pose: where the sensor is on the robot, in metres and radians of the robot's frame; None: not known.
         problems: what was odd in the message.
 
     Raises:
@@ -52,6 +54,7 @@ class Range(HasAge):
     radiation: str = ""
     stamp_ns: int | None = None
     frame_id: str = ""
+    pose: Pose | None = None
     problems: tuple[Problem, ...] = ()
 
     def __post_init__(self) -> None:
@@ -71,6 +74,8 @@ class Range(HasAge):
             raise ValueError(f"max_range: expected metres above min_range ({low:g}), got {high!r}{swapped}")
         if not 0 <= self.field_of_view <= 2 * pi + 0.01:
             raise ValueError(f"field_of_view: expected radians from 0 to 2 pi, got {self.field_of_view!r}")
+        if self.pose is not None and not isinstance(self.pose, Pose):
+            raise TypeError(f"pose: expected a Pose or None, got {self.pose!r}")
         if self.radiation not in RADIATIONS:
             raise ValueError(f"radiation: expected 'ultrasound', 'infrared' or '', got {self.radiation!r}")
 

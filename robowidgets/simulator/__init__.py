@@ -18,8 +18,9 @@ from .motors import Motors
 from .robot import Robot
 from .rooms import room
 from .scanner import Scanner
+from .sonars import Sonars
 from .view import View
 from .wander import wander
 from .world import World
 
-__all__ = ["Motors", "Pose", "Robot", "Scanner", "View", "World", "room", "wander"]
+__all__ = ["Motors", "Pose", "Robot", "Scanner", "Sonars", "View", "World", "room", "wander"]

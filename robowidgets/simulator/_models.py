@@ -13,6 +13,7 @@ from ._contact import PlacesOnBody
 from ._scanners import SCANNERS
 from .motors import Motors
 from .scanner import Scanner
+from .sonars import Sonars
 
 Bumpers = Mapping[str, tuple[float, float]]
 """By name, the part of the body's rim that each bumper covers: radians counter-clockwise from forward, from and to."""
@@ -29,6 +30,7 @@ class Model(NamedTuple):
         touch_type: type of the messages about its touch sensors; empty where it has none.
         to_message: the message for the states of its touch sensors.
         drop_sensors: where its cliff sensors and wheel drops look for the floor; they come after the bumpers.
+        sonars: its ring of sonars; without poses it has none.
     """
 
     radius: float
@@ -38,6 +40,7 @@ class Model(NamedTuple):
     touch_type: str
     to_message: Callable[[Touch], Any]
     drop_sensors: PlacesOnBody = MappingProxyType({})
+    sonars: Sonars = Sonars()
 
 
 def _degrees(**bumpers: tuple[float, float]) -> Bumpers:
@@ -75,6 +78,17 @@ def _hazard(name: str) -> Any:
 # Neighbours overlap: a contact between 15 and 30 degrees presses two. Sides and back have no bumper.
 _THREE = _degrees(left=(15, 80), center=(-30, 30), right=(-80, -15))
 
+# A Pioneer 3-DX, from its left to its right: metres and degrees of the front ring; the rear one mirrors it, from its
+# right to its left, and stands farther from the middle.
+_PIONEER = ((0.069, 0.136, 90), (0.114, 0.119, 50), (0.148, 0.078, 30), (0.166, 0.027, 10))
+_FRONT = (*_PIONEER, *((x, -y, -degrees) for x, y, degrees in reversed(_PIONEER)))
+_REAR = tuple((-0.088 - x, y, (180 - degrees + 180) % 360 - 180) for x, y, degrees in reversed(_FRONT))
+_RING = {
+    f"{end}_{i}": (x, y, radians(degrees))
+    for end, ring in (("front", _FRONT), ("rear", _REAR))
+    for i, (x, y, degrees) in enumerate(ring)
+}
+
 WHEELS = {"wheel left": (pi / 2, 0.67), "wheel right": (-pi / 2, 0.67)}
 
 MODELS: dict[str, Model] = {
@@ -106,6 +120,16 @@ MODELS: dict[str, Model] = {
         {"cliff side left": (1.18, 0.92), "cliff front left": (0.27, 0.97)}
         | {"cliff front right": (-0.27, 0.97), "cliff side right": (-1.18, 0.92)}
         | WHEELS,
+    ),
+    # With a SICK LMS 200. Its body is taken as round, and holds the rear ring.
+    "pioneer": Model(
+        0.26,
+        Motors(1.2, radians(300), 0.5, radians(200)),
+        Scanner(181, pi, 0.05, 8.0, 0.005, 0.001, 0.0, mount=(0.05, 0.0, 0.0)),
+        {},
+        "",
+        lambda touch: touch,
+        sonars=Sonars(_RING),
     ),
     "pr2": Model(
         0.334,

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from functools import partial
 from typing import Any, NamedTuple
 
-from ..messages.standard import LASER_SCAN, ODOMETRY, TWIST
+from ..messages.standard import LASER_SCAN, ODOMETRY, RANGE, TWIST
 from .robot import Robot
 
 
@@ -49,3 +50,8 @@ def touches(robot: Robot) -> list[Offer]:
     """The bumpers, as messages of the robot's model."""
     model = robot.model
     return [Offer("/bumper", model.touch_type, robot.touch, model.to_message)] if model.touch_type else []
+
+
+def sonars(robot: Robot) -> list[Offer]:
+    """Each sonar, when it is its turn."""
+    return [Offer(f"/sonar/{name}", RANGE, partial(robot.sonar, name)) for name in robot.sonars.poses]

@@ -11,13 +11,14 @@ from typing import Any
 import numpy as np
 
 from .._core.observed import Observed
-from ..samples import Pose, Scan, Speed, Touch, TouchMode
+from ..samples import Pose, Range, Scan, Speed, Touch, TouchMode
 from ..samples.checks import finite
 from ._contact import PRESSED_WITHIN, contact_angles, over_drop, pressed, push_out
 from ._models import WHEELS, model_of
 from ._scanners import scanner_of
 from .motors import Motors, Speeds
 from .scanner import Scanner
+from .sonars import Sonars
 from .world import World, to_pose
 
 _LONGEST_STEP = 60.0
@@ -54,7 +55,9 @@ class Robot(Observed):
         motors: the limits of its motors; None: those of the model.
         radius: radius of the body, metres; None: that of the model.
         seed: seed of everything random, a whole number of 0 or more.
-        model: "plain", "turtlebot3", "kobuki", "create3" or "pr2": typical size and limits, bumpers and a scanner.
+        model: "plain", "turtlebot3", "kobuki", "create3", "pioneer" or "pr2": typical size and limits, bumpers, sonars
+            and a scanner.
+        sonars: its ring of sonars; None: that of the model.
 
     Raises:
         TypeError: something is not a number, or a world, scanner or motors of another type.
@@ -78,16 +81,19 @@ class Robot(Observed):
         radius: float | None = None,
         seed: int = 0,
         model: str = "plain",
+        sonars: Sonars | None = None,
     ) -> None:
         self._model_name, self.model = model, model_of(model)
         if isinstance(scanner, str):
             scanner = replace(scanner_of(scanner), mount=self.model.scanner.mount)
         self.scanner = self.model.scanner if scanner is None else scanner
         self.motors = self.model.motors if motors is None else motors
+        self.sonars = self.model.sonars if sonars is None else sonars
         for name, value, kind in (
             ("world", world, World),
             ("scanner", self.scanner, Scanner),
             ("motors", self.motors, Motors),
+            ("sonars", self.sonars, Sonars),
             ("seed", seed, int),
         ):
             if not isinstance(value, kind):
@@ -116,6 +122,8 @@ class Robot(Observed):
         self._scan_ns, self._next_scan_ns = 0, self._scan_period_ns()
         self._scan_pose = self._pose
         self._scan: Scan | None = None
+        self._ranges: dict[str, tuple[int, Range]] = {}
+        """By sonar the number of its newest reading, and that reading."""
         shortest_way_through = self.radius / 2
         fastest = hypot(self.motors.max_linear, self.motors.max_lateral)
         self._substep_ns = max(1, min(_SUBSTEP_NS, int(shortest_way_through / fastest * 1e9)))
@@ -275,6 +283,16 @@ class Robot(Observed):
                 rng = np.random.default_rng((self._seed, self._scan_number))
                 self._scan = self.scanner.measure(self.world, *self._scan_pose, rng, self._scan_ns)
             return self._scan
+
+    def sonar(self, name: str) -> Range:
+        """The newest reading of a sonar; the same object until it is its turn again. KeyError if there is none."""
+        with self._lock:
+            number = self.sonars.number_at(name, self._time_ns)
+            if name not in self._ranges or self._ranges[name][0] != number:
+                rng = np.random.default_rng((self._seed, number, 3, *name.encode()))
+                measured = self.sonars.measure(self.world, self._pose, name, rng, self._time_ns)
+                self._ranges[name] = number, measured
+            return self._ranges[name][1]
 
     def speed(self) -> Speed:
         """The speed that the wheels measure, with the pose that follows from them."""

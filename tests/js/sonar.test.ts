@@ -21,7 +21,7 @@ import { toNumber, vectors } from "./vectors.ts";
 function sonarOf(range: number, changed: Partial<Sonar> = {}): Sonar {
   const [minRange, maxRange] = [changed.minRange ?? 0.1, changed.maxRange ?? 5];
   const kind = classify(range, minRange, Math.min(maxRange, 3e38));
-  return { range, kind, minRange, maxRange, behind: 0, silentAfter: 10, fieldOfView: 0.5, ...changed };
+  return { range, kind, minRange, maxRange, behind: 0, silentAfter: 10, fieldOfView: 0.5, pose: null, ...changed };
 }
 
 const SETTINGS = { poses: {}, near: null, fieldOfView: 0.26, elapsed: 0 };
@@ -65,6 +65,15 @@ test("sensors without a place are spread evenly by their order, counter-clockwis
   assert.deepEqual(
     mounts.map(({ isKnown }) => isKnown),
     [false, true, false, false],
+  );
+  const told = toMounts(["a", "b", "c"], { b: [0.1, 0.2, 3] }, [[1, 1, 1], [2, 2, 2], null]);
+  assert.deepEqual(
+    told.map(({ x, isKnown }) => [x, isKnown]),
+    [
+      [1, true],
+      [0.1, true],
+      [0, false],
+    ],
   );
 });
 

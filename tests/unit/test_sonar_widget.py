@@ -13,7 +13,7 @@ from traitlets import TraitError
 
 from robowidgets import Range, Ranges, SonarWidget
 from robowidgets._core import newest_sample
-from robowidgets.samples import age
+from robowidgets.samples import Pose, age
 from robowidgets.samples.staleness import LIVE
 
 from .forms import FORMS
@@ -192,7 +192,7 @@ class TestUpdate:
 
 class TestShown:
     def test_hold_still_while_frozen_and_know_their_ages(self, sonars: SonarWidget, clock: Clock) -> None:
-        sonars.update("front", Range(0.42, 0.1, 5.0, 0.5, "infrared", frame_id="ir"))
+        sonars.update("front", Range(0.42, 0.1, 5.0, 0.5, "infrared", frame_id="ir", pose=Pose(0.1, 0.0, 1.5)))
         clock.now += 2
         sonars.update("left", 1.5)
         assert sonars.frozen is None
@@ -203,7 +203,7 @@ class TestShown:
             sonars.frozen
             == sonars.ranges
             == {
-                "front": Range(0.42, 0.1, 5.0, 0.5, "infrared", frame_id="ir"),
+                "front": Range(0.42, 0.1, 5.0, 0.5, "infrared", frame_id="ir", pose=Pose(0.1, 0.0, 1.5)),
                 "left": Range(1.5),
             }
         )
@@ -257,7 +257,7 @@ class TestShown:
             clock.now += 0.1
         frame = sonars.get_state()["_frame"]
         count = int(np.frombuffer(frame, "<f8", 1, 32)[0])
-        silences = np.frombuffer(frame, "<f4", offset=40).reshape(6, count)[2]
+        silences = np.frombuffer(frame, "<f4", offset=40).reshape(9, count)[2]
         assert dict(zip(sonars, silences.tolist(), strict=True)) == pytest.approx(
             {"fast": LIVE.after(0.1), "slow": LIVE.after(1.0)}, rel=1e-5
         )
@@ -299,6 +299,6 @@ class TestTraits:
 def test_frames_of_a_player_stand_still(sonars: SonarWidget) -> None:
     about, frame = sonars.frame_of(Ranges({"a": Range(1.0, radiation="infrared", frame_id="ir")}))
     assert about == {"sensors": [["a", "infrared", "ir"]], "still": True}
-    assert len(frame) == 8 + 6 * 4
-    assert sonars.arrays_of(bytes(32) + frame) == (40, 6)
+    assert len(frame) == 8 + 9 * 4
+    assert sonars.arrays_of(bytes(32) + frame) == (40, 9)
     assert sonars.arrays_of(bytes(32) + sonars.frame_of(Ranges({}))[1]) == (40, 0)

@@ -47,10 +47,13 @@ interface Settings {
   elapsed: number;
 }
 
-/** The places of sensors: those given, and the others evenly by their order, counter-clockwise from forward. */
-export function toMounts(names: string[], poses: Settings["poses"]): Mount[] {
+/**
+ * The places of sensors: those given, else those that their readings tell, and the others evenly by their order,
+ * counter-clockwise from forward.
+ */
+export function toMounts(names: string[], poses: Settings["poses"], told: Sonar["pose"][] = []): Mount[] {
   return names.map((name, i) => {
-    const pose = Object.hasOwn(poses, name) ? poses[name] : undefined;
+    const pose = Object.hasOwn(poses, name) ? poses[name] : told[i];
     if (pose) return { x: pose[0], y: pose[1], yaw: pose[2], isKnown: true };
     return { x: 0, y: 0, yaw: (2 * Math.PI * i) / names.length, isKnown: false };
   });
@@ -62,6 +65,7 @@ export function toCones(ring: Ring, about: SonarAbout, { poses, near, fieldOfVie
   const mounts = toMounts(
     sensors.map(([name]) => name),
     poses,
+    ring.sonars.map(({ pose }) => pose),
   );
   return ring.sonars.map((sonar, index) => {
     const [name, radiation, frameId] = sensors[index] as [string, string, string];

@@ -13,6 +13,8 @@ export interface Sonar extends Limits {
   silentAfter: number;
   /** 0: not known. */
   fieldOfView: number;
+  /** On the robot, metres and radians of its frame: x, y, yaw; null: not known. */
+  pose: [x: number, y: number, yaw: number] | null;
 }
 
 export interface Ring extends Frame {
@@ -23,19 +25,20 @@ export interface Ring extends Frame {
 const CODES_END = 0.0195;
 const LARGEST = 3.4e38;
 
-/** A frame of Python: the head, the number of sensors, then six columns of float32. */
+/** A frame of Python: the head, the number of sensors, then nine columns of float32. */
 export function decodeRing(bytes: DataView): Ring {
   const reader = new Reader(bytes);
   const head = readHead(reader);
   const count = reader.float64();
-  const columns = Array.from({ length: 6 }, () => reader.float32s(count));
+  const columns = Array.from({ length: 9 }, () => reader.float32s(count));
   const sonars = Array.from({ length: count }, (_, i) => {
-    const [range = NaN, behind = 0, silentAfter = 0, minRange = 0, maxRange = 0, fieldOfView = 0] = columns.map(
-      (column) => column[i] as number,
-    );
+    const row = columns.map((column) => column[i] as number);
+    const [range = NaN, behind = 0, silentAfter = 0, minRange = 0, maxRange = 0, fieldOfView = 0] = row;
+    const [x = NaN, y = NaN, yaw = NaN] = row.slice(6);
     // Without a limit, +inf is no reading either.
     const kind = classify(range, minRange, Math.min(maxRange, LARGEST));
-    return { range, kind, behind, silentAfter, minRange, maxRange, fieldOfView };
+    const pose: Sonar["pose"] = Number.isNaN(x) ? null : [x, y, yaw];
+    return { range, kind, behind, silentAfter, minRange, maxRange, fieldOfView, pose };
   });
   return { ...head, sonars };
 }

@@ -162,7 +162,7 @@ def test_words_for_a_scanner_that_cannot_be(given: dict[str, Any], error: type[E
 def test_words_for_names_that_there_are_not() -> None:
     with pytest.raises(ValueError, match=r"scanner: expected a Scanner, or utm30lx, lds01, .*, got 'sick'"):
         Robot(FRONT, scanner="sick")
-    with pytest.raises(ValueError, match="model: expected plain, turtlebot3, kobuki, create3, pr2, got 'nao'"):
+    with pytest.raises(ValueError, match="model: expected plain, turtlebot3, kobuki, create3, pioneer, pr2, got 'nao'"):
         Robot(FRONT, model="nao")
 
 
