@@ -5,6 +5,7 @@ from __future__ import annotations
 import logging
 import threading
 from collections.abc import Callable, Collection, Mapping, Sequence
+from functools import partial
 from typing import Any
 
 from .._core.cells import running_cell, take_the_place
@@ -15,13 +16,14 @@ from .._core.platform_fixes import let_threads_print, shorten_switch_interval
 from .._core.robot_widget import RobotWidget
 from ..behaviors.program import Program
 from ..behaviors.programs import Programs
+from ..behaviors.robot import DrivenRobot
 from ..driving.stop_all import stop_at_end
 from ..messages.standard import TWIST
 from ..samples import Speed
 from ._callbacks import FunctionCaller
 from ._driver import Driver
 from ._open_feeds import open_feeds
-from ._program_inputs import robot_of
+from ._program_inputs import FeedInputs
 from ._subscription import Target, sorted_targets
 from ._subscription_table import SubscriptionTable
 from ._topics import FeedTopic, check_name, decided, topics_of, unlisted
@@ -74,7 +76,7 @@ class Connection(Observed):
         self._subscribe = CoalescedCall(self._follow_connected)
         self.driver = Driver(self, middleware)
         self.watchdog = self.driver.watchdog
-        self.programs = Programs(robot_of(self, is_deleted))
+        self.programs = Programs(_robot_of(self, is_deleted))
 
     def open(self) -> None:
         """Connect, and close what an earlier run of the same cell opened. FeedError if it can never work."""
@@ -414,3 +416,21 @@ def _log_dropped(closed: Sequence[Any]) -> None:
     names = [f"`{function.name}` ({function.topic})" for function in functions if function.cell != cell]
     if names:
         log.warning("the feed was opened anew; no longer connected: %s. Run their cells again", ", ".join(names))
+
+
+def _robot_of(connection: Connection, is_deleted: Callable[[], bool]) -> DrivenRobot:
+    """The robot of a feed, as its program sees it.
+
+    Args:
+        connection: that of the feed.
+        is_deleted: whether the feed is deleted, because neither the user nor a widget refers to it.
+    """
+    watchdog = connection.watchdog
+    return DrivenRobot(
+        where=connection.where,
+        is_gone=is_deleted,
+        is_stopped=lambda: watchdog.stopped,
+        listen=partial(FeedInputs, connection),
+        drive=connection.driver.drive_by_program,
+        halt=watchdog.stop_program,
+    )

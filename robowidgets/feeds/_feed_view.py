@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from html import escape
-from typing import TYPE_CHECKING, Any
+from typing import Any, Protocol
 
 import ipywidgets
 
@@ -18,12 +18,21 @@ from ..machine_widget import MachineWidget
 from ..program_widget import ProgramWidget
 from ..speed_widget import SpeedWidget
 from ..stop_widget import StopWidget
+from ._connection import Connection
 from ._probes import Probes
 from ._topics import FeedTopic
 from .middleware import FeedError
 
-if TYPE_CHECKING:
-    from .feed import Feed
+
+class ViewedFeed(Protocol):
+    """A feed, as its view knows it."""
+
+    @property
+    def connection(self) -> Connection:
+        """Its connection."""
+
+    def room_view(self) -> Any:
+        """A widget that shows the room of a simulated robot; None for any other robot."""
 
 
 class FeedView(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
@@ -44,8 +53,8 @@ class FeedView(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no type
         refresh: makes widgets for topics that have appeared, and shows the status; the feed calls it.
     """
 
-    def __init__(self, feed: Feed, topics: Sequence[str] = (), *, beside: bool = False) -> None:
-        self._feed: Feed | None = feed
+    def __init__(self, feed: ViewedFeed, topics: Sequence[str] = (), *, beside: bool = False) -> None:
+        self._feed: ViewedFeed | None = feed
         self._connection = feed.connection
         self._names = topics
         self._known: dict[str, FeedTopic] = {}
@@ -56,15 +65,14 @@ class FeedView(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no type
         self._status = ipywidgets.HTML()
         self._screen = ipywidgets.Box()
         self._stop = StopWidget(feed)
-        self._stop._robot = self._connection.page_name
         self.program: ProgramWidget | None = None
         self.machine: MachineWidget | None = None
         self.room = None if topics else feed.room_view()
         super().__init__([self._stop, self._status, self._screen])
-        self._stop._view = self.model_id
+        self._stop.stand_in(self.model_id)
         self._bar = StopWidget(feed) if beside else None
         if self._bar is not None:
-            self._bar._view, self._bar._opens = self.model_id, True
+            self._bar.stand_in(self.model_id, opens=True)
         self.add_class("rw-feed")
         self.add_class("rw-one-screen")
         take_the_place(self)
@@ -150,10 +158,10 @@ class FeedView(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no type
         self._shown = shown
         sensors = list(shown.values())
         machine = [] if self.machine is None else [self.machine]
-        freeze_together([*sensors, *machine])
-        self._stop._together = next((widget._together for widget in sensors), "")
+        group = freeze_together([*sensors, *machine])
+        self._stop.freeze_with(group if sensors else "", self._connection.page_name)
         for widget in machine:
-            widget._together = self._connection.page_name  # also with the widgets of the robot that are elsewhere
+            widget.freeze_with_robot()
         self._arrange(sensors)
 
     def _arrange(self, sensors: Sequence[Any]) -> None:

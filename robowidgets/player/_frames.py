@@ -139,15 +139,15 @@ class ScanFrames(SampleFrames):
     def _frame(self, seconds: float, sample: Any) -> TimedFrame:
         timed = super()._frame(seconds, sample)
         robot = self._poses.at(seconds, sample.stamp_ns)
-        return timed._replace(about=timed.about | self._widget._scanner_at(robot))
+        return timed._replace(about=timed.about | self._widget.scanner_at(robot))
 
 
 class SpeedFrames(SampleFrames):
     """A `Track` of measured and commanded speeds; see `SampleFrames`."""
 
     def _frame(self, seconds: float, sample: Any, commanded: Any = None) -> TimedFrame:
-        reading = Reading(commanded=commanded).moved(sample)
-        return TimedFrame(seconds, {"frame_id": sample.frame_id}, _header(sample) + self._widget._pack(reading))
+        _, frame = self._widget.frame_of(Reading(commanded=commanded).moved(sample))
+        return TimedFrame(seconds, {"frame_id": sample.frame_id}, _header(sample) + frame)
 
 
 class PathFrames(SampleFrames):
