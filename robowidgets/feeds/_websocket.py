@@ -1,4 +1,8 @@
-"""A connection over a websocket."""
+"""A connection over a websocket.
+
+Not built on `websockets`: with release 17, this had 352 lines in place of 385, but a speed in a flood of scans took 1.3
+to 2.4 times as long, and every Jupyter kernel has tornado already.
+"""
 
 from __future__ import annotations
 
