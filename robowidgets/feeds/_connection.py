@@ -112,7 +112,7 @@ class Connection(Observed):
         """The widgets that are connected."""
         return self._table.widgets
 
-    def connect(self, topic: str, *targets: Any, raw: bool = False) -> None:
+    def connect(self, topic: str, *targets: Any, raw: bool = False, each: bool = False) -> None:
         """See `Feed.connect`."""
         check_name(topic)
         if not targets:
@@ -121,7 +121,7 @@ class Connection(Observed):
         self._connect(topic, of_widgets)
         with self._lock:
             self.functions.connect(topic, [target.call for target in of_widgets if not target.is_ours], raw=True)
-            self.functions.connect(topic, functions, raw)
+            self.functions.connect(topic, functions, raw, each)
             self._table.prune()
         self._subscribe()
 
@@ -217,14 +217,15 @@ class Connection(Observed):
             return
         if subscription.take(message, newest=newest, each=each):
             self._show_status(topic)
-        if newest:
-            self.functions.put(self.topic_of(topic), message)
+        self.functions.put(self.topic_of(topic), message, newest=newest, each=each)
 
     def on_missed(self, topic: str, count: int) -> None:
         """See `Listener`."""
         subscription = self._table.by_topic.get(topic)
         if subscription is not None:
             subscription.miss(count)
+            if self.functions.passes_each(topic):
+                self.functions.miss(topic, count)
 
     def on_trouble(self, topic: str, reason: str) -> None:
         """See `Listener`."""
@@ -403,7 +404,11 @@ class Connection(Observed):
         """Have the middleware pass on the topics that are connected."""
         with self._lock:
             topics = frozenset(self._table.by_topic)
-            each = frozenset(topic for topic, one in self._table.by_topic.items() if one.passes_each)
+            each = frozenset(
+                topic
+                for topic, one in self._table.by_topic.items()
+                if one.passes_each or self.functions.passes_each(topic)
+            )
         # Without the lock: the middleware may take a lock that one of its threads holds while it waits for ours.
         if not self.is_closed:
             self.middleware.follow(topics, each)
