@@ -13,7 +13,7 @@ from .._core.clock import Clock
 from .._core.coalesced_call import CoalescedCall
 from .._core.observed import Observed
 from .._core.platform_fixes import let_threads_print, shorten_switch_interval
-from .._core.robot_widget import RobotWidget
+from .._core.sample_widget import SampleWidget
 from ..behaviors.program import Program
 from ..behaviors.programs import Programs
 from ..behaviors.robot import DrivenRobot
@@ -108,7 +108,7 @@ class Connection(Observed):
         return self._table.down
 
     @property
-    def widgets(self) -> tuple[RobotWidget[Any], ...]:
+    def widgets(self) -> tuple[SampleWidget, ...]:
         """The widgets that are connected."""
         return self._table.widgets
 

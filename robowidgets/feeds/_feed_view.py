@@ -11,6 +11,7 @@ import ipywidgets
 from .._core.cells import take_the_place
 from .._core.coalesced_call import CoalescedCall
 from .._core.freezing import freeze_together
+from .._core.sample_widget import SampleWidget
 from .._layout import on_one_screen, stacked
 from .._widget_choice import WidgetChoice, choose_widgets
 from ..behaviors.machine import Machine
@@ -58,7 +59,7 @@ class FeedView(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no type
         self._connection = feed.connection
         self._names = topics
         self._known: dict[str, FeedTopic] = {}
-        self._shown: dict[WidgetChoice, Any] = {}
+        self._shown: dict[WidgetChoice, SampleWidget] = {}
         self._probes = Probes(self._connection)
         self._closed = False
         self.refresh = CoalescedCall(self._refresh)
@@ -142,16 +143,14 @@ class FeedView(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no type
 
     def _set_widgets(self, wanted: Sequence[WidgetChoice]) -> None:
         there = dict(self._shown)
-        shown = {}
+        shown: dict[WidgetChoice, SampleWidget] = {}
         for choice in wanted:
             before = next((one for one in there if one.is_like(choice)), None)
-            if before is None:
-                shown[choice] = choice.make()
-                if isinstance(shown[choice], SpeedWidget):
-                    shown[choice].show_used_axes()
-            else:
-                shown[choice] = there.pop(before)
-            self._change_topics(shown[choice], before, choice)
+            widget = choice.make() if before is None else there.pop(before)
+            if before is None and isinstance(widget, SpeedWidget):
+                widget.show_used_axes()
+            shown[choice] = widget
+            self._change_topics(widget, before, choice)
         for choice, widget in there.items():
             self._change_topics(widget, choice, None)
             widget.close()
@@ -164,7 +163,7 @@ class FeedView(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no type
             widget.freeze_with_robot()
         self._arrange(sensors)
 
-    def _arrange(self, sensors: Sequence[Any]) -> None:
+    def _arrange(self, sensors: Sequence[SampleWidget]) -> None:
         """Give all widgets their places, but for those that somebody closed."""
         if self._closed:
             return
@@ -181,7 +180,7 @@ class FeedView(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no type
         self.children = [self._stop, self._status, self._screen]
         _close_boxes(old)
 
-    def _change_topics(self, widget: Any, before: WidgetChoice | None, after: WidgetChoice | None) -> None:
+    def _change_topics(self, widget: SampleWidget, before: WidgetChoice | None, after: WidgetChoice | None) -> None:
         """Show in a widget the topics of another choice, each in its role."""
         old, new = (
             {} if one is None else {name: one.method(role) for role, name in one.parts} for one in (before, after)
