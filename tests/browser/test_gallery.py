@@ -62,6 +62,26 @@ def test_pictures_of_the_widgets(plain_page: Callable[..., PlainPage], theme: Li
     shoot(nb.widget(5).locator(".rw-card"), f"gallery-scanogram-{theme}")
 
 
+SONARS = """
+from robowidgets import Ranges, SonarWidget
+from robowidgets.simulator import Robot, World
+
+pioneer = Robot(World.rooms(), (2.0, -2.0, 0.6), model="pioneer", seed=1)
+sonars = SonarWidget(title="/sonar", near=0.4)
+sonars.update(Ranges({name: pioneer.sonar(name) for name in pioneer.sonars.poses}))
+sonars
+"""
+
+
+@every_theme
+def test_picture_of_sonars(plain_page: Callable[..., PlainPage], theme: Literal["light", "dark"]) -> None:
+    nb = plain_page([SONARS], scale=2, theme=theme)
+    nb.resize(680)
+    card = nb.widget(0).locator(".rw-card")
+    expect(card.locator(".rw-sonar-near")).to_contain_text("below 0.4 m")
+    shoot(card, f"gallery-sonar-{theme}")
+
+
 FOUND = """
 import robowidgets
 from ipywidgets import VBox

@@ -144,6 +144,8 @@ function drawMet(context: Context, view: View, cone: Cone, theme: Theme): void {
 /** The distances of the range circles, in the widest gap between cones, where no reading is. */
 export function drawScale(context: Context, view: View, cones: Cone[], theme: Theme): void {
   const angle = widestGap(cones);
+  const isInCone = ({ mount, view: opening }: Cone) => Math.cos(angle - mount.yaw) > Math.cos(opening / 2);
+  const ground = cones.some(isInCone) ? theme.area : theme.background;
   const readings = cones.filter(({ sonar }) => sonar.kind === READING).flatMap((cone) => pointsOf(view, cone));
   for (const distance of roundDistances(view)) {
     const { x, y } = toPixel(view, { x: distance * Math.cos(angle), y: distance * Math.sin(angle) });
@@ -151,7 +153,7 @@ export function drawScale(context: Context, view: View, cones: Cone[], theme: Th
       (at) => Math.abs(at.x - x) < SCALE.width / 2 && Math.abs(at.y - y) < SCALE.height / 2,
     );
     if (!isFree || distance * scaleOf(view) < ROBOT + SCALE.height) continue;
-    write(context, toShortMetres(distance), x, y, theme.muted, textFont(theme), "center", theme.background);
+    write(context, toShortMetres(distance), x, y, theme.muted, textFont(theme), "center", ground);
   }
 }
 
