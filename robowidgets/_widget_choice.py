@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from itertools import takewhile
-from typing import NamedTuple, Protocol
+from typing import Any, NamedTuple, Protocol
 
-from ._core.sample_widget import SampleWidget
-from .kinds import KINDS, Kind, Role, TopicWidget, by_namespace, load, namespace_of
+from .kinds import KINDS, Kind, Role, TopicWidget, by_namespace, load, namespace_of, title_of
 
 
 class Shown(Protocol):
@@ -67,20 +66,24 @@ class WidgetChoice(NamedTuple):
 
     @property
     def titles(self) -> tuple[str, ...]:
-        """What it shows, for a person: its topics, or their namespace in place of all of them, the first one first."""
-        return tuple(dict.fromkeys(namespace_of(topic) if role.each else topic for role, topic in self.parts))
+        """What it shows, for a person: its topics, or the namespace of several that share it, the first one first."""
+        return (title_of(self.own), *self.topics[len(self.own) :])
 
     def is_like(self, other: WidgetChoice) -> bool:
-        """Whether the widget of another choice is the one for this, too: only the topics that go with it may differ."""
-        return (self.shown, self.role, self.titles[0]) == (other.shown, other.role, other.titles[0])
+        """Whether the widget of another choice is the one for this, too: not all of its topics are the same."""
+        return self._place == other._place
+
+    @property
+    def _place(self) -> tuple[TopicWidget, Role, str]:
+        return self.shown, self.role, namespace_of(self.topic) if self.role.each else self.topic
 
     def method(self, role: Role) -> str:
         """The method of the widget that takes the messages of a role."""
         return "update" if role is self.role else role.take
 
-    def make(self) -> SampleWidget:
+    def make(self) -> Any:
         """The widget, with its titles."""
-        widget: Callable[..., SampleWidget] = load(self.shown.widget)
+        widget = load(self.shown.widget)
         if self.second:
             return widget(title=self.titles[0])
         titles = {f"{role.take}_title": topic for role, topic in self.parts if role is not self.role}

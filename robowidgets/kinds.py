@@ -7,7 +7,7 @@ names what lies in the layers above it as entry points do, ``"module:name"``: re
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from importlib import import_module
 from math import nan
@@ -15,11 +15,11 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from .messages import to_scan, to_speed, to_touch
-from .messages.fields import MessageShape, unwrap
-from .messages.standard import ContactMessages, ToMessage, scan_message, speed_message
+from .messages import to_range, to_scan, to_speed, to_touch
+from .messages.fields import Shape, unwrap
+from .messages.standard import ContactMessages, ToMessage, range_message, scan_message, speed_message
 from .messages.touch import TOUCH_TYPES
-from .samples import Pose, Problem, Scan, Speed, Touch
+from .samples import Pose, Problem, Range, Ranges, Scan, Speed, Touch
 from .samples.touch_tracker import TouchesBetween
 
 _SAMPLE_FRAMES = "robowidgets.player._frames:SampleFrames"
@@ -111,7 +111,7 @@ class Kind(TopicWidget):
     noun: str
     sample: type
     read: Callable[[Any], Any]
-    has_shape: Callable[[MessageShape], bool] | None = None
+    has_shape: Callable[[Shape], bool] | None = None
     undecided: frozenset[str] = frozenset()
     columns: str = "robowidgets.recordings.columns.series:Samples"
     rerun: str = ""
@@ -147,12 +147,12 @@ _NUMBERS = ("float32", "float64")
 _SCAN_LIMITS = ("angle_min", "angle_increment", "range_min", "range_max")
 
 
-def _is_scan(shape: MessageShape) -> bool:
+def _is_scan(shape: Shape) -> bool:
     limits = all(shape.get(name) in _NUMBERS for name in _SCAN_LIMITS)
     return limits and shape.get("ranges") in ("float32[]", "float64[]")
 
 
-def _has_twist(shape: MessageShape) -> bool:
+def _has_twist(shape: Shape) -> bool:
     twist: Any = shape
     while isinstance(twist, Mapping):
         if all(_is_vector(twist.get(part)) for part in ("linear", "angular")):
@@ -247,8 +247,24 @@ TOUCH = Kind(
     goes_stale=False,
     every_message=True,
 )
+SONAR = Kind(
+    name="sonar",
+    sample_name="sonar",
+    noun="sonars",
+    sample=Range,
+    read=to_range,
+    types=frozenset({"sensor_msgs/msg/Range"}),
+    # Of those whose limits are equal it is no distance that they tell, but a touch.
+    undecided=frozenset({"sensor_msgs/msg/Range"}),
+    widget="robowidgets.sonar_widget:SonarWidget",
+    nothing=Range(nan),
+    columns="robowidgets.recordings.columns.distances:Distances",
+    roles=(Role(name="sonars", each=Ranges),),
+    to_message=lambda: range_message,
+    simulated="robowidgets.simulator.offers:sonars",
+)
 
-KINDS: dict[str, Kind] = {kind.name: kind for kind in (LASER, SPEED, TOUCH)}
+KINDS: dict[str, Kind] = {kind.name: kind for kind in (LASER, SPEED, TOUCH, SONAR)}
 """By name, in the order in which widgets stand on a page. `add` appends another."""
 
 _RESERVED = ("time_ns", "seconds", "topic")
@@ -317,7 +333,7 @@ def is_standard(type_name: str) -> bool:
     return type_name.split("/")[0] in _STANDARD
 
 
-def kind_of_shape(shape: MessageShape) -> Kind | None:
+def kind_of_shape(shape: Shape) -> Kind | None:
     """The kind of messages with these fields, of a type that no row names."""
     return next((kind for kind in KINDS.values() if kind.has_shape and kind.has_shape(shape)), None)
 
@@ -376,6 +392,11 @@ def namespace_of(topic: str) -> str:
 def sensor_of(topic: str) -> str:
     """The sensor of a topic that shares its widget with all of its namespace: ``"left"`` of ``"/sonar/left"``."""
     return topic.rpartition("/")[2]
+
+
+def title_of(topics: Sequence[str]) -> str:
+    """The title of a widget of one topic, or of several of a namespace."""
+    return topics[0] if len(topics) == 1 else namespace_of(topics[0])
 
 
 def by_namespace(topics: Iterable[str]) -> dict[str, list[str]]:

@@ -9,9 +9,8 @@ from typing import Any, NamedTuple
 
 from .._core.log_once import LogOnce, log_in_thread
 from .._core.robot_widget import RobotWidget
-from .._core.sample_widget import SampleWidget
 from ..drive_widget import DriveWidget
-from ..kinds import namespace_of, role_of, sensor_of
+from ..kinds import role_of, sensor_of
 from ._topics import FeedTopic, no_such
 from ._two_scanners import TwoScanners
 
@@ -47,7 +46,7 @@ class Target(NamedTuple):
     """
 
     call: Callable[[Any], object]
-    widget: SampleWidget | None
+    widget: RobotWidget[Any] | None
     on_missed: Callable[[int], object] | None = None
 
     @property
@@ -61,9 +60,10 @@ class Target(NamedTuple):
         method = getattr(self.call, "__name__", "")
         return "title" if method == "update" else f"{method}_title"
 
-    def name_of(self, topic: str) -> str:
-        """What the widget calls the topic: its namespace, where it shows all topics of one."""
-        return namespace_of(topic) if isinstance(self.call, OfSensor) else topic
+    @property
+    def is_of_sensor(self) -> bool:
+        """Whether the topic is one of several that the widget shows together."""
+        return isinstance(self.call, OfSensor)
 
     @property
     def is_ours(self) -> bool:
@@ -91,7 +91,7 @@ def _target_of(topic: str, given: Any) -> Target | Callable[[Any], object]:
     )
 
 
-def _of_widget(topic: str, method: Callable[..., object], widget: SampleWidget) -> Target:
+def _of_widget(topic: str, method: Callable[..., object], widget: RobotWidget[Any]) -> Target:
     role = role_of(type(widget), getattr(method, "__name__", ""))
     return Target(OfSensor(method, sensor_of(topic)) if role is not None and role.each else method, widget)
 

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 from uuid import uuid4
 
-from .._core.sample_widget import SampleWidget
+from .._core.robot_widget import RobotWidget
+from ..kinds import title_of
 from ._callbacks import FunctionCaller
 from ._subscription import Subscription, Target
 from ._topics import FeedTopic
@@ -32,10 +34,10 @@ class SubscriptionTable:
         self.by_topic: dict[str, Subscription] = {}
         self.topics: dict[str, FeedTopic] | None = None
         self.down = down
-        self._widgets: dict[SampleWidget, list[_Connected]] = {}
+        self._widgets: dict[RobotWidget[Any], list[_Connected]] = {}
 
     @property
-    def widgets(self) -> tuple[SampleWidget, ...]:
+    def widgets(self) -> tuple[RobotWidget[Any], ...]:
         """The widgets that are connected, once each."""
         return tuple(self._widgets)
 
@@ -104,7 +106,7 @@ class SubscriptionTable:
         for widget in self._widgets:
             self._show_on(widget)
 
-    def _show_on(self, widget: SampleWidget) -> None:
+    def _show_on(self, widget: RobotWidget[Any]) -> None:
         connected = sorted(self._widgets.get(widget, []), key=_rank)
         if not connected:
             widget.set_source({})
@@ -123,7 +125,7 @@ class SubscriptionTable:
         }
         widget.set_source(source, self.down or first.why_missing(self.topics))
 
-    def _without_replaced(self, widget: SampleWidget, connected: Sequence[_Connected]) -> list[Subscription]:
+    def _without_replaced(self, widget: RobotWidget[Any], connected: Sequence[_Connected]) -> list[Subscription]:
         """The subscriptions, except those to missing topics whose target gets messages of a topic connected later."""
         in_order = self._widgets[widget]
         return [
@@ -144,11 +146,13 @@ def _rank(connected: _Connected) -> tuple[bool, bool, bool]:
     return not target.is_primary, not subscription.receives, not subscription.has_received
 
 
-def _set_titles(widget: SampleWidget, connected: Sequence[_Connected]) -> None:
-    """Give a widget its titles, each after the first topic that its method takes."""
-    titled: set[str] = set()
+def _set_titles(widget: RobotWidget[Any], connected: Sequence[_Connected]) -> None:
+    """Give a widget its titles, each after the first topic that its method takes, or after the namespace of several."""
+    titled: dict[str, list[str]] = {}
     for subscription, target in connected:
-        title = target.title
-        if title not in titled and widget.has_trait(title):
-            titled.add(title)
-            widget.name_after(target.name_of(subscription.topic), title)
+        topics = titled.setdefault(target.title, [])
+        if not topics or target.is_of_sensor:
+            topics.append(subscription.topic)
+    for title, topics in titled.items():
+        if widget.has_trait(title):
+            widget.name_after(title_of(topics), title)

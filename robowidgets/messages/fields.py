@@ -8,7 +8,7 @@ from typing import Any
 
 from ..samples import HasAge
 
-MessageShape = Mapping[str, Any]
+Shape = Mapping[str, Any]
 """Field names to ``"float32"``, ``"float32[]"``, or the shape of the message in them."""
 
 MISSING: Any = object()

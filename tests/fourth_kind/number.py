@@ -23,25 +23,24 @@ class Number(HasAge):
 
 
 def to_number(message: Any) -> Number:
-    """The number in a Float64, or the distance in a Range; a `Number` is returned as it is.
+    """The number in a Float64, or in a String like "1.5 m"; a `Number` is returned as it is.
 
     Raises:
-        TypeError: it is no such message, or a Range that says whether something is there, not how far.
-        ValueError: it is no number.
+        TypeError: it is no such message, or a String of other words.
     """
     message = unwrap(message)
     if isinstance(message, Number):
         return message
-    if has(message, "range", "min_range", "max_range") and message_measures(message):
-        return Number(float(get(message, "range")), "m", stamp_ns(message))
-    if has(message, "data"):
-        return Number(float(get(message, "data")))
-    raise TypeError(f"expected a message like std_msgs/Float64 or sensor_msgs/Range, got {describe(message)}")
-
-
-def message_measures(message: Any) -> bool:
-    """Whether a Range tells how far something is."""
-    return bool(get(message, "min_range") < get(message, "max_range"))
+    if not has(message, "data"):
+        raise TypeError(f"expected a message like std_msgs/Float64 or std_msgs/String, got {describe(message)}")
+    data = get(message, "data")
+    if not isinstance(data, str):
+        return Number(float(data), "", stamp_ns(message))
+    try:
+        value, _, unit = data.partition(" ")
+        return Number(float(value), unit, stamp_ns(message))
+    except ValueError:
+        raise TypeError(f"expected a number and its unit, such as '1.5 m', got {data!r}") from None
 
 
 NUMBER = Kind(
@@ -50,8 +49,8 @@ NUMBER = Kind(
     noun="numbers",
     sample=Number,
     read=to_number,
-    types=frozenset({"std_msgs/msg/Float64", "sensor_msgs/msg/Range"}),
-    undecided=frozenset({"sensor_msgs/msg/Range"}),
+    types=frozenset({"std_msgs/msg/Float64", "std_msgs/msg/String"}),
+    undecided=frozenset({"std_msgs/msg/String"}),
     widget="tests.fourth_kind.number_widget:NumberWidget",
     nothing=Number(float("nan")),
 )

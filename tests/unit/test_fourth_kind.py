@@ -21,7 +21,7 @@ from .feeds.scripted import SCAN, Scripted
 from .waiting import wait_for
 
 DEPTH = Advert("/depth", "std_msgs/msg/Float64")
-SONAR, CLIFF = (Advert(name, "sensor_msgs/msg/Range") for name in ("/sonar", "/cliff"))
+LEVEL, NAME = (Advert(name, "std_msgs/msg/String") for name in ("/level", "/name"))
 
 
 @pytest.fixture(scope="module")
@@ -43,17 +43,17 @@ def recording(path: Path) -> Iterator[Recording]:
 
 def test_topics_are_listed_with_their_widget_the_undecided_ones_by_their_messages(recording: Recording) -> None:
     assert {topic.name: topic.widget for topic in recording.topics} == {
-        "/depth": "number", "/sonar": "number", "/cliff": "touch"
+        "/depth": "number", "/level": "number", "/name": None, "/cliff": "touch"
     }  # fmt: skip
     assert recording.problems == ()
     assert "number" in recording.info()
 
 
-def test_samples_come_in_the_order_of_time_with_their_unit_and_stamp(recording: Recording) -> None:
-    moments = list(recording.samples("/sonar"))
+def test_samples_come_in_the_order_of_time_with_their_unit(recording: Recording) -> None:
+    moments = list(recording.samples("/level"))
     assert len(moments) == drive.COUNT
     assert moments[30].sample.value == pytest.approx(1.7)
-    assert (moments[30].sample.unit, moments[30].sample.stamp_ns) == ("m", moments[30].time_ns)
+    assert (moments[30].sample.unit, moments[30].sample.stamp_ns) == ("m", None)
     assert recording.at("/depth", 1.05).sample == Number(1.0)
 
 
@@ -73,12 +73,12 @@ def test_a_topic_of_another_kind_is_refused_in_the_words_of_the_row(recording: R
 def test_a_function_finds_by_the_name_of_the_sample(recording: Recording) -> None:
     spans = recording.find(lambda moment: moment.number.value > 2, topics="/depth")
     assert [(span.start, span.end) for span in spans] == [(pytest.approx(2.1), pytest.approx(4.9))]
-    both = recording.find(lambda moment: moment["/depth"].value > 2 and moment["/sonar"].value > 1.75)
+    both = recording.find(lambda moment: moment["/depth"].value > 2 and moment["/level"].value > 1.75)
     assert [(span.start, span.end) for span in both] == [(pytest.approx(2.1), pytest.approx(2.5))]
 
 
 def test_several_topics_of_the_kind_have_to_be_named(recording: Recording) -> None:
-    with pytest.raises(UnknownTopicError, match=r"several topics of numbers \(/depth, /sonar\)"):
+    with pytest.raises(UnknownTopicError, match=r"several topics of numbers \(/depth, /level\)"):
         recording.find(lambda moment: moment.number.value > 2)
     with pytest.raises(RecordingError, match=r"no 'volume' here: there are scan, speed, touch, .*number"):
         recording.find(lambda moment: moment.volume > 2)
@@ -109,18 +109,18 @@ def test_a_player_shows_them_at_any_time(recording: Recording) -> None:
 
 def test_a_recording_feeds_them(path: Path) -> None:
     with feeds.recording(path, speed=20.0, loop=True) as feed:
-        view = feed.show("/depth", "/sonar")
-        wait_for(lambda: {"/depth", "/sonar"} <= view.widgets.keys(), "both widgets")
-        depth, sonar = (view.widgets[name] for name in ("/depth", "/sonar"))
+        view = feed.show("/depth", "/level")
+        wait_for(lambda: {"/depth", "/level"} <= view.widgets.keys(), "both widgets")
+        depth, level = (view.widgets[name] for name in ("/depth", "/level"))
         assert isinstance(depth, NumberWidget)
-        wait_for(lambda: sonar.number is not None and sonar.number.unit == "m", "a distance")
+        wait_for(lambda: level.number is not None and level.number.unit == "m", "a distance")
         values: list[float] = []
         feed.connect("/depth", lambda sample: values.append(sample.value))
         wait_for(lambda: len(values) > 3, "four samples")
 
 
 def test_a_robot_feeds_them_the_undecided_ones_once_a_message_has_come() -> None:
-    script = Scripted(DEPTH, SONAR, CLIFF, SCAN)
+    script = Scripted(DEPTH, LEVEL, NAME, SCAN)
     with Feed(script) as feed:
         view = feed.show()
         assert {name: type(widget).__name__ for name, widget in view.widgets.items()} == {
@@ -128,11 +128,10 @@ def test_a_robot_feeds_them_the_undecided_ones_once_a_message_has_come() -> None
         }  # fmt: skip
         script.listener.on_message("/depth", {"data": 2.5})
         wait_for(lambda: view.widgets["/depth"].number == Number(2.5), "its widget shows it")
-        sonar = {"header": {"frame_id": "sonar"}, "range": 1.5, "min_range": 0.1, "max_range": 4.0}
-        script.listener.on_message("/sonar", sonar)
-        script.listener.on_message("/cliff", {**sonar, "range": float("inf"), "min_range": 4.0})
+        script.listener.on_message("/level", {"data": "1.5 m"})
+        script.listener.on_message("/name", {"data": "tank 2"})
         shown = {name: type(widget).__name__ for name, widget in view.widgets.items()}
-        assert (shown["/sonar"], shown["/cliff"]) == ("NumberWidget", "TouchWidget")
+        assert (shown["/level"], shown.get("/name")) == ("NumberWidget", None)
         script.listener.on_message("/depth", {"data": "deep"})
         wait_for(lambda: "error" in view.widgets["/depth"].get_state()["_about"], "its widget says so")
 
@@ -142,7 +141,7 @@ def test_without_its_row_the_topics_are_only_listed(path: Path) -> None:
     assert kind_of_type("std_msgs/msg/Float64") is None
     with robowidgets.open(path) as recording:
         assert {topic.name: topic.widget for topic in recording.topics} == {
-            "/depth": None, "/sonar": None, "/cliff": "touch"
+            "/depth": None, "/level": None, "/name": None, "/cliff": "touch"
         }  # fmt: skip
 
 
@@ -151,4 +150,4 @@ def test_rerun_which_the_row_does_not_name_leaves_them_out(recording: Recording,
     written = chunk.RrdReader(recording.to_rerun(tmp_path / "numbers.rrd")).stream().collect().stream()
     entities = {piece.entity_path for piece in written}
     assert any("cliff" in entity for entity in entities)
-    assert not any("depth" in entity or "sonar" in entity for entity in entities)
+    assert not any("depth" in entity or "level" in entity for entity in entities)

@@ -11,6 +11,7 @@ from robowidgets import kinds
 from robowidgets.kinds import (
     KINDS,
     LASER,
+    SONAR,
     SPEED,
     TOUCH,
     counts_every_message,
@@ -71,13 +72,13 @@ def test_an_acceleration_is_no_speed_though_it_has_its_fields() -> None:
     assert not is_standard("my_robot_msgs/msg/Velocity")
 
 
-def test_a_message_of_a_range_tells_whether_it_is_a_touch_sensor() -> None:
+def test_a_message_of_a_range_tells_whether_it_is_a_touch_sensor_or_a_sonar() -> None:
     assert is_undecided(RANGE)
     assert kind_of_type(RANGE) is None
-    assert kinds_of_type(RANGE) == (TOUCH,)
+    assert kinds_of_type(RANGE) == (TOUCH, SONAR)
     sensor = {"header": {}, "radiation_type": 1, "field_of_view": 0.1, "max_range": 0.3, "range": float("inf")}
     assert kind_of_message({**sensor, "min_range": 0.3}, RANGE) is TOUCH
-    assert kind_of_message({**sensor, "min_range": 0.1}, RANGE) is None
+    assert kind_of_message({**sensor, "min_range": 0.1}, RANGE) is SONAR
 
 
 def test_a_message_of_an_unknown_type_is_of_a_kind_that_is_known_by_its_fields() -> None:
@@ -113,7 +114,8 @@ def test_what_a_row_names_is_there(kind: kinds.Kind) -> None:
     seconds = [reference for second in kind.also for reference in (second.widget, second.frames)]
     for reference in (kind.widget, kind.columns, kind.frames, *seconds):
         assert isinstance(kinds.load(reference), type)
-    assert callable(kinds.load(kind.simulated))
+    for reference in filter(None, (kind.rerun, kind.simulated)):
+        assert callable(kinds.load(reference))
     assert kind.read(kind.nothing) is kind.nothing
     assert isinstance(kind.nothing, kind.sample)
 

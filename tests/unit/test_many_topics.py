@@ -107,11 +107,12 @@ def test_a_view_of_a_robot_gives_later_topics_of_the_namespace_to_the_same_widge
     with Feed(script) as feed:
         view = feed.show()
         widget = view.widgets["/tank/left"]
+        assert widget.title == "/tank/left"
         script.listener.on_topics([SCAN, LEFT, SPARE, RIGHT])
         assert list(view.widgets) == ["/scan", "/tank/left", "/tank/right", "/spare/left"]
         assert view.widgets["/tank/right"] is widget
         assert view.widgets["/spare/left"] is not widget
-        assert repr(view) == "<FeedView: /scan, /tank, /spare>"
+        assert repr(view) == "<FeedView: /scan, /tank, /spare/left>"
         for number, advert in enumerate((LEFT, RIGHT), start=1):
             script.listener.on_message(advert.name, {"data": number})
         wait_for(lambda: widget.gauges is not None and len(widget.gauges) == 2, "it shows both")

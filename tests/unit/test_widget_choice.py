@@ -87,9 +87,9 @@ def test_all_topics_of_a_namespace_share_a_widget_where_the_role_is_of_each() ->
         topics = listed(a__left="number", b__left="number", scan="laser", a__right="number", top="number")
         chosen = choose_widgets(topics)
         assert [choice.topics for choice in chosen] == [("/scan",), ("/a/left", "/a/right"), ("/b/left",), ("/top",)]
-        assert [choice.titles for choice in chosen[1:]] == [("/a",), ("/b",), ("/",)]
-        assert [choice.make().title for choice in chosen[1:]] == ["/a", "/b", "/"]
-        more = choose_widgets([*topics, *listed(a__back="number")])
+        assert [choice.titles for choice in chosen[1:]] == [("/a",), ("/b/left",), ("/top",)]
+        assert [choice.make().title for choice in chosen[1:]] == ["/a", "/b/left", "/top"]
+        more = choose_widgets([*topics, *listed(a__back="number", b__back="number")])
         assert [one.is_like(other) for one, other in zip(chosen, more, strict=True)] == [True] * 4
 
 

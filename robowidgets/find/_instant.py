@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from ..kinds import KINDS, Kind, by_namespace, kind_of_parameter, kind_of_sample, sample_names, sensor_of
 from ..recordings.topics import Topic, UnknownTopicError, UnnamedTopicError, only
-from ..samples import Scan, Speed, Touch
+from ..samples import Ranges, Scan, Speed, Touch
 from ..samples.verdict import Trace
 
 if TYPE_CHECKING:
@@ -70,6 +70,8 @@ class Instant:
     """The last measured speed."""
     touch: Touch
     """The last known state of the touch sensors."""
+    sonars: Ranges
+    """The last range of each sonar."""
 
     def __init__(self, name: str, topics: list[Topic], now: Now) -> None:
         self._name = name
