@@ -14,7 +14,7 @@ from ._core.front_end import bundle
 from ._core.limit_traits import LARGEST
 from ._core.pacer import pacer
 from ._core.traits import Flag
-from .driving.command_watchdog import HOLD, PROGRAM, CommandWatchdog, Velocity
+from .driving.command_watchdog import HOLD, MAX_ANGULAR, MAX_LINEAR, PROGRAM, CommandWatchdog, Velocity
 from .driving.driving_widget import DrivingWidget
 from .driving.press import PadMessage, PressLease
 from .samples import Speed
@@ -84,8 +84,8 @@ class DriveWidget(DrivingWidget):
     _keywords = ("send",)
     _usual = "send=feed.drive"
 
-    linear_limit = _Limit(0.5, "m/s", help="At the edge of the pad, m/s.").tag(sync=True)
-    angular_limit = _Limit(1.0, "rad/s", help="At the edge of the pad, rad/s.").tag(sync=True)
+    linear_limit = _Limit(MAX_LINEAR, "m/s", help="At the edge of the pad, m/s.").tag(sync=True)
+    angular_limit = _Limit(MAX_ANGULAR, "rad/s", help="At the edge of the pad, rad/s.").tag(sync=True)
     lateral_limit = _Limit(None, "m/s", help="At the ends of the knob for sideways, m/s; None: the feed's.")
     enabled = Flag(True, help="Whether the pad drives.").tag(sync=True)
 

@@ -13,6 +13,7 @@ from ._core.pacer import pacer
 from .behaviors.machine import Machine
 from .behaviors.program import ENDED, Program
 from .behaviors.programs import Programs
+from .driving.command_watchdog import MAX_ANGULAR, MAX_LINEAR
 from .driving.driving_widget import DrivingWidget
 
 
@@ -95,7 +96,9 @@ class ProgramWidget(DrivingWidget):
         if program is None:
             return None
         function, feed = program.version.function, self._feed
-        driving = feed and feed.driving
+        limits = (MAX_LINEAR, MAX_ANGULAR, 0.0)
+        if feed is not None:
+            limits = (feed.driving.max_linear, feed.driving.max_angular, feed.driving.max_lateral)
         return {
             "name": program.name,
             "version": program.version.number,
@@ -108,7 +111,7 @@ class ProgramWidget(DrivingWidget):
             "since": round(program.since),
             "speed": (program.returned.linear, program.returned.angular, program.returned.lateral),
             "kept": program.kept,
-            "limits": (driving.max_linear, driving.max_angular, driving.max_lateral) if driving else (0.5, 1.0, 0.0),
+            "limits": limits,
             "active": function.active_text if isinstance(function, Machine) else "",
             "prints": [(round(seconds, 2), text) for seconds, text in program.prints.lines],
         }

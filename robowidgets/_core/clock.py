@@ -79,7 +79,7 @@ class Clock(Protocol):
 
 
 class Ticket(Protocol):
-    """Repeats one turn. Any thread may call its methods."""
+    """Repeats one turn. Any thread may call its methods, and a signal handler: they take no lock."""
 
     def wake(self) -> None:
         """Have the turn done now."""
@@ -93,8 +93,8 @@ class Scheduler(Protocol):
 
     clock: Clock
 
-    def start(self, turn: Turn, name: str) -> Ticket:
-        """Do a turn now, and again whenever it is due or woken."""
+    def start(self, turn: Turn, name: str, *, runs_user_code: bool = False) -> Ticket:
+        """Do a turn now, and again whenever it is due or woken. A debugger holds those that run user code."""
         ...
 
     def call_at(self, when: float, function: Callable[[], object]) -> None:
@@ -163,13 +163,13 @@ class _Worker(UserThread):
 
     def _repeat(self) -> None:
         with suppress(Left):
-            while self.abandoned_at is None:
+            while not self.is_abandoned:
                 try:
                     when = self._turn()
                 except Exception:  # of ours: those of users are caught where their functions are called
                     log.exception("robowidgets: error in %s", self.name)
                     when = None
-                if self.abandoned_at is None and (when is None or when > self._clock.now()):
+                if not self.is_abandoned and (when is None or when > self._clock.now()):
                     self._signal.wait_until(when)
 
 
@@ -191,10 +191,11 @@ class Threads:
         self._numbers = itertools.count()
         self._timer: Ticket | None = None
 
-    def start(self, turn: Turn, name: str) -> _Worker:
+    def start(self, turn: Turn, name: str, *, runs_user_code: bool = False) -> _Worker:
         """See `Scheduler`."""
         worker = _Worker(self.clock, turn, name)
-        run_beside_debugger(worker)
+        if not runs_user_code:
+            run_beside_debugger(worker)
         self.clock.began(worker)
         worker.start()
         return worker

@@ -10,13 +10,13 @@ from typing import Any, Protocol
 from .log_once import LogOnce
 from .newest_sample import NewestSample, Shot
 from .pacer import Sender, pacer
+from .policies import CONDITION
 from .runner import Call, Runner
-from .user_threads import UserThread
 from .watch import Watch
 
 log = logging.getLogger("robowidgets")
 
-PATIENCE = 0.1
+PATIENCE = CONDITION.late
 """Seconds for which a picture waits for the verdicts on its sample. After that it is shown without them."""
 
 
@@ -60,7 +60,7 @@ class Judge:
     def make_runner(self) -> None:
         """Make the runner; again in a forked process, which has neither its thread nor the lock it was made with."""
         self._runner = Runner(
-            self._judge_newest, self._newest.lock, "robowidgets-judge", look=PATIENCE, on_look=self._mark_late
+            self._judge_newest, self._newest.lock, "robowidgets-judge", CONDITION, on_look=self._mark_late
         )
 
     def put(self, watch: Watch) -> None:
@@ -68,28 +68,25 @@ class Judge:
         with self._newest.lock:
             before = self.watches.get(watch.name)
             self.watches[watch.name] = watch
-            left = self._restart(before)
+            self._restart(before)
         if before is not None:  # as a truth value it is its verdict
             before.end("another condition has its name now")
-        _end(left)
 
     def remove(self, name: str) -> None:
         """Remove a watch."""
         with self._newest.lock:
             gone = self.watches.pop(name)
-            left = self._restart(gone)
+            self._restart(gone)
         pacer.mark(self._widget)
         gone.end("it is watched no more")
-        _end(left)
 
     def close(self) -> None:
         """End the thread, and whatever waits for a watch."""
         with self._newest.lock:
             self._newest.on_new = None
-            left = self._leave_worker()
+            self._leave_worker()
         for watch in self.watches.values():
             watch.end("its widget is closed")
-        _end(left)
 
     def _mark_late(self) -> None:
         """Have the picture shown without its verdicts."""
@@ -129,31 +126,27 @@ class Judge:
     @property
     def is_late(self) -> bool:
         """Whether the judgement of one sample takes longer than a picture waits for it."""
-        return self.busy_for >= PATIENCE
+        return self._runner.is_late
 
     @property
     def busy_for(self) -> float:
         """Seconds since the judgement of a sample began; 0 while it waits for one."""
         return self._runner.busy_for
 
-    def _restart(self, gone: Watch | None) -> UserThread | None:
-        """Judge the newest sample again, in another thread if this one is in a function that is not wanted any more.
-
-        Returns that thread, to be ended once its watch is.
-        """
+    def _restart(self, gone: Watch | None) -> None:
+        """Judge the newest sample again, in another thread if this one is in a function that is not wanted any more."""
         self._seen = self._done = 0
         self._shot = None
         self._newest.changed = True
         is_in_it = gone is not None and self._runner.current is gone
-        left = self._leave_worker() if is_in_it or not self.watches else None
+        if is_in_it or not self.watches:
+            self._leave_worker()
         self._wake()
-        return left
 
-    def _leave_worker(self) -> UserThread | None:
-        """Have the worker go no further; returns it if it is in a function. Called with the lock."""
-        left = self._runner.leave()
+    def _leave_worker(self) -> None:
+        """Have the worker go no further. Called with the lock."""
+        self._runner.leave()
         self._newest.wake()
-        return left
 
     def _judge_newest(self, call: Call) -> float | None:
         """Judge the newest version that was not judged yet, if there is one."""
@@ -163,7 +156,7 @@ class Judge:
                 return None
             self._seen = newest.version
             shot, watches = newest.shot(), list(self.watches.values())
-        sample, error = call(self._to_judge, shot.sample, of=self)  # None, so unknown, where it raises
+        sample, error, _ = call(self._to_judge, shot.sample, of=self)  # None, so unknown, where it raises
         if error is not None:
             self._log(f"{self._widget.title}: {type(error).__name__}: {error}".strip())
         for watch in watches:
@@ -186,12 +179,5 @@ class Judge:
             return lamp
         text = ""
         if watch is self._runner.current:
-            text = f"takes {self.busy_for:.1f} s{self._runner.where(watch.condition)}"
+            text = f"has not returned for {self.busy_for:.1f} s{self._runner.where(watch.condition)}"
         return {**lamp, "state": "unknown", "text": text, "rays": []}
-
-
-def _end(thread: UserThread | None) -> None:
-    """End a thread that stays in a function."""
-    if thread is not None:
-        thread.join(PATIENCE)
-        thread.end()

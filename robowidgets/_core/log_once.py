@@ -37,7 +37,11 @@ def log_in_thread(text: str, error: BaseException | None = None) -> None:
 
     For threads that carry speeds: a handler of the log may hang, and zero must be sent all the same.
     """
-    write = partial(log.error, text, exc_info=error)
+    call_in_thread(partial(log.error, text, exc_info=error))
+
+
+def call_in_thread(write: Callable[[], object]) -> None:
+    """Call what writes a line, and may hang, in a thread of its own."""
     try:
         threading.Thread(target=write, name="robowidgets-log", daemon=True).start()
     except RuntimeError:  # Python 3.12 starts no thread at the end of the process

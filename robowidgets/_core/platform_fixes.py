@@ -222,15 +222,20 @@ def capture_prints(take: Callable[[str], bool]) -> None:
     if not ENABLED:
         return
     with _printing:
-        _takes[threading.get_ident()] = take
+        _takes[threading.current_thread()] = take
         if not isinstance(sys.stdout, _Router):
             sys.stdout = _router_of(sys.stdout)
 
 
 def release_prints() -> None:
-    """Undo `capture_prints` for the calling thread. After the last thread, ``sys.stdout`` is what it was."""
+    """Undo `capture_prints` for the calling thread, and for those that have ended.
+
+    After the last one, ``sys.stdout`` is what it was.
+    """
     with _printing:
-        _takes.pop(threading.get_ident(), None)
+        _takes.pop(threading.current_thread(), None)
+        for ended in [thread for thread in _takes if not thread.is_alive()]:
+            del _takes[ended]
         if not _takes and isinstance(sys.stdout, _Router):
             sys.stdout = sys.stdout.inner
 
@@ -243,7 +248,7 @@ class _Router:
 
     def write(self, text: str) -> int:
         """Write a text."""
-        take = _takes.get(threading.get_ident())
+        take = _takes.get(threading.current_thread())
         if take is not None and take(text):
             return len(text)
         written: int = self.inner.write(text)
@@ -261,7 +266,7 @@ def _router_of(stream: Any) -> _Router:
     return _routers[-1]
 
 
-_takes: dict[int, Callable[[str], bool]] = {}
+_takes: dict[threading.Thread, Callable[[str], bool]] = {}
 """By thread: what takes its prints."""
 _routers: deque[_Router] = deque(maxlen=50)
 """The last that were made, one for each stream. They stay, because ``print`` may hold no reference to ``sys.stdout``

@@ -5,7 +5,6 @@ from __future__ import annotations
 import ctypes
 import sys
 import threading
-import time
 import traceback
 from collections.abc import Callable
 from types import FrameType
@@ -45,13 +44,12 @@ class UserThread(threading.Thread):
         name: its name.
 
     Attributes:
-        abandoned_at: since when nobody waits for it any more, by the monotonic clock; what it runs may finish, but not
-            drive. None while somebody does.
+        is_abandoned: whether nobody waits for it any more: what it runs may finish, but not drive.
     """
 
     def __init__(self, target: Callable[[], None], name: str) -> None:
         super().__init__(target=target, name=name, daemon=True)
-        self.abandoned_at: float | None = None
+        self.is_abandoned = False
         self._ending = threading.Lock()
         self._is_over = False
 
@@ -65,7 +63,7 @@ class UserThread(threading.Thread):
 
     def abandon(self) -> None:
         """Note that nobody waits for it any more. A signal handler may call it."""
-        self.abandoned_at = self.abandoned_at or time.monotonic()
+        self.is_abandoned = True
 
     def end(self) -> None:
         """Raise SystemExit in it: that ends a loop, though not one call that waits for something outside Python."""
@@ -78,7 +76,7 @@ class UserThread(threading.Thread):
 def is_abandoned() -> bool:
     """Whether the calling thread is abandoned."""
     thread = threading.current_thread()
-    return isinstance(thread, UserThread) and thread.abandoned_at is not None
+    return isinstance(thread, UserThread) and thread.is_abandoned
 
 
 def why_refused(driven: Any) -> str:

@@ -5,23 +5,26 @@ from __future__ import annotations
 import logging
 import threading
 import time
-import traceback
 from collections.abc import Callable
 from contextvars import copy_context
 from dataclasses import replace
+from functools import partial
 from math import isnan
 from typing import Any
 
+from .._core.clock import Scheduler
+from .._core.clock import scheduler as threads
 from .._core.inform import inform
-from .._core.log_once import LogOnce
+from .._core.log_once import LogOnce, call_in_thread
 from .._core.observed import Observed
-from .._core.platform_fixes import capture_prints, release_prints, run_beside_debugger
+from .._core.platform_fixes import capture_prints, release_prints
+from .._core.policies import NO_RETURN, STEP
 from .._core.rate import RateMeter
+from .._core.runner import Call, Runner
 from .._core.short_traceback import without_our_frames
-from .._core.user_function import line_of, say_what_was_meant
-from .._core.user_threads import UserThread, frames_of
+from .._core.user_function import error_in
 from ..samples.state_span import spelled
-from .drive import STANDSTILL, drive_of
+from .drive import STANDSTILL, Drive, drive_of
 from .prints import Prints
 from .robot import DRIVEN, GIVEN, TURNED, DrivenRobot, NotReadyError
 from .step_clock import StepClock
@@ -30,23 +33,11 @@ from .version import Version
 
 log = logging.getLogger("robowidgets")
 
-TICK = 0.025
-"""Seconds between two looks at a step that has not returned."""
-
-LATEST_TICK = 0.1
-"""Seconds that a look counts at most: where it comes later, the whole process may have stood still."""
-
-HUNG = 0.45
-"""Seconds of looks without the return of a step, after which it counts as hung."""
-
 HELD = 1.0
 """Seconds without any look, in which the process worked, after which a step counts as one that held the GIL."""
 
 WORKS = 0.05
 """Seconds of processor time per second by which a process works whose threads wait for the GIL."""
-
-GRACE = 0.5
-"""Seconds after which an abandoned step that has not returned is ended."""
 
 PATIENCE = 1.0
 """Seconds after which the log says why a program does not drive."""
@@ -69,10 +60,14 @@ class Program(Observed):
     - Its time counts while it can make steps: not while it is paused, waits, or the process stands still.
     - The speed of a version that was replaced while it was at work is not sent.
 
+    A runner calls the steps, and looks at them; see `robowidgets._core.policies`. Whatever takes a step its right to
+    drive, stops the robot after that, never before: a step that was left cannot drive on.
+
     Args:
         name: its name.
         robot: the robot that it drives.
         variables: the variables of the robot.
+        scheduler: has the threads, and the time.
 
     Attributes:
         state: what it keeps from step to step and from version to version.
@@ -90,7 +85,7 @@ class Program(Observed):
         context: that of the cell which defined it last: so what it prints and logs appears below that cell.
     """
 
-    def __init__(self, name: str, robot: DrivenRobot, variables: Variables) -> None:
+    def __init__(self, name: str, robot: DrivenRobot, variables: Variables, scheduler: Scheduler = threads) -> None:
         super().__init__()
         self.name, self.state, self.variables = name, ProgramState(), variables
         self.version = Version(lambda: None, number=0)
@@ -103,29 +98,30 @@ class Program(Observed):
         """Whether a widget shows what it prints."""
         self._robot = robot
         self._lock = threading.RLock()
-        self._changed = threading.Condition(self._lock)
+        self._now = scheduler.clock.now
+        self._runner = Runner(
+            self._turn,
+            self._lock,
+            "robowidgets-program",
+            STEP,
+            on_look=self._look,
+            looks="robowidgets-monitor",
+            scheduler=scheduler,
+        )
         self._inputs = robot.listen(self._wake)
-        self._thread: UserThread | None = None
-        self._abandoned: list[UserThread] = []
-        """The threads that are to be ended, should they not return."""
-        self._monitor: threading.Thread | None = None
-        self._in_step = False
+        self._once = False
+        """Whether it is to make a single step."""
         self._fresh = False
         """Whether a message of the topic ``on`` came since the last step."""
-        self._is_silent = False
-        """Whether none came for so long that the program looks why."""
-        self._interrupted = False
-        self.clock = StepClock()
-        self._looked_at = self._unseen = 0.0
-        """The time of the last look at a step, and the seconds of this step for which there was none."""
-        self._step_began = 0.0
+        self.clock = StepClock(self._now)
         self._began: dict[str, float] = {}
         """What odometry said at the first step, for metres and radians since then."""
-        self._since = time.monotonic()
-        self._due = self._steps_a_second = 0.0
-        self._waiting_since = 0.0
+        self._since = self._now()
+        self._due = 0.0
+        """The time of the next step; of a program on a topic, that at which it says that no message comes."""
+        self._steps_a_second = self._waiting_since = 0.0
         self._rate = RateMeter()
-        self._log = LogOnce(log.warning)
+        self._log = LogOnce(partial(self._say, log.warning))
         self.context = copy_context()
 
     def __call__(self, *args: Any, **kwargs: Any) -> Any:
@@ -142,12 +138,12 @@ class Program(Observed):
     @property
     def rate(self) -> float:
         """Steps a second, measured."""
-        return 0.0 if isnan(self._steps_a_second) or self._thread is None else self._steps_a_second
+        return 0.0 if isnan(self._steps_a_second) or not self._runner.is_at_work else self._steps_a_second
 
     @property
     def since(self) -> float:
         """Seconds since this version is in force."""
-        return time.monotonic() - self._since
+        return self._now() - self._since
 
     # -- what a person asks for ----------------------------------------------------------------------------------------
 
@@ -158,21 +154,20 @@ class Program(Observed):
             wanted = {name: version.topics.get(name) for name in version.asks_for if name not in GIVEN}
             self._inputs.choose(wanted, version.on)
         with self._lock:
-            self.version, self._since = version, time.monotonic()
-            self._due = min(self._due, self._since + 1 / version.rate)
+            self.version, self._since = version, self._now()
+            self._due = self._since + SILENCE if version.on else min(self._due, self._since + 1 / version.rate)
             self.error = self.note = self.waiting = ""
-            self._log = LogOnce(log.warning)
+            self._log = LogOnce(partial(self._say, log.warning))
             self.context = copy_context()
-            if self._thread is None or self._in_step or self.mode != RUNNING:
+            if self._runner.current is not None or self.mode != RUNNING:
                 self._leave()
-                self._start()
-            self._changed.notify_all()
+            self._start()
         self._call_observers()
 
     def run(self) -> None:
         """Go on, after a pause or an error."""
         with self._lock:
-            if self._thread is None and self.mode != ENDED:
+            if not self._runner.is_at_work and self.mode != ENDED:
                 self.error = self.note = ""
                 self._start()
         self._call_observers()
@@ -188,11 +183,10 @@ class Program(Observed):
             self._leave()
             if hasattr(self.version.function, "fresh"):
                 self.version = replace(self.version, function=self.version.function.fresh())
-            self.state, self.clock, self._began, self.prints = ProgramState(), StepClock(), {}, Prints()
+            self.state, self.clock, self._began, self.prints = ProgramState(), StepClock(self._now), {}, Prints()
             self.error = self.note = self.waiting = ""
             self._stand_still()
             self._start()
-            self._changed.notify_all()
         self._call_observers()
 
     def go_to(self, state: str) -> None:
@@ -217,7 +211,7 @@ class Program(Observed):
     def step(self) -> None:
         """Make one step, while it is paused; its speed holds for the hold of the robot, at most."""
         with self._lock:
-            if self._thread is None and self.mode != ENDED:
+            if not self._runner.is_at_work and self.mode != ENDED:
                 self.error = self.note = ""
                 self._start(once=True)
         self._call_observers()
@@ -232,10 +226,7 @@ class Program(Observed):
 
     def interrupt(self) -> None:
         """Stop the robot now, and pause in a moment. For a signal handler: it takes no lock of the program."""
-        thread = self._thread
-        if thread is not None:
-            self._interrupted = True
-            thread.abandon()
+        if self._runner.interrupt():
             self._robot.halt()
 
     # -- within --------------------------------------------------------------------------------------------------------
@@ -247,174 +238,153 @@ class Program(Observed):
     def _wake(self) -> None:
         with self._lock:
             self._fresh = True
-            self._changed.notify_all()
+            if self._runner.is_at_work:
+                self._runner.wake()
 
     def _start(self, *, once: bool = False) -> None:
-        """Start a thread for the steps. Called with the lock held."""
-        self.mode, self._interrupted, self._in_step = PAUSED if once else RUNNING, False, False
-        self._due = time.monotonic()
-        self._thread = UserThread(lambda: self._run(once), "robowidgets-program")
-        self._thread.start()
-        if self._monitor is None:
-            self._monitor = threading.Thread(target=self._watch_steps, name="robowidgets-monitor", daemon=True)
-            run_beside_debugger(self._monitor)
-            self._monitor.start()
+        """Make steps from now on. Called with the lock held."""
+        if not self._runner.is_at_work:
+            self._due = self._now() + (SILENCE if self.version.on else 0.0)
+        self._once = once
+        self._runner.wake()
+        self.mode = PAUSED if once else RUNNING
 
     def _leave(self) -> None:
-        """Let go of the thread: a step that it is in may finish, but not drive. Called with the lock held."""
-        if self._thread is not None and self._thread is not threading.current_thread():
-            self._thread.abandon()
-            self._abandoned.append(self._thread)
-        self._thread, self._in_step = None, False
+        """Make no more steps: one that is under way may finish, but not drive. Called with the lock held."""
+        self._runner.leave(itself=True)
 
-    def _end(self, mode: str, note: str = "", error: str = "") -> None:
+    def _end(self, mode: str, note: str = "", error: str = "", run: object = None) -> bool:
+        """Make no more steps, and then stop the robot; returns False where it has ended, or this run of it is over."""
         with self._lock:
-            if self.mode == ENDED:
-                return
+            if self.mode == ENDED or run not in (None, self._runner.run):
+                return False
             self._leave()
             self.clock.stop()
             self.mode, self.error, self.waiting = mode, error, ""
             self.note = note or self.note
             self._stand_still()
-            self._changed.notify_all()
         self._robot.halt()
         self._call_observers()
+        return True
 
-    def _run(self, once: bool) -> None:
-        """Make steps until another thread takes over. In the thread of the program."""
-        me = threading.current_thread()
-        try:
-            while self._wait(me):
-                capture_prints(self._take_print)
-                version, values = self._prepare()
-                if values is not None and not self._step(me, version, values):
-                    return
-                if once:
-                    with self._lock:
-                        if self._thread is me:
-                            self.clock.stop(1 / version.rate if values is not None else 0.0)
-                            self._leave()
-                    self._call_observers()
-                    return
-        except Exception as failure:  # in a step of the user's they are caught; here no thread may end without a word
-            error = f"{type(failure).__name__}: {failure}"
-            if self._thread is me:
-                self._end(FAILED, error=error)
-            self._log_error(error, failure)
-        finally:
-            release_prints()
-
-    def _wait(self, me: threading.Thread) -> bool:
-        """Wait for the time, message or silence of the next step; returns whether the thread is still wanted."""
+    def _turn(self, call: Call) -> float:
+        """Make a step if one is due; returns when to do this again. In a thread of the runner."""
+        run = self._runner.run
         with self._lock:
-            self._is_silent = False
-            while self._thread is me and not self._interrupted:
-                if self.version.on is None:
-                    now = time.monotonic()
-                    if now >= self._due:
-                        self._due = max(self._due + 1 / self.version.rate, now)
-                        return True
-                    self._changed.wait(self._due - now)
-                elif self._fresh:
-                    self._fresh = False
-                    return True
-                elif not self._changed.wait(SILENCE):
-                    self._is_silent = True
-                    return True
-            return False
+            version, now = self.version, self._now()
+            is_fresh, self._fresh = version.on is not None and self._fresh, False
+            if now < self._due and not is_fresh:
+                return self._due
+            if version.on is None:
+                self._due = max(self._due + 1 / version.rate, now)
+        capture_prints(self._take_print)
+        is_silent = version.on is not None and not is_fresh
+        values, error, _ = call(self._prepare, version, is_silent, of=self)
+        if isinstance(error, NotReadyError):
+            self._hold_back(str(error), run)
+        elif error is not None:  # of ours: no thread may end without a word
+            self._fail(f"{type(error).__name__}: {error}", error, run)
+        elif values is not None:
+            self._step(call, version, values, run)
+        with self._lock:
+            if self._runner.run is not run:
+                return now  # the runner ends this thread
+            once = self._once
+            if once:
+                self.clock.stop(1 / version.rate if values is not None else 0.0)
+                self._leave()
+            if self.version.on is not None:
+                self._due = self._now() + SILENCE
+            due = self._due
+        if once:
+            self._call_observers()
+        return due
 
-    def _prepare(self) -> tuple[Version, dict[str, Any] | None]:
-        """The version to call and its arguments; None while it cannot step."""
-        version = self.version
+    def _prepare(self, version: Version, is_silent: bool) -> dict[str, Any] | None:
+        """The arguments of a step, which begins now. NotReadyError where none can be made."""
         if self._robot.is_stopped():
-            self.clock.stop()
-            self._stand_still()
-            self._set_waiting("stop is latched")
-            return version, None
-        try:
-            if self._is_silent and version.on is not None:
-                raise NotReadyError(self._inputs.why_silent(version.on))
-            values = self._inputs.take()
-        except NotReadyError as error:
-            self.clock.stop()
-            self._robot.halt()
-            self._stand_still()
-            self._set_waiting(str(error))
-            return version, None
+            raise NotReadyError("stop is latched")
+        if is_silent and version.on is not None:
+            raise NotReadyError(self._inputs.why_silent(version.on))
+        values = self._inputs.take()
         for name in (DRIVEN, TURNED):
             if name in values:
                 values[name] -= self._began.setdefault(name, values[name])
         values.update(time=self.clock.start(), state=self.state, variables=self.variables)
-        try:
-            return version, {name: values[name] for name in version.asks_for}
-        except KeyError:
-            return version, None  # the next version has chosen other samples, and is in force in a moment
+        if not values.keys() >= {*version.asks_for}:
+            return None  # the next version has chosen other samples, and is in force in a moment
+        return {name: values[name] for name in version.asks_for}
 
-    def _step(self, me: threading.Thread, version: Version, values: dict[str, Any]) -> bool:
-        """Make one step; returns whether this thread is still wanted."""
+    def _hold_back(self, why: str, run: object) -> None:
+        """Make no step now, for a reason, and stop the robot, unless Stop has done so."""
         with self._lock:
-            if self._thread is not me:
-                return False
-            if self.version is not version:
-                return True
-            self._in_step = True
-            self.steps += 1
-            self._unseen, self._step_began = 0.0, time.monotonic()
+            if self._runner.run is not run:
+                return
+            self.clock.stop()
+            self._stand_still()
+        if not self._robot.is_stopped():
+            self._robot.halt()
+        self._set_waiting(why, run)
+
+    def _step(self, call: Call, version: Version, values: dict[str, Any], run: object) -> None:
+        """Make a step, and drive."""
         began, worked = time.perf_counter(), time.process_time()
-        error, raised = "", None
-        try:
-            result = self._in_cell(version.function, **values)
-            drive = drive_of(result, self.returned)
-        except BaseException as failure:  # not even a SystemExit may end the thread without a word
-            line = line_of(_code_of(version.function), traceback.walk_tb(failure.__traceback__)).removeprefix(", ")
-            say_what_was_meant(failure)
-            error, raised = f"{line or self.name}: {type(failure).__name__}: {failure}", failure
+        made, error, unseen = call(self._make, version, values, run, of=self)
         passed, worked = time.perf_counter() - began, time.process_time() - worked
+        self.step_time = passed
+        if error is not None:
+            self._fail(error_in(error, f"{self.name}: "), error, run)
+            return
+        # Where the process did not work, it was suspended: a step is not to blame, and the next one is due.
+        if unseen >= HELD and worked >= WORKS * unseen:
+            held = (
+                f"{self.name}: a step took {passed:.1f} s, in which it, or another thread, held the GIL: "
+                "nothing else could run, and zero came late"
+            )
+            self._fail(held, None, run)
+            return
+        if made is None:
+            return
         with self._lock:
-            if self._thread is not me:
-                return False
-            self._look_at_step()
-            # Where the process did not work, it was suspended: a step is not to blame, and the next one is due.
-            if not error and self._unseen >= HELD and worked >= WORKS * self._unseen:
-                error = (
-                    f"{self.name}: a step took {passed:.1f} s, in which it, or another thread, held the GIL: "
-                    "nothing else could run, and zero came late"
-                )
-            self._in_step, self.step_time = False, passed
-            if not error:
-                self.returned, self.kept, self.error = drive, result is None, ""
-                self._steps_a_second = self._rate.rate(self.steps, time.monotonic())
-        if error:
-            self._end(FAILED, error=error)
-            self._log_error(error, raised)  # after zero, as every log: it may hang
-            return False
+            if self._runner.run is not run:
+                return
+            (drive, self.kept), self.error = made, ""
+            self.returned = drive
+            self._steps_a_second = self._rate.rate(self.steps, self._now())
         # Without the lock, so that whoever stops the program never waits for the robot. They abandon this thread before
         # they stop the robot, and the robot refuses an abandoned thread.
-        refused = self._robot.drive(drive.linear, drive.angular, drive.lateral)
-        if self._thread is not me or self._interrupted:
-            return False
+        refused, error, _ = call(self._robot.drive, drive.linear, drive.angular, drive.lateral, of=self)
+        if error is not None:
+            self._fail(f"{type(error).__name__}: {error}", error, run)
+            return
         if refused:
             self._robot.halt()
-        self._set_waiting(refused)
+        self._set_waiting(refused, run)
         self._call_observers()
-        return True
 
-    def _look_at_step(self) -> float:
-        """Note the time, and for how long this step was not looked at before. Called with the lock held."""
-        now = time.monotonic()
-        if self._in_step:
-            self._unseen += max(0.0, now - max(self._looked_at, self._step_began) - LATEST_TICK)
-        self._looked_at = now
-        return now
+    def _make(self, version: Version, values: dict[str, Any], run: object) -> tuple[Drive, bool] | None:
+        """Call the function: its speed, and whether it keeps the one before; None where it is not wanted any more."""
+        with self._lock:
+            if self._runner.run is not run or self.version is not version:
+                return None
+            self.steps += 1
+        result = self._in_cell(version.function, **values)
+        return drive_of(result, self.returned), result is None
+
+    def _fail(self, error: str, raised: BaseException | None, run: object) -> None:
+        if self._end(FAILED, error=error, run=run):
+            self._log_error(error, raised)  # after zero, as every log: it may hang
 
     def _stand_still(self) -> None:
         """What a step that returns None keeps is a standstill from now on."""
         self.returned, self.kept = STANDSTILL, False
 
-    def _set_waiting(self, why: str) -> None:
-        if why != self.waiting:
-            self.waiting, self._waiting_since = why, time.monotonic()
-            self._call_observers()
+    def _set_waiting(self, why: str, run: object) -> None:
+        with self._lock:
+            if why == self.waiting or self._runner.run is not run:
+                return
+            self.waiting, self._waiting_since = why, self._now()
+        self._call_observers()
 
     def _in_cell(self, call: Callable[..., Any], *args: Any, **kwargs: Any) -> Any:
         """Call a function such that what it prints and logs appears below the cell of the program."""
@@ -428,44 +398,34 @@ class Program(Observed):
         self.prints.add(text, self.clock.look())
         return self.has_view
 
-    def _watch_steps(self) -> None:
-        """Find steps that do not return, interrupts, and a deleted robot. In a thread of its own, while it runs."""
-        passed, seen, self._looked_at = 0.0, -1, time.monotonic()
-        while True:
-            time.sleep(TICK)
-            self.clock.look()
-            with self._lock:
-                before, looked_at = self._looked_at, self._look_at_step()
-                thread, steps = self._thread, self.steps
-                late = [one for one in self._abandoned if looked_at > (one.abandoned_at or looked_at) + GRACE]
-                self._abandoned = [one for one in self._abandoned if one not in late and one.is_alive()]
-                for one in late:
-                    one.end()
-                if thread is None and not self._interrupted and not self._abandoned:
-                    self._monitor = None
-                    return
-                passed = passed + min(looked_at - before, LATEST_TICK) if self._in_step and steps == seen else 0.0
-                seen = steps
-                is_hung = passed >= HUNG
-                waiting = self.waiting if time.monotonic() - self._waiting_since > PATIENCE else ""
-                where = (
-                    line_of(_code_of(self.version.function), frames_of(thread)).removeprefix(", ") if is_hung else ""
-                )
-            if self._interrupted:
-                self._interrupted = False
-                note = "paused, because the kernel was interrupted"
-                self.pause(note)
-                self._in_cell(inform, f"program {self.name}: {note}")
-            elif thread is not None and self._robot.is_gone():
-                note = "ended, because its robot was deleted"
-                self.close(note)
-                self._in_cell(inform, f"program {self.name}: {note}")
-            elif is_hung:
-                error = f"{where or self.name}: a step has not returned for half a second, and was abandoned"
-                self._end(FAILED, error=error)
-                self._in_cell(self._log, f"program {self.name}: {error}")
-            elif waiting:
-                self._in_cell(self._log, f"program {self.name}: {waiting}")
+    def _say(self, write: Callable[[str], object], text: str) -> None:
+        """Write a line below the cell of the program. Not in the thread of the looks, which a log may not hold up."""
+        call_in_thread(partial(self.context.copy().run, write, f"program {self.name}: {text}"))
+
+    def _look(self) -> None:
+        """Find a step that is late, an interrupt, and a deleted robot. In the thread of the looks."""
+        self.clock.look()
+        runner = self._runner
+        with self._lock:
+            run, is_late = runner.run, runner.is_late
+            where = runner.where(_code_of(self.version.function)).removeprefix(", ") if is_late else ""
+            waiting = self.waiting if self._now() - self._waiting_since > PATIENCE else ""
+        if run is None:
+            release_prints()
+        elif runner.is_interrupted:
+            note = "paused, because the kernel was interrupted"
+            self.pause(note)
+            self._say(inform, note)
+        elif self._robot.is_gone():
+            note = "ended, because its robot was deleted"
+            self.close(note)
+            self._say(inform, note)
+        elif is_late:
+            error = f"{where or self.name}: {NO_RETURN}"
+            if self._end(FAILED, error=error, run=run):
+                self._log(error)
+        elif waiting:
+            self._log(waiting)
 
 
 def _code_of(function: Callable[..., Any]) -> Callable[..., Any]:

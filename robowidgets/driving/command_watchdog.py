@@ -35,6 +35,9 @@ ZERO = Velocity()
 HOLD = 0.5
 """Seconds for which a speed holds unless it is renewed."""
 
+MAX_LINEAR, MAX_ANGULAR = 0.5, 1.0
+"""Limits for which nobody gave others, m/s and rad/s."""
+
 INTERVAL = 0.02
 """Shortest time between two speeds, in seconds; zero is sent at once."""
 

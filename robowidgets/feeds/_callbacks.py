@@ -17,6 +17,7 @@ from .._core.cells import CellRun, is_same_cell, on_cell_error, running_cell
 from .._core.clock import Scheduler
 from .._core.clock import scheduler as threads
 from .._core.log_once import LogOnce
+from .._core.policies import FUNCTION
 from .._core.runner import Call, Runner
 from .._core.short_traceback import without_our_frames
 from .._core.tables import Table
@@ -28,9 +29,6 @@ from ..samples.age import note_arrival
 from ._topics import FeedTopic, queue_length, sample_of
 
 log = logging.getLogger("robowidgets")
-
-SLOW = 1.0
-"""Seconds after which a function that has not returned is named on the widgets."""
 
 CLOSING = 0.2
 """Seconds for which closing waits for a running function."""
@@ -102,7 +100,7 @@ class FunctionCaller:
             self._call_next,
             self._lock,
             "robowidgets-functions",
-            look=SLOW,
+            FUNCTION,
             on_look=self._show_slow,
             scheduler=scheduler,
         )
@@ -194,7 +192,7 @@ class FunctionCaller:
         """Show the seconds for which a function has not returned, or that it has."""
         function, before = self._runner.current, self._slow_topic
         entered = function.entered if isinstance(function, ConnectedFunction) else None
-        is_slow = entered is not None and self._now() - entered >= SLOW
+        is_slow = entered is not None and self._now() - entered >= FUNCTION.late
         self._slow_topic = function.topic if isinstance(function, ConnectedFunction) and is_slow else ""
         for topic in {before, self._slow_topic} - {""}:
             self._on_change(topic)
@@ -202,7 +200,7 @@ class FunctionCaller:
     def _status(self, function: ConnectedFunction) -> str:
         entered = function.entered
         passed = self._now() - entered if entered is not None else 0.0
-        if passed < SLOW:
+        if passed < FUNCTION.late:
             return function.problem
         where = self._runner.where(function.call)
         return f"your function `{function.name}`{where}, has not returned for {passed:.0f} s"

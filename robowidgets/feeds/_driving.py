@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from .._core.limit_traits import is_past
 from .._core.log_once import LogOnce
-from ..driving.command_watchdog import HOLD, Velocity
+from ..driving.command_watchdog import HOLD, MAX_ANGULAR, MAX_LINEAR, Velocity
 from ..kinds import is_command
 from ..messages.standard import TWIST, TWIST_STAMPED
 from ..samples.checks import OF_DEGREES, finite, is_angle
@@ -43,8 +43,8 @@ class Driving:
     """
 
     topic: str | None = None
-    max_linear: float = 0.5
-    max_angular: float = 1.0
+    max_linear: float = MAX_LINEAR
+    max_angular: float = MAX_ANGULAR
     hold: float = HOLD
     needs_page: bool = False
     max_lateral: float = 0.0

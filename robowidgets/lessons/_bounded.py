@@ -9,14 +9,11 @@ from math import inf
 from typing import Any
 
 from .._core.platform_fixes import capture_prints, release_prints
+from .._core.policies import ANSWER, NO_RETURN
 from .._core.user_function import error_in, line_of
 from .._core.user_threads import UserThread, frames_of
 from ..behaviors.prints import Prints
-from ..behaviors.program import HUNG, LATEST_TICK, TICK
 from ..samples.hints import hearing
-
-LIMIT_S = HUNG
-"""Seconds that one call may take, as on a live robot."""
 
 CASE_S = 10.0
 """Seconds that all calls of a case may take together."""
@@ -91,19 +88,19 @@ class Bounded:
         self._calls += 1
         thread.start()
         is_over = False
-        while passed < LIMIT_S and not is_over:
-            thread.join(TICK)
+        while passed < ANSWER.late and not is_over:
+            thread.join(ANSWER.look)
             is_over = not thread.is_alive()
             before, looked_at = looked_at, self._clock()
-            passed += min(looked_at - before, LATEST_TICK)  # later looks: the whole process may have stood still
+            passed += min(looked_at - before, ANSWER.most)
         self._passed += passed
         if not is_over:
             at_work = getattr(function, "current", function)  # of a state machine: the function of the user
             line = line_of(at_work, frames_of(thread)).removeprefix(", ")
             thread.end()  # it would take the processor from all others
-            thread.join(0.5)
+            thread.join(ANSWER.grace)
             where = f"{line}: " if line else ""
-            raise BrokenError(f"{where}a step has not returned for half a second, and was abandoned{_AT_ONCE}")
+            raise BrokenError(f"{where}{NO_RETURN}{_AT_ONCE}")
         if self._passed > CASE_S:
             each = self._passed / self._calls
             raise BrokenError(f"its {self._calls} steps took {CASE_S:g} s, {each:.2g} s each{_AT_ONCE}")

@@ -8,12 +8,16 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ..driving.command_watchdog import MAX_ANGULAR, MAX_LINEAR
 from ..samples import Pose, Scan
 from ..samples.sector import Asked
-from ..simulator import Robot
+from ..simulator import Motors, Robot
 from ._bounded import WrongError, beyond, call, number
 
 Answer = Callable[..., Any]
+
+MOTORS = Motors(max_linear=MAX_LINEAR, max_angular=MAX_ANGULAR)
+"""Of the robots that answers drive: faster speeds are cut as on a live robot."""
 
 _EXACT_M = 0.02
 _SAME_M = 0.001

@@ -13,7 +13,7 @@ from ..behaviors.simulation import simulate
 from ..samples import Scan
 from ..simulator import Robot, Scanner, World
 from ._bounded import BrokenError, WrongError, beyond
-from ._case import Answer, Case, check_rest, nearest_in, touches, why_hit
+from ._case import MOTORS, Answer, Case, check_rest, nearest_in, touches, why_hit
 
 _WALL_AHEAD = (2.5, -4.0, 2.5, 4.0)
 
@@ -55,7 +55,7 @@ def stop_before_wall() -> Sequence[Case]:
 
 def _stop(title: str, world: World, ahead: float) -> Case:
     def judge(answer: Answer) -> None:
-        robot = Robot(world, seed=12)
+        robot = Robot(world, motors=MOTORS, seed=12)
         start = robot.pose
         for _ in _steps(answer, robot, 25):
             if touches(robot):
@@ -81,7 +81,7 @@ def _blind(title: str, seconds: float = 0.0) -> Case:
     world = World([_WALL_AHEAD])
 
     def covered() -> _Covered:
-        robot = _Covered(world, seed=13)
+        robot = _Covered(world, motors=MOTORS, seed=13)
         robot.is_covered = not seconds
         return robot
 
@@ -114,7 +114,7 @@ def follow_wall() -> Sequence[Case]:
 
 def _follow(title: str, world: World, seconds: float) -> Case:
     def judge(answer: Answer) -> None:
-        robot = Robot(world, seed=14)
+        robot = Robot(world, motors=MOTORS, seed=14)
         way, before, arrived = 0.0, robot.pose, inf
         for _ in _steps(answer, robot, seconds):
             distance = world.clearance(*robot.pose[:2])
@@ -155,7 +155,7 @@ class _Overlooked(Robot):
     """A robot whose scanner looks over the obstacles, which are lower."""
 
     def __init__(self, world: World, obstacle: tuple[float, float, float]) -> None:
-        super().__init__(world.with_obstacles([obstacle]), seed=15)
+        super().__init__(world.with_obstacles([obstacle]), motors=MOTORS, seed=15)
         self._eyes = Robot(world, seed=15)
 
     def scan(self) -> Scan:

@@ -12,7 +12,7 @@ import numpy as np
 from ..samples import Scan, Touch, TouchMode
 from ..simulator import Robot, Scanner, World
 from ._bounded import WrongError, call, number, pair, yes_or_no
-from ._case import Answer, Case, check_rest, nearest_in, touches, why_hit
+from ._case import MOTORS, Answer, Case, check_rest, nearest_in, touches, why_hit
 
 _STEP_S = 0.1
 
@@ -124,7 +124,7 @@ def _drive(robot: Robot, answer: Answer) -> None:
 
 def _stop(title: str, world: World, ahead: float) -> Case:
     def judge(answer: Answer) -> None:
-        robot = Robot(world, seed=9)
+        robot = Robot(world, motors=MOTORS, seed=9)
         start = robot.pose
         while robot.time < 25:
             _drive(robot, answer)
@@ -213,7 +213,7 @@ def _doorway(title: str, world: World, *, has_door: bool) -> Case:
     at_door = Robot(world, (0.0, 0.0, 0.0), seed=10).scan()
 
     def judge(answer: Answer) -> None:
-        robot = Robot(world, (-3.0, 0.0, 0.0), seed=10)
+        robot = Robot(world, (-3.0, 0.0, 0.0), motors=MOTORS, seed=10)
         fastest_inside, slowest_outside = 0.0, inf
         while robot.pose.x < 2.5:
             if robot.time > 40:

@@ -98,6 +98,13 @@ class ManualClock:
                 self._now = max(self._now, due[0])
             due[2].wake()
 
+    def stand_still(self, seconds: float, hangs: tuple[str, ...] = ()) -> None:
+        """Let time pass while the process stands still: whoever waits is late, each by as much."""
+        self.settle(hangs)
+        with self._lock:
+            self._now += seconds
+        self.advance(hangs=hangs)
+
     def settle(self, hangs: tuple[str, ...] = ()) -> None:
         """Wait until no thread that this clock knows is at work."""
         until = time.monotonic() + 20.0

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import json
 import linecache
 import re
@@ -61,7 +62,7 @@ class NotedLock:
 
     def _note(self) -> None:
         held = _held.__dict__.setdefault("names", [])
-        if self._name not in held:
+        if self._name not in held and not getattr(_held, "collects", False):
             for outer in dict.fromkeys(held):
                 edges.setdefault((outer, self._name), threading.current_thread().name)
         held.append(self._name)
@@ -90,9 +91,15 @@ def _owner(frame: FrameType) -> str:
     return ""
 
 
+def _on_collection(phase: str, _info: object) -> None:
+    """While the garbage collector runs, which may close a widget under any lock, nothing is noted in its thread."""
+    _held.collects = phase == "start"
+
+
 def install() -> None:
     """Have robowidgets, which is not imported yet, make locks that are noted."""
     assert "robowidgets" not in sys.modules
+    gc.callbacks.append(_on_collection)
     threading.Lock, threading.RLock = _noted("Lock"), _noted("RLock")  # type: ignore[misc, assignment]
 
 

@@ -266,7 +266,7 @@ class TestPrograms:
             ("follow_wall", stop, "turn left, and drive on"),
             ("follow_wall", lambda: Drive(0.01), "it has not come to the wall"),
             ("follow_wall", lambda scan: Drive(0.2) if ahead(scan) > 0.5 else Drive(0, 1.0), "turn left where it is"),
-            ("follow_wall", lambda time: Drive(0.2) if not 9.5 < time < 11 else Drive(0, 1.5), "turn right where it"),
+            ("follow_wall", lambda time: Drive(0.2) if not 9.5 < time < 11.75 else Drive(0, 1), "turn right where it"),
             ("back_off", follow, "it still pushes 1 s after"),
             ("back_off", back_alone, "for the fourth time"),
             ("back_off", lambda time: Drive(0.2 if time < 4 else 0.0), "it did not come to the box"),
@@ -292,6 +292,13 @@ class TestPrograms:
             program = robot.program(answer)
             assert lessons.check(program, "stop_before_wall")
             assert program.mode == "running"
+
+    def test_a_speed_beyond_the_limits_of_a_live_robot_is_cut_as_there(self) -> None:
+        def fast(scan: Scan) -> Drive:  # from 1.2 m/s, the most that the motors can, it would take 0.7 m to stop
+            return Drive(9.0) if scan.distance("front") > 0.66 else Drive()
+
+        result = lessons.check(fast, "stop_before_wall")
+        assert not [line for line in result.wrong if "it hit" in line], result
 
     def test_an_endless_loop_is_given_up_with_its_line(self) -> None:
         class Waits:

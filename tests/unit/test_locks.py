@@ -16,6 +16,10 @@ INTERRUPTED = """
 import os, random, signal, threading, time
 from robowidgets._core.coalesced_call import CoalescedCall
 from robowidgets._core.pacer import Pacer
+from robowidgets.behaviors.program import Program
+from robowidgets.behaviors.robot import DrivenRobot
+from robowidgets.behaviors.variables import Variables
+from robowidgets.behaviors.version import Version
 from robowidgets.driving.command_watchdog import CommandWatchdog, Velocity
 
 class Sender:
@@ -27,6 +31,33 @@ class Sender:
 
 watchdog = CommandWatchdog(lambda *_: None)
 pacer, sender = Pacer(), Sender()
+class Inputs:
+    choose = close = lambda *_: None
+    take = dict
+
+no = lambda: False
+robot = DrivenRobot("robot", no, no, lambda _wake: Inputs(), lambda *_: "", lambda: None)
+program = Program("go", robot, Variables())
+again = Version(lambda: None, rate=200)
+
+def steps():
+    program.pause()
+    program.replace(again)
+    before, deadline = program.steps, time.monotonic() + 20
+    while program.steps <= before + 1:
+        assert time.monotonic() < deadline, program
+        time.sleep(0.001)
+    return True
+
+def rests():
+    if program._runner.is_at_work:
+        program.pause()
+    deadline = time.monotonic() + 20
+    while any(one.name == "robowidgets-program" for one in threading.enumerate()):
+        assert time.monotonic() < deadline, "a step goes on of which nobody knows"
+        time.sleep(0.001)
+    return True
+
 calls = []
 call = CoalescedCall(lambda: calls.append(1))
 began = threading.Event()
@@ -51,6 +82,7 @@ LOOPS = {
     "drive": ("watchdog.drive(Velocity(0.3), hold=60.0)", "watchdog.sent_in_time(watchdog.stop())"),
     "flush": ("pacer.flush()", "sender.was_sent.clear(); pacer.mark(sender); assert sender.was_sent.wait(5.0)"),
     "call": ("call()", "calls.clear(); call(); assert calls"),
+    "program": ("program.replace(again); program.pause()", "assert rests(); assert steps()"),
 }
 """A step of a loop, and what still works after an interrupt anywhere in it."""
 MODULES = {str(path.relative_to(ROOT)): path for path in sorted(ROOT.rglob("*.py"))}

@@ -116,7 +116,7 @@ def test_the_page_pauses_steps_runs_and_sets_variables(robot: Feed, widget: Prog
     hear(widget, act="stop")
     assert robot.stopped
     hear(widget, act="allow")
-    wait_for(lambda: go._thread is None, "the single step is over")
+    wait_for(lambda: not go._runner.is_at_work, "the single step is over")
     hear(widget, program="run")
     wait_for(lambda: go.mode == "running" and go.steps > steps + 2, "it runs")
 

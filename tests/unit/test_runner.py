@@ -9,13 +9,15 @@ from typing import Any
 import pytest
 
 from robowidgets._core.clock import Threads
+from robowidgets._core.policies import Policy
 from robowidgets._core.runner import LINGER, Call, Outcome, Runner
-from robowidgets._core.user_threads import is_abandoned
+from robowidgets._core.user_threads import UserThread, is_abandoned
 
 from .clocks import ManualClock
 from .waiting import wait_for
 
 NAME = "robowidgets-test"
+POLICY = Policy(late=0.1, look=0.1)
 
 
 class Owner:
@@ -28,7 +30,7 @@ class Owner:
         self.outcomes: list[Outcome] = []
         self.looks: list[tuple[float, float]] = []
         self.gates: list[threading.Event] = []
-        self.runner = Runner(self.turn, self.lock, NAME, look=0.1, on_look=self.look, scheduler=self.threads)
+        self.runner = Runner(self.turn, self.lock, NAME, POLICY, on_look=self.look, scheduler=self.threads)
 
     def turn(self, call: Call) -> float | None:
         with self.lock:
@@ -148,3 +150,83 @@ def test_it_tells_the_line_at_which_a_function_hangs(owner: Owner) -> None:
     wait_for(lambda: owner.runner.where(wait_here), "it is at its line")
     line = wait_here.__code__.co_firstlineno + 1
     assert owner.runner.where(wait_here) == f", line {line}"
+
+
+def test_a_function_that_was_left_is_ended_when_its_grace_is_over_and_one_that_returned_is_not(
+    owner: Owner, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    ends: list[float] = []
+    monkeypatch.setattr(UserThread, "end", lambda _thread: ends.append(round(owner.clock.now(), 6)))
+    owner.runner._policy = POLICY._replace(grace=0.35)
+    owner.run(owner.hang())
+    owner.settle_hung()
+    owner.runner.leave()
+    owner.clock.advance(1.0, hangs=(NAME,))
+    assert ends == [1000.35]
+    owner.run(owner.hang())
+    owner.settle_hung()
+    owner.runner.leave()
+    for gate in owner.gates:
+        gate.set()
+    owner.clock.advance(1.0)
+    assert ends == [1000.35]
+
+
+def test_a_turn_may_leave_itself_and_the_next_one_is_in_another_thread(owner: Owner) -> None:
+    threads: list[threading.Thread] = []
+
+    def leave() -> bool:
+        threads.append(threading.current_thread())
+        owner.runner.leave(itself=True)
+        owner.runner.wake()
+        return is_abandoned()
+
+    owner.run(leave, lambda: threads.append(threading.current_thread()))
+    owner.clock.settle()
+    assert owner.outcomes == [Outcome(None, None)], "what it returned is not taken"
+    assert len(set(threads)) == 2
+
+
+def test_an_interrupt_takes_no_lock_and_no_turn_follows_until_it_is_left_and_woken(owner: Owner) -> None:
+    told: list[bool] = []
+    hangs = owner.hang()
+    owner.run(lambda: told.append(hangs()), lambda: 2)
+    owner.settle_hung()
+    is_held, release = threading.Event(), threading.Event()
+
+    def hold() -> None:
+        with owner.lock:
+            is_held.set()
+            release.wait(20)
+
+    holder = threading.Thread(target=hold)
+    holder.start()
+    assert is_held.wait(20)
+    assert owner.runner.interrupt()
+    release.set()
+    holder.join()
+    owner.gates[0].set()
+    wait_for(lambda: told == [True], "what was at work is abandoned")
+    owner.clock.settle()
+    owner.runner.wake()
+    owner.clock.settle()
+    assert not owner.outcomes
+    owner.runner.leave()
+    assert not owner.runner.interrupt()
+    owner.runner.wake()
+    owner.clock.settle()
+    assert owner.outcomes == [Outcome(2, None)]
+
+
+def test_a_gap_between_looks_counts_as_the_policy_says_and_the_rest_was_unseen(owner: Owner) -> None:
+    owner.runner._policy = POLICY._replace(late=0.3, most=0.2)
+    owner.run(owner.hang())
+    owner.settle_hung()
+    owner.clock.stand_still(100.0, hangs=(NAME,))
+    assert owner.runner.busy_for == pytest.approx(0.2)
+    assert not owner.runner.is_late
+    owner.clock.advance(0.1, hangs=(NAME,))
+    assert owner.runner.is_late
+    owner.gates[0].set()
+    owner.clock.settle()
+    assert owner.outcomes[0].unseen == pytest.approx(99.8)

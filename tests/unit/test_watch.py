@@ -92,7 +92,8 @@ class TestLamp:
         show(laser, 0.4)
         wait_for(lambda: sequence(page.state) == 1, "the scan is shown")
         assert lamp(page)["state"] == "unknown"
-        wait_for(lambda: re.match(r"takes \d\.\d s, line \d+$", lamp(page)["text"]), "the lamp says where it hangs")
+        words = r"has not returned for \d\.\d s, line \d+$"
+        wait_for(lambda: re.match(words, lamp(page)["text"]), "the lamp says where it hangs")
         show(laser, 0.3)
         wait_for(lambda: sequence(page.state) == 2, "the next scan is shown, too")
         laser.watch(lambda scan: scan.distance() < 0.5, name="wall")
@@ -104,7 +105,7 @@ class TestLamp:
         gate = threading.Event()
         laser.watch(lambda scan: gate.wait(20) and scan.distance() < 0.5, name="wall")
         show(laser, 0.4)
-        wait_for(lambda: lamp(page).get("text", "").startswith("takes"), "the lamp is unknown")
+        wait_for(lambda: lamp(page).get("text", "").startswith("has not returned"), "the lamp is unknown")
         gate.set()
         wait_for(lambda: lamp(page)["state"] == "true", "the lamp is lit without another scan")
         assert sequence(page.state) == 1

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import signal
 import time
 from collections.abc import Iterator
 from pathlib import Path
@@ -111,6 +112,29 @@ def test_an_interrupt_between_cells_and_in_one_stops_the_robot(kernel: Kernel) -
     kernel.manager.interrupt_kernel()
     assert kernel.end_of(busy)["ename"] == "KeyboardInterrupt"
     expect_zero(kernel, since)
+
+
+SLEEPS = """
+@feed.program(rate=20)
+def avoid(state):
+    if state.setdefault("begins", True):
+        state.begins = print((time.monotonic(), 9.0, 0.0), file=log)
+        time.sleep(0.2)
+    return Drive(0.3)
+"""
+
+
+def test_a_process_that_is_suspended_in_a_step_drives_on_when_it_is_resumed(kernel: Kernel) -> None:
+    since = time.monotonic()
+    assert kernel.run("avoid", SLEEPS)["status"] == "ok"
+    wait_for(lambda: 9.0 in kernel.heard_since(since), "the step begins")
+    kernel.manager.signal_kernel(signal.SIGSTOP)
+    time.sleep(1.5)  # longer than any step may take, and than a step may hold the GIL
+    kernel.manager.signal_kernel(signal.SIGCONT)
+    resumed = time.monotonic()
+    wait_for(lambda: kernel.heard_since(resumed)[-3:] == [0.3] * 3, "it drives on")
+    assert 0.0 not in kernel.heard_since(since)
+    expect(kernel, "running")
 
 
 def test_a_cell_with_a_syntax_error_leaves_the_program_as_it_is(kernel: Kernel) -> None:

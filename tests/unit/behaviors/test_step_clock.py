@@ -40,7 +40,7 @@ def script() -> Scripted:
 @pytest.fixture
 def robot(script: Scripted, hand: Hand, monkeypatch: pytest.MonkeyPatch) -> Iterator[Feed]:
     """A robot whose programs count by a clock that the test moves."""
-    monkeypatch.setattr("robowidgets.behaviors.program.StepClock", lambda: StepClock(hand))
+    monkeypatch.setattr("robowidgets.behaviors.program.StepClock", lambda _now: StepClock(hand))
     with Feed(script) as feed:
         yield feed
 
@@ -129,7 +129,7 @@ def test_a_step_by_hand_counts_the_time_between_two_steps(robot: Feed, hand: Han
     for count in (1, 2, 3):
         hand.time += 0.3
         program.step()
-        wait_for(lambda count=count: len(times) == count and program._thread is None, "it steps")  # type: ignore[misc]
+        wait_for(lambda count=count: len(times) == count and not program._runner.is_at_work, "it steps")  # type: ignore[misc]
     assert times == pytest.approx([0.0, 0.25, 0.5])
 
 

@@ -85,15 +85,36 @@ def test_an_interrupt_of_a_cell_that_awaits_sends_zero_at_once(kernel: Kernel) -
     kernel.end_of(cell)
 
 
-def test_a_breakpoint_holds_a_cell_but_not_the_zero(kernel: Kernel) -> None:
-    code = "while True:\n    feed.drive(0.2)\n    time.sleep(0.05)\n"
+def break_at(kernel: Kernel, code: str, line: int) -> None:
+    """Have JupyterLab's debugger hold a cell at a line."""
     kernel.debug("initialize", adapterID="", pathFormat="path", linesStartAt1=True)
     kernel.debug("attach")
     source = {"path": kernel.debug("dumpCell", code=code)["sourcePath"]}
-    kernel.debug("setBreakpoints", source=source, breakpoints=[{"line": 3}])
+    kernel.debug("setBreakpoints", source=source, breakpoints=[{"line": line}])
     kernel.debug("configurationDone")
+
+
+def test_a_breakpoint_holds_a_cell_but_not_the_zero(kernel: Kernel) -> None:
+    code = "while True:\n    feed.drive(0.2)\n    time.sleep(0.05)\n"
+    break_at(kernel, code, 3)
     kernel.start("held", code)
     wait_for(lambda: [linear for _, linear, _ in kernel.heard] == [0.2, 0.0], "it drives once, and zero follows")
+
+
+HELD = {
+    "function": "def hold(scan):\n    feed.drive(0.2)\n    return 0\nfeed.connect('/scan', hold)",
+    "step": "from robowidgets.behaviors import Drive\ndef hold(scan):\n    return Drive(0.2)\nfeed.program(hold)",
+    "condition": "from robowidgets import LaserWidget\ndef hold(scan):\n    return True\nlaser = LaserWidget()\n"
+    "feed.connect('/scan', laser)\nlaser.watch(hold)",
+}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("kind", HELD)
+def test_a_breakpoint_holds_what_runners_call(kernel: Kernel, kind: str) -> None:
+    break_at(kernel, HELD[kind], 3)
+    kernel.start("held", HELD[kind])
+    wait_for(lambda: kernel.debug("debugInfo")["stoppedThreads"], "the debugger holds it")
 
 
 BEHAVE = """
