@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from itertools import takewhile
-from typing import Any, NamedTuple, Protocol
+from typing import NamedTuple, Protocol
 
+from ._core.sample_widget import SampleWidget
 from .kinds import KINDS, Kind, Role, TopicWidget, by_namespace, load, namespace_of, title_of
 
 
@@ -81,9 +82,9 @@ class WidgetChoice(NamedTuple):
         """The method of the widget that takes the messages of a role."""
         return "update" if role is self.role else role.take
 
-    def make(self) -> Any:
+    def make(self) -> SampleWidget:
         """The widget, with its titles."""
-        widget = load(self.shown.widget)
+        widget: Callable[..., SampleWidget] = load(self.shown.widget)
         if self.second:
             return widget(title=self.titles[0])
         titles = {f"{role.take}_title": topic for role, topic in self.parts if role is not self.role}

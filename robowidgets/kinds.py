@@ -16,7 +16,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from .messages import to_range, to_scan, to_speed, to_touch
-from .messages.fields import Shape, unwrap
+from .messages.fields import MessageShape, unwrap
 from .messages.standard import ContactMessages, ToMessage, range_message, scan_message, speed_message
 from .messages.touch import TOUCH_TYPES
 from .samples import Pose, Problem, Range, Ranges, Scan, Speed, Touch
@@ -111,7 +111,7 @@ class Kind(TopicWidget):
     noun: str
     sample: type
     read: Callable[[Any], Any]
-    has_shape: Callable[[Shape], bool] | None = None
+    has_shape: Callable[[MessageShape], bool] | None = None
     undecided: frozenset[str] = frozenset()
     columns: str = "robowidgets.recordings.columns.series:Samples"
     rerun: str = ""
@@ -147,12 +147,12 @@ _NUMBERS = ("float32", "float64")
 _SCAN_LIMITS = ("angle_min", "angle_increment", "range_min", "range_max")
 
 
-def _is_scan(shape: Shape) -> bool:
+def _is_scan(shape: MessageShape) -> bool:
     limits = all(shape.get(name) in _NUMBERS for name in _SCAN_LIMITS)
     return limits and shape.get("ranges") in ("float32[]", "float64[]")
 
 
-def _has_twist(shape: Shape) -> bool:
+def _has_twist(shape: MessageShape) -> bool:
     twist: Any = shape
     while isinstance(twist, Mapping):
         if all(_is_vector(twist.get(part)) for part in ("linear", "angular")):
@@ -333,7 +333,7 @@ def is_standard(type_name: str) -> bool:
     return type_name.split("/")[0] in _STANDARD
 
 
-def kind_of_shape(shape: Shape) -> Kind | None:
+def kind_of_shape(shape: MessageShape) -> Kind | None:
     """The kind of messages with these fields, of a type that no row names."""
     return next((kind for kind in KINDS.values() if kind.has_shape and kind.has_shape(shape)), None)
 

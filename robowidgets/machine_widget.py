@@ -87,8 +87,8 @@ class MachineWidget(RobotWidget[MachineStep]):
         self._packed_at = self._made_after = time.monotonic()
         """The times of that step, and of the one in the frame before it."""
         super().__init__(**kwargs)
-        # Its group is the robot: so the page freezes it with all widgets of the robot, and them with it.
-        self._robot = self._together = robot.connection.page_name
+        self._robot = robot.connection.page_name
+        self.freeze_with_robot()
         self._source = {"robot": self._robot, "status": "waiting for a state machine"}
         programs.observe(self._on_step)
         self.on_msg(self._on_page)
@@ -98,6 +98,10 @@ class MachineWidget(RobotWidget[MachineStep]):
         """Connect to the page."""
         super().open()
         route_by_message(self.comm)
+
+    def freeze_with_robot(self) -> None:
+        """Have the page freeze it with all widgets of the robot, and them with it, wherever they are."""
+        self._together = self._robot
 
     def close(self) -> None:
         """Remove the widget from the page; the program goes on."""

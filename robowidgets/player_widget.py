@@ -10,8 +10,6 @@ from ._core.front_end import FrontEndWidget, bundle
 from ._core.time_traits import Marks, Seconds, States, TimeSpan
 from ._core.traits import Flag
 
-Span = tuple[float, float]
-
 
 class PlayerWidget(FrontEndWidget):
     """Buttons and a slider to play, stop, step, jump and drag through a recording; none of it needs the kernel.
@@ -51,7 +49,7 @@ class PlayerWidget(FrontEndWidget):
     _note = traitlets.Unicode(help="A line under it, which stays.").tag(sync=True)
 
     @property
-    def span(self) -> Span:
+    def span(self) -> tuple[float, float]:
         """The span that is played, (start, end) in seconds."""
         start, end = self.selection if self.loop and self.selection else (0.0, self.duration)
         return min(start, self.duration), min(end, self.duration)

@@ -13,8 +13,8 @@ from .recordings.topics import shown
 
 if TYPE_CHECKING:
     from .doctor.report import Report
-    from .find._instant import Instant
     from .find.base import Condition
+    from .find.instant import Instant
     from .find.spans import Spans
     from .in_rerun.widget import RerunWidget
     from .player.player import Player

@@ -6,7 +6,7 @@ import os
 from collections.abc import Collection, Iterable, Sequence
 from dataclasses import replace
 from math import isfinite
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import Any, Protocol
 
 import numpy as np
 import traitlets
@@ -27,8 +27,14 @@ from .scanogram.scan_times import ScanTimes
 from .scanogram.scans import ScanRanges, ScansInMemory, Sweep
 from .scanogram.strips import SpeedStrip, TouchStrip
 
-if TYPE_CHECKING:
-    from .recording import Recording
+
+class ScannedRecording(Protocol):
+    """A `Recording`, as far as it has scans."""
+
+    def scanogram(
+        self, topic: str | None = None, beside: Collection[str] | None = None, **options: Any
+    ) -> ScanogramWidget:
+        """All scans of a topic in one picture."""
 
 
 class OpenFile(Protocol):
@@ -116,7 +122,7 @@ class ScanogramWidget(NamedWidget):
 
     @staticmethod
     def of(
-        recording: Recording, topic: str | None = None, beside: Collection[str] | None = None, **options: Any
+        recording: ScannedRecording, topic: str | None = None, beside: Collection[str] | None = None, **options: Any
     ) -> ScanogramWidget:
         """The scanogram of a recording, with the speed and the touches of the same robot.
 

@@ -72,13 +72,12 @@ class SonarWidget(RobotWidget[Ranges]):
 
     _esm, _css = bundle("sonar_widget")
     _meant: ClassVar = {
-        **RobotWidget._meant,
         "angles": "poses",
         "limit": "near",
         "stop": "near",
         "fov": "field_of_view",
     }
-    _instead: ClassVar = {**RobotWidget._instead, "distances": "widget.ranges"}
+    _instead: ClassVar = {"distances": "widget.ranges"}
     sample_name = "sonars"
 
     poses = traitlets.Dict(

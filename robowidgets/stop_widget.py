@@ -50,3 +50,11 @@ class StopWidget(DrivingWidget):
             raise TypeError(f"StopWidget(): expected a feed or a watchdog, got {robot!r}")
         super().__init__(**kwargs)
         self._attach(watchdog, None if robot is watchdog else robot)
+
+    def stand_in(self, view: str, *, opens: bool = False) -> None:
+        """Be the bar of the view with this model: put it beside the notebook by a button, or as soon as it can."""
+        self._view, self._opens = view, opens
+
+    def freeze_with(self, group: str, robot: str) -> None:
+        """Freeze the pictures of a group of a robot by a button; without a group there is none."""
+        self._together, self._robot = group, robot

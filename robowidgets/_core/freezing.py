@@ -12,6 +12,7 @@ from uuid import uuid4
 import traitlets
 
 from .base_widget import NamedWidget
+from .sample_widget import GroupedWidget
 from .timed_frame import FRAME_HEADER
 from .traits import Flag, bytes_trait
 
@@ -94,7 +95,7 @@ class FreezableWidget(NamedWidget):
             self._frozen_about = next(texts, self._about)
 
 
-def freeze_together(widgets: Iterable[FreezableWidget]) -> str:
+def freeze_together(widgets: Iterable[GroupedWidget]) -> str:
     """Freeze, release and step these widgets together from now on, in the page and in Python.
 
     Returns:

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import threading
 import time
-from collections.abc import Iterable
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable, Iterable
+from typing import Any, Protocol
 
 import traitlets
 
@@ -14,22 +14,81 @@ from .._core.log_once import LogOnce, log_in_thread
 from .._core.pacer import pacer
 from .._core.platform_fixes import route_by_message
 from ..samples.staleness import BEAT
-from .command_watchdog import HOLD, ZERO, CommandWatchdog
+from .command_watchdog import HOLD, ZERO, CommandWatchdog, Velocity
 from .press import PadMessage, Tokens, to_pad_message
 from .stop_all import stop_at_end
 
-if TYPE_CHECKING:
-    from ..feeds.feed import Feed
-
 ALLOW_LIFETIME = 3.0
 """Seconds for which a token may release the latch. The page gets a token every second."""
+
+
+class FeedConnection(Protocol):
+    """The connection of a feed."""
+
+    is_closed: bool
+
+    def observe(self, on_change: Callable[[], None]) -> None:
+        """Have a function called on each change."""
+
+    def unobserve(self, on_change: Callable[[], None]) -> None:
+        """End that."""
+
+
+class FeedDriver(Protocol):
+    """The driver of a feed."""
+
+    @property
+    def topic(self) -> str:
+        """The topic of its speeds."""
+
+    def page_seen(self) -> None:
+        """Note that a page is there."""
+
+    def drive_by_hand(self, velocity: Velocity, press: str) -> None:
+        """Send a speed of a press."""
+
+
+class FeedLimits(Protocol):
+    """The settings of driving, as far as they are limits in m/s and rad/s."""
+
+    @property
+    def max_linear(self) -> float:
+        """Ahead and back."""
+
+    @property
+    def max_angular(self) -> float:
+        """Turning."""
+
+    @property
+    def max_lateral(self) -> float:
+        """Sideways."""
+
+
+class DrivenFeed(Protocol):
+    """A feed, as the widgets that drive it know it."""
+
+    @property
+    def connection(self) -> FeedConnection:
+        """Its connection."""
+
+    @property
+    def driver(self) -> FeedDriver:
+        """Its driver."""
+
+    @property
+    def driving(self) -> FeedLimits:
+        """Its settings of driving."""
+
+    @property
+    def drive_status(self) -> str:
+        """Why the robot may not move as commanded; empty if it may."""
 
 
 class DrivingWidget(NamedWidget):
     """A widget with a Stop, which shows who drives. It uses a watchdog: a feed's, or its own."""
 
     _watchdog: CommandWatchdog
-    _feed: Feed | None = None
+    _feed: DrivenFeed | None = None
     """The feed whose watchdog it uses; None for a watchdog of another one."""
     _owns = False
 
@@ -83,7 +142,7 @@ class DrivingWidget(NamedWidget):
 
     # -- for subclasses ------------------------------------------------------------------------------------------------
 
-    def _attach(self, watchdog: CommandWatchdog, feed: Feed | None = None, *, owns: bool = False) -> None:
+    def _attach(self, watchdog: CommandWatchdog, feed: DrivenFeed | None = None, *, owns: bool = False) -> None:
         """Use a watchdog from now on."""
         self._detach()
         self._forget_errors()

@@ -7,19 +7,37 @@ import logging
 import os
 import time
 from collections.abc import Callable
-from typing import TYPE_CHECKING
+from typing import Any, Protocol
 
 from .._core.platform_fixes import call_before_end
-
-if TYPE_CHECKING:
-    from .command_watchdog import CommandWatchdog
 
 log = logging.getLogger("robowidgets")
 
 SEND_TIMEOUT = 1.0
 """Seconds for which a caller waits until its speed is sent."""
 
-running: set[CommandWatchdog] = set()
+
+class StoppedWatchdog(Protocol):
+    """A `CommandWatchdog`, as far as it is told to stop."""
+
+    from_cell: bool
+
+    @property
+    def owes_zero(self) -> bool:
+        """Whether a zero is still to be sent."""
+
+    @property
+    def busy_for(self) -> float:
+        """Seconds for which the function that sends has not returned."""
+
+    def stop(self) -> Any:
+        """Send zero now; returns the request."""
+
+    def is_done_in_time(self, request: Any, timeout: float) -> bool:
+        """Wait until a request is done, for some seconds at most; returns whether it is."""
+
+
+running: set[StoppedWatchdog] = set()
 """The watchdogs that owe a zero, or did a moment ago. Copied at once: threads add and remove theirs meanwhile."""
 
 before_stop: list[Callable[[], object]] = []

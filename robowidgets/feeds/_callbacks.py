@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 import logging
 import threading
 import time
@@ -10,7 +11,7 @@ from collections import deque
 from collections.abc import Callable, Iterable, Sequence
 from contextvars import copy_context
 from types import FunctionType
-from typing import Any
+from typing import Any, NamedTuple
 from weakref import WeakSet
 
 from .._core.cells import CellRun, is_same_cell, on_cell_error, running_cell
@@ -27,6 +28,7 @@ from .._core.user_threads import MayDrive
 from ..samples import HasAge
 from ..samples.age import note_arrival
 from ._topics import FeedTopic, queue_length, sample_of
+from .middleware import MOST_UNREAD
 
 log = logging.getLogger("robowidgets")
 
@@ -45,11 +47,16 @@ class ConnectedFunction(MayDrive):
         runs: the number of calls.
         error: the error of the last call, with its line; empty when the call returned.
         entered: the time of the running call; None while it is not running.
+        each: whether it gets each message, and not just the newest.
+        missed: the number of messages that it did not get, though it gets each.
+        takes_time: whether it gets the time of a message, too.
     """
 
-    def __init__(self, topic: str, call: Callable[[Any], object], raw: bool) -> None:
+    def __init__(self, topic: str, call: Callable[..., object], raw: bool, each: bool = False) -> None:
         super().__init__()
-        self.topic, self.call, self.raw = topic, call, raw
+        self.topic, self.call, self.raw, self.each = topic, call, raw, each
+        self.missed = 0
+        self.takes_time = _takes_two(call)
         self.cell, self.run = running_cell()
         self.context = copy_context()
         self.runs = 0
@@ -69,17 +76,33 @@ class ConnectedFunction(MayDrive):
     @property
     def problem(self) -> str:
         """Why it is off, or the error of its last call; empty if there is none."""
-        return f"your function `{self.name}` is off: {self.refused}" if self.is_off else self.error
+        if self.is_off:
+            return f"your function `{self.name}` is off: {self.refused}"
+        missed = f"your function `{self.name}` did not get {many(self.missed, 'message')}, which came too fast"
+        return "; ".join(filter(None, (self.error, missed if self.missed else "")))
 
-    def takes(self, topic: str, calls: Sequence[Any] | None) -> bool:
-        """Whether it takes a message of a topic that is for these functions; None: for all."""
-        return self.topic == topic and (calls is None or self.call in calls)
+    def takes(self, topic: str, calls: Sequence[Any] | None, *, each: bool) -> bool:
+        """Whether it takes each message of a topic, or the newest, that is for these functions; None: for all."""
+        return self.topic == topic and self.each is each and (calls is None or self.call in calls)
 
     def replaces(self, other: ConnectedFunction) -> bool:
         """Whether it replaces another: one from an earlier run of its cell, or one that had its name before."""
         if self.cell and self.cell == other.cell and self.run != other.run:
             return True
         return self.topic == other.topic and _full_name(self.call) == _full_name(other.call) != ""
+
+
+class _Message(NamedTuple):
+    """A message that waits for functions; None: for all of its topic.
+
+    It came at ``came_at`` of the monotonic clock, and at ``time_ns`` in nanoseconds since the epoch.
+    """
+
+    message: Any
+    topic: FeedTopic
+    calls: Sequence[Any] | None
+    came_at: float
+    time_ns: int
 
 
 class FunctionCaller:
@@ -105,8 +128,8 @@ class FunctionCaller:
             scheduler=scheduler,
         )
         self._functions: list[ConnectedFunction] = []
-        self._waiting: dict[str, deque[tuple[Any, FeedTopic, Sequence[Any] | None, float]]] = {}
-        """By topic, messages with the functions that they are for and the time at which they came."""
+        self._waiting: dict[tuple[str, bool], deque[_Message]] = {}
+        """By topic, and whether for functions that get each message, the messages that wait."""
         self._slow_topic = ""
         """The topic whose widgets show that a function has not returned."""
         self._closed = False
@@ -125,13 +148,18 @@ class FunctionCaller:
         heads = ("function", "topic", "runs", "last error")
         return Table(many(len(rows), "connected function"), heads, rows, right=(2,), problems=slow)
 
-    def connect(self, topic: str, calls: Iterable[Callable[[Any], object]], raw: bool) -> None:
+    def passes_each(self, topic: str) -> bool:
+        """Whether a function gets each message of a topic."""
+        return any(function.topic == topic and function.each for function in self._functions)
+
+    def connect(self, topic: str, calls: Iterable[Callable[..., object]], raw: bool, each: bool = False) -> None:
         """Call functions with the messages of a topic; they replace those that `ConnectedFunction.replaces` names."""
         on_cell_error(_switch_off)
         for call in calls:
-            new = ConnectedFunction(topic, call, raw)
+            new = ConnectedFunction(topic, call, raw, each)
+            how = (topic, call, raw, each)
             with self._lock:
-                same = [old for old in self._functions if (old.topic, old.call, old.raw) == (topic, call, raw)]
+                same = [old for old in self._functions if (old.topic, old.call, old.raw, old.each) == how]
                 if same:  # by the newest run of its cell, so that what else this run connects does not replace it
                     same[0].cell, same[0].run, same[0].refused = new.cell, new.run, ""
                     same[0].context = new.context
@@ -167,14 +195,49 @@ class FunctionCaller:
             self._on_change(topic)
         return off
 
-    def put(self, topic: FeedTopic, message: Any, calls: Sequence[Any] | None = None) -> None:
-        """Queue a message for these functions, None: all; it replaces a queued one, unless every message counts."""
+    def put(
+        self,
+        topic: FeedTopic,
+        message: Any,
+        calls: Sequence[Any] | None = None,
+        *,
+        newest: bool = True,
+        each: bool = True,
+    ) -> None:
+        """Queue a message for these functions, None: all; it replaces a queued one, unless every message counts.
+
+        Args:
+            topic: its topic.
+            message: the message.
+            calls: the functions.
+            newest: whether those get it that take the newest one.
+            each: whether those get it that take each.
+        """
+        came = _Message(message, topic, calls, time.monotonic(), time.time_ns())
         with self._lock:
-            if self._closed or not any(function.takes(topic.name, calls) for function in self._functions):
-                return
-            waiting = self._waiting.setdefault(topic.name, deque(maxlen=queue_length(topic.type)))
-            waiting.append((message, topic, calls, time.monotonic()))
-            self._runner.wake()
+            for of_each in (False, True):
+                if (each if of_each else newest) and not self._closed:
+                    self._put(came, each=of_each)
+
+    def miss(self, topic: str, count: int) -> None:
+        """Count messages that the functions of a topic that get each do not get."""
+        with self._lock:
+            for function in self._functions:
+                if function.topic == topic and function.each:
+                    function.missed += count
+        self._on_change(topic)
+
+    def _put(self, came: _Message, *, each: bool) -> None:
+        takers = [function for function in self._functions if function.takes(came.topic.name, came.calls, each=each)]
+        if not takers:
+            return
+        length = MOST_UNREAD if each else queue_length(came.topic.type)
+        waiting = self._waiting.setdefault((came.topic.name, each), deque(maxlen=length))
+        if each and len(waiting) == length:
+            for function in takers:
+                function.missed += 1
+        waiting.append(came)
+        self._runner.wake()
 
     def status_of(self, topic: str) -> str:
         """A text that names the functions of a topic that have not returned or have raised; empty if there are none."""
@@ -207,9 +270,9 @@ class FunctionCaller:
 
     def _drop(self, gone: list[ConnectedFunction]) -> None:
         self._functions = [function for function in self._functions if function not in gone]
-        topics = {function.topic for function in self._functions}
-        for topic in self._waiting.keys() - topics:
-            del self._waiting[topic]
+        taken = {(function.topic, function.each) for function in self._functions}
+        for key in self._waiting.keys() - taken:
+            del self._waiting[key]
         if any(function is self._runner.current for function in gone):
             self._runner.leave()
             if self._waiting:
@@ -220,32 +283,33 @@ class FunctionCaller:
         with self._lock:
             if self._closed or not self._waiting:
                 return None
-            name = next(iter(self._waiting))
-            waiting = self._waiting.pop(name)
-            message, topic, calls, came_at = waiting.popleft()
+            key = name, each = next(iter(self._waiting))
+            waiting = self._waiting.pop(key)
+            came = waiting.popleft()
             if waiting:  # after the other topics
-                self._waiting[name] = waiting
-            functions = [function for function in self._functions if function.takes(name, calls)]
+                self._waiting[key] = waiting
+            functions = [function for function in self._functions if function.takes(name, came.calls, each=each)]
         before = self.status_of(name)
         for function in functions:
             if function in self._functions and not function.is_off and not self._closed:
-                self._call(call, function, message, topic, came_at)
+                self._call(call, function, came)
         if self.status_of(name) != before:
             self._on_change(name)
         return 0.0  # other messages may wait
 
-    def _call(self, call: Call, function: ConnectedFunction, message: Any, topic: FeedTopic, came_at: float) -> None:
+    def _call(self, call: Call, function: ConnectedFunction, came: _Message) -> None:
         try:
-            sample = message if function.raw else sample_of(message, topic)
+            sample = came.message if function.raw else sample_of(came.message, came.topic)
             if not function.raw and isinstance(sample, HasAge):
-                note_arrival(sample, came_at)
+                note_arrival(sample, came.came_at)
         except (TypeError, ValueError) as error:
             function.error = f"a message of {function.topic} cannot be read for `{function.name}`: {error}"
             function.context.copy().run(self._log, function.error, exc_info=error)
             return
         function.entered, was_on = self._now(), not function.refused
         try:
-            raised = call(function.context.copy().run, function.drive_by, function.call, sample, of=function).error
+            given = (sample, came.time_ns) if function.takes_time else (sample,)
+            raised = call(function.context.copy().run, function.drive_by, function.call, *given, of=function).error
         finally:  # also where it was left
             function.entered = None
             function.runs += 1
@@ -265,6 +329,16 @@ def _switch_off(cell: CellRun) -> list[str]:
     """Switch off what a cell that ended with an error connected; returns a line for each function that drove."""
     off = [function for caller in list(_all) for function in caller.switch_off(cell)]
     return [f"`{function.name}` ({function.topic}) is off, and its robot got zero: {OFF}" for function in off]
+
+
+def _takes_two(call: Any) -> bool:
+    """Whether a function needs two arguments: a message and its time."""
+    try:
+        parameters = inspect.signature(call).parameters.values()
+    except (TypeError, ValueError):  # of some functions of C, such as `print`
+        return False
+    places = (inspect.Parameter.POSITIONAL_ONLY, inspect.Parameter.POSITIONAL_OR_KEYWORD)
+    return sum(one.kind in places and one.default is one.empty for one in parameters) == 2
 
 
 def _full_name(call: Any) -> str:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import logging
 import threading
 from collections.abc import Callable, Collection, Mapping, Sequence
+from functools import partial
 from typing import Any
 
 from .._core.cells import running_cell, take_the_place
@@ -12,16 +13,17 @@ from .._core.clock import Clock
 from .._core.coalesced_call import CoalescedCall
 from .._core.observed import Observed
 from .._core.platform_fixes import let_threads_print, shorten_switch_interval
-from .._core.robot_widget import RobotWidget
+from .._core.sample_widget import SampleWidget
 from ..behaviors.program import Program
 from ..behaviors.programs import Programs
+from ..behaviors.robot import DrivenRobot
 from ..driving.stop_all import stop_at_end
 from ..messages.standard import TWIST
 from ..samples import Speed
 from ._callbacks import FunctionCaller
 from ._driver import Driver
 from ._open_feeds import open_feeds
-from ._program_inputs import robot_of
+from ._program_inputs import FeedInputs
 from ._subscription import Target, sorted_targets
 from ._subscription_table import SubscriptionTable
 from ._topics import FeedTopic, check_name, decided, topics_of, unlisted
@@ -74,7 +76,7 @@ class Connection(Observed):
         self._subscribe = CoalescedCall(self._follow_connected)
         self.driver = Driver(self, middleware)
         self.watchdog = self.driver.watchdog
-        self.programs = Programs(robot_of(self, is_deleted))
+        self.programs = Programs(_robot_of(self, is_deleted))
 
     def open(self) -> None:
         """Connect, and close what an earlier run of the same cell opened. FeedError if it can never work."""
@@ -106,11 +108,11 @@ class Connection(Observed):
         return self._table.down
 
     @property
-    def widgets(self) -> tuple[RobotWidget[Any], ...]:
+    def widgets(self) -> tuple[SampleWidget, ...]:
         """The widgets that are connected."""
         return self._table.widgets
 
-    def connect(self, topic: str, *targets: Any, raw: bool = False) -> None:
+    def connect(self, topic: str, *targets: Any, raw: bool = False, each: bool = False) -> None:
         """See `Feed.connect`."""
         check_name(topic)
         if not targets:
@@ -119,7 +121,7 @@ class Connection(Observed):
         self._connect(topic, of_widgets)
         with self._lock:
             self.functions.connect(topic, [target.call for target in of_widgets if not target.is_ours], raw=True)
-            self.functions.connect(topic, functions, raw)
+            self.functions.connect(topic, functions, raw, each)
             self._table.prune()
         self._subscribe()
 
@@ -215,14 +217,15 @@ class Connection(Observed):
             return
         if subscription.take(message, newest=newest, each=each):
             self._show_status(topic)
-        if newest:
-            self.functions.put(self.topic_of(topic), message)
+        self.functions.put(self.topic_of(topic), message, newest=newest, each=each)
 
     def on_missed(self, topic: str, count: int) -> None:
         """See `Listener`."""
         subscription = self._table.by_topic.get(topic)
         if subscription is not None:
             subscription.miss(count)
+            if self.functions.passes_each(topic):
+                self.functions.miss(topic, count)
 
     def on_trouble(self, topic: str, reason: str) -> None:
         """See `Listener`."""
@@ -401,7 +404,11 @@ class Connection(Observed):
         """Have the middleware pass on the topics that are connected."""
         with self._lock:
             topics = frozenset(self._table.by_topic)
-            each = frozenset(topic for topic, one in self._table.by_topic.items() if one.passes_each)
+            each = frozenset(
+                topic
+                for topic, one in self._table.by_topic.items()
+                if one.passes_each or self.functions.passes_each(topic)
+            )
         # Without the lock: the middleware may take a lock that one of its threads holds while it waits for ours.
         if not self.is_closed:
             self.middleware.follow(topics, each)
@@ -414,3 +421,21 @@ def _log_dropped(closed: Sequence[Any]) -> None:
     names = [f"`{function.name}` ({function.topic})" for function in functions if function.cell != cell]
     if names:
         log.warning("the feed was opened anew; no longer connected: %s. Run their cells again", ", ".join(names))
+
+
+def _robot_of(connection: Connection, is_deleted: Callable[[], bool]) -> DrivenRobot:
+    """The robot of a feed, as its program sees it.
+
+    Args:
+        connection: that of the feed.
+        is_deleted: whether the feed is deleted, because neither the user nor a widget refers to it.
+    """
+    watchdog = connection.watchdog
+    return DrivenRobot(
+        where=connection.where,
+        is_gone=is_deleted,
+        is_stopped=lambda: watchdog.stopped,
+        listen=partial(FeedInputs, connection),
+        drive=connection.driver.drive_by_program,
+        halt=watchdog.stop_program,
+    )

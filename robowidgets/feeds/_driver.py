@@ -6,16 +6,13 @@ import contextlib
 import threading
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 from ..driving.command_watchdog import PROGRAM, ZERO, CommandWatchdog, RefusedError, Request, Velocity
 from ..samples.staleness import PAGE_SILENCE
 from ._driving import USUAL, DriveStatus, Driving, heard_speeds, unheard
+from ._links import DriveLink
 from ._twist import TwistPublisher
 from .middleware import Advert, FeedError, Middleware, NotConnectedYetError
-
-if TYPE_CHECKING:
-    from ._connection import Connection
 
 CONNECT_TIMEOUT = 2.0
 """Seconds after the first `drive` on a topic, and at the end, in which a speed waits for a subscriber to connect."""
@@ -35,7 +32,7 @@ class Driver:
         watchdog: sends the speeds.
     """
 
-    def __init__(self, connection: Connection, middleware: Middleware) -> None:
+    def __init__(self, connection: DriveLink, middleware: Middleware) -> None:
         self._connection, self._clock = connection, connection.clock
         self._driving = Driving()
         self._chosen: tuple[Driving, Driving] | None = None

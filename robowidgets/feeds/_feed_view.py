@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from html import escape
-from typing import TYPE_CHECKING, Any
+from typing import Any, Protocol
 
 import ipywidgets
 
 from .._core.cells import take_the_place
 from .._core.coalesced_call import CoalescedCall
 from .._core.freezing import freeze_together
+from .._core.sample_widget import SampleWidget
 from .._layout import on_one_screen, stacked
 from .._widget_choice import WidgetChoice, choose_widgets
 from ..behaviors.machine import Machine
@@ -18,12 +19,21 @@ from ..machine_widget import MachineWidget
 from ..program_widget import ProgramWidget
 from ..speed_widget import SpeedWidget
 from ..stop_widget import StopWidget
+from ._connection import Connection
 from ._probes import Probes
 from ._topics import FeedTopic
 from .middleware import FeedError
 
-if TYPE_CHECKING:
-    from .feed import Feed
+
+class ViewedFeed(Protocol):
+    """A feed, as its view knows it."""
+
+    @property
+    def connection(self) -> Connection:
+        """Its connection."""
+
+    def room_view(self) -> Any:
+        """A widget that shows the room of a simulated robot; None for any other robot."""
 
 
 class FeedView(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
@@ -44,27 +54,26 @@ class FeedView(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no type
         refresh: makes widgets for topics that have appeared, and shows the status; the feed calls it.
     """
 
-    def __init__(self, feed: Feed, topics: Sequence[str] = (), *, beside: bool = False) -> None:
-        self._feed: Feed | None = feed
+    def __init__(self, feed: ViewedFeed, topics: Sequence[str] = (), *, beside: bool = False) -> None:
+        self._feed: ViewedFeed | None = feed
         self._connection = feed.connection
         self._names = topics
         self._known: dict[str, FeedTopic] = {}
-        self._shown: dict[WidgetChoice, Any] = {}
+        self._shown: dict[WidgetChoice, SampleWidget] = {}
         self._probes = Probes(self._connection)
         self._closed = False
         self.refresh = CoalescedCall(self._refresh)
         self._status = ipywidgets.HTML()
         self._screen = ipywidgets.Box()
         self._stop = StopWidget(feed)
-        self._stop._robot = self._connection.page_name
         self.program: ProgramWidget | None = None
         self.machine: MachineWidget | None = None
         self.room = None if topics else feed.room_view()
         super().__init__([self._stop, self._status, self._screen])
-        self._stop._view = self.model_id
+        self._stop.stand_in(self.model_id)
         self._bar = StopWidget(feed) if beside else None
         if self._bar is not None:
-            self._bar._view, self._bar._opens = self.model_id, True
+            self._bar.stand_in(self.model_id, opens=True)
         self.add_class("rw-feed")
         self.add_class("rw-one-screen")
         take_the_place(self)
@@ -134,31 +143,32 @@ class FeedView(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no type
 
     def _set_widgets(self, wanted: Sequence[WidgetChoice]) -> None:
         there = dict(self._shown)
-        shown = {}
+        shown: dict[WidgetChoice, SampleWidget] = {}
         for choice in wanted:
             before = next((one for one in there if one.is_like(choice)), None)
             if before is None:
-                shown[choice] = choice.make()
-                if isinstance(shown[choice], SpeedWidget):
-                    shown[choice].show_used_axes()
+                widget = choice.make()
+                if isinstance(widget, SpeedWidget):
+                    widget.show_used_axes()
             else:
-                shown[choice] = there.pop(before)
-                if shown[choice].title == before.titles[0]:  # else somebody gave it another
-                    shown[choice].title = choice.titles[0]
-            self._change_topics(shown[choice], before, choice)
+                widget = there.pop(before)
+                if widget.title == before.titles[0]:  # else somebody gave it another
+                    widget.title = choice.titles[0]
+            shown[choice] = widget
+            self._change_topics(widget, before, choice)
         for choice, widget in there.items():
             self._change_topics(widget, choice, None)
             widget.close()
         self._shown = shown
         sensors = list(shown.values())
         machine = [] if self.machine is None else [self.machine]
-        freeze_together([*sensors, *machine])
-        self._stop._together = next((widget._together for widget in sensors), "")
+        group = freeze_together([*sensors, *machine])
+        self._stop.freeze_with(group if sensors else "", self._connection.page_name)
         for widget in machine:
-            widget._together = self._connection.page_name  # also with the widgets of the robot that are elsewhere
+            widget.freeze_with_robot()
         self._arrange(sensors)
 
-    def _arrange(self, sensors: Sequence[Any]) -> None:
+    def _arrange(self, sensors: Sequence[SampleWidget]) -> None:
         """Give all widgets their places, but for those that somebody closed."""
         if self._closed:
             return
@@ -175,7 +185,7 @@ class FeedView(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no type
         self.children = [self._stop, self._status, self._screen]
         _close_boxes(old)
 
-    def _change_topics(self, widget: Any, before: WidgetChoice | None, after: WidgetChoice | None) -> None:
+    def _change_topics(self, widget: SampleWidget, before: WidgetChoice | None, after: WidgetChoice | None) -> None:
         """Show in a widget the topics of another choice, each in its role."""
         old, new = (
             {} if one is None else {name: one.method(role) for role, name in one.parts} for one in (before, after)

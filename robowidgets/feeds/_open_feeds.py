@@ -6,12 +6,9 @@ import logging
 import os
 import time
 from collections.abc import Callable
-from typing import TYPE_CHECKING
+from typing import Protocol
 
 from ..driving.stop_all import before_stop, stop_all
-
-if TYPE_CHECKING:
-    from ._connection import Connection
 
 log = logging.getLogger("robowidgets")
 
@@ -19,7 +16,33 @@ END_TIMEOUT = 4.0
 """Seconds after which no further feed is closed."""
 
 
-open_feeds: set[Connection] = set()
+class Closes(Protocol):
+    """What can be closed."""
+
+    def close(self) -> object:
+        """Close it."""
+
+
+class OpenFeed(Closes, Protocol):
+    """The connection of a feed, as far as it is closed."""
+
+    @property
+    def where(self) -> str:
+        """What it is connected to."""
+
+    @property
+    def programs(self) -> Closes:
+        """Its programs."""
+
+    @property
+    def driver(self) -> Closes:
+        """Its driver."""
+
+    def on_fork(self) -> None:
+        """Close in a forked process."""
+
+
+open_feeds: set[OpenFeed] = set()
 """The feeds that are closed at the end of the process; a forked process has none."""
 
 

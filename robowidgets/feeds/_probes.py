@@ -4,13 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+from ._links import TopicLink
 from ._subscription import Target
 from ._topics import FeedTopic, is_open
-
-if TYPE_CHECKING:
-    from ._connection import Connection
 
 
 class Probes:
@@ -20,7 +18,7 @@ class Probes:
         connection: that of the feed, which lists what is decided.
     """
 
-    def __init__(self, connection: Connection) -> None:
+    def __init__(self, connection: TopicLink) -> None:
         self._connection = connection
         self._targets: dict[str, Target] = {}
 

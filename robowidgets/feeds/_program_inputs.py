@@ -6,12 +6,11 @@ import threading
 import time
 from collections import deque
 from collections.abc import Callable, Mapping, Sequence
-from functools import partial
 from itertools import chain, pairwise
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from ..behaviors.odometer import Odometer
-from ..behaviors.robot import ODOMETRY, POSE, DrivenRobot, NotReadyError
+from ..behaviors.robot import ODOMETRY, POSE, NotReadyError
 from ..kinds import (
     PATH,
     SPEED,
@@ -24,46 +23,21 @@ from ..kinds import (
     sensor_of,
 )
 from ..samples import Speed
+from ..samples.staleness import TO_DRIVE_BY
+from ._links import TopicLink
 from ._probes import Probes
 from ._subscription import Target
 from ._topics import queue_length, sample_of
 
-if TYPE_CHECKING:
-    from ._connection import Connection
-
-STALE = 0.4
-"""Seconds without a message after which a sample is too old to drive by; for slow topics, twice their period."""
-
 MOST_POSES = 1000
 """Messages of odometry that wait for a step, each of which counts for the way."""
-
-LONGEST = 2.0
-"""Seconds after which every sample is too old, however slow its topic."""
-
-
-def robot_of(connection: Connection, is_deleted: Callable[[], bool]) -> DrivenRobot:
-    """The robot of a feed, as its program sees it.
-
-    Args:
-        connection: that of the feed.
-        is_deleted: whether the feed is deleted, because neither the user nor a widget refers to it.
-    """
-    watchdog = connection.watchdog
-    return DrivenRobot(
-        where=connection.where,
-        is_gone=is_deleted,
-        is_stopped=lambda: watchdog.stopped,
-        listen=partial(FeedInputs, connection),
-        drive=connection.driver.drive_by_program,
-        halt=watchdog.stop_program,
-    )
 
 
 class _Latest:
     """The newest message of a topic, read as a sample when the program asks for it."""
 
     def __init__(
-        self, connection: Connection, topic: str, on_message: Callable[[], None], odometer: Odometer | None
+        self, connection: TopicLink, topic: str, on_message: Callable[[], None], odometer: Odometer | None
     ) -> None:
         self.odometer = odometer
         """What each pose of the topic is added to; None: only the newest message counts."""
@@ -95,12 +69,9 @@ class _Latest:
         if self._sample is None:
             raise NotReadyError(self._connection.status_of(self.topic) or f"waiting for {self.topic}")
         age = time.monotonic() - times[-1]
-        if self._goes_stale and age > STALE:
-            gaps = [later - earlier for earlier, later in pairwise(times)]
-            if age > min(2 * min(gaps, default=0.0), LONGEST):
-                raise NotReadyError(
-                    self._connection.status_of(self.topic) or f"no {name} comes on {self.topic} any more"
-                )
+        step = min((later - earlier for earlier, later in pairwise(times)), default=0.0)
+        if self._goes_stale and age > TO_DRIVE_BY.after(step):
+            raise NotReadyError(self._connection.status_of(self.topic) or f"no {name} comes on {self.topic} any more")
         return self._sample if self._gathered is None else self._gathered.take()
 
     def _take(self, messages: Sequence[Any]) -> None:
@@ -134,7 +105,7 @@ class _Latest:
 class FeedInputs:
     """The newest samples of a feed that a program asks for: see `robowidgets.behaviors.robot.Inputs`."""
 
-    def __init__(self, connection: Connection, wake: Callable[[], None]) -> None:
+    def __init__(self, connection: TopicLink, wake: Callable[[], None]) -> None:
         self._connection, self._wake = connection, wake
         self._lock = threading.RLock()
         """Held by the thread that chooses and by that of the program, never by one of the transport."""

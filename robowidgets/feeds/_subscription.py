@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 
 from .._core.log_once import LogOnce, log_in_thread
 from .._core.robot_widget import RobotWidget
+from .._core.sample_widget import SampleWidget
 from ..drive_widget import DriveWidget
 from ..kinds import role_of, sensor_of
 from ._topics import FeedTopic, no_such
@@ -46,7 +47,7 @@ class Target(NamedTuple):
     """
 
     call: Callable[[Any], object]
-    widget: RobotWidget[Any] | None
+    widget: SampleWidget | None
     on_missed: Callable[[int], object] | None = None
 
     @property
@@ -91,7 +92,7 @@ def _target_of(topic: str, given: Any) -> Target | Callable[[Any], object]:
     )
 
 
-def _of_widget(topic: str, method: Callable[..., object], widget: RobotWidget[Any]) -> Target:
+def _of_widget(topic: str, method: Callable[..., object], widget: SampleWidget) -> Target:
     role = role_of(type(widget), getattr(method, "__name__", ""))
     return Target(OfSensor(method, sensor_of(topic)) if role is not None and role.each else method, widget)
 

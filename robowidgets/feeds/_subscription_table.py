@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
 from uuid import uuid4
 
-from .._core.robot_widget import RobotWidget
+from .._core.sample_widget import SampleWidget
 from ..kinds import title_of
 from ._callbacks import FunctionCaller
 from ._subscription import Subscription, Target
@@ -34,10 +33,10 @@ class SubscriptionTable:
         self.by_topic: dict[str, Subscription] = {}
         self.topics: dict[str, FeedTopic] | None = None
         self.down = down
-        self._widgets: dict[RobotWidget[Any], list[_Connected]] = {}
+        self._widgets: dict[SampleWidget, list[_Connected]] = {}
 
     @property
-    def widgets(self) -> tuple[RobotWidget[Any], ...]:
+    def widgets(self) -> tuple[SampleWidget, ...]:
         """The widgets that are connected, once each."""
         return tuple(self._widgets)
 
@@ -106,7 +105,7 @@ class SubscriptionTable:
         for widget in self._widgets:
             self._show_on(widget)
 
-    def _show_on(self, widget: RobotWidget[Any]) -> None:
+    def _show_on(self, widget: SampleWidget) -> None:
         connected = sorted(self._widgets.get(widget, []), key=_rank)
         if not connected:
             widget.set_source({})
@@ -125,7 +124,7 @@ class SubscriptionTable:
         }
         widget.set_source(source, self.down or first.why_missing(self.topics))
 
-    def _without_replaced(self, widget: RobotWidget[Any], connected: Sequence[_Connected]) -> list[Subscription]:
+    def _without_replaced(self, widget: SampleWidget, connected: Sequence[_Connected]) -> list[Subscription]:
         """The subscriptions, except those to missing topics whose target gets messages of a topic connected later."""
         in_order = self._widgets[widget]
         return [
@@ -146,7 +145,7 @@ def _rank(connected: _Connected) -> tuple[bool, bool, bool]:
     return not target.is_primary, not subscription.receives, not subscription.has_received
 
 
-def _set_titles(widget: RobotWidget[Any], connected: Sequence[_Connected]) -> None:
+def _set_titles(widget: SampleWidget, connected: Sequence[_Connected]) -> None:
     """Give a widget its titles, each after the first topic that its method takes, or after the namespace of several."""
     titled: dict[str, list[str]] = {}
     for subscription, target in connected:

@@ -1,4 +1,8 @@
-"""A connection over a websocket."""
+"""A connection over a websocket.
+
+Not built on `websockets`: with release 17, this had 352 lines in place of 385, but a speed in a flood of scans took 1.3
+to 2.4 times as long, and every Jupyter kernel has tornado already.
+"""
 
 from __future__ import annotations
 
@@ -10,16 +14,13 @@ import socket
 import threading
 from collections import deque
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any
+from typing import Any, Protocol
 from urllib.parse import urlsplit
 
 from .._core.clock import Clock
 from .._core.platform_fixes import acknowledge_at_once, close_when_connected, report_close_code
 from ..samples.staleness import ROBOT_GONE, ROBOT_SILENCE
 from .middleware import SEND_TIMEOUT, FeedError
-
-if TYPE_CHECKING:
-    from ._bridge import Bridge
 
 Frame = str | bytes
 
@@ -40,6 +41,31 @@ _GOODBYE = 0.5
 _TIMED_OUT = 599  # tornado's code for a time-out, which no server sends
 
 
+class BridgeCalls(Protocol):
+    """What a `WebSocket` calls of the bridge that speaks over it."""
+
+    def on_open(self) -> None:
+        """The connection is established."""
+
+    def on_frame(self, frame: Frame) -> None:
+        """A frame was received."""
+
+    def deliver(self) -> None:
+        """Decode the frames that were kept, and pass them on."""
+
+    def on_silence(self, is_silent: bool) -> None:
+        """The robot has not answered for a while; or it has answered again."""
+
+    def on_no_answer(self) -> None:
+        """Nobody has answered for a moment."""
+
+    async def other_bridge(self) -> str:
+        """Text for the bridge of another protocol that listens at the address; empty if none is known to."""
+
+    async def finish(self) -> None:
+        """Return when the robot has processed what was published."""
+
+
 class _Ping:
     """A ping, which its pong repeats. The robot has then read every frame before it."""
 
@@ -55,7 +81,7 @@ class WebSocket:
 
     Args:
         address: the address; see `checked`.
-        bridge: what speaks over it; `Bridge` describes the methods that are called.
+        bridge: what speaks over it; `BridgeCalls` describes the methods that are called.
         subprotocols: names of the protocol; the robot must know one of them.
         clock: that of the event loop, by which `publish` waits, too.
 
@@ -64,7 +90,7 @@ class WebSocket:
         is_cancelled: whether `cancel` was called.
     """
 
-    def __init__(self, address: str, bridge: Bridge, subprotocols: list[str] | None, clock: Clock) -> None:
+    def __init__(self, address: str, bridge: BridgeCalls, subprotocols: list[str] | None, clock: Clock) -> None:
         self.address = address
         self._bridge = bridge
         self._subprotocols = subprotocols

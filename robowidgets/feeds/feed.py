@@ -107,12 +107,13 @@ class Feed:
         """The functions that are connected."""
         return self.connection.functions.functions
 
-    def connect(self, topic: str, *targets: Any, raw: bool = False) -> None:
+    def connect(self, topic: str, *targets: Any, raw: bool = False, each: bool = False) -> None:
         """Pass the messages of a topic to widgets and functions; the topic may appear later.
 
         Functions are called in a thread of their own, one at a time, with the newest message: a `Scan`, `Speed` or
         `Touch` if a widget can show the topic, else the message as received. Functions of a touch sensor get every
-        message. The widgets of a topic name a function that raises, and one that has not returned for a second. A
+        message. A function that needs two arguments also gets the time at which the message came, in nanoseconds since
+        the epoch. The widgets of a topic name a function that raises, and one that has not returned for a second. A
         function replaces the one that had its name before, in the notebook or in a module that is loaded again, and the
         functions that an earlier run of the same cell connected.
 
@@ -121,13 +122,17 @@ class Feed:
             *targets: widgets, whose `update` takes the messages and whose title becomes the topic if it is empty; their
                 methods, such as `speed.command`; or functions of a sample.
             raw: whether functions get the messages as received.
+            each: whether functions get each message in its order, and not just the newest. At most 1,000 wait for them;
+                the printed feed says how many they did not get.
 
         Raises:
             TypeError: the topic is no text, there is no target, or a target is neither a widget nor a function.
             ValueError: the topic is empty.
             FeedError: the feed is closed.
         """
-        self.connection.connect(topic, *targets, raw=raw)
+        if not isinstance(each, bool):
+            raise TypeError(f"each: expected True or False, got {each!r}")
+        self.connection.connect(topic, *targets, raw=raw, each=each)
 
     def disconnect(self, topic: str, *targets: Any) -> None:
         """Pass no more messages of a topic to these targets of `connect`; without targets, to none of them.

@@ -16,13 +16,13 @@ from ..recordings.topics import Topic, UnnamedTopicError, shown
 from ..repair import RecordingError
 from ..samples import HasAge
 from ..samples.verdict import Trace, Verdict
-from ._instant import TIME, Instant, NoSampleYetError, Now, OneSample, TracedMoment, samples_of, together
 from ._silence import mark_stale
 from ._steps import NO, UNKNOWN, YES, Steps, combined, inverted, steps
+from .instant import TIME, Instant, NoSampleYetError, Now, OneSample, TracedMoment, samples_of, together
 
 if TYPE_CHECKING:
     from ..recordings import RecordingData
-    from .search import Search
+    from ._search import Search
 
 VALUES = {NO: False, UNKNOWN: None, YES: True}
 """The values of steps, as those of verdicts."""

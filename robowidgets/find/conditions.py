@@ -28,13 +28,13 @@ from ..samples.distances import distances, inside, ray_distances
 from ..samples.sector import ALL_ROUND, Asked, to_sector
 from ..samples.traced_numbers import fact
 from ..samples.verdict import Verdict
-from ._instant import NoSampleYetError
 from ._steps import NO, UNKNOWN, YES, Steps, combined, steps
 from .base import VALUES, Condition, FunctionCondition
+from .instant import NoSampleYetError
 
 if TYPE_CHECKING:
     from ..recordings import RecordingData
-    from .search import Search
+    from ._search import Search
 
 __all__ = ["Condition", "gap", "nearest_below", "speed_above", "touched", "when"]
 

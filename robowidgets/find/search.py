@@ -2,146 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
-from typing import TYPE_CHECKING, Any, Protocol
-
-import numpy as np
-from numpy.typing import NDArray
+from collections.abc import Iterable
+from typing import TYPE_CHECKING, Any
 
 from .._core.progress import Progress, without_bars
-from ..recordings.span import Span
-from ..samples.checks import shortest
-from ._silence import mark_stale
-from ._steps import NO, Steps, spans, steps
+from ._search import Search
+from ._steps import steps
 from .base import condition
 from .spans import Spans
 
 if TYPE_CHECKING:
     from ..recordings import RecordingData
-
-
-class Chunked(Protocol):
-    """A series of samples that is read in chunks."""
-
-    def chunks(self) -> Iterator[Any]:
-        """The chunks, each with ``times_ns``."""
-
-
-class Search:
-    """One search through a recording.
-
-    After an interrupt, the search ends at ``end_ns``.
-
-    Args:
-        recording: the recording.
-        topics: see `Recording.find`.
-        bar: the progress bar; counts the samples that were read.
-    """
-
-    def __init__(self, recording: RecordingData, topics: str | Iterable[str] | None, bar: Any) -> None:
-        self.recording = recording
-        self.topics = topics
-        self.end_ns = recording.end_ns or 0
-        self.is_cut = False
-        self.silences: list[tuple[str, Steps]] = []
-        """Topics, and steps that are YES while the topic is silent for too long."""
-        self._met: list[tuple[NDArray[Any], ...]] = []
-        """Times, distances, indices and angles of the nearest things where a condition was true."""
-        self._bar = bar
-
-    def over(self, series: Chunked, test: Callable[[Any], NDArray[np.int8]]) -> Steps:
-        """The steps of a test, which takes a chunk and returns a value for each sample; UNKNOWN after a stale one."""
-        found = self._tested(series, test)
-        return mark_stale(found, [(found.times, np.ones(len(found.times), bool))], self.end_ns)
-
-    def times(self, series: Chunked) -> NDArray[np.int64]:
-        """The times of the samples of a series, shape (N,)."""
-        return self._tested(series, lambda chunk: np.full(len(chunk), NO, np.int8)).times
-
-    def _tested(self, series: Chunked, test: Callable[[Any], NDArray[np.int8]]) -> Steps:
-        times: list[NDArray[np.int64]] = [np.empty(0, np.int64)]
-        values: list[NDArray[np.int8]] = [np.empty(0, np.int8)]
-        try:
-            for chunk in series.chunks():
-                if self.is_cut and chunk.times_ns[0] > self.end_ns:
-                    break
-                values.append(test(chunk))
-                times.append(chunk.times_ns)
-                self.looked_at(len(chunk))
-        except KeyboardInterrupt:
-            # An interrupt between the two appends leaves values without times.
-            del values[len(times) :]
-            self.cut(int(times[-1][-1]) if len(times) > 1 else self.recording.start_ns or 0)
-        return steps(np.concatenate(times), np.concatenate(values))
-
-    def met(
-        self,
-        times: NDArray[np.int64],
-        distances: NDArray[np.floating[Any]],
-        indices: NDArray[np.integer[Any]],
-        angles: NDArray[np.floating[Any]],
-    ) -> None:
-        """Note the nearest things in some scans, each array of shape (N,): nanoseconds, metres, indices, radians."""
-        self._met.append((times, distances, indices, angles))
-
-    def looked_at(self, count: int) -> None:
-        """Advance the progress bar."""
-        self._bar.update(count)
-
-    def cut(self, time_ns: int) -> None:
-        """End the search at a time."""
-        self.end_ns = min(self.end_ns, time_ns)
-        self.is_cut = True
-
-    def found(self, result: Steps) -> list[Span]:
-        """The spans in which a condition is true, with what was met, and the topics that were silent, in each."""
-        inside = result.times <= self.end_ns
-        # A nanosecond later, because a span that lasts to the end holds the last sample.
-        found = spans(Steps(result.times[inside], result.values[inside]), self.end_ns + 1)
-        silences = [
-            (topic, np.array(spans(when, self.end_ns), np.int64).reshape(-1, 2)) for topic, when in self.silences
-        ]
-        start_ns = self.recording.start_ns or 0
-        nearest = _Nearest(self._met)
-        return [
-            Span(
-                (a - start_ns) / 1e9,
-                (b - start_ns) / 1e9,
-                (b - a) / 1e9,
-                a,
-                b,
-                tuple(_silent(silences, a, b)),
-                *nearest.between(a, stop),
-            )
-            for a, stop in found
-            for b in [min(stop, self.end_ns)]
-        ]
-
-
-class _Nearest:
-    """The nearest things in the scans for which a condition was true.
-
-    Args:
-        parts: arrays of times, distances, indices and angles; see `Search.met`.
-    """
-
-    def __init__(self, parts: list[tuple[NDArray[Any], ...]]) -> None:
-        self._columns = [np.concatenate(column) for column in zip(*parts, strict=True)]
-        if self._columns:
-            order = np.argsort(self._columns[0], kind="stable")
-            self._columns = [column[order] for column in self._columns]
-
-    def between(self, start_ns: int, end_ns: int) -> tuple[float | None, int | None, float | None]:
-        """Distance, index and angle of the nearest thing in a span; three times None where no ray met anything."""
-        if not self._columns:
-            return None, None, None
-        times, distances, indices, angles = self._columns
-        first = np.searchsorted(times, start_ns)
-        last = np.searchsorted(times, max(end_ns, start_ns + 1))
-        if first == last:
-            return None, None, None
-        at = first + int(distances[first:last].argmin())
-        return shortest(distances[at]), int(indices[at]), float(angles[at])
 
 
 def find(recording: RecordingData, given: Any, topics: str | Iterable[str] | None) -> Spans:
@@ -164,13 +35,3 @@ def find(recording: RecordingData, given: Any, topics: str | Iterable[str] | Non
         (search.end_ns - start_ns) / 1e9 if search.is_cut else None,
         recording.problems,
     )
-
-
-def _silent(silences: list[tuple[str, NDArray[np.int64]]], start_ns: int, end_ns: int) -> dict[str, None]:
-    """The topics with a silence in a span of time, each once, in order."""
-    names: dict[str, None] = {}
-    for topic, when in silences:
-        next_one = np.searchsorted(when[:, 1], start_ns, side="right")
-        if next_one < len(when) and when[next_one, 0] < max(end_ns, start_ns + 1):
-            names[topic] = None
-    return names

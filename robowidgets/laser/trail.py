@@ -29,7 +29,7 @@ class HasTrail(HasFootprint, RobotWidget[Scan]):
             raise traitlets.TraitError("spread: expected a number of scans, 2 or more, or 0 for none, got 1")
         return proposal["value"]
 
-    def _scanner_at(self, robot: Pose | None) -> dict[str, Any]:
+    def scanner_at(self, robot: Pose | None) -> dict[str, Any]:
         """What the page is told of a scan of a robot at a pose: the scanner's pose in the frame of odometry.
 
         Without a footprint the scanner is where the robot is.
@@ -44,4 +44,4 @@ class HasTrail(HasFootprint, RobotWidget[Scan]):
         if not self.trail or self.driven_by_player:
             return {}
         paths = sorted((one for one in self._group if one.sample_name == "pose"), key=lambda path: str(path.title))
-        return self._scanner_at(paths[0].robot_at(scan) if paths else None)
+        return self.scanner_at(paths[0].robot_at(scan) if paths else None)

@@ -16,7 +16,7 @@ from rosbags.typesys.store import Typestore
 
 from .channel import Channel
 from .definitions import added, elsewhere, version
-from .fields import Shape
+from .fields import MessageShape
 
 Decode = Callable[[bytes], Any]
 Types = dict[str, Any]
@@ -55,7 +55,7 @@ class UnknownTypeError(DecodeError):
         self.type_name = type_name
 
 
-def shape_of(channel: Channel) -> Shape:
+def shape_of(channel: Channel) -> MessageShape:
     """The fields of a channel's messages; DecodeError when they are not known."""
     return shape_in(store_of(channel).fielddefs, channel.type)
 

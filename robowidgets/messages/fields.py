@@ -8,7 +8,7 @@ from typing import Any
 
 from ..samples import HasAge
 
-Shape = Mapping[str, Any]
+MessageShape = Mapping[str, Any]
 """Field names to ``"float32"``, ``"float32[]"``, or the shape of the message in them."""
 
 MISSING: Any = object()

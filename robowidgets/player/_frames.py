@@ -10,6 +10,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from .._core.progress import without_bars
+from .._core.sample_widget import SampleWidget
 from .._core.timed_frame import FRAME_HEADER, TimedFrame, table_of
 from .._widget_choice import WidgetChoice
 from ..kinds import sensor_of
@@ -61,7 +62,7 @@ class SampleFrames:
         widget: packs the samples.
     """
 
-    def __init__(self, recording: RecordingData, choice: WidgetChoice, widget: Any) -> None:
+    def __init__(self, recording: RecordingData, choice: WidgetChoice, widget: SampleWidget) -> None:
         self._recording, self._choice, self._widget = recording, choice, widget
         self._nothing = choice.shown.nothing
         goes_with = choice.parts[len(choice.own) :]
@@ -125,13 +126,14 @@ class ScanFrames(SampleFrames):
 
     def __init__(self, recording: RecordingData, choice: WidgetChoice, widget: LaserWidget) -> None:
         super().__init__(recording, choice, widget)
+        self._laser = widget
         self._odometry = odometry(recording.topics)
         self._poses = RecentPoses(None)
 
     def frames(self, start: float, end: float) -> Iterator[TimedFrame]:
         """See `Track`."""
         self._poses = RecentPoses(None)
-        if self._odometry and self._widget.trail:
+        if self._odometry and self._laser.trail:
             for moment in self._recording.samples(self._odometry, max(0.0, start - FARTHEST), end + FARTHEST):
                 self._poses.add(moment.sample.pose, moment.seconds, moment.sample.stamp_ns)
         return super().frames(start, end)
@@ -139,15 +141,15 @@ class ScanFrames(SampleFrames):
     def _frame(self, seconds: float, sample: Any) -> TimedFrame:
         timed = super()._frame(seconds, sample)
         robot = self._poses.at(seconds, sample.stamp_ns)
-        return timed._replace(about=timed.about | self._widget._scanner_at(robot))
+        return timed._replace(about=timed.about | self._laser.scanner_at(robot))
 
 
 class SpeedFrames(SampleFrames):
     """A `Track` of measured and commanded speeds; see `SampleFrames`."""
 
     def _frame(self, seconds: float, sample: Any, commanded: Any = None) -> TimedFrame:
-        reading = Reading(commanded=commanded).moved(sample)
-        return TimedFrame(seconds, {"frame_id": sample.frame_id}, _header(sample) + self._widget._pack(reading))
+        _, frame = self._widget.frame_of(Reading(commanded=commanded).moved(sample))
+        return TimedFrame(seconds, {"frame_id": sample.frame_id}, _header(sample) + frame)
 
 
 class PathFrames(SampleFrames):

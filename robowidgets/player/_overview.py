@@ -17,7 +17,7 @@ from ..scanogram.levels import Levels
 from ..scanogram.scans import ScansInMemory, Sweep
 from ..scanogram_widget import ScanogramWidget
 from ..speed_widget import OUT_OF_PLANE
-from .scanogram import MEMORY_BYTES, Span, scanogram
+from .scanogram import MEMORY_BYTES, OpenSpan, scanogram
 
 LONGEST = 10.0
 """Seconds for which a scanogram is made without a request: making it reads all scans."""
@@ -36,7 +36,7 @@ def whole_drive(
     topic: str,
     beside: Collection[str],
     wanted: bool | None,
-    span: Span = (None, None),
+    span: OpenSpan = (None, None),
 ) -> tuple[ScanogramWidget | None, str]:
     """The scanogram of a topic, or None and a line that says why there is none.
 
@@ -68,7 +68,7 @@ def is_planar(recording: RecordingData, topics: Iterable[str]) -> bool:
     return not any(np.nan_to_num(recording.speeds(topic).values[:, OUT_OF_PLANE]).any() for topic in topics)
 
 
-def _too_long(recording: RecordingData, topic: str, span: Span) -> str:
+def _too_long(recording: RecordingData, topic: str, span: OpenSpan) -> str:
     """A line that says why a scanogram would take long and how to get it; empty if it would not."""
     start, end = span[0] or 0.0, recording.duration if span[1] is None else span[1]
     share = (end - start) / recording.duration if recording.duration else 1.0

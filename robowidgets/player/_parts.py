@@ -7,6 +7,7 @@ from typing import Any, NamedTuple, Protocol
 
 from ipywidgets import Widget
 
+from .._core.sample_widget import SampleWidget
 from .._widget_choice import WidgetChoice
 from ..player_widget import PlayerWidget
 from ..poses.places import Places
@@ -18,7 +19,7 @@ from ._frames import Track
 class PlayerView(NamedTuple):
     """A widget of the player, its choice, and its track."""
 
-    widget: Any
+    widget: SampleWidget
     choice: WidgetChoice
     track: Track
 
@@ -63,7 +64,7 @@ class PagedPlayer(Protocol):
     def left_out(self) -> tuple[Any, ...]:
         """What the page has in another way, or cannot have."""
 
-    def tracks_of(self, recording: RecordingData) -> list[tuple[Any, Track]]:
+    def tracks_of(self, recording: RecordingData) -> list[tuple[SampleWidget, Track]]:
         """Its widgets, with their tracks in its recording, opened anew."""
 
     def arranged(self, scanogram: ScanogramWidget | None) -> list[Widget]:

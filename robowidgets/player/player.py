@@ -19,6 +19,7 @@ import traitlets
 from .._core.cells import close_all, take_the_place
 from .._core.freezing import freeze_together
 from .._core.output_file import checked_output
+from .._core.sample_widget import SampleWidget
 from .._core.time_traits import Marks, Seconds, TimeSpan
 from .._core.traits import Flag
 from .._layout import WIDE, columns, on_one_screen
@@ -280,7 +281,7 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
         """What a page in a file has in another way, or cannot have."""
         return (self._problems, *([self.rerun] if self.rerun else []))
 
-    def tracks_of(self, recording: RecordingData) -> list[tuple[Any, Track]]:
+    def tracks_of(self, recording: RecordingData) -> list[tuple[SampleWidget, Track]]:
         """Its widgets, and the track of each in its recording, opened anew: one thread at a time may read one."""
         return [(view.widget, _track(recording, view.choice, view.widget)) for view in self.views]
 
@@ -373,7 +374,7 @@ def _view(recording: RecordingData, choice: WidgetChoice) -> PlayerView:
     return PlayerView(widget, choice, _track(recording, choice, widget))
 
 
-def _track(recording: RecordingData, choice: WidgetChoice, widget: Any) -> Track:
+def _track(recording: RecordingData, choice: WidgetChoice, widget: SampleWidget) -> Track:
     track: Track = load(choice.shown.frames)(recording, choice, widget)
     return track
 

@@ -98,7 +98,7 @@ class ScansInFile:
         return np.concatenate([ranges for chunk in self._series[start:stop].chunks() for ranges in self._mapper(chunk)])
 
 
-Span = tuple[float | None, float | None]
+OpenSpan = tuple[float | None, float | None]
 """Start and end in seconds from the start of the recording; None: its own."""
 
 
@@ -106,7 +106,7 @@ def scanogram(
     recording: RecordingData,
     topic: str | None = None,
     beside: Collection[str] | None = None,
-    span: Span = (None, None),
+    span: OpenSpan = (None, None),
     **options: Any,
 ) -> ScanogramWidget:
     """See `ScanogramWidget.of`; of a span of the recording."""
@@ -131,7 +131,7 @@ def scanogram(
     return widget
 
 
-def _put_scans(widget: ScanogramWidget, recording: RecordingData, scans: ScanSeries, span: Span) -> None:
+def _put_scans(widget: ScanogramWidget, recording: RecordingData, scans: ScanSeries, span: OpenSpan) -> None:
     most = min(MEMORY_BYTES, recording.memory)
     loaded = _loaded(scans, most)
     counts = {rays: count for rays, count in scans.ray_counts.items() if rays}
@@ -201,7 +201,7 @@ def _loaded(scans: ScanSeries, most: int) -> list[ScanChunk] | None:
     return chunks
 
 
-def _put_speeds(widget: ScanogramWidget, recording: RecordingData, topics: list[Topic], span: Span) -> None:
+def _put_speeds(widget: ScanogramWidget, recording: RecordingData, topics: list[Topic], span: OpenSpan) -> None:
     """Put the first measured speed under the scans, or a commanded one if none was measured."""
     for topic in sorted(topics, key=lambda topic: topic.commanded):
         speeds = recording.speeds(topic.name).between(*span)
@@ -210,7 +210,7 @@ def _put_speeds(widget: ScanogramWidget, recording: RecordingData, topics: list[
             return
 
 
-def _put_touches(widget: ScanogramWidget, recording: RecordingData, topics: list[str], span: Span) -> None:
+def _put_touches(widget: ScanogramWidget, recording: RecordingData, topics: list[str], span: OpenSpan) -> None:
     begin, end = span[0] or 0.0, recording.duration if span[1] is None else span[1]
     if topics:
         spans = [touch for topic in topics for touch in touched(recording.touches(topic), recording.duration)]

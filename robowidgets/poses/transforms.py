@@ -11,7 +11,7 @@ from ..messages.fields import stamp_ns
 TRANSFORMS = ("tf2_msgs/msg/TFMessage", "tf/msg/tfMessage")
 STATIC = "tf_static"
 
-Pose = tuple[float, float, float, float, float, float, float]
+PoseNumbers = tuple[float, float, float, float, float, float, float]
 
 
 class Transform(NamedTuple):
@@ -26,7 +26,7 @@ class Transform(NamedTuple):
     child: str
     time_ns: int
     stamp_ns: int
-    pose: Pose
+    pose: PoseNumbers
     static: bool = False
     odometry: bool = False
 

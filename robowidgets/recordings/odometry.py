@@ -3,17 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ..kinds import LASER, PATH
 from ..poses.places import Places
 from ..poses.recent import poses_at
+from ._readable import ReadableRecording
 from .topics import Topic, UnknownTopicError, named
-
-if TYPE_CHECKING:
-    from .data import RecordingData
 
 
 def odometry(topics: Iterable[Topic]) -> str | None:
@@ -21,7 +18,7 @@ def odometry(topics: Iterable[Topic]) -> str | None:
     return min((topic.name for topic in topics if topic.widget and topic.type in PATH.types), default=None)
 
 
-def places_of(recording: RecordingData) -> Places:
+def places_of(recording: ReadableRecording) -> Places:
     """Where the robot was at each of its scans, by odometry; without scans, at each message of odometry.
 
     Raises:

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from ..samples.time_span import time_span
+from ._readable import ReadableRecording
 from .columns._fields import Fields
 from .columns.scans import Scans
 from .columns.speeds import Speeds
@@ -13,9 +14,6 @@ from .columns.touches import Touches
 from .span import Span
 from .times import span_ns
 from .topics import Moment, TimedMessage
-
-if TYPE_CHECKING:
-    from .data import RecordingData
 
 _MOMENT = 1e-9
 
@@ -39,7 +37,7 @@ class TimeSlice:
         TypeError: ``which`` is none of these. ValueError: it is no span of time.
     """
 
-    def __init__(self, recording: RecordingData, which: Any) -> None:
+    def __init__(self, recording: ReadableRecording, which: Any) -> None:
         self._recording = recording
         self.rays = slice(None)
         self.start: float | None

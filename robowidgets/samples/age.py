@@ -32,4 +32,4 @@ def note_arrival(sample: HasAge, when: float | None = None) -> None:
 
 def arrival_of(sample: HasAge) -> float:
     """Seconds of the monotonic clock at which a sample arrived."""
-    return sample._arrived  # no field of a sample, and no attribute for users, who ask for its age
+    return sample._arrived  # noqa: SLF001  # no field of a sample, and no attribute for users, who ask for its age

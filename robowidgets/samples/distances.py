@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from functools import lru_cache
 from math import pi
-from typing import TYPE_CHECKING
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,13 +13,40 @@ from .checks import ANGLE_ROUNDING, frozen, number
 from .ray import CODES_END
 from .sector import ALL_ROUND, Asked, Sector, in_sector, to_sector
 
-if TYPE_CHECKING:
-    from .scan import Scan
+
+class ScanRays(Protocol):
+    """The rays of a scan: a `Scan`, before that class is there."""
+
+    @property
+    def ranges(self) -> NDArray[np.float32]:
+        """Metres, shape (R,)."""
+
+    @property
+    def range_min(self) -> float:
+        """Metres."""
+
+    @property
+    def range_max(self) -> float:
+        """Metres."""
+
+    @property
+    def angle_min(self) -> float:
+        """Radians."""
+
+    @property
+    def angle_increment(self) -> float:
+        """Radians."""
+
+    @property
+    def angles(self) -> NDArray[np.float64]:
+        """Radians, shape (R,)."""
+
+    def __len__(self) -> int: ...
 
 
 def distances(
     ranges: NDArray[np.float32],
-    like: Scan,
+    like: ScanRays,
     sector: Asked = ALL_ROUND,
     percentile: float | None = None,
 ) -> NDArray[np.float32]:
@@ -46,7 +73,7 @@ def distances(
     return np.where(np.isnan(least), least, picked)
 
 
-def ray_distances(ranges: NDArray[np.float32], like: Scan) -> NDArray[np.float32]:
+def ray_distances(ranges: NDArray[np.float32], like: ScanRays) -> NDArray[np.float32]:
     """The distance of each ray as in `Scan.distance`, in a new array of the same shape; NaN for a code.
 
     Args:
@@ -61,7 +88,7 @@ def ray_distances(ranges: NDArray[np.float32], like: Scan) -> NDArray[np.float32
     return away
 
 
-def difference(now: Scan, then: Scan) -> NDArray[np.float32]:
+def difference(now: ScanRays, then: ScanRays) -> NDArray[np.float32]:
     """See `Scan.__sub__`."""
     here, there = ray_distances(now.ranges, now), ray_distances(then.ranges, then)
     if len(now) != len(then) or not np.allclose(now.angles, then.angles, rtol=0, atol=ANGLE_ROUNDING):
@@ -72,7 +99,7 @@ def difference(now: Scan, then: Scan) -> NDArray[np.float32]:
         return np.where(here == there, np.float32(0), here - there).astype(np.float32)
 
 
-def indices_at(like: Scan, angles: NDArray[np.float64]) -> NDArray[np.intp]:
+def indices_at(like: ScanRays, angles: NDArray[np.float64]) -> NDArray[np.intp]:
     """The index of the ray that points closest to each angle in radians; -1 more than half a step outside the sweep."""
     step = abs(like.angle_increment) or 2 * pi
     turned = (angles - like.angle_min) * (-1 if like.angle_increment < 0 else 1) % (2 * pi)
@@ -87,7 +114,7 @@ def angles_of(angle_min: float, angle_increment: float, count: int) -> NDArray[n
     return frozen(angle_min + np.arange(count) * angle_increment)
 
 
-def inside(like: Scan, sector: Asked) -> NDArray[np.bool_]:
+def inside(like: ScanRays, sector: Asked) -> NDArray[np.bool_]:
     """Whether each ray of scans with the same angles lies in a sector, shape (R,), read-only."""
     return _inside(like.angle_min, like.angle_increment, len(like), to_sector(sector))
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass, fields
 
 from ..samples.checks import finite
 
-Speeds = tuple[float, float, float]
+BodyVelocity = tuple[float, float, float]
 """Forward in m/s, counter-clockwise in rad/s, and to the left in m/s."""
 
 
@@ -38,7 +38,7 @@ class Motors:
             if value <= 0 and (field.name != "max_lateral" or value < 0):
                 raise ValueError(f"{field.name}: expected a limit above 0, got {value!r}")
 
-    def toward(self, speeds: Speeds, command: Speeds, dt: float) -> Speeds:
+    def toward(self, speeds: BodyVelocity, command: BodyVelocity, dt: float) -> BodyVelocity:
         """The speeds after dt seconds of accelerating toward a command within the limits."""
         return (
             _approach(speeds[0], _clip(command[0], self.max_linear), self.linear_acceleration * dt),

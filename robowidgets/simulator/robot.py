@@ -16,7 +16,7 @@ from ..samples.checks import finite
 from ._contact import PRESSED_WITHIN, contact_angles, over_drop, pressed, push_out
 from ._models import WHEELS, model_of
 from ._scanners import scanner_of
-from .motors import Motors, Speeds
+from .motors import BodyVelocity, Motors
 from .scanner import Scanner
 from .sonars import Sonars
 from .world import World, to_pose
@@ -111,8 +111,8 @@ class Robot(Observed):
             raise ValueError(f"radius: expected metres above 0, got {radius!r}")
         self._pose = self._fitting(*to_pose("pose", world.start if pose is None else pose))
         self._start = world, self._pose
-        self._command: Speeds = (0.0, 0.0, 0.0)
-        self._speeds: Speeds = (0.0, 0.0, 0.0)
+        self._command: BodyVelocity = (0.0, 0.0, 0.0)
+        self._speeds: BodyVelocity = (0.0, 0.0, 0.0)
         self._time_ns = 0
         self._seed = seed
         self._odometry = self._pose

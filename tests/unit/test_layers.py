@@ -50,21 +50,11 @@ def modules() -> dict[str, Path]:
     return {name_of(path): path for path in sorted(ROOT.rglob("*.py"))}
 
 
-def is_exempt(node: ast.AST) -> bool:
-    """Whether this is ``if TYPE_CHECKING:``."""
-    return isinstance(node, ast.If) and isinstance(node.test, ast.Name) and node.test.id == "TYPE_CHECKING"
-
-
 def statements(node: ast.AST) -> Iterator[ast.Import | ast.ImportFrom]:
-    """The imports in a syntax tree, those in functions too, without those for type checkers."""
-    for child in ast.iter_child_nodes(node):
+    """The imports in a syntax tree, also those in functions and those for type checkers."""
+    for child in ast.walk(node):
         if isinstance(child, (ast.Import, ast.ImportFrom)):
             yield child
-        elif isinstance(child, ast.If) and is_exempt(child):
-            for statement in child.orelse:
-                yield from statements(statement)
-        else:
-            yield from statements(child)
 
 
 @cache
@@ -109,11 +99,11 @@ def pairs() -> list[tuple[str, str]]:
     return [(module, other) for module in modules() for other in sorted(imports(module))]
 
 
-def test_each_part_imports_only_from_those_below_it() -> None:
+def test_each_part_imports_only_from_those_below_it_for_types_too() -> None:
     assert not [(module, other) for module, other in pairs() if layer(other) < layer(module)]
 
 
-def test_no_modules_import_each_other_in_a_circle() -> None:
+def test_no_modules_import_each_other_in_a_circle_for_types_neither() -> None:
     done: set[str] = set()
     path: list[str] = []
 

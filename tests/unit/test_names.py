@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import ast
 import builtins
+import re
 import warnings
+from collections.abc import Iterator
 from importlib import import_module
 from pathlib import Path
 from typing import Any
@@ -36,16 +38,26 @@ def test_a_private_name_that_is_not_there_is_said_plainly() -> None:
         robowidgets.__path_hooks__  # noqa: B018
 
 
-def test_a_name_belongs_to_one_class() -> None:
-    """Private classes, which no other module names, are left out."""
-    places: dict[str, list[str]] = {}
+def definitions(tree: ast.Module, path: str) -> Iterator[tuple[str, str]]:
+    """The classes of a module and its names for types, each with what tells it from another of the same name."""
+    for node in ast.walk(tree):
+        if isinstance(node, ast.ClassDef):
+            yield node.name, f"{path}:{node.lineno}"
+    for node in tree.body:
+        if isinstance(node, ast.Assign) and isinstance(node.targets[0], ast.Name):
+            yield node.targets[0].id, ast.unparse(node.value)
+
+
+def test_a_name_stands_for_one_type() -> None:
+    """Private ones, which no other module names, are left out."""
+    found: dict[str, set[str]] = {}
     for path in Path(robowidgets.__file__).parent.rglob("*.py"):
         if "node_modules" not in path.parts:
-            for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
-                if isinstance(node, ast.ClassDef) and not node.name.startswith("_"):
-                    places.setdefault(node.name, []).append(f"{path}:{node.lineno}")
-    assert len(places) > 200
-    assert {name: found for name, found in places.items() if len(found) > 1} == {}
+            for name, meant in definitions(ast.parse(path.read_text(encoding="utf-8")), str(path)):
+                if re.match("[A-Z][A-Za-z]*[a-z]", name):
+                    found.setdefault(name, set()).add(meant)
+    assert len(found) > 200
+    assert {name: meant for name, meant in found.items() if len(meant) > 1} == {}
 
 
 @pytest.mark.parametrize(

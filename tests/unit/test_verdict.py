@@ -13,8 +13,8 @@ import pytest
 
 import robowidgets
 from robowidgets import Scan, Speed, Touch, TouchMode, conditions
-from robowidgets.find._instant import NoSampleYetError
 from robowidgets.find.base import condition
+from robowidgets.find.instant import NoSampleYetError
 from robowidgets.kinds import KINDS
 from robowidgets.samples.verdict import Verdict, fact, judged
 

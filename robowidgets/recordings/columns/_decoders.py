@@ -16,7 +16,7 @@ from ...samples import yaw_of
 from ._template import MessageTemplate, Rows, scan_template, speed_template
 from .chunks import SampleChunk, ScanChunk, SpeedChunk, merged, single_scan, single_speed
 
-Note = Callable[[int, Exception], None]
+NoteUnread = Callable[[int, Exception], None]
 """Called for a message that cannot be shown, with its index in the given messages and the error."""
 
 _FIRST_LOOK, _CAREFUL_LOOK = 1024, 32
@@ -27,7 +27,7 @@ class Decoder(Protocol):
 
     frame_ids: dict[str, None]
 
-    def decode(self, raws: Sequence[bytes], times: Sequence[int], note: Note) -> list[Any]:
+    def decode(self, raws: Sequence[bytes], times: Sequence[int], note: NoteUnread) -> list[Any]:
         """The chunks of some messages in their order, without the messages that cannot be shown.
 
         Args:
@@ -51,13 +51,13 @@ class TemplateDecoder:
         # Number of messages that are compared at once: fewer after messages that differed.
         self._look = _FIRST_LOOK
 
-    def decode(self, raws: Sequence[bytes], times: Sequence[int], note: Note) -> list[Any]:
+    def decode(self, raws: Sequence[bytes], times: Sequence[int], note: NoteUnread) -> list[Any]:
         """See `Decoder`."""
         chunks = merged(self._chunks(raws, np.array(times, np.int64), note))
         self.frame_ids.update(dict.fromkeys(chunk.frame_id for chunk in chunks))
         return chunks
 
-    def _chunks(self, raws: Sequence[bytes], times: NDArray[np.int64], note: Note) -> Iterator[Any]:
+    def _chunks(self, raws: Sequence[bytes], times: NDArray[np.int64], note: NoteUnread) -> Iterator[Any]:
         at = 0
         while at < len(raws):
             template = self._template
@@ -124,7 +124,7 @@ class SampleDecoder:
         # One topic may have messages of many touch sensors, each in its own frame.
         self.frame_ids: dict[str, None] = {}
 
-    def decode(self, raws: Sequence[bytes], times: Sequence[int], note: Note) -> list[Any]:
+    def decode(self, raws: Sequence[bytes], times: Sequence[int], note: NoteUnread) -> list[Any]:
         """See `Decoder`."""
         rows: list[int] = []
         samples: list[Any] = []

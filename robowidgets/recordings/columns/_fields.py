@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 _TEXT_BYTES = 60
 """About how many bytes a text takes beside its characters."""
 
-Part = tuple[NDArray[np.int64], Any]
+FieldRows = tuple[NDArray[np.int64], Any]
 """Rows of a series, and the values of a field in them: shape (N, T), or a list of texts for each row."""
 
 
@@ -149,7 +149,7 @@ class Fields(Series[Any]):
     def _columns(self, names: Iterable[str]) -> dict[str, NDArray[Any]]:
         """The columns of some fields, found in one pass through the messages."""
         places = {name: self._place(name) for name in names}
-        parts: dict[str, list[Part]] = {name: [] for name in places}
+        parts: dict[str, list[FieldRows]] = {name: [] for name in places}
         leaves, size = self._leaves, 0
         for chunk in self.chunks():
             for name, part in self._parts(chunk, places):
@@ -158,7 +158,7 @@ class Fields(Series[Any]):
                 parts[name].append(part)
         return {name: self._joined(name, leaves[place.leaf], place, parts[name]) for name, place in places.items()}
 
-    def _parts(self, chunk: MessageChunk, places: Mapping[str, FieldPath]) -> Iterable[tuple[str, Part]]:
+    def _parts(self, chunk: MessageChunk, places: Mapping[str, FieldPath]) -> Iterable[tuple[str, FieldRows]]:
         for layout, rows, raws in chunk.groups():
             matrix = as_rows(raws)
             for name, place in places.items():
@@ -168,7 +168,7 @@ class Fields(Series[Any]):
                 else:
                     yield name, (chunk.start + rows, layout.values(matrix, leaf, place))
 
-    def _joined(self, name: str, leaf: Leaf, place: FieldPath, parts: Sequence[Part]) -> NDArray[Any]:
+    def _joined(self, name: str, leaf: Leaf, place: FieldPath, parts: Sequence[FieldRows]) -> NDArray[Any]:
         """One column of its parts."""
         is_text = leaf.dtype is None
         dtype = np.dtype(object) if is_text else parts[0][1].dtype if parts else _dtype(leaf, place)

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from ...messages.channel import Channel
 from ...messages.decoding import DecodeError, decoder_of
 from ...messages.layout import FieldPath, Layout, Layouts, Leaf, Rows
-from ._decoders import Note
+from ._decoders import NoteUnread
 from .chunks import Chunk
 
 _OVERHEAD = 200
@@ -37,7 +37,7 @@ class MessageDecoder:
         stamps = [i for i, leaf in enumerate(self.leaves) if leaf.name == "header.stamp" and leaf.type == "time"]
         self._stamp = FieldPath(stamps[0]) if stamps else None
 
-    def decode(self, raws: Sequence[bytes], times: Sequence[int], note: Note) -> list[Any]:
+    def decode(self, raws: Sequence[bytes], times: Sequence[int], note: NoteUnread) -> list[Any]:
         """See `Decoder`."""
         kept: list[int] = []
         layouts: list[Layout] = []

@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ...messages.fields import Shape
+from ...messages.fields import MessageShape
 from ...messages.scan import LONGEST_SCAN
 from ...samples import Scan, Speed
 
@@ -72,7 +72,7 @@ class MessageTemplate(NamedTuple):
         return nanoseconds
 
 
-def scan_template(raw: bytes, message: Any, scan: Scan, shape: Shape, encoding: str) -> MessageTemplate | None:
+def scan_template(raw: bytes, message: Any, scan: Scan, shape: MessageShape, encoding: str) -> MessageTemplate | None:
     """The template of a LaserScan-like message; None if its numbers have no fixed offsets."""
     ranges = _place(raw, message.ranges)
     intensities = _place(raw, message.intensities) if len(scan.intensities) else None
@@ -89,7 +89,7 @@ def scan_template(raw: bytes, message: Any, scan: Scan, shape: Shape, encoding: 
     return MessageTemplate(len(raw), _parts(raw, fixed), times, ranges, intensities, True, scan)
 
 
-def speed_template(raw: bytes, speed: Speed, shape: Shape, encoding: str) -> MessageTemplate | None:
+def speed_template(raw: bytes, speed: Speed, shape: MessageShape, encoding: str) -> MessageTemplate | None:
     """The template of a Twist or Odometry-like message; None if its numbers have no fixed offsets."""
     names = _doubles(shape)
     is_stamped, lead = _is_stamped(shape), _lead(encoding)
@@ -112,7 +112,7 @@ def _parts(raw: bytes, parts: list[slice]) -> tuple[tuple[slice, NDArray[np.uint
     return tuple((part, np.frombuffer(raw[part], np.uint8)) for part in parts if raw[part])
 
 
-def _is_stamped(shape: Shape) -> bool:
+def _is_stamped(shape: MessageShape) -> bool:
     """Whether the message starts with a header, so that its stamp has a fixed offset."""
     first = next(iter(shape), "")
     header = shape.get(first)
@@ -132,7 +132,7 @@ def _address(array: NDArray[Any]) -> int:
     return int(array.__array_interface__["data"][0])
 
 
-def _doubles(shape: Shape) -> list[str]:
+def _doubles(shape: MessageShape) -> list[str]:
     """The names of the float64 values at the end of a message, in their order."""
     names: list[str] = []
     for name, kind in reversed(list(_leaves(shape))):
@@ -153,7 +153,7 @@ def _run(names: Sequence[str], part: str, inner: Sequence[str], tail: int) -> sl
     return None
 
 
-def _leaves(shape: Shape, prefix: str = "") -> Iterator[tuple[str, Any]]:
+def _leaves(shape: MessageShape, prefix: str = "") -> Iterator[tuple[str, Any]]:
     for name, kind in shape.items():
         if isinstance(kind, Mapping):
             yield from _leaves(kind, f"{prefix}{name}.")

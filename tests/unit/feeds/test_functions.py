@@ -77,6 +77,69 @@ def test_functions_get_samples_whatever_the_middleware_hands_over_and_messages_o
     wait_for(lambda: raw == [messages["/scan"]], "it gets the message as it came")
 
 
+def test_a_function_of_two_arguments_gets_the_time_at_which_a_message_of_any_type_came(opened: Opened) -> None:
+    feed, script = opened(IMU, SCAN)
+    got: list[tuple[Any, int]] = []
+
+    def take(message: Any, time_ns: int) -> None:
+        got.append((message, time_ns))
+
+    feed.connect("/imu", take)
+    feed.connect("/scan", lambda scan, time_ns, _near=0.3: got.append((scan, time_ns)))
+    before = time.time_ns()
+    script.listener.on_message("/imu", {"orientation": {"w": 1.0}})
+    script.listener.on_message("/scan", scan(1.5))
+    wait_for(lambda: len(got) == 2, "both are called")
+    assert [type(message) for message, _ in got] == [dict, Scan]
+    assert all(before <= time_ns <= time.time_ns() for _, time_ns in got)
+
+
+def test_a_function_may_get_each_message_in_its_order(opened: Opened, gate: threading.Event) -> None:
+    feed, script = opened(IMU)
+    each: list[int] = []
+    newest: list[int] = []
+    entered = threading.Event()
+
+    def slow(message: Any) -> None:
+        each.append(message["number"])
+        entered.set()
+        gate.wait()
+
+    feed.connect("/imu", slow, each=True)
+    feed.connect("/imu", lambda message: newest.append(message["number"]))
+    assert script.each == {"/imu"}
+    for number in range(100):
+        script.listener.on_message("/imu", {"number": number}, newest=number % 10 == 9, each=True)
+    assert entered.wait(20.0)
+    gate.set()
+    wait_for(lambda: len(each) == 100 and newest[-1:] == [99], "all came")
+    assert each == list(range(100))
+    assert set(newest) <= {9, 19, 29, 39, 49, 59, 69, 79, 89, 99}
+    assert "slow" in repr(feed)
+    assert "did not get" not in repr(feed)
+    feed.disconnect("/imu", slow)
+    assert script.each == frozenset()
+
+
+def test_what_a_function_that_gets_each_message_does_not_get_is_counted(opened: Opened, gate: threading.Event) -> None:
+    feed, script = opened(IMU)
+    entered = threading.Event()
+
+    def slow(_message: Any) -> None:
+        entered.set()
+        gate.wait()
+
+    feed.connect("/imu", slow, each=True)
+    script.listener.on_message("/imu", {})
+    assert entered.wait(20.0)
+    for _ in range(1003):
+        script.listener.on_message("/imu", {})
+    script.listener.on_missed("/imu", 4)
+    assert "slow` did not get 7 messages, which came too fast" in repr(feed)
+    with pytest.raises(TypeError, match="each: expected True or False, got 'all'"):
+        feed.connect("/imu", slow, each="all")  # type: ignore[arg-type]
+
+
 def test_a_function_that_hangs_holds_back_no_speed_no_zero_and_no_widget(opened: Opened, gate: threading.Event) -> None:
     feed, script = opened(SCAN, CMD_VEL)
     laser, entered = LaserWidget(), threading.Event()

@@ -138,7 +138,7 @@ def test_words_for_what_it_cannot_do() -> None:
             feed.drive(0.1)
     with pytest.raises(TypeError, match="robot: expected a name such as 'turtlebot3', or a Robot, got 2"):
         feeds.simulator(2)  # type: ignore[arg-type]
-    with pytest.raises(ValueError, match="model: expected plain, turtlebot3, kobuki, create3, pr2, got 'R2'"):
+    with pytest.raises(ValueError, match="model: expected plain, turtlebot3, kobuki, create3, pioneer, pr2, got 'R2'"):
         feeds.simulator("R2")
     with pytest.raises(ValueError, match="hz: expected steps a second, above 0 and at most 1000, got 0"):
         feeds.simulator(hz=0)

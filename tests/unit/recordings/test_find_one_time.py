@@ -11,8 +11,8 @@ import pytest
 
 import robowidgets
 from robowidgets import conditions
-from robowidgets.find._instant import together
 from robowidgets.find._steps import NO, UNKNOWN, YES, combined, inverted, spans, steps
+from robowidgets.find.instant import together
 
 from . import sweeps
 

@@ -1,0 +1,61 @@
+"""A widget of samples, as feeds and players know it."""
+
+from __future__ import annotations
+
+import weakref
+from collections.abc import Callable, Sequence
+from typing import Any, Protocol
+
+
+class GroupedWidget(Protocol):
+    """A widget that is frozen, released and stepped with others. See `FreezableWidget`."""
+
+    paused: bool
+
+    def join_group(self, name: str, group: weakref.WeakSet[Any]) -> None:
+        """Be frozen, released and stepped with the widgets of a group from now on."""
+
+    def on_group(self) -> None:
+        """Called when all widgets of a new group are in it."""
+
+
+class SampleWidget(GroupedWidget, Protocol):
+    """What feeds and players use of a widget. See `RobotWidget`, which describes each of these."""
+
+    title: str
+    history: float
+    has_rate: bool
+    driven_by_player: bool
+    column: str
+    frame_traits: tuple[str, ...]
+    comm: Any
+    """None once it is closed."""
+
+    @property
+    def model_id(self) -> str:
+        """The name by which the page knows it."""
+
+    @property
+    def update(self) -> Callable[..., Any]:
+        """Takes a message or a sample; of a widget of several sensors, the name of one before it."""
+
+    def has_trait(self, name: str) -> bool:
+        """Whether it has a trait of that name."""
+
+    def observe(self, handler: Callable[[Any], Any], names: Sequence[str]) -> None:
+        """Have a function called when one of some traits changes."""
+
+    def name_after(self, topic: str, trait: str = "title") -> None:
+        """Set a title to a topic, unless the user gave one."""
+
+    def set_source(self, source: dict[str, Any], missing: str = "") -> None:
+        """Show where its samples come from, and the status of that."""
+
+    def frame_of(self, sample: Any) -> tuple[dict[str, Any], bytes]:
+        """The text on a sample, and its frame without the header."""
+
+    def arrays_of(self, frame: bytes) -> tuple[int, int]:
+        """What a frame holds: bytes before arrays of float32 of equal lengths, and their number."""
+
+    def close(self) -> None:
+        """Remove it from the page."""
