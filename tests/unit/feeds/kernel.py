@@ -20,6 +20,7 @@ def note(self, topic, kind, message):
 Simulated.publish = note
 feed = feeds.simulator(hz=20, wander=False)
 """
+ANEW = "feed.close()\nfeed = feeds.simulator(hz=20, wander=False)"
 
 
 class Log:
@@ -43,6 +44,10 @@ class Log:
         self._heard += map(ast.literal_eval, whole.decode().splitlines())
         return self._heard
 
+    def forget(self) -> None:
+        """Leave out what was heard up to now."""
+        self.heard().clear()
+
 
 class Kernel:
     """A kernel that runs cells as a notebook does, and the commands that its robot heard.
@@ -60,6 +65,11 @@ class Kernel:
         self._client.start_channels()
         self._client.wait_for_ready(timeout=60)
         assert self.run("open", before + OPEN.format(path=str(path)))["status"] == "ok"
+
+    def open_anew(self) -> None:
+        """Open another robot, which has heard nothing yet."""
+        assert self.run("open", ANEW)["status"] == "ok"
+        self._log.forget()
 
     def start(self, cell: str, code: str) -> str:
         """Run a cell without waiting for it. An error in it does not abort the next one, should that come at once."""

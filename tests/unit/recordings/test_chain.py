@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from bisect import bisect_right
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -24,9 +25,11 @@ def split(folder: Path) -> list[Path]:
 
 class TestWholeFiles:
     @pytest.fixture
-    def source(self, tmp_path: Path) -> Source:
+    def source(self, tmp_path: Path) -> Iterator[Source]:
         split(tmp_path)
-        return open_source(tmp_path)
+        source = open_source(tmp_path)
+        yield source
+        source.close()
 
     def test_become_one_recording_in_the_order_of_time(self, source: Source) -> None:
         assert read(source) == messages(90)

@@ -79,6 +79,7 @@ class TestReadyMade:
             ((0.1, 0.2), []),
         ],
     )
+    @pytest.mark.filterwarnings("ignore:sector .* covers 314.2")  # which is what is meant
     def test_within_a_sector(self, tmp_path: Path, sector: Any, held: Any) -> None:
         # Rays at -0.5, -0.4 ... 0.5 rad; one after the other the first, the middle and the last meet something near.
         rows = [[0.2 if i == near else 5.0 for i in range(11)] for near in (0, 5, 10, 11)]
