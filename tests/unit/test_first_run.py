@@ -9,7 +9,7 @@ import time
 
 import pytest
 
-pytestmark = pytest.mark.slow
+pytestmark = [pytest.mark.slow, pytest.mark.versions]
 
 KERNEL = {"name": "python3", "display_name": "Python 3", "language": "python"}
 LIVE = {"tags": ["live"]}
