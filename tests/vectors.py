@@ -279,11 +279,13 @@ def _scanogram() -> dict[str, tuple[bytes, dict[str, Any]]]:
 
 def _segment() -> tuple[bytes, dict[str, Any]]:
     scans = [(0.0, sweeps.scan(sweeps.START_NS, [1.0, 2.0])), (0.5, sweeps.scan(sweeps.START_NS + 1, [1.5, inf]))]
-    with tempfile.TemporaryDirectory() as folder:
-        with robowidgets.open(sweeps.write(Path(folder) / "scans", scans)) as recording:
-            player = recording.show()
-            first = player.bar.get_state()["_first"][0]
-            player.close()
+    with (
+        tempfile.TemporaryDirectory() as folder,
+        robowidgets.open(sweeps.write(Path(folder) / "scans", scans)) as recording,
+    ):
+        player = recording.show()
+        first = player.bar.get_state()["_first"][0]
+        player.close()
     (track,), (abouts,) = first["tracks"], first["abouts"]
     assert len(abouts) == 1
     return track, {"times": [0.0, 0.0, 0.5], "abouts": [0, 0, 0], "ranges": [[1.0, 2.0], [1.0, 2.0], [1.5, inf]]}
