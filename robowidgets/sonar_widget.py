@@ -78,6 +78,7 @@ class SonarWidget(RobotWidget[Ranges]):
         "fov": "field_of_view",
     }
     _instead: ClassVar = {"distances": "widget.ranges"}
+    column = "wide"
     sample_name = "sonars"
 
     poses = traitlets.Dict(
