@@ -55,7 +55,7 @@ class ViewRange(traitlets.TraitType[Any, Any]):
         return metres
 
 
-class Distances(traitlets.TraitType[Any, Any]):
+class ArcDistances(traitlets.TraitType[Any, Any]):
     """Up to 50 distances in metres above 0."""
 
     info_text = f"up to 50 distances in metres above 0, {FARTHEST:,} at most"
@@ -134,7 +134,7 @@ class LaserWidget(HasTrail, HasGhost, HasSectors, DrawsShapes):
     arc_count = traitlets.Int(
         None, allow_none=True, min=0, max=50, help="Range arcs that divide the view in equal parts; None: at 1, 2 or 5."
     ).tag(sync=True)
-    arc_distances = Distances((), help="Distances of the range arcs in metres, instead of arc_count.").tag(sync=True)
+    arc_distances = ArcDistances((), help="Distances of the range arcs in metres, instead of arc_count.").tag(sync=True)
     ray_count = traitlets.Int(
         None,
         allow_none=True,
