@@ -72,7 +72,12 @@ class ArcDistances(traitlets.TraitType[Any, Any]):
         return distances
 
 
-class LaserWidget(HasTrail, HasGhost, HasSectors, DrawsShapes):
+class LaserWidget(
+    HasTrail,  # trail, spread: the scans before the one on show; and from HasFootprint, footprint: the robot to scale
+    HasGhost,  # ghost: the scan that it is compared with
+    HasSectors,  # sectors, selection, pins, highlight, distance, code: what is pointed at
+    DrawsShapes,  # draw, drawn: the shapes of programs; and from RobotWidget what all widgets of samples have
+):
     """A laser scan, live: its detection area to scale, range arcs, labelled rays, and every ray with its number.
 
     The reader sees a gray sector from range_min to range_max over the swept angle, the robot at its centre, forward up

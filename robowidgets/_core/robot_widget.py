@@ -42,6 +42,18 @@ class RobotWidget(PacedWidget, Generic[S]):
 
     Subclasses pack samples to bytes and back, and pass new ones to `_show`. The calling thread only stores a sample,
     and the pacer packs and sends it, so any thread may update a widget at any rate.
+
+    What it is made of, from the page to here; each class is a module beside this one:
+
+    - `FrontEndWidget`: the script and the stylesheet, which a page keeps once.
+    - `NamedWidget`: `title` and `header`, the errors for unknown names, `close`, the repr.
+    - `BeatingWidget`: a sign of life every second, where a class asks for it.
+    - `FreezableWidget`: `paused`, the frozen frame with its texts, and the group that is frozen together.
+    - `PacedWidget`: `history`, and what is sent when: the newest frame and the traits that were set, by the pacer.
+    - this class: the newest sample, what is packed of it and said of it, `wait`, the source, errors, `to_html`.
+
+    And what it has: ``_newest``, a `NewestSample`, for which threads wait; ``_watches``, the `Watches` behind `watch`;
+    ``_png``, the `Png` behind `save_png`.
     """
 
     footer = Flag(True, help="Whether counts stand below the picture.").tag(sync=True)

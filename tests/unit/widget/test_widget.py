@@ -23,6 +23,7 @@ from robowidgets._core.front_end import bundle
 from robowidgets._core.log_once import MOST_LOGGED
 from robowidgets._core.paced_widget import RESYNC_S, RESYNC_TRAITS
 from robowidgets._core.pacer import pacer
+from robowidgets._core.robot_widget import RobotWidget
 
 from ..pages import Page
 from ..waiting import Clock, wait_for
@@ -406,3 +407,11 @@ class TestBundle:
         other.add_traits(mine=traitlets.Int(3).tag(sync=True))
         assert other.get_state()["mine"] == 3
         assert "mine" not in NumberWidget().get_state()
+
+
+def test_the_comment_of_the_base_says_what_each_of_its_classes_does() -> None:
+    ours = [base for base in RobotWidget.__mro__[1:] if base.__module__.startswith("robowidgets.")]
+    assert ours
+    listed = [line.strip() for line in (RobotWidget.__doc__ or "").splitlines()]
+    for base in ours:
+        assert any(line.startswith(f"- `{base.__name__}`: ") for line in listed), base.__name__
