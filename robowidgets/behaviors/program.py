@@ -23,6 +23,7 @@ from .._core.rate import RateMeter
 from .._core.runner import Call, Runner
 from .._core.short_traceback import without_our_frames
 from .._core.user_function import error_in
+from ..samples.staleness import STEP_SILENCE
 from ..samples.state_span import spelled
 from .drive import STANDSTILL, Drive, drive_of
 from .prints import Prints
@@ -41,9 +42,6 @@ WORKS = 0.05
 
 PATIENCE = 1.0
 """Seconds after which the log says why a program does not drive."""
-
-SILENCE = 1.0
-"""Seconds without a message of the topic ``on``, after which the program says that it waits for it."""
 
 RUNNING, PAUSED, FAILED, ENDED = "running", "paused", "failed", "ended"
 
@@ -155,7 +153,7 @@ class Program(Observed):
             self._inputs.choose(wanted, version.on)
         with self._lock:
             self.version, self._since = version, self._now()
-            self._due = self._since + SILENCE if version.on else min(self._due, self._since + 1 / version.rate)
+            self._due = self._since + STEP_SILENCE if version.on else min(self._due, self._since + 1 / version.rate)
             self.error = self.note = self.waiting = ""
             self._log = LogOnce(partial(self._say, log.warning))
             self.context = copy_context()
@@ -244,7 +242,7 @@ class Program(Observed):
     def _start(self, *, once: bool = False) -> None:
         """Make steps from now on. Called with the lock held."""
         if not self._runner.is_at_work:
-            self._due = self._now() + (SILENCE if self.version.on else 0.0)
+            self._due = self._now() + (STEP_SILENCE if self.version.on else 0.0)
         self._once = once
         self._runner.wake()
         self.mode = PAUSED if once else RUNNING
@@ -294,7 +292,7 @@ class Program(Observed):
                 self.clock.stop(1 / version.rate if values is not None else 0.0)
                 self._leave()
             if self.version.on is not None:
-                self._due = self._now() + SILENCE
+                self._due = self._now() + STEP_SILENCE
             due = self._due
         if once:
             self._call_observers()

@@ -40,6 +40,9 @@ TO_DRIVE_BY = SilenceRule(2, 0.4, 2.0)
 RECORDED = SilenceRule(2, 2.0)
 """Of a topic of a recording: the sample before is stale, to `find` and in a player."""
 
+STEP_SILENCE = 1.0
+"""Seconds without a message of the topic on which a program steps: it says that it waits for it."""
+
 PAUSE = SilenceRule(10, 2.0)
 """Of a topic of a recording: nothing was sent. After a shorter time samples were lost."""
 

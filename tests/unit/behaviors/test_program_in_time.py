@@ -17,11 +17,12 @@ from robowidgets._core.clock import Threads
 from robowidgets._core.policies import NO_RETURN, STEP
 from robowidgets._core.user_threads import UserThread
 from robowidgets.behaviors import Drive
-from robowidgets.behaviors.program import SILENCE, Program
+from robowidgets.behaviors.program import Program
 from robowidgets.behaviors.robot import DrivenRobot
 from robowidgets.behaviors.variables import Variables
 from robowidgets.behaviors.version import Version
 from robowidgets.driving.command_watchdog import CommandWatchdog, RefusedError, Velocity
+from robowidgets.samples.staleness import STEP_SILENCE
 
 from ..clocks import ManualClock
 from ..waiting import threads_named, wait_for
@@ -392,7 +393,7 @@ def test_on_a_topic_it_steps_with_each_message_and_says_after_exactly_a_second_t
     inputs.wake()
     bench.clock.settle()
     assert bench.heard == [(1000.4, 0.3)]
-    bench.clock.advance(SILENCE - 0.001)
+    bench.clock.advance(STEP_SILENCE - 0.001)
     assert bench.program.waiting == ""
     bench.clock.advance(0.001)
     assert bench.program.waiting == "waiting for /scan"
