@@ -81,8 +81,6 @@ class SonarWidget(RobotWidget[Ranges]):
     column = "wide"
     sample_name = "sonars"
 
-    column = "wide"
-
     poses = traitlets.Dict(
         key_trait=traitlets.Unicode(), help="Sensor name to x, y in metres and yaw in radians of the robot's frame."
     ).tag(sync=True)
