@@ -688,16 +688,14 @@ def test_an_interrupt_that_ends_all_of_rclpy_is_told_once_and_survived(
 def test_a_zero_after_an_interrupt_that_ended_all_of_rclpy_arrives(
     ros2: Ros2, graph: Graph, robot: Robot, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(sys.modules[Ros2.__module__], "EARLY_LOOK", 10.0)  # the interrupt ends no wait of its thread
+    monkeypatch.setattr(sys.modules[Ros2.__module__], "EARLY_LOOK", NEVER)  # the interrupt ends no wait of its thread
     for _ in range(3):
         ros2.publish("/cmd_vel", TWIST, FORWARD)
         wait_for(lambda: robot.speeds[-1:] == [0.25], "the robot drives")
         for context in graph.contexts:
             context.interrupt()  # the robot is another process
-        began = time.monotonic()
         ros2.publish("/cmd_vel", TWIST, ZERO)
         wait_for(lambda: robot.speeds[-1] == 0.0, "the robot stops")
-        assert robot.log[-1][0] - began < SEND_TIMEOUT
 
 
 def test_a_stop_after_such_an_interrupt_arrives(graph: Graph, robot: Robot) -> None:
@@ -706,10 +704,8 @@ def test_a_stop_after_such_an_interrupt_arrives(graph: Graph, robot: Robot) -> N
             feed.drive(0.25)
             wait_for(lambda: robot.speeds[-1:] == [0.25], "the robot drives")
             graph.contexts[-1].interrupt()
-            began = time.monotonic()
             feed.stop()
             wait_for(lambda: robot.speeds[-1] == 0.0, "the robot stops")
-            assert robot.log[-1][0] - began < SEND_TIMEOUT
 
 
 def test_a_feed_that_is_closed_after_such_an_interrupt_stops_the_robot(graph: Graph, robot: Robot) -> None:
