@@ -26,6 +26,7 @@ from robowidgets.driving.command_watchdog import Velocity
 from robowidgets.feeds import Advert, Feed, FeedError
 from robowidgets.feeds._program_inputs import FeedInputs
 from robowidgets.samples import Scan, Speed, Touch
+from robowidgets.samples.staleness import SilenceRule
 
 from ..feeds.scripted import CMD_VEL, IMU, ODOM, SCAN, Scripted, scan, twist
 from ..waiting import wait_for
@@ -168,17 +169,21 @@ def test_a_bump_between_two_steps_is_not_lost(robot: Feed, script: Scripted) -> 
     wait_for(lambda: True in got and got[-1] is False, "the touch is seen once, and then the release")
 
 
-def test_none_keeps_the_speed_and_zero_follows_the_last_scan(robot: Feed, script: Scripted) -> None:
+def test_none_keeps_the_speed_and_zero_follows_the_last_scan(
+    robot: Feed, script: Scripted, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    robot.driving = feeds.Driving(hold=60.0)
     returned: list[Any] = [Drive(0.2), None]
 
     @robot.program(rate=100)
     def go(scan):  # type: ignore[no-untyped-def]
         return returned.pop(0) if len(returned) > 1 else None
 
-    while len(script.speeds) <= 20:
+    with monkeypatch.context() as patch:
+        patch.setattr("robowidgets.feeds._program_inputs.TO_DRIVE_BY", SilenceRule(2, 1000.0))
         script.listener.on_message("/scan", scan(1.0))
-        time.sleep(0.02)
-    assert set(script.speeds) == {(0.2, 0.0)}
+        wait_for(lambda: len(script.speeds) > 20, "it steps on")
+        assert set(script.speeds) == {(0.2, 0.0)}
     wait_for(lambda: script.speeds[-1] == (0.0, 0.0), "no scan comes any more")
     assert go.waiting == "no scan comes on /scan any more"
     assert go.mode == "running"
