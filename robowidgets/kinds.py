@@ -259,6 +259,7 @@ SONAR = Kind(
     widget="robowidgets.sonar_widget:SonarWidget",
     nothing=Range(nan),
     columns="robowidgets.recordings.columns.distances:Distances",
+    frames="robowidgets.player._frames:SonarFrames",
     roles=(Role(name="sonars", each=Ranges),),
     to_message=lambda: range_message,
     simulated="robowidgets.simulator.offers:sonars",

@@ -99,7 +99,7 @@ class SonarWidget(RobotWidget[Ranges]):
         self._meters: dict[str, tuple[RateMeter, int]] = {}
         """By sensor the meter of its rate, and how often it measured."""
         self._silences: dict[str, float] = {}
-        """By sensor the seconds without a reading after which it is silent."""
+        """By sensor the seconds without a reading after which it is silent: by its rate, or as a player tells it."""
         self._errors: dict[str, str] = {}
         super().__init__(**kwargs)
 
@@ -152,6 +152,11 @@ class SonarWidget(RobotWidget[Ranges]):
         with self._newest.lock:
             if not self._ranges.keys() >= set(names):
                 self._put_up(self._ranges.expecting(names), counts=False)
+
+    def be_silent_after(self, seconds: Mapping[str, float]) -> None:
+        """Take sensors for silent after so many seconds without a reading, in place of what their rates say."""
+        with self._newest.lock:
+            self._silences.update(seconds)
 
     def reset(self) -> None:
         """Forget all sensors, such as one that was unplugged; each is back with its next reading."""

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import suppress
+from itertools import islice
 from math import inf, nan
 from typing import Any, Protocol
 
@@ -16,13 +18,17 @@ from .._widget_choice import WidgetChoice
 from ..kinds import sensor_of
 from ..laser_widget import LaserWidget
 from ..path_widget import PathPoint, PathWidget
+from ..poses.mounts import mounts_of
 from ..poses.path import Path
 from ..poses.recent import FARTHEST, RecentPoses
+from ..poses.transforms import STATIC, TRANSFORMS, Transform, transforms_of
 from ..recordings import RecordingData
 from ..recordings.odometry import odometry
 from ..recordings.topics import Moment
 from ..samples import Pose, Touch
 from ..samples.age import arrival_of
+from ..samples.staleness import RECORDED, usual_step
+from ..sonar_widget import SonarWidget
 from ..speed_widget import Reading
 from ..touch_widget import TouchWidget, about_touch, pack_states
 from ._touch_history import TouchHistory
@@ -38,6 +44,9 @@ BEFORE = -1.0
 
 LONGEST_PATH = 2.0
 """Seconds for which the path of a recording is read before it is shown."""
+
+LOOKED_AT = 20
+"""Samples of a topic from which its usual rate is found."""
 
 TOGETHER = 0.01
 """Seconds within which what the sensors of a ring measure is shown in one frame: they often measure at once."""
@@ -144,6 +153,22 @@ class ScanFrames(SampleFrames):
         return timed._replace(about=timed.about | self._laser.scanner_at(robot))
 
 
+class SonarFrames(SampleFrames):
+    """A `Track` of a ring of sonars, each at its place by tf, and silent by its own rate; see `SampleFrames`."""
+
+    def __init__(self, recording: RecordingData, choice: WidgetChoice, widget: SonarWidget) -> None:
+        super().__init__(recording, choice, widget)
+        first: dict[str, list[Moment]] = {sensor_of(name): [] for name in choice.own}
+        for moment in islice(recording.samples(choice.own), LOOKED_AT * len(choice.own)):
+            first[sensor_of(moment.topic)].append(moment)
+        silences = {sensor: silent_after(moments) for sensor, moments in first.items()}
+        widget.be_silent_after({sensor: seconds for sensor, seconds in silences.items() if seconds})
+        if not widget.poses:
+            mounts = mounts_of(_static_transforms(recording))
+            frames = {sensor: moments[0].sample.frame_id for sensor, moments in first.items() if moments}
+            widget.poses = {sensor: mounts[frame] for sensor, frame in frames.items() if frame in mounts}
+
+
 class SpeedFrames(SampleFrames):
     """A `Track` of measured and commanded speeds; see `SampleFrames`."""
 
@@ -204,6 +229,24 @@ def pack(frames: list[TimedFrame]) -> tuple[list[dict[str, Any]], bytes]:
     """Frames in the format of the page: each text once, and a table of times before the bytes."""
     abouts, rows = table_of(frames)
     return abouts, b"".join([np.float64(len(frames)).tobytes(), rows.tobytes(), *(timed.frame for timed in frames)])
+
+
+def silent_after(first: Iterable[Moment]) -> float:
+    """Seconds after which a sample is stale, by the first moments of its topic; 0: nobody knows.
+
+    Silences distort the rate of a whole topic.
+    """
+    times = [moment.time_ns for moment in first]
+    return RECORDED.after(usual_step(np.array(times, np.int64)), 1e9) / 1e9 if len(times) > 1 else 0.0
+
+
+def _static_transforms(recording: RecordingData) -> Iterator[Transform]:
+    """The transforms of tf that are valid at all times; none from messages that contain no pose."""
+    for topic in recording.topics:
+        if topic.type in TRANSFORMS and topic.name.rpartition("/")[2] == STATIC and not topic.problem:
+            for moment in recording.messages(topic.name):
+                with suppress(ValueError):
+                    yield from transforms_of(moment.message, topic.name, moment.time_ns)
 
 
 def _path_of(recording: RecordingData, topic: str) -> tuple[Path, float]:

@@ -13,7 +13,6 @@ from pathlib import Path
 from typing import Any
 
 import ipywidgets
-import numpy as np
 import traitlets
 
 from .._core.cells import close_all, take_the_place
@@ -33,11 +32,10 @@ from ..recordings import RecordingData
 from ..recordings.odometry import places_of
 from ..recordings.times import has_date
 from ..recordings.topics import wanted
-from ..samples.staleness import RECORDED, usual_step
 from ..samples.state_span import rows_of
 from ..scanogram_widget import ScanogramWidget
 from ..speed_widget import SpeedWidget
-from ._frames import Track
+from ._frames import LOOKED_AT, Track, silent_after
 from ._leader import Leader
 from ._overview import is_planar, whole_drive
 from ._parts import LeadingPlayer, PlayerView
@@ -47,7 +45,6 @@ from ._touch_marks import touch_marks
 
 _EARLY = 0.1
 _TINY = 1e-7
-_LOOKED_AT = 20
 
 _BESIDE = {"min_width": "min(100% - 8px, 300px)", "margin": "0 4px"}
 HELD_BYTES, HELD_SEGMENTS = 200_000, 30
@@ -383,9 +380,7 @@ def _pause(recording: RecordingData, choice: WidgetChoice) -> float:
     """Seconds after which a sample on show is stale; 0: never."""
     if not choice.kind.goes_stale:
         return 0.0
-    # From the first samples: silences distort the rate of the whole topic.
-    times = [moment.time_ns for moment in islice(recording.samples(choice.topic), _LOOKED_AT)]
-    return RECORDED.after(usual_step(np.array(times, np.int64)), 1e9) / 1e9 if len(times) > 1 else 0.0
+    return silent_after(islice(recording.samples(choice.topic), LOOKED_AT))
 
 
 def _first_look(recording: RecordingData, views: Iterable[PlayerView]) -> float:

@@ -3,15 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from math import inf, isnan, nan
+from math import cos, inf, isnan, nan, sin
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import robowidgets
 from robowidgets import SonarWidget, feeds
+from robowidgets._core.timed_frame import FRAME_HEADER
 from robowidgets.behaviors import Drive, simulate
 from robowidgets.feeds import Advert, Feed
+from robowidgets.poses.mounts import mounts_of
+from robowidgets.poses.transforms import Transform
 from robowidgets.recording import Recording
 from robowidgets.samples import Ranges
 from robowidgets.simulator import Robot, World
@@ -162,3 +166,45 @@ def test_a_simulated_program_gets_sonars_and_a_robot_without_says_so() -> None:
     assert [len(ranges) for ranges in got] == [16, 16]
     with pytest.raises(ValueError, match="asks for sonars, and the simulated robot has no sonars"):
         list(simulate(lambda sonars: got.append(sonars), Robot(World.rooms()), 0.2))
+
+
+STATIC = "/tf_static"
+SONAR_AT = {"front_0": (0.1, 0.2, 1.5), "rear_0": (-0.2, 0.0, 3.0)}
+
+
+def _transform(parent: str, child: str, x: float, y: float, yaw: float) -> dict:
+    rotation = {"x": 0.0, "y": 0.0, "z": sin(yaw / 2), "w": cos(yaw / 2)}
+    transform = {"translation": {"x": x, "y": y, "z": 0.3}, "rotation": rotation}
+    return {"header": stamped(START_NS, parent), "child_frame_id": child, "transform": transform}
+
+
+def test_a_player_has_each_sonar_at_its_place_by_tf_and_knows_which_one_went_silent(tmp_path: Path) -> None:
+    tree = [_transform("base_footprint", "base_link", 9.0, 9.0, 1.0), _transform("base_link", "ring", 0.1, 0.0, 0.0)]
+    tree += [_transform("ring", f"sonar_{name}", x - 0.1, y, yaw) for name, (x, y, yaw) in SONAR_AT.items()]
+    messages = [(0.0, STATIC, {"transforms": tree})]
+    for i in range(40):
+        for name in ("front_0", "rear_0", "side"):
+            if name != "rear_0" or i < 20:
+                fields = {**DISTANCE, "range": 1.0, "header": stamped(START_NS, f"sonar_{name}")}
+                messages.append((i / 4, f"/sonar/{name}", fields))
+    types = {STATIC: "tf2_msgs/msg/TFMessage", **{f"/sonar/{name}": RANGE for name in ("front_0", "rear_0", "side")}}
+    with robowidgets.open(recorded.write(tmp_path / "drive", types, messages)) as recording:
+        player = recording.show()
+        try:
+            (ring,) = player.views
+            assert ring.widget.poses == {name: pytest.approx(pose) for name, pose in SONAR_AT.items()}
+            (frame,) = ring.track.frames(9.0, 9.0)
+            columns = np.frombuffer(frame.frame, "<f4", offset=FRAME_HEADER.size + 8).reshape(9, 3)
+            assert columns[1].tolist() == pytest.approx([0.0, 4.25, 0.0])
+            assert columns[2].tolist() == [2.0, 2.0, 2.0]
+        finally:
+            player.close()
+
+
+def test_only_what_static_transforms_lead_to_is_mounted() -> None:
+    def at(parent: str, child: str, x: float, *, static: bool = True) -> Transform:
+        return Transform(parent, child, 0, 0, (x, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0), static)
+
+    tree = [at("base_footprint", "foot", 1.0), at("a", "b", 1.0), at("b", "a", 1.0), at("odom", "base_link", 5.0)]
+    tree += [at("base_link", "arm", 1.0, static=False), at("arm", "hand", 2.0), at("base_link", "eye", 3.0)]
+    assert mounts_of(tree) == {"foot": (1, 0, 0), "eye": (3, 0, 0), "base_link": (0, 0, 0)}

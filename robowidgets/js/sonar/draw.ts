@@ -96,8 +96,9 @@ function drawFree(context: Context, view: View, cone: Cone, theme: Theme): void 
   fill(context, theme.seen);
 }
 
-function roundDistances({ viewRange }: View): number[] {
-  return ticks(0, 0.97 * viewRange, 4).slice(1);
+/** Of the range circles, as many as their numbers have room for. */
+function roundDistances({ viewRange, radius }: View): number[] {
+  return ticks(0, 0.97 * viewRange, Math.min(5, Math.max(1, Math.floor(radius / SCALE.width)))).slice(1);
 }
 
 /** Range circles at round distances. */
