@@ -19,7 +19,7 @@ from urllib.parse import urlsplit
 
 from .._core.clock import Clock
 from .._core.platform_fixes import acknowledge_at_once, close_when_connected, report_close_code
-from ..samples.staleness import ROBOT_GONE, ROBOT_SILENCE
+from ..samples.staleness import NO_ANSWER, ROBOT_GONE, ROBOT_SILENCE
 from .middleware import SEND_TIMEOUT, FeedError
 
 Frame = str | bytes
@@ -29,9 +29,6 @@ LARGEST = 50_000_000
 
 PATIENCE = 5.0
 """Seconds within which a robot must answer a connection attempt."""
-
-SILENT = 1.5
-"""Seconds after which it is said that nobody has answered an attempt so far."""
 
 COMPARE = "is the robot on, and in this network? Is the address right? Does a firewall block the port?"
 
@@ -221,7 +218,7 @@ class WebSocket:
                 subprotocols=self._subprotocols,
             )
         )
-        silence = asyncio.get_running_loop().call_later(SILENT, self._bridge.on_no_answer)
+        silence = asyncio.get_running_loop().call_later(NO_ANSWER, self._bridge.on_no_answer)
         try:
             return await asyncio.shield(connecting)
         except asyncio.CancelledError:

@@ -55,6 +55,9 @@ ENDED = SilenceRule(10)
 CLOCK_JUMP = SilenceRule(100, 60.0)
 """Of a topic of a recording: nothing was recorded for long, or the clock jumped ahead."""
 
+PARTS_PAUSE = 60.0
+"""Longest time in seconds between two files that are parts of one recording, where nothing else says that they are."""
+
 SCAN_GAP = SilenceRule(3)
 """Between two scans of a scanogram, of steps that nine of ten stay below: the picture has a gap."""
 
@@ -63,6 +66,9 @@ BEAT = 1.0
 
 PAGE_SILENCE = 3.0
 """Seconds without a message from any page after which no page is there. A page sends one every second."""
+
+NO_ANSWER = 1.5
+"""Seconds without an answer to a first attempt to connect, after which it is said what to compare."""
 
 ROBOT_SILENCE = 1.0
 """Seconds without an answer of a robot after which only zero is sent: what is sent then waits, and arrives late."""

@@ -19,6 +19,7 @@ from ...repair import (
     is_being_written,
     open_repaired,
 )
+from ...samples.staleness import PARTS_PAUSE
 from . import _rosbags
 from ._chain import Chain
 from ._fallback import FallbackSource
@@ -37,8 +38,6 @@ _START = re.compile(r"^  starting_time:\s*\n\s+nanoseconds_since_epoch:\s*(\d+)"
 _DURATION = re.compile(r"^  duration:\s*\n\s+nanoseconds:\s*(\d+)", re.MULTILINE)
 _SECOND = 1_000_000_000
 _NAMED_AT_MOST = 5
-_LONGEST_PAUSE_NS = 60 * _SECOND
-"""Longest silence between two parts of one recording without metadata."""
 
 
 def open_source(path: Path) -> Source:
@@ -146,7 +145,7 @@ def _follow_on(files: Sequence[Path]) -> bool:
     return all(
         (topics <= later_topics or later_topics <= topics)
         and later_start >= max(end - RESET_NS, min(start + 1, end))
-        and not _LONGEST_PAUSE_NS < later_start - end <= LEAP_NS
+        and not PARTS_PAUSE * _SECOND < later_start - end <= LEAP_NS
         for (topics, start, end), (later_topics, later_start, _) in pairwise(parts)
     )
 
