@@ -12,6 +12,7 @@ from itertools import chain
 from math import floor
 from typing import Any
 
+from .._core.clock import Clock, ConditionVariable, scheduler
 from .._core.progress import without_bars
 from ..repair import RecordingError
 from ._frames import Track, pack
@@ -96,6 +97,7 @@ class Prefetcher:
         send: sends a message to the page.
         duration: seconds of the recording.
         complain: called with one line of text if the recording can be read no further.
+        clock: the time by which the page plays.
     """
 
     def __init__(
@@ -104,8 +106,10 @@ class Prefetcher:
         send: Send,
         duration: float,
         complain: Callable[[str], None],
+        clock: Clock = scheduler.clock,
     ) -> None:
-        self.cursor = Cursor()
+        self._clock = clock
+        self.cursor = Cursor(clock.now)
         self._open = tracks
         self._send = send
         self._last = floor(duration / SEGMENT)
@@ -116,8 +120,8 @@ class Prefetcher:
         self._edition = 0
         self._pointed: list[int] = []
         self._lock = threading.RLock()
-        self._change = threading.Condition(self._lock)
-        self._answer = threading.Condition(self._lock)
+        self._change = clock.condition(self._lock)
+        self._answer = clock.condition(self._lock)
         self._asked = False
         self._closed = False
         self._patience = PATIENCE
@@ -142,7 +146,7 @@ class Prefetcher:
             self._pointed = [index, *(other for other in self._pointed if other != index)][:POINTED]
             self._wake()
             if index in self._at_once():
-                self._answer.wait_for(lambda: index in self._sent or self._closed, ANSWER)
+                self._wait(self._answer, lambda: index in self._sent or self._closed, ANSWER)
 
     def start(self) -> None:
         """Send everything again: to a page that has nothing, or whose frames are out of date."""
@@ -159,22 +163,29 @@ class Prefetcher:
         with self._lock:
             self._closed = True
             thread = self._thread
-            self._change.notify()
+            self._change.notify_all()
         if thread and thread is not threading.current_thread():
             thread.join()
 
     def _wake(self) -> None:
         """Notify the thread of a change, or start it if a segment is wanted. Called with the lock held."""
         if self._thread:
-            self._change.notify()
+            self._change.notify_all()
         elif not self._closed and self._wanted() is not None:
             self._thread = threading.Thread(target=self._run, name="robowidgets-prefetcher", daemon=True)
+            self._clock.began(self._thread)
             self._thread.start()
+
+    def _wait(self, changed: ConditionVariable, is_over: Callable[[], bool], seconds: float) -> None:
+        """Wait until something is over, for some seconds at most. Called with the lock held."""
+        until = self._clock.now() + seconds
+        while not is_over() and changed.wait_until(until):
+            pass
 
     def _run(self) -> None:
         try:
             with self._lock:
-                self._change.wait_for(lambda: self._asked or self._closed, self._patience)
+                self._wait(self._change, lambda: self._asked or self._closed, self._patience)
                 self._patience = 0.0
             # Without progress bars: those of a background thread would appear below any cell.
             with without_bars(), self._open() as tracks:
@@ -184,7 +195,7 @@ class Prefetcher:
                     if index not in self._soon():
                         rest += _AT_EASE * (time.thread_time() - began)
                     with self._lock:
-                        self._change.wait_for(lambda: self._closed or self._lacks(), rest)
+                        self._wait(self._change, lambda: self._closed or self._lacks(), rest)
         except RecordingError as error:
             self._give_up(str(error))
         except Exception as error:
@@ -201,7 +212,7 @@ class Prefetcher:
                 if len(self._sent) > self._last:
                     break
                 rate = self.cursor.rate
-                changed = self._change.wait(SEGMENT / 4 / rate if rate else LINGER)
+                changed = self._change.wait_until(self._clock.now() + (SEGMENT / 4 / rate if rate else LINGER))
                 if not changed and not rate:
                     break
             self._thread = None

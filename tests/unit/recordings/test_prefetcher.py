@@ -10,11 +10,13 @@ from contextlib import contextmanager
 import pytest
 
 from robowidgets._core import progress
+from robowidgets._core.clock import Clock, scheduler
 from robowidgets._core.timed_frame import TimedFrame
 from robowidgets.player import _prefetcher as module
 from robowidgets.player._prefetcher import Cursor, Prefetcher
 from robowidgets.recordings import RecordingError
 
+from ..clocks import ManualClock
 from ..waiting import threads_named, wait_for
 
 PLAYER = "robowidgets-prefetcher"
@@ -48,28 +50,41 @@ class Page:
 
 
 @contextmanager
-def sending(track: Track, duration: float) -> Iterator[tuple[Prefetcher, Page]]:
+def sending(track: Track, duration: float, clock: Clock = scheduler.clock) -> Iterator[tuple[Prefetcher, Page]]:
     page = Page()
 
     @contextmanager
     def tracks() -> Iterator[list[Track]]:
         yield [track]
 
-    prefetcher = Prefetcher(tracks, page.take, duration, page.words.append)
+    prefetcher = Prefetcher(tracks, page.take, duration, page.words.append, clock)
     try:
         yield prefetcher, page
     finally:
         prefetcher.close()
 
 
-def test_a_page_that_is_not_heard_gets_what_is_on_show_and_no_more(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(module, "PATIENCE", 0.05)
-    with sending(Track(), 100) as (prefetcher, page):
+def test_a_page_that_is_not_heard_for_three_seconds_gets_what_is_on_show_and_no_more() -> None:
+    clock = ManualClock()
+    with sending(Track(), 100, clock) as (prefetcher, page):
         prefetcher.set_time(40.2, 0.0, (0.0, 100.0))
-        wait_for(lambda: len(page.has) == 12, "ten seconds ahead came")
-        prefetcher.set_time(40.3, 0.0, (0.0, 100.0))
-        prefetcher.close()
+        clock.advance(2.999)
+        assert page.has == []
+        clock.advance(60.0)
         assert page.has == [40, 41, 39, *range(42, 51)]
+        prefetcher.set_time(40.3, 0.0, (0.0, 100.0))
+        clock.advance(60.0)
+        assert len(page.has) == 12
+
+
+def test_what_plays_is_ten_seconds_ahead_while_nothing_is_heard() -> None:
+    clock = ManualClock()
+    with sending(Track(), 1000, clock) as (prefetcher, page):
+        prefetcher.set_time(0.0, 1.0, (0.0, 1000.0))
+        clock.advance(4.5)  # it looks each quarter of a second
+        for passed in range(4, 20):
+            assert max(page.has) == passed + 10
+            clock.advance(1.0)
 
 
 def test_the_time_on_show_comes_first_then_what_follows_and_one_before() -> None:
@@ -272,16 +287,23 @@ def test_closed_it_leaves_no_thread_and_may_be_closed_again() -> None:
         assert threads_named(PLAYER) == 0
 
 
-def test_with_nothing_to_do_it_has_no_thread_and_no_file_until_there_is(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(module, "LINGER", 0.01)
-    with sending(Track(), 1000) as (prefetcher, page):
+def test_with_nothing_to_do_for_ten_minutes_it_has_no_thread_and_no_file_until_there_is(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    clock = ManualClock()
+    with sending(Track(), 1000, clock) as (prefetcher, page):
         monkeypatch.setattr(module, "KEPT_BYTES", 200)
         prefetcher.start()
-        wait_for(lambda: threads_named(PLAYER) == 0, "the thread ended")
+        clock.advance(599.0)
         assert page.has[:2] == [0, 1]
+        assert threads_named(PLAYER) == 1
+        clock.advance(10.0)
+        assert threads_named(PLAYER) == 0
         prefetcher.set_time(900.5, 0.0, (0.0, 1000.0))
-        wait_for(lambda: 900 in page.has, "what was sought came")
-        wait_for(lambda: threads_named(PLAYER) == 0, "the thread ended again")
+        clock.advance(1.0)
+        assert 900 in page.has
+        clock.advance(600.0)
+        assert threads_named(PLAYER) == 0
 
 
 def test_its_thread_ends_at_once_when_all_was_sent_and_begins_anew_for_a_page_that_was_loaded_again() -> None:
