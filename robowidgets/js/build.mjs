@@ -23,7 +23,8 @@ const options = {
 function toModule(name, script) {
   if (name.startsWith("export_")) return script;
   const key = `robowidgets ${createHash("sha256").update(script).digest("hex").slice(0, 16)}`;
-  return `const run=()=>{${script}return widget.default};export default globalThis[Symbol.for("${key}")]??=run();\n`;
+  // In parentheses it is compiled at once: else a browser reads it twice, to find its end, and to run it.
+  return `const run=(()=>{${script}return widget.default});export default globalThis[Symbol.for("${key}")]??=run();\n`;
 }
 
 if (watch) {

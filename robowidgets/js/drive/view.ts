@@ -1,4 +1,4 @@
-import { make, makeIcon, mount, setText } from "../shared/dom.ts";
+import { make, makeIcon, mount, setHidden, setText } from "../shared/dom.ts";
 import { StopButtons } from "../shared/driving/buttons.ts";
 import { StopControl } from "../shared/driving/control.ts";
 import { Readout } from "../shared/driving/readout.ts";
@@ -103,7 +103,7 @@ export class DriveView {
   #draw(): void {
     const [model, stop, { held }] = [this.#model, this.#stop, this.#lease];
     const { told } = stop;
-    this.#header.hidden = !model.get("header");
+    setHidden(this.#header, !model.get("header"));
     setText(this.#title, model.get("title") || "drive");
     this.#buttons.update();
     setText(this.#notice, told.error || (told.driver ? told.status : ""));
@@ -116,7 +116,7 @@ export class DriveView {
     this.#linear.update(told.speed[0], model.get("linear_limit"));
     this.#yaw.update(told.speed[1], model.get("angular_limit"));
     this.#lateral.update(told.speed[2] ?? 0, this.#lateralLimit || 1);
-    this.#sideways.hidden = this.#lateral.root.hidden = !this.sideways;
+    for (const element of [this.#sideways, this.#lateral.root]) setHidden(element, !this.sideways);
     const keys = this.sideways ? "W, A, S, D drive, Q and E drive sideways" : "W, A, S, D drive";
     this.#pad.ariaLabel = `Drive pad: arrow keys or ${keys}, space lets go, escape stops`;
     const { right, below, slide } = toPlace(held ? this.#place : CENTER);

@@ -1,6 +1,6 @@
 import type { Point, Size } from "../shared/box.ts";
 import { CopyCode } from "../shared/copy.ts";
-import { make, makeButton, setText } from "../shared/dom.ts";
+import { make, makeButton, setHidden, setText } from "../shared/dom.ts";
 import { on } from "../shared/events.ts";
 import { LaidOut } from "../shared/laid_out.ts";
 import { ABOUT_FORMS, FORMS, type Form } from "./code.ts";
@@ -141,7 +141,7 @@ export class Chip {
     if (this.#kept !== texts.name) this.#endNaming();
     this.#kept = texts.name;
     setText(this.#name, texts.name ? "Rename" : "Name");
-    this.#remove.hidden = !texts.name;
+    setHidden(this.#remove, !texts.name);
   }
 
   place({ x, y }: Point): void {

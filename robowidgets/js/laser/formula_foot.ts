@@ -1,4 +1,4 @@
-import { make, makeButton, setText } from "../shared/dom.ts";
+import { make, makeButton, setHidden, setText } from "../shared/dom.ts";
 import type { Scan } from "../shared/frames/scan.ts";
 import { type Model, setTraits } from "../shared/model.ts";
 import { angleFormula } from "./formula.ts";
@@ -39,12 +39,12 @@ export class FormulaFoot {
 
   /** @param offset radians that were added to the scanner's own angles */
   update(scan: Scan, index: number, offset: number): void {
-    this.element.hidden = index >= scan.count;
+    setHidden(this.element, index >= scan.count);
     const [isOpen, unit] = [this.#model.get("formula"), this.#model.get("angle_unit")];
     this.#unfold.ariaExpanded = String(isOpen);
     setText(this.#unit, unit === "rad" ? "in degrees" : "in radians");
     this.#unit.title = `Show all angles in ${unit === "rad" ? "degrees" : "radians"} (r)`;
-    this.#formula.hidden = !isOpen;
+    setHidden(this.#formula, !isOpen);
     const key = [isOpen, unit, scan.angleMin, scan.angleIncrement, index, offset].join();
     if (!isOpen || this.element.hidden || key === this.#key) return;
     this.#key = key;

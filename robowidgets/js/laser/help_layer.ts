@@ -1,4 +1,4 @@
-import { make, makeButton } from "../shared/dom.ts";
+import { make, makeButton, setHidden } from "../shared/dom.ts";
 import { on } from "../shared/events.ts";
 import type { Host, Layer } from "./layer.ts";
 
@@ -52,7 +52,7 @@ export class HelpLayer implements Layer {
   }
 
   #unfold(isOpen: boolean): void {
-    this.#list.hidden = !isOpen;
+    setHidden(this.#list, !isOpen);
     this.button.ariaExpanded = String(isOpen);
   }
 }

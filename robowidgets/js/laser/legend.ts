@@ -1,4 +1,4 @@
-import { make, setText } from "../shared/dom.ts";
+import { make, setHidden, setText } from "../shared/dom.ts";
 import { on } from "../shared/events.ts";
 import { type AngleUnit, toAngle, toCount, toMetres } from "../shared/format.ts";
 import { CLASSES } from "../shared/frames/classes.ts";
@@ -13,6 +13,8 @@ import type { LaserTraits } from "./traits.ts";
 export class Legend {
   readonly #items: { name: string; item: HTMLElement; count: HTMLElement; kind: Validity }[];
   readonly #nearest = make("span", "rw-nearest");
+  /** What the nearest thing is, its distance and its angle, and its ray, with the words between them. */
+  readonly #words = (["span", "b", "span", "b", "span", "b"] as const).map((tag) => make(tag, ""));
 
   constructor(footer: HTMLElement, model: Model<LaserTraits>, signal: AbortSignal) {
     const counts = make("span", "rw-counts");
@@ -32,6 +34,8 @@ export class Legend {
       counts.append(item);
       return { name, item, count, kind };
     });
+    this.#words.at(-1)?.classList.add("rw-index");
+    this.#nearest.append(...this.#words);
     footer.append(counts, this.#nearest);
   }
 
@@ -44,24 +48,21 @@ export class Legend {
       const rays = scan?.counts[kind] ?? 0;
       setText(count, toCount(rays));
       // A scan without a reading has none, and before the first scan nobody knows.
-      if (rays || (scan && kind === READING)) item.hidden = false;
+      if (rays || (scan && kind === READING)) setHidden(item, false);
       keepWidth(count);
       if (kind !== READING) item.ariaPressed = String(shown.includes(name));
     }
-    const parts: (string | HTMLElement)[] = [];
+    const texts: string[] = [];
     const nearest = scan?.nearest ?? -1;
     if (scan && nearest >= 0) {
-      if (scan.kinds[nearest] === READING) {
-        parts.push("nearest ", make("b", "", toMetres(scan.ranges[nearest] as number, reach)));
-      } else parts.push("too close");
-      parts.push(
-        " at ",
-        make("b", "", toAngle(angleOf(scan, nearest), unit)),
-        " ",
-        make("b", "rw-index", `[${nearest}]`),
+      const isReading = scan.kinds[nearest] === READING;
+      texts.push(
+        isReading ? "nearest " : "too close",
+        isReading ? toMetres(scan.ranges[nearest] as number, reach) : "",
       );
+      texts.push(" at ", toAngle(angleOf(scan, nearest), unit), " ", `[${nearest}]`);
     }
-    this.#nearest.replaceChildren(...parts);
+    for (const [i, element] of this.#words.entries()) setText(element, texts[i] ?? "");
     keepWidth(this.#nearest);
   }
 }

@@ -1,5 +1,6 @@
 import type { Box, Point } from "../shared/box.ts";
 import { CopyCode } from "../shared/copy.ts";
+import { setHidden } from "../shared/dom.ts";
 import { angleOf, OUTSIDE_LIMITS, READING, type Scan } from "../shared/frames/scan.ts";
 import { setTraits } from "../shared/model.ts";
 import { Popup, type PopupWords, toSentence } from "../shared/popup.ts";
@@ -83,7 +84,7 @@ export class PointerLayer implements Layer {
     const [pinned, hovered] = this.#indices;
     if (scan && pinned !== null) {
       this.#foot.update(scan, pinned, this.#host.stream.about.angle_offset ?? 0);
-      this.#copy.row.hidden = pinned >= scan.count;
+      setHidden(this.#copy.row, pinned >= scan.count);
     }
     show(this.#pinned, pinned);
     show(this.#hovered, hovered);

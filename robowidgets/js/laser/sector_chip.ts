@@ -1,5 +1,4 @@
 import type { Box } from "../shared/box.ts";
-import { READING_MS, throttle } from "../shared/schedule.ts";
 import { Chip, type ChipTexts } from "./chip.ts";
 import { placeChip } from "./chip_place.ts";
 import { type Form, toCode } from "./code.ts";
@@ -29,7 +28,9 @@ export class SectorChip {
   readonly #store: SectorStore;
   readonly #numbers: SectorNumbers;
   readonly #owner: Owner;
-  readonly #tell: () => void;
+  readonly #tell = () => {
+    if (this.#key) this.#show();
+  };
   readonly #chip: Chip;
   /** What was picked when a person was asked for the rays of another sector; null while nobody is asked. */
   #asked: string | null = null;
@@ -42,7 +43,6 @@ export class SectorChip {
     this.#store = store;
     this.#numbers = numbers;
     this.#owner = owner;
-    this.#tell = throttle(() => this.#show(), READING_MS, host.signal);
     this.#chip = this.#make();
   }
 
@@ -68,7 +68,7 @@ export class SectorChip {
     this.#isBelow = !box;
     const key = JSON.stringify([picked, isAsking, this.#isBelow]);
     // Its numbers follow a drag at once, and a live scan as fast as a person reads.
-    if (key === this.#key) this.#tell();
+    if (key === this.#key) this.#host.card.texts.ask(this.#tell);
     else this.#show();
     this.#key = key;
     if (!box) return null;

@@ -1,5 +1,5 @@
 import type { Point, Size } from "../shared/box.ts";
-import { make, setText } from "../shared/dom.ts";
+import { make, setHidden, setText } from "../shared/dom.ts";
 import { angleOf, READING, type Scan } from "../shared/frames/scan.ts";
 import { type Projection, toPixel } from "../shared/projection.ts";
 import type { Theme } from "../shared/theme.ts";
@@ -39,7 +39,7 @@ export class TrailLayer implements Layer {
     const where = this.#host.stream.last(1)[0]?.about.pose ? "by odometry" : "scanner\u2019s frame";
     setText(this.#words, count ? `trail of ${count}, ${where}` : "");
     // Empty, it would take a place in the footer.
-    this.#words.hidden = !count;
+    setHidden(this.#words, !count);
   }
 }
 

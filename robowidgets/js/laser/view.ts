@@ -1,5 +1,5 @@
 import type { Box } from "../shared/box.ts";
-import { make, makeButton, makeIcon, setLabel, setText } from "../shared/dom.ts";
+import { make, makeButton, makeIcon, setHidden, setLabel, setText } from "../shared/dom.ts";
 import { onAbort } from "../shared/events.ts";
 import { toMany, toShortMetres } from "../shared/format.ts";
 import type { Scan } from "../shared/frames/scan.ts";
@@ -7,7 +7,6 @@ import { LaidOut } from "../shared/laid_out.ts";
 import { type Model, onChange, setTraits } from "../shared/model.ts";
 import { FORWARD } from "../shared/projection.ts";
 import { SampleCard } from "../shared/sample_card.ts";
-import { READING_MS, throttle } from "../shared/schedule.ts";
 import type { Stream } from "../shared/stream.ts";
 import { stepRange } from "../shared/zoom.ts";
 import { ConditionLayer } from "./condition_layer.ts";
@@ -54,15 +53,14 @@ export class LaserView implements Host {
   readonly #pin: HTMLButtonElement;
   readonly #type: HTMLButtonElement;
   readonly #ghost: Ghost;
-  readonly #tell: () => void;
+  readonly #tell = () => this.#drawLegend();
   #strip: { view: Strip; end: AbortController } | null = null;
 
   constructor(model: Model<LaserTraits>, element: HTMLElement, stream: Stream<Scan>, signal: AbortSignal) {
     this.model = model;
     this.stream = stream;
     this.signal = signal;
-    this.#tell = throttle(() => this.#drawLegend(), READING_MS, signal);
-    this.card = new SampleCard(element, "laser", model, stream, (isNow) => this.#draw(isNow), signal);
+    this.card = new SampleCard(element, "laser", model, stream, () => this.#draw(), signal);
     const { picture, footer } = this.card;
     // Screen readers leave the arrow keys to it.
     picture.role = "application";
@@ -155,24 +153,24 @@ export class LaserView implements Host {
     card.picture.style.setProperty("--rw-sweep-height", height);
   }
 
-  #draw(isNow: boolean): void {
+  #draw(): void {
     const scan = this.stream.shown;
     const decided = scan && this.model.get("view_range") === "auto" ? decideRange(scan) : null;
     if (decided) setTraits(this.model, { view_range: decided });
-    this.card.update([this.stream.about.frame_id ?? "", scan ? toMany(scan.count, "ray") : ""], "scan");
-    const { empty = [] } = this.stream.about;
-    setText(this.#empty, scan ? empty.filter(Boolean).join("\n") : this.card.waiting("scan"));
-    this.#empty.hidden = !this.#empty.textContent;
-    const covered = this.#empty.hidden ? [] : [this.#emptyBox];
+    const { empty = [], frame_id = "" } = this.stream.about;
+    const words = scan ? empty.filter(Boolean).join("\n") : this.card.waiting("scan");
+    const covered = words ? [this.#emptyBox] : [];
     this.#scene.draw(this.#layers, scan, this.card.size, this.card.noticeHeight, covered, this.card.theme);
-    if (isNow) this.#drawLegend();
-    else this.#tell();
+    this.card.update([frame_id, scan ? toMany(scan.count, "ray") : ""], "scan");
+    setText(this.#empty, words);
+    setHidden(this.#empty, !words);
+    this.card.texts.ask(this.#tell);
     setText(this.#range, scan ? toShortMetres(this.#viewRange) : "");
     this.#type.disabled = !scan;
     this.#fit.ariaPressed = String(this.model.get("view_range") === "data");
     for (const layer of [...this.#layers].reverse()) layer.place?.(this.stage);
     const hasGhost = this.#ghost.isSet;
-    this.#pin.hidden = !hasGhost && !this.model.get("index_view");
+    setHidden(this.#pin, !hasGhost && !this.model.get("index_view"));
     this.#pin.ariaPressed = String(hasGhost);
     setLabel(this.#pin, hasGhost ? "Remove the ghost (g)" : "Keep this scan as a ghost to compare with (g)");
     this.#drawStrip(hasGhost);

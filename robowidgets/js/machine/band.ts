@@ -1,4 +1,4 @@
-import { make, setText } from "../shared/dom.ts";
+import { make, setHidden, setText } from "../shared/dom.ts";
 import { StateBand } from "../shared/states/band.ts";
 import type { StateSpan } from "../shared/states/states.ts";
 import type { Theme } from "../shared/theme.ts";
@@ -43,7 +43,7 @@ export class MachineBand {
       this.#rows = rows.map((row) => row.map(([start, end, path]): StateSpan => [start, end ?? time, path]));
       while (rows.length && this.#rows.length < Math.min(depth, MOST_ROWS)) this.#rows.push([]);
     }
-    this.root.hidden = !this.#rows.length;
+    setHidden(this.root, !this.#rows.length);
     const seconds = width < NARROW ? FEW_SECONDS : SECONDS;
     this.#states.update(this.#rows, [this.#end - seconds, this.#end], time, theme);
     setText(this.#first, `\u2212${seconds} s`);

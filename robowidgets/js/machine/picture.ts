@@ -1,5 +1,5 @@
 import type { Box } from "../shared/box.ts";
-import { make, makeSvg, setBox, setText } from "../shared/dom.ts";
+import { make, makeSvg, setBox, setHidden, setText } from "../shared/dom.ts";
 import { ANY, isTimed, type Placed, type PlacedMove, type PlacedState } from "./layout.ts";
 import { activeText, isActive, isTaken, labelOf, type Step, timeLeft, verdictOf } from "./step.ts";
 import type { Fired } from "./traits.ts";
@@ -82,7 +82,7 @@ export class Picture {
     this.#updates.push(({ step, isInForce, isCalm, failed, canGo }) => {
       element.dataset.failed = String(failed === state.path);
       const isLit = isInForce && isActive(machine, state, step);
-      go.hidden = !canGo || (isLit && !isOpen);
+      setHidden(go, !canGo || (isLit && !isOpen));
       element.dataset.active = isLit ? (isOpen ? "frame" : "leaf") : "";
       element.ariaCurrent = String(isLit);
       if (isFolded) setText(within, (isLit && activeText(state.machines, step)) || "\u2026");

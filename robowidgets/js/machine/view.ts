@@ -1,4 +1,4 @@
-import { make, setText } from "../shared/dom.ts";
+import { make, setHidden, setText } from "../shared/dom.ts";
 import { onAbort } from "../shared/events.ts";
 import { toFixed } from "../shared/format.ts";
 import { lacksKernel, type Model, onChange, onMessage } from "../shared/model.ts";
@@ -77,11 +77,11 @@ export class MachineView {
     const { key = "", machines = [] } = this.#outlines.of(step?.key);
     this.#active = step && mode !== "ended" ? activeText(machines, step) : "";
     this.#card.update([version ? `v${version}` : "", mode === "running" ? "" : mode, this.#active], "step", false);
-    this.#empty.hidden = step !== null;
-    this.#picture.root.hidden = !step;
+    setHidden(this.#empty, step !== null);
+    setHidden(this.#picture.root, !step);
     setText(this.#empty, this.#card.waiting("state machine"));
     this.#card.picture.style.paddingTop = `${PADDING + this.#card.noticeHeight}px`;
-    this.#entries.root.hidden = !step;
+    setHidden(this.#entries.root, !step);
     const newest: MachineAbout = this.#model.get("_about");
     this.#entries.update(newest.fired ?? [], this.#stream.paused ? (step?.arrived ?? 0) : null);
     setText(this.#time, step ? `${toFixed(step.time, 2)} s` : "");

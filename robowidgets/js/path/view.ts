@@ -1,5 +1,5 @@
 import { Canvas } from "../shared/canvas.ts";
-import { make, pointIn, setText } from "../shared/dom.ts";
+import { make, pointIn, setHidden, setText } from "../shared/dom.ts";
 import { isPlain, on } from "../shared/events.ts";
 import { fit, type Place, type Projection, toFloor, toPixel } from "../shared/floor.ts";
 import { toFixed, toMetres } from "../shared/format.ts";
@@ -79,7 +79,7 @@ export class PathView {
     const now = this.#stream.shown;
     card.update([this.#stream.about.frame_id ?? ""], "pose");
     setText(this.#empty, now ? (isKnown(now) ? "" : "no pose up to this time") : card.waiting("pose"));
-    this.#empty.hidden = !this.#empty.textContent;
+    setHidden(this.#empty, !this.#empty.textContent);
     const parts = now ? splitAt(this.#points, now) : { before: [], after: [] };
     this.#shown = [...parts.before, ...parts.after];
     const top = card.noticeHeight;

@@ -1,4 +1,4 @@
-import { make, makeButton, makeIcon, mount, PAUSE, PLAY, setText } from "../shared/dom.ts";
+import { make, makeButton, makeIcon, mount, PAUSE, PLAY, setHidden, setText } from "../shared/dom.ts";
 import { isPlain, on } from "../shared/events.ts";
 import { MINUTE, toClock, toFixed, toMinutes } from "../shared/format.ts";
 import { keepKeys } from "../shared/keys.ts";
@@ -163,13 +163,13 @@ export class PlayerBar {
     this.#drawSpeed();
     this.#drawMarks(begin, duration);
     const marks = this.#model.get("marks");
-    this.#walk.hidden = marks.length === 0;
+    setHidden(this.#walk, marks.length === 0);
     this.#list.update(marks, shown);
   }
 
   #drawClock(time: number): void {
     const start = this.#model.get("_start");
-    this.#clock.hidden = start === null;
+    setHidden(this.#clock, start === null);
     const [date, timeOfDay] = start === null ? ["", ""] : toClock(start + time);
     setText(this.#date, `${date} `);
     setText(this.#timeOfDay, `${timeOfDay} UTC`);

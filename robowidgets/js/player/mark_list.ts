@@ -1,4 +1,4 @@
-import { make, makeButton, setText } from "../shared/dom.ts";
+import { make, makeButton, setHidden, setText } from "../shared/dom.ts";
 import { on } from "../shared/events.ts";
 import { MINUTE, toFixed, toMinutes } from "../shared/format.ts";
 import { describeMark, type Mark } from "../shared/marks.ts";
@@ -51,7 +51,7 @@ export class MarkList {
   }
 
   #onToggle(): void {
-    this.rows.hidden = !this.rows.hidden;
+    setHidden(this.rows, !this.rows.hidden);
     this.toggle.ariaExpanded = String(!this.rows.hidden);
   }
 

@@ -1,4 +1,4 @@
-import { make, setText } from "../shared/dom.ts";
+import { make, setHidden, setText } from "../shared/dom.ts";
 import { on } from "../shared/events.ts";
 import { toStep, toValue } from "./text.ts";
 import type { Variable } from "./traits.ts";
@@ -19,7 +19,7 @@ export class VariableRows {
   }
 
   update(variables: Variable[]): void {
-    this.root.hidden = variables.length === 0;
+    setHidden(this.root, variables.length === 0);
     for (const variable of variables) {
       const kind = kindOf(variable);
       const known = this.#rows.get(variable.name);
@@ -73,7 +73,7 @@ class Row {
     if (kind === "checkbox") this.#input.role = "switch";
     const track = make("span", "rw-variable-track");
     track.append(this.#tick, this.#input);
-    this.#tick.hidden = kind !== "range";
+    setHidden(this.#tick, kind !== "range");
     const value = make("span", "rw-variable-number");
     value.append(this.#value, " ", this.#unit);
     const label = make("code", "rw-variable-name", name);

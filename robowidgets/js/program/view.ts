@@ -1,4 +1,4 @@
-import { make, makeButton, mount, setLabel, setText } from "../shared/dom.ts";
+import { make, makeButton, mount, setHidden, setLabel, setText } from "../shared/dom.ts";
 import { StopButtons } from "../shared/driving/buttons.ts";
 import { StopControl } from "../shared/driving/control.ts";
 import { Readout } from "../shared/driving/readout.ts";
@@ -130,7 +130,7 @@ export class ProgramView {
     setText(this.#code, program ? toCode(speed, program.kept && !told.stopped) : "\u2013");
     for (const [i, axis] of this.#axes.entries()) {
       const [value, limit] = [speed[i] ?? 0, program?.limits[i] ?? 0];
-      axis.root.hidden = i === 2 && !limit && !value;
+      setHidden(axis.root, i === 2 && !limit && !value);
       axis.update(value, limit || 1);
     }
     this.#variables.update(told.variables ?? []);
@@ -143,7 +143,7 @@ export class ProgramView {
 
   /** What the program keeps, a row for each. */
   #drawKept(kept: [name: string, value: string][]): void {
-    this.#kept.hidden = kept.length === 0;
+    setHidden(this.#kept, kept.length === 0);
     while (this.#kept.children.length > 2 * kept.length) this.#kept.lastChild?.remove();
     for (const [i, [name, value]] of kept.entries()) {
       if (!this.#kept.children[2 * i]) this.#kept.append(make("dt", ""), make("dd", ""));

@@ -1,5 +1,5 @@
 import type { Card } from "../shared/card.ts";
-import { make, makeButton, setText } from "../shared/dom.ts";
+import { make, makeButton, setHidden, setText } from "../shared/dom.ts";
 import { toMetres } from "../shared/format.ts";
 import { CLASSES } from "../shared/frames/classes.ts";
 import { READING } from "../shared/frames/scan.ts";
@@ -43,15 +43,15 @@ export class Legend {
   place(hasHeader: boolean, hasFooter: boolean, width: number): void {
     const { header, controls, footer } = this.#card;
     const isAbove = hasHeader && width >= WIDE;
-    footer.hidden = !hasFooter || isAbove;
+    setHidden(footer, !hasFooter || isAbove);
     if (!isAbove && this.#key.parentNode !== footer) footer.append(this.#key, this.#state);
     if (isAbove && this.#key.parentNode !== header) header.insertBefore(this.#state, controls).after(this.#key);
-    this.#key.hidden = !hasFooter;
-    this.#state.hidden = !hasFooter;
+    setHidden(this.#key, !hasFooter);
+    setHidden(this.#state, !hasFooter);
   }
 
   drawKey(whole: Whole | null, [near, far]: [number, number], theme: Theme): void {
-    this.#scale.hidden = whole === null;
+    setHidden(this.#scale, whole === null);
     const all = (whole?.counts ?? []).reduce((sum, count) => sum + count, 0);
     setText(this.#near, toMetres(near, far));
     setText(this.#far, toMetres(far, far));
@@ -73,6 +73,6 @@ export class Legend {
   drawState(time: string, selection: string): void {
     setText(this.#time, time);
     setText(this.#selected, selection);
-    this.#clear.hidden = !selection;
+    setHidden(this.#clear, !selection);
   }
 }

@@ -1,6 +1,6 @@
 import type { Point, Size } from "../shared/box.ts";
 import { Card } from "../shared/card.ts";
-import { make, makeButton, setText } from "../shared/dom.ts";
+import { make, makeButton, setHidden, setText } from "../shared/dom.ts";
 import { lacksKernel, type Model, NO_KERNEL, onChange } from "../shared/model.ts";
 import { offerPng } from "../shared/png.ts";
 import { Popup } from "../shared/popup.ts";
@@ -170,12 +170,12 @@ export class ScanogramView {
     const { error, notes = [] } = this.#model.get("_about");
     this.#card.updateFrame(error ? [error, ...notes] : notes, error ? "error" : "note");
     this.#card.updateFacts(whole ? toFacts(whole) : []);
-    this.#empty.hidden = whole !== null;
+    setHidden(this.#empty, whole !== null);
     const isAlone = lacksKernel(this.#model);
     setText(this.#empty, isAlone ? NO_KERNEL : "waiting for scans");
     const late = this.#state.lacksPixels ? LATE_MEDIAN : LATE;
     setText(this.#chip, isAlone ? NEVER : late);
-    this.#chip.hidden = !this.#state.waits && !this.#state.lacksPixels;
+    setHidden(this.#chip, !this.#state.waits && !this.#state.lacksPixels);
     this.#median.ariaPressed = String(this.#state.pixel === "median");
     this.#all.disabled = lengthOf(view) >= lengthOf(whole?.span);
     const { theme, size } = this.#card;

@@ -1,4 +1,4 @@
-import { make, makeButton, setText } from "./dom.ts";
+import { make, makeButton, setHidden, setText } from "./dom.ts";
 import { on } from "./events.ts";
 import { toAge } from "./format.ts";
 import type { Frame, Place, Stream } from "./stream.ts";
@@ -27,7 +27,7 @@ export class Bar {
 
   /** @param place of the sample on show in the history; null when the history has no other sample */
   update(place: Place | null): void {
-    this.root.hidden = !place;
+    setHidden(this.root, !place);
     if (!place) return;
     const { index, count, behind } = place;
     const isEarlier = index < count - 1;

@@ -1,10 +1,10 @@
 import { type Surface, sizeOf, watchSize } from "./canvas.ts";
-import { make, mount, setText } from "./dom.ts";
+import { make, mount, setHidden, setText } from "./dom.ts";
 import { keepKeys } from "./keys.ts";
 import { LaidOut } from "./laid_out.ts";
 import { type Model, onChange } from "./model.ts";
 import { Notice } from "./notice.ts";
-import { perAnimationFrame } from "./schedule.ts";
+import { perAnimationFrame, Texts } from "./schedule.ts";
 import { followTheme, type Theme } from "./theme.ts";
 import type { CardTraits, Problem } from "./traits.ts";
 
@@ -19,6 +19,7 @@ export class Card {
   readonly footer = make("div", "rw-footer");
   /** Draws the picture anew in the next animation frame. */
   readonly redraw: () => void;
+  readonly texts: Texts;
   /** Of the picture. */
   size: Surface = { width: 0, height: 0, ratio: 1 };
   readonly #outer: LaidOut;
@@ -29,24 +30,20 @@ export class Card {
   readonly #live = make("div", "rw-live rw-unseen");
   readonly #kind: string;
   readonly #model: Model<CardTraits>;
-  readonly #draw: (isNow: boolean) => void;
+  readonly #draw: () => void;
   readonly #theme: () => Theme;
 
   /**
    * @param kind name of the widget, for its CSS class and its label: "laser", "speed", "touch"
-   * @param draw draws the picture, as soon as it has a size: for another size now, else in an animation frame
+   * @param draw draws the picture, as soon as it has a size: for another size now, else in an animation frame. It paints
+   *   first, and then brings the elements up to date: to paint text, a browser first lays out anew what has changed
    */
-  constructor(
-    element: HTMLElement,
-    kind: string,
-    model: Model<CardTraits>,
-    draw: (isNow: boolean) => void,
-    signal: AbortSignal,
-  ) {
+  constructor(element: HTMLElement, kind: string, model: Model<CardTraits>, draw: () => void, signal: AbortSignal) {
     this.#model = model;
     this.#kind = kind;
     this.#draw = draw;
-    this.redraw = perAnimationFrame(() => this.size.width && draw(false), signal);
+    this.texts = new Texts(signal);
+    this.redraw = perAnimationFrame(() => this.#drawAll(false), signal);
     this.root = make("div", `rw-card rw-${kind}`);
     this.root.role = "group";
     this.picture.tabIndex = 0;
@@ -69,7 +66,15 @@ export class Card {
   /** Draws the picture at once, at a pixel ratio or the screen's. */
   drawNow(ratio?: number): void {
     this.size = sizeOf(this.picture, ratio);
-    if (this.size.width) this.#draw(true);
+    this.#drawAll(true);
+  }
+
+  #drawAll(isNow: boolean): void {
+    if (!this.size.width) return;
+    const { noticeHeight } = this;
+    this.#draw();
+    if (this.noticeHeight !== noticeHeight) this.#draw();
+    this.texts.write(isNow);
   }
 
   /** Colours and fonts. Read it while drawing: an element outside the page has no computed style. */
@@ -93,8 +98,8 @@ export class Card {
    * @param kind of the notice: a note, an error, or the status of a feed
    */
   updateFrame(lines: string[], kind: "note" | "error" | "status", problems: readonly Problem[] = []): void {
-    this.header.hidden = !this.#model.get("header");
-    this.footer.hidden = !this.#model.get("footer");
+    setHidden(this.header, !this.#model.get("header"));
+    setHidden(this.footer, !this.#model.get("footer"));
     const title = this.#model.get("title");
     setText(this.#title, title);
     this.root.ariaLabel = `${this.#kind} ${title}`.trim();

@@ -1,4 +1,4 @@
-import { make, makeButton, setText } from "./dom.ts";
+import { make, makeButton, setHidden, setText } from "./dom.ts";
 import { on } from "./events.ts";
 
 const COPIED_MS = 2000;
@@ -53,7 +53,7 @@ export class CopyCode<F extends string = string> {
     const code = this.#toCode(this.#form.value as F);
     const isCopied = await copyText(code);
     clearTimeout(this.#copied);
-    this.field.hidden = isCopied;
+    setHidden(this.field, isCopied);
     this.#say([isCopied ? "copied" : "press Ctrl and C to copy"]);
     if (isCopied) {
       setText(this.#button, "Copied");

@@ -15,7 +15,16 @@ export function make<K extends keyof HTMLElementTagNameMap>(
 
 /** Sets text, and leaves the page alone when it is the same. */
 export function setText(element: HTMLElement, text: string): void {
-  if (element.textContent !== text) element.textContent = text;
+  if (element.textContent === text) return;
+  const { firstChild } = element;
+  // Another node in its place would have rules by `:has()`, such as those of JupyterLab, looked at up to the root.
+  if (text && firstChild instanceof Text && !firstChild.nextSibling) firstChild.data = text;
+  else element.textContent = text;
+}
+
+/** Hides or shows an element, and leaves the page alone when it is so: setting the same has its style computed anew. */
+export function setHidden(element: HTMLElement, isHidden: boolean): void {
+  if (element.hidden !== isHidden) element.hidden = isHidden;
 }
 
 /** Sets the label of a button, for screen readers and as its tooltip. */

@@ -1,7 +1,7 @@
-import { make, makeButton, setText } from "./dom.ts";
+import { make, makeButton, setHidden, setText } from "./dom.ts";
 import { on } from "./events.ts";
 import { toAge } from "./format.ts";
-import { READING_MS, throttle } from "./schedule.ts";
+import type { Texts } from "./schedule.ts";
 import { type Frame, type Stream, sequenceOf } from "./stream.ts";
 import type { About, Lamp } from "./traits.ts";
 
@@ -43,17 +43,23 @@ class Row {
   readonly #text = make("span", "rw-lamp-text");
   readonly #count = make("span", "rw-lamp-count");
   readonly #changes = make("span", "rw-lamp-changes");
-  readonly #tell: () => void;
+  readonly #texts: Texts;
   #shown: { lamp: Lamp; arrived: number; isOpen: boolean } | null = null;
 
-  constructor(name: string, onName: () => void, onStep: (direction: -1 | 1) => void, signal: AbortSignal) {
+  constructor(
+    name: string,
+    onName: () => void,
+    onStep: (direction: -1 | 1) => void,
+    texts: Texts,
+    signal: AbortSignal,
+  ) {
     this.name = makeButton("rw-lamp", "", onName, signal, name);
     this.#words.append(this.#state, this.#time);
     const back = makeButton("rw-step", `${name}: the change before`, () => onStep(-1), signal, "\u2039");
     const next = makeButton("rw-step", `${name}: the next change`, () => onStep(1), signal, "\u203a");
     this.#changes.append(back, this.#count, next);
     this.elements = [this.name, this.#words, this.#text, this.#changes];
-    this.#tell = throttle(() => this.#write(), READING_MS, signal);
+    this.#texts = texts;
   }
 
   /** @param isFrozen whether its numbers stand still: they are shown at once then, as a change of state always is */
@@ -61,13 +67,13 @@ class Row {
     const isNew = this.#shown?.lamp.state !== lamp.state;
     this.#shown = { lamp, arrived, isOpen };
     this.name.dataset.rwState = lamp.state;
-    for (const element of this.elements.slice(1)) element.hidden = !isOpen;
+    for (const element of this.elements.slice(1)) setHidden(element, !isOpen);
     this.#changes.style.visibility = lamp.changes ? "" : "hidden";
     if (isNew || isFrozen) this.#write();
-    else this.#tell();
+    else this.#texts.ask(this.#write);
   }
 
-  #write(): void {
+  readonly #write = (): void => {
     if (!this.#shown) return;
     const { lamp, arrived, isOpen } = this.#shown;
     const [word, time] = stateWords(lamp, arrived);
@@ -78,27 +84,32 @@ class Row {
     this.name.title = [`${lamp.name} is ${word}${time}`, lamp.text].filter(Boolean).join("\n");
     this.name.ariaLabel = `${lamp.name}: ${word}`;
     this.name.ariaExpanded = String(isOpen);
-  }
+  };
+}
+
+/** The card of the lamps. */
+interface LampCard {
+  readonly texts: Texts;
+  /** Whether nothing is known of the present. */
+  readonly isStale: boolean;
+  /** Has a screen reader say words. */
+  say(words: string[]): void;
 }
 
 /** The conditions that Python judges on each sample: a lamp for each, below the picture. */
 export class Lamps {
   readonly root = make("div", "rw-lamps");
-  /** What they show: unknown while the source is silent. */
-  verdicts: Lamp[] = [];
   readonly #stream: Stream<Frame>;
-  readonly #say: (words: string[]) => void;
+  readonly #card: LampCard;
   readonly #signal: AbortSignal;
   #rows = new Map<string, Row>();
   #states = new Map<string, string>();
   /** Names of the lamps that are unfolded, the last chosen first; a person may have folded others. */
   #open: string[] = [];
-  #isStale = false;
 
-  /** @param say has a screen reader say words */
-  constructor(stream: Stream<Frame>, say: (words: string[]) => void, signal: AbortSignal) {
+  constructor(stream: Stream<Frame>, card: LampCard, signal: AbortSignal) {
     this.#stream = stream;
-    this.#say = say;
+    this.#card = card;
     this.#signal = signal;
     this.root.role = "group";
     this.root.ariaLabel = "conditions";
@@ -107,13 +118,16 @@ export class Lamps {
     on(this.root, "keydown", (event) => /^(Enter| )$/.test(event.key) && event.stopPropagation(), signal);
   }
 
-  /** @param isStale whether the source is silent, so that nothing is known of the present */
-  update(isStale = this.#isStale): void {
+  /** What they show: unknown while the source is silent. */
+  get verdicts(): Lamp[] {
     const { shown, about, paused } = this.#stream;
-    this.#isStale = isStale;
-    const lamps = lampsOf(about, shown?.sequence, isStale && !paused);
-    this.verdicts = lamps;
-    this.root.hidden = !lamps.length;
+    return lampsOf(about, shown?.sequence, !paused && this.#card.isStale);
+  }
+
+  update(): void {
+    const { shown, paused } = this.#stream;
+    const lamps = this.verdicts;
+    setHidden(this.root, !lamps.length);
     if (!lamps.length && !this.#rows.size) return;
     if (lamps.map(({ name }) => name).join("\n") !== [...this.#rows.keys()].join("\n")) this.#arrange(lamps);
     for (const lamp of lamps) {
@@ -126,7 +140,7 @@ export class Lamps {
   #tell({ name, state }: Lamp): void {
     const before = this.#states.get(name);
     this.#states.set(name, state);
-    if (before && before !== state && state !== "unknown" && !this.#stream.paused) this.#say([`${name} ${state}`]);
+    if (before && before !== state && state !== "unknown" && !this.#stream.paused) this.#card.say([`${name} ${state}`]);
   }
 
   #arrange(lamps: Lamp[]): void {
@@ -143,6 +157,7 @@ export class Lamps {
       name,
       () => this.#toggle(name),
       (direction) => this.#step(name, direction),
+      this.#card.texts,
       this.#signal,
     );
   }
@@ -177,7 +192,7 @@ export class Lamps {
     const place = this.#stream.paused ? (this.#stream.place?.index ?? 0) : states.length;
     const found = changeFrom(states, place, direction);
     if (found < 0) {
-      this.#say([`no ${direction < 0 ? "earlier" : "later"} change of ${name} is kept here`]);
+      this.#card.say([`no ${direction < 0 ? "earlier" : "later"} change of ${name} is kept here`]);
       return;
     }
     if (!this.#stream.paused) this.#stream.toggle();

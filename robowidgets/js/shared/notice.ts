@@ -1,4 +1,4 @@
-import { make, makeButton, setText } from "./dom.ts";
+import { make, makeButton, setHidden, setText } from "./dom.ts";
 import { on } from "./events.ts";
 import { asSentence } from "./format.ts";
 import { LaidOut } from "./laid_out.ts";
@@ -48,12 +48,12 @@ export class Notice {
 
   update(lines: string[], problems: readonly Problem[], kind: "note" | "error" | "status"): void {
     const all = [...lines, ...problems.map(([what]) => what)];
-    this.element.hidden = !all.length;
+    setHidden(this.element, !all.length);
     this.#text.classList.toggle("rw-error", kind === "error");
     this.#text.classList.toggle("rw-status", kind === "status");
     setText(this.#text, all.join(" · "));
     this.#text.title = all.join("\n");
-    this.#more.hidden = !problems.some(([, remedy]) => remedy);
+    setHidden(this.#more, !problems.some(([, remedy]) => remedy));
     const key = JSON.stringify(problems);
     if (key === this.#problems) return;
     this.#problems = key;
@@ -65,6 +65,6 @@ export class Notice {
   #unfold(isOpen: boolean): void {
     this.#isOpen = isOpen;
     this.#more.ariaExpanded = String(isOpen);
-    this.#remedies.hidden = !isOpen;
+    setHidden(this.#remedies, !isOpen);
   }
 }

@@ -1,5 +1,5 @@
 import type { Box, Point, Size } from "./box.ts";
-import { make, setText } from "./dom.ts";
+import { make, setHidden, setText } from "./dom.ts";
 import { LaidOut } from "./laid_out.ts";
 
 /** What the pop-up says of a ray, or of another place in a picture. */
@@ -31,17 +31,17 @@ export class Popup {
       this.element.append(row);
     }
     this.element.append(...foot);
-    this.element.hidden = true;
+    setHidden(this.element, true);
     parent.append(this.element);
   }
 
   hide(): void {
-    this.element.hidden = true;
+    setHidden(this.element, true);
   }
 
   /** Shows words at the place that `place` finds for their size. */
   show(words: PopupWords, place: (size: Size) => Point): Box {
-    this.element.hidden = false;
+    setHidden(this.element, false);
     const texts = [words.expression, words.distance, words.angle, words.details, words.side];
     for (const [i, place] of this.#places.entries()) setText(place, texts[i] ?? "");
     this.#place = place;

@@ -8,7 +8,6 @@ import { lacksKernel, type Model, NO_KERNEL, onChange } from "./model.ts";
 import { SECONDS, toNumberLines } from "./numbers.ts";
 import { offerPng } from "./png.ts";
 import { Pulse } from "./pulse.ts";
-import { READING_MS, throttle } from "./schedule.ts";
 import type { Frame, Stream } from "./stream.ts";
 import { TimeLinesView } from "./time_lines_view.ts";
 import type { SampleTraits } from "./traits.ts";
@@ -26,7 +25,7 @@ export class SampleCard extends Card {
   /** The words around the number are hidden in a narrow card. */
   readonly #freezeWords = ["rw-word", "rw-number", "rw-word"].map((name) => make("span", name));
   readonly #bar: Bar;
-  readonly #tellFacts: () => void;
+  readonly #tellFacts = () => this.#drawFacts();
   readonly #numbers: TimeLinesView;
   #known: string[] = [];
   #paced = true;
@@ -37,7 +36,7 @@ export class SampleCard extends Card {
     kind: string,
     model: Model<SampleTraits>,
     stream: Stream<Frame>,
-    draw: (isNow: boolean) => void,
+    draw: () => void,
     signal: AbortSignal,
   ) {
     super(element, kind, model, draw, signal);
@@ -49,13 +48,12 @@ export class SampleCard extends Card {
     this.controls.append(this.#freeze);
     offerPng(this, model, signal);
     this.#bar = new Bar(stream, signal);
-    this.lamps = new Lamps(stream, (words) => this.say(words), signal);
+    this.lamps = new Lamps(stream, this, signal);
     this.picture.after(this.lamps.root, this.#bar.root);
     this.#numbers = new TimeLinesView(this.picture, () => this.#drawNumbers(), signal);
     stream.listen(this.redraw, signal);
     this.pulse = new Pulse(model, ["_beat", "_frame"], () => model.get("_beat") > 0, this.redraw, signal);
     onChange(model, ["_source"], this.redraw, signal);
-    this.#tellFacts = throttle(() => this.#drawFacts(), READING_MS, signal);
     on(this.header, "pointerenter", () => this.#tellAll(), signal);
     on(this.root, "keydown", (event) => this.#onKey(event), signal);
   }
@@ -84,14 +82,14 @@ export class SampleCard extends Card {
     const { notes = [], problems = [] } = about;
     this.#known = facts.filter(Boolean);
     this.#paced = paced;
-    this.#tellFacts();
+    this.texts.ask(this.#tellFacts);
     const said = error ? [error + (shown ? ` Showing the last good ${noun}.` : ""), ...notes] : notes;
     const source = this.#model.get("_source");
     const isError = Boolean(error || source.error);
     // An empty picture shows the status of the source itself.
     const lines = [source.error ?? "", (shown && source.status) || "", ...said].filter(Boolean);
     this.updateFrame(lines, isError ? "error" : said.length + problems.length ? "note" : "status", problems);
-    this.lamps.update(this.#isSilent || waits);
+    this.lamps.update();
     this.#bar.update(this.footer.hidden ? null : place);
     this.#drawNumbers();
 
@@ -113,6 +111,11 @@ export class SampleCard extends Card {
     return this.#paced ? this.#stream.silence : 0;
   }
 
+  /** Whether nothing is known of the present: the source is silent, or Python waits for the next sample. */
+  get isStale(): boolean {
+    return this.#isSilent || this.#model.get("_about").waits === true;
+  }
+
   /** Whether the newest sample says nothing of the present. */
   get #isSilent(): boolean {
     return this.#silenceMs > 0 || this.pulse.silence > 0 || this.#model.get("_source").lost === true;
@@ -132,7 +135,7 @@ export class SampleCard extends Card {
     const pace = live && this.#paced && rate ? [`${toFixed(rate, 1)} Hz`] : [];
     this.updateFacts([...this.#known, ...pace]);
     this.updateSilence(silence ? `no data for ${toAge(silence)}` : this.pulse.words, this.#isSilent);
-    if (silence) this.#tellFacts();
+    if (silence) this.texts.ask(this.#tellFacts);
   }
 
   /** The tooltip of the header: all facts about the source, line by line. */

@@ -1,5 +1,5 @@
 import { Canvas, type Context, line, type Surface, stroke, watchSize, write } from "./canvas.ts";
-import { make, pointIn } from "./dom.ts";
+import { make, pointIn, setHidden } from "./dom.ts";
 import { on } from "./events.ts";
 import { toFixed } from "./format.ts";
 import { type Theme, textFont } from "./theme.ts";
@@ -47,7 +47,7 @@ export class TimeLinesView {
    * @param end what stands at the right end: "now"
    */
   draw(lines: TimeLine[] | null, seconds: number, end: string, theme: Theme, ratio: number): void {
-    this.#root.hidden = !lines;
+    setHidden(this.#root, !lines);
     if (!lines) return;
     this.#canvas ??= this.#open();
     this.#root.style.height = `${lines.length * ROW + FOOT}px`;

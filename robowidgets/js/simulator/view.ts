@@ -16,7 +16,6 @@ import {
 import { toDegrees, toFixed, toMany } from "../shared/format.ts";
 import { lacksKernel, type Model, NO_KERNEL, newName, onChange } from "../shared/model.ts";
 import { Pulse } from "../shared/pulse.ts";
-import { READING_MS, throttle } from "../shared/schedule.ts";
 import { drawDrops, drawFree, drawRobot, drawThings, drawWalls } from "./draw.ts";
 import { drawShapes } from "./draw_shapes.ts";
 import { Edits } from "./edits.ts";
@@ -51,7 +50,7 @@ export class SimulatorView {
   readonly #put: HTMLButtonElement;
   readonly #remove: HTMLButtonElement;
   readonly #reset: HTMLButtonElement;
-  readonly #tell: () => void;
+  readonly #tell = () => this.#updateText();
   readonly #pulse: Pulse<SimulatorTraits>;
   #scene: Scene | null;
   #walls: Float32Array;
@@ -83,7 +82,6 @@ export class SimulatorView {
       () => this.#onPulse(),
       signal,
     );
-    this.#tell = throttle(() => this.#updateText(), READING_MS, signal);
     onChange(model, ["_frame"], () => this.#onFrame(), signal);
     onChange(model, ["_walls", "_drops"], () => this.#onWalls(), signal);
     onChange(model, ["_shapes", "_status"], this.#card.redraw, signal);
@@ -144,7 +142,7 @@ export class SimulatorView {
     drawThings(context, projection, scene, selected, moved, theme);
     drawShapes(context, projection, scene, this.#model.get("_shapes"), theme);
     drawRobot(context, projection, scene, selected, moved, theme);
-    this.#tell();
+    this.#card.texts.ask(this.#tell);
   }
 
   #updateText(): void {

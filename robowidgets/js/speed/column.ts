@@ -1,4 +1,4 @@
-import { make, setText } from "../shared/dom.ts";
+import { make, setHidden, setText } from "../shared/dom.ts";
 import type { Axis } from "./axes.ts";
 import type { AxisFacts } from "./facts.ts";
 import { judge, type State } from "./limits.ts";
@@ -49,12 +49,12 @@ export class Column {
     this.#drawLimits(facts, labelled, clearance);
     this.#drawBar(facts);
     this.#drawPeaks(facts);
-    this.#tick.hidden = commanded === null || Number.isNaN(commanded);
+    setHidden(this.#tick, commanded === null || Number.isNaN(commanded));
     if (!this.#tick.hidden) this.#place(this.#tick, facts, commanded ?? 0);
     const text = toValueText(measured, decimals);
     setText(this.#value, text);
     mark(this.#value, "long", String(text.length > 5));
-    this.#command.hidden = commanded === null;
+    setHidden(this.#command, commanded === null);
     setText(this.#commandNumber, Number.isNaN(commanded) ? "\u2013" : toValueText(commanded, decimals));
     this.#say(measured === null ? "within" : judge(measured, limits));
   }
@@ -66,8 +66,8 @@ export class Column {
       const bottom = `bottom: ${toPercent(toHeight(scale, limit))}`;
       this.#style(line, bottom);
       this.#style(label, bottom);
-      line.hidden = limit === 0;
-      label.hidden = !labelled || limit === 0;
+      setHidden(line, limit === 0);
+      setHidden(label, !labelled || limit === 0);
       setText(label, toShort(limit));
       mark(label, "close", isClose ? (i ? "high" : "low") : "");
     }
@@ -75,7 +75,7 @@ export class Column {
 
   #drawBar({ measured, limits, scale }: AxisFacts): void {
     const value = measured ?? NaN;
-    this.#bar.hidden = Number.isNaN(value);
+    setHidden(this.#bar, Number.isNaN(value));
     mark(this.root, "state", measured === null ? "" : judge(value, limits));
     mark(this.#bar, "cut", isOff(value, scale) ? (value > 0 ? "up" : "down") : "");
     if (Number.isNaN(value)) return;
@@ -87,7 +87,7 @@ export class Column {
   #drawPeaks(facts: AxisFacts): void {
     for (const [i, element] of this.#peaks.entries()) {
       const peak = facts.peaks?.[i ? 1 : 0] ?? NaN;
-      element.hidden = Number.isNaN(peak);
+      setHidden(element, Number.isNaN(peak));
       if (Number.isNaN(peak)) continue;
       this.#place(element, facts, peak);
       mark(element, "state", judge(peak, facts.limits));

@@ -1,4 +1,4 @@
-import { make, setText } from "../shared/dom.ts";
+import { make, setHidden, setText } from "../shared/dom.ts";
 
 const KEYS = ["measured", "command", "limit", "peak"] as const;
 type Key = (typeof KEYS)[number];
@@ -33,6 +33,6 @@ export class Legend {
 
   #show(key: Key, shown: boolean): void {
     const item = this.#items.get(key);
-    if (item) item.hidden = !shown;
+    if (item) setHidden(item, !shown);
   }
 }

@@ -1,5 +1,5 @@
 import type { Box, Size } from "../shared/box.ts";
-import { make, setText } from "../shared/dom.ts";
+import { make, setHidden, setText } from "../shared/dom.ts";
 import { LaidOut } from "../shared/laid_out.ts";
 import type { AxisWords } from "./text.ts";
 
@@ -24,12 +24,12 @@ export class Popup {
     const head = make("div", "rw-popup-row");
     head.append(this.#expression, this.#direction);
     this.#root.append(head, this.#value, this.#alarm, this.#details);
-    this.#root.hidden = true;
+    setHidden(this.#root, true);
     parent.append(this.#root);
   }
 
   hide(): void {
-    this.#root.hidden = true;
+    setHidden(this.#root, true);
   }
 
   /**
@@ -37,12 +37,12 @@ export class Popup {
    * @param picture its size
    */
   show({ expression, direction, value, alarm, details }: AxisWords, beside: Box, picture: Size): void {
-    this.#root.hidden = false;
+    setHidden(this.#root, false);
     setText(this.#expression, expression);
     setText(this.#direction, direction);
     setText(this.#value, value);
     setText(this.#alarm, alarm);
-    this.#alarm.hidden = !alarm;
+    setHidden(this.#alarm, !alarm);
     const words = JSON.stringify(details);
     if (this.#words !== words) {
       this.#words = words;

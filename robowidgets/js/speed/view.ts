@@ -1,5 +1,5 @@
 import type { Box } from "../shared/box.ts";
-import { boxWithin, make, makeButton, makeIcon, setText } from "../shared/dom.ts";
+import { boxWithin, make, makeButton, makeIcon, setHidden, setText } from "../shared/dom.ts";
 import type { Speeds } from "../shared/frames/speeds.ts";
 import { LaidOut } from "../shared/laid_out.ts";
 import { type Model, onChange, setTraits } from "../shared/model.ts";
@@ -195,8 +195,8 @@ export class SpeedView {
     this.#card.root.classList.toggle("rw-bars-commanded", isCommanded);
     this.#board.style.paddingTop = `${this.#card.noticeHeight}px`;
     this.#planar.ariaPressed = String(model.get("planar"));
-    this.#reset.hidden = !model.get("hold_peaks");
-    this.#empty.hidden = speeds !== null;
+    setHidden(this.#reset, !model.get("hold_peaks"));
+    setHidden(this.#empty, speeds !== null);
     setText(this.#empty, this.#card.waiting("speed"));
     this.#board.classList.toggle("rw-commanded", Boolean(speeds?.commanded));
     this.#legend.update(bars, Boolean(speeds?.commanded), hasLimits, model.get("hold_peaks"), summary);

@@ -1,4 +1,4 @@
-import { make, makeButton, makeIcon, PAUSE, PLAY, setText } from "../shared/dom.ts";
+import { make, makeButton, makeIcon, PAUSE, PLAY, setHidden, setText } from "../shared/dom.ts";
 import { type Model, onChange } from "../shared/model.ts";
 import { join, type Member, othersOf, setFrozen } from "../shared/together.ts";
 import type { StopTraits } from "./traits.ts";
@@ -46,7 +46,7 @@ export class Freeze implements Member {
 
   update(): void {
     const { paused } = this;
-    this.button.hidden = this.#pictures.length === 0;
+    setHidden(this.button, this.#pictures.length === 0);
     if (this.#isShown === paused) return;
     this.#isShown = paused;
     this.button.ariaPressed = String(paused);

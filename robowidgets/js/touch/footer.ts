@@ -1,4 +1,4 @@
-import { make, setText } from "../shared/dom.ts";
+import { make, setHidden, setText } from "../shared/dom.ts";
 import { toCount } from "../shared/format.ts";
 import type { Sensor, TouchState } from "../shared/frames/touch.ts";
 import { summarize, tellBeside, toTouches } from "./text.ts";
@@ -35,7 +35,7 @@ export class Footer {
     this.#beside.title = beside;
     for (const [state, element] of this.#counts) setText(element, toCount(counts[state]));
     // The other two come and go, and keep their places.
-    this.#unknown.hidden = counts.unknown === 0;
+    setHidden(this.#unknown, counts.unknown === 0);
     setText(this.#touches, toTouches(touches));
   }
 }

@@ -1,5 +1,5 @@
 import type { Box } from "../shared/box.ts";
-import { make, setText } from "../shared/dom.ts";
+import { make, setHidden, setText } from "../shared/dom.ts";
 import { onAbort } from "../shared/events.ts";
 import type { Sensor, Touch } from "../shared/frames/touch.ts";
 import { type Model, onChange } from "../shared/model.ts";
@@ -68,7 +68,7 @@ export class TouchView {
     const { dialect = "", mode, still = false } = this.#stream.about as TouchAbout;
     this.#card.update([dialect, modeWord(mode)], "states", mode !== "event");
     this.#footer.update(sensors, all);
-    this.#empty.hidden = sensors.length > 0;
+    setHidden(this.#empty, sensors.length > 0);
     setText(this.#empty, this.#card.waiting("touch message"));
     this.#lay(sensors);
     this.#say(sensors, still ? 0 : this.#clock.elapsed, this.#clock.runs && !still);

@@ -1,4 +1,4 @@
-import { make, makeButton, makeIcon, setText } from "../dom.ts";
+import { make, makeButton, makeIcon, setHidden, setText } from "../dom.ts";
 import { isPlain, on } from "../events.ts";
 import { keepKeys } from "../keys.ts";
 import type { StopControl } from "./control.ts";
@@ -45,6 +45,6 @@ export class StopButtons {
     const isDown = stopped || ["asking", "interrupted"].includes(this.#control.note);
     setText(this.#word, stopped ? "Stopped" : "Stop");
     this.stop.ariaPressed = String(isDown);
-    this.allow.hidden = !stopped;
+    setHidden(this.allow, !stopped);
   }
 }

@@ -1,5 +1,5 @@
 import { Canvas, type Surface, watchSize, write } from "../canvas.ts";
-import { make, pointIn } from "../dom.ts";
+import { make, pointIn, setHidden } from "../dom.ts";
 import { on } from "../events.ts";
 import { type Theme, textFont } from "../theme.ts";
 import { type TimeAxis, toTime } from "../time_axis.ts";
@@ -61,7 +61,7 @@ export class StateBand {
   /** @param time the states of which are in ink */
   update(rows: StateSpan[][], span: [number, number], time: number, theme: Theme): void {
     this.#rows = rows;
-    this.root.hidden = !rows.length;
+    setHidden(this.root, !rows.length);
     this.root.style.height = `${rows.length * ROW_STEP - (ROW_STEP - ROW)}px`;
     // Compare first: there may be thousands of states, and this runs in every frame while it plays.
     const drawn = [rows, ...span, ...statesAt(rows, time), this.#size, theme.ink, theme.background];
