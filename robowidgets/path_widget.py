@@ -55,7 +55,8 @@ class PathWidget(RobotWidget[PathPoint]):
     kernel. A message that cannot be shown leaves the last picture and says why above it.
 
     The whole way is kept in at most 1000 points: they lie 2 cm apart at first, and twice as far each time there are
-    more. Heights are left out.
+    more. Heights are left out. Where the pose jumps farther than a robot can drive until then, as odometry does that
+    was set back, a new stroke begins, and the way does not grow.
 
     Args:
         title: what is shown, for the header; usually the topic.
@@ -80,6 +81,7 @@ class PathWidget(RobotWidget[PathPoint]):
     _esm, _css = bundle("path_widget")
     column = "map"
     sample_name = "pose"
+    beats = True
 
     _path = bytes_trait(echo_update=False)
 
@@ -115,7 +117,8 @@ class PathWidget(RobotWidget[PathPoint]):
                 point = self._to_point(message, fields)
                 if not self.driven_by_player:
                     pose = Pose(point.x, point.y, point.yaw)
-                    self._track.add(point.time, pose)
+                    if self._track.add(point.time, pose, self._measured_at(point, message, fields)):
+                        self._path_due = 0.0  # until the page has the jump, it would draw a way
                     self._recent.add(pose, arrival_of(point), point.stamp_ns)
                     self._is_path_new = True
                 self._show(point, {"frame_id": point.frame_id})
@@ -181,6 +184,12 @@ class PathWidget(RobotWidget[PathPoint]):
         inner = unwrap(message)
         stamp = getattr(inner, "stamp_ns", None) or stamp_ns(inner)
         return PathPoint(finite("time", seconds, "seconds"), pose.x, pose.y, pose.yaw, stamp, frame_id(inner))
+
+    def _measured_at(self, point: PathPoint, message: Any, fields: dict[str, Any]) -> float | None:
+        """Seconds at which a pose was measured; None where only its arrival is known."""
+        if point.stamp_ns:
+            return point.stamp_ns / 1e9
+        return point.time if "time" in fields or hasattr(message, "seconds") else None
 
     def _describe(self) -> str:
         at = self.pose

@@ -62,6 +62,7 @@ class TouchWidget(RobotWidget[Touch]):
 
     sample_name = "touch"
     goes_stale = False
+    beats = True
     packs_now = True
 
     sensors = traitlets.List(traitlets.Unicode(), help="Names of the sensors to show, from left to right.").tag(

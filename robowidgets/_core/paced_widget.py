@@ -59,6 +59,11 @@ class PacedWidget(BeatingWidget, FreezableWidget):
         self._newest.make_locks()
         self._send_lock = threading.RLock()
 
+    def follow_player(self) -> None:
+        """Have a player in the page say what is on show: that is of no moment of now, and needs no kernel."""
+        with self._send_lock:
+            self.driven_by_player, self.history, self._beat = True, 0, 0
+
     def send_newest(self) -> int:
         """Send the newest sample to the page; returns the number of bytes sent. The pacer calls it."""
         if os.getpid() != self._process:
@@ -85,7 +90,8 @@ class PacedWidget(BeatingWidget, FreezableWidget):
                     unsent = tuple(self._unsent)
                     self._unsent.clear()
                 keys += unsent
-            keys += self._due_beat()
+            if not self.driven_by_player:
+                keys += self._due_beat()
             if keys and not self.driven_by_player and time.monotonic() >= self._resync_at:
                 keys = [*dict.fromkeys((*keys, *RESYNC_TRAITS))]
                 self._resync_at = time.monotonic() + RESYNC_S

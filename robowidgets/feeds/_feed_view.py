@@ -161,10 +161,10 @@ class FeedView(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no type
             widget.close()
         self._shown = shown
         sensors = list(shown.values())
-        machine = [] if self.machine is None else [self.machine]
-        group = freeze_together([*sensors, *machine])
+        more = [widget for widget in (self.machine, self.room) if widget is not None]
+        group = freeze_together([*sensors, *more])
         self._stop.freeze_with(group if sensors else "", self._connection.page_name)
-        for widget in machine:
+        for widget in more:
             widget.freeze_with_robot()
         self._arrange(sensors)
 

@@ -256,7 +256,7 @@ def _path_of(recording: RecordingData, topic: str) -> tuple[Path, float]:
     with without_bars():
         for chunk in recording.speeds(topic).chunks():
             for time_ns, pose in zip(chunk.times_ns.tolist(), chunk.poses.tolist(), strict=True):
-                path.add((time_ns - start_ns) / 1e9, Pose(*pose))
+                path.add((time_ns - start_ns) / 1e9, Pose(*pose), clock=time_ns / 1e9)
             if time.monotonic() - began > LONGEST_PATH:
                 return path, (int(chunk.times_ns[-1]) - start_ns) / 1e9
     return path, inf

@@ -107,7 +107,8 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
         self._seeking = threading.Lock()
         self._problems = ipywidgets.HTML()
         for view in self.views:
-            view.widget.has_rate, view.widget.driven_by_player, view.widget.history = False, True, 0
+            view.widget.has_rate = False
+            view.widget.follow_player()
         freeze_together(view.widget for view in self.views)
         moves = recording.duration and self.views
         scanned = next((choice.topic for choice in shown if choice.kind.name == LASER.name), "") if moves else ""

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 import traitlets
 
+from .._core.freezing import FreezableWidget
 from .._core.front_end import bundle
 from .._core.heartbeat import BeatingWidget
 from .._core.pacer import pacer
@@ -33,7 +34,7 @@ _PUT_RADIUS = 0.2
 _MOST_OBSTACLES = 200
 
 
-class View(BeatingWidget):
+class View(BeatingWidget, FreezableWidget):
     """A simulated robot in its room, from above and to scale, with its readings and the path of the last 30 s.
 
     Of a feed, it also shows what programs draw on the laser widgets that are connected to the feed.
@@ -43,9 +44,13 @@ class View(BeatingWidget):
     was. While a cell computes, the picture goes on where the simulation does, and the page's edits are made as soon as
     the kernel takes its messages: at once with ipykernel 7, else when the cell ends.
 
+    It is frozen with the other widgets of its feed. A press on it lets it go on, so that nothing is dragged from where
+    it is no more.
+
     Args:
         robot: a `Robot`, or a feed of `robowidgets.feeds.simulator`.
         title: text for the header.
+        paused: whether the picture is frozen.
         header, footer: whether they are shown.
 
     Raises:
@@ -61,11 +66,11 @@ class View(BeatingWidget):
     _esm, _css = bundle("simulator_widget")
     _unnamed = 1
     beats = True
+    sample_name = "room"
     send_interval = 1 / 30
     """Seconds between two pictures, at least."""
 
     footer = Flag(True, help="Whether places stand below the picture.").tag(sync=True)
-    _frame = bytes_trait(echo_update=False)
     _walls = bytes_trait(echo_update=False)
     _drops = bytes_trait(echo_update=False)
     _shapes: traitlets.List[Any] = traitlets.List().tag(sync=True, echo_update=False)
@@ -81,6 +86,7 @@ class View(BeatingWidget):
         self._send_lock = threading.RLock()
         self._path: deque[tuple[float, float, float]] = deque()
         super().__init__(**{"title": "simulator", **kwargs})
+        self.freeze_with_robot()
         self._sent = self._frame, self._shapes, self._status  # by `get_state`, for the first page
         self.on_msg(self._on_page)
         simulated.observe(self._on_step)
@@ -92,6 +98,10 @@ class View(BeatingWidget):
         """Connect to the page."""
         super().open()
         route_by_message(self.comm)
+
+    def freeze_with_robot(self) -> None:
+        """Have the page freeze it with all widgets of the robot of its feed, and them with it, wherever they are."""
+        self._together = self._connection.page_name if self._connection is not None else ""
 
     def close(self) -> None:
         """Remove the widget from the page; the robot goes on."""
@@ -124,7 +134,7 @@ class View(BeatingWidget):
         with self._send_lock:
             if self.comm is None:
                 return 0
-            self._update()
+            self._bring_up_to_date()
             before, self._sent = self._sent, (self._frame, self._shapes, self._status)
             names = ("_frame", "_shapes", "_status")
             changed = [name for name, old, new in zip(names, before, self._sent, strict=True) if old != new]
@@ -137,16 +147,16 @@ class View(BeatingWidget):
         """The synced traits, with the newest picture: what a new view, a reload and a saved notebook get."""
         if key is None and "_robot" in vars(self):
             with self._send_lock:
-                self._update()
+                self._bring_up_to_date()
         state: dict[str, Any] = super().get_state(key, drop_defaults)
         return state
 
-    def _update(self) -> None:
+    def _bring_up_to_date(self) -> None:
+        """Pack the newest picture, without sending it, as setting the traits would."""
         world = self._robot.world
         if world.walls is not self._shown_walls:
             self._shown_walls, self._walls = world.walls, world.walls.astype("<f4").tobytes()
             self._drops = world.drops.astype("<f4").tobytes()
-        # Without sending them, as setting the traits would.
         self._trait_values |= {"_frame": self._pack(), "_shapes": self._drawn(), "_status": self._said()}
 
     def _drawn(self) -> list[Any]:

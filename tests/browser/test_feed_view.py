@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 
 import pytest
-from playwright.sync_api import expect
+from playwright.sync_api import Locator, expect
 
+from ..unit.waiting import wait_for
 from .chromium import LOOKS, shoot
 from .notebook import Notebook
 from .plain_page import PlainPage
@@ -134,7 +136,7 @@ def test_one_freeze_freezes_all_pictures_of_the_view_beside_a_busy_cell(plain_pa
     expect(freeze).to_have_text("Freeze")
     with nb.busy():
         freeze.click()
-        expect(cards).to_have_count(4)
+        expect(cards).to_have_count(5)
         expect(freeze).to_have_text("Frozen")
         expect(freeze).to_have_attribute("aria-pressed", "true")
         shoot(nb.output(2), "feed-frozen")
@@ -146,10 +148,46 @@ def test_one_freeze_freezes_all_pictures_of_the_view_beside_a_busy_cell(plain_pa
         freeze.click()
         expect(cards).to_have_count(0)
     nb.python("view.widgets['/odom'].paused = True")
-    expect(cards).to_have_count(4)
+    expect(cards).to_have_count(5)
     expect(freeze).to_have_text("Frozen")
     nb.python("view.widgets['/odom'].paused = False")
     expect(freeze).to_have_text("Freeze")
+
+
+def test_the_room_is_frozen_with_the_view_and_goes_on_by_a_press_on_it_before_it_is_dragged(
+    plain_page: Callable[..., PlainPage],
+) -> None:
+    nb = opened(plain_page, "turtlebot3")
+    nb.resize(1112, 720)
+    freeze, room = nb.output(2).locator(".rw-freeze-all"), nb.output(2).locator(".rw-simulator")
+    expect(room.locator(".rw-footer")).to_contain_text("drag the robot")
+    time, footer = room.locator(".rw-facts"), room.locator(".rw-footer")
+    seconds = "view.room._robot.time"
+    freeze.click()
+    expect(room).to_have_class(re.compile("rw-frozen"))
+    expect(footer).to_contain_text("frozen · press it to go on, then drag")
+    expect(room.get_by_role("button", name="Put an obstacle")).to_be_disabled()
+    assert nb.python("view.room.paused") == "True"
+    shown = drawn(room), time.inner_text()
+    began = float(nb.python(seconds))
+    wait_for(lambda: float(nb.python(seconds)) > began + 1, "the robot goes on")
+    assert (drawn(room), time.inner_text()) == shown
+    shoot(room, "room-frozen")
+    room.locator(".rw-picture").click()
+    expect(room).not_to_have_class(re.compile("rw-frozen"))
+    expect(time).not_to_have_text(shown[1])
+    expect(freeze).to_have_text("Frozen")
+    room.locator(".rw-picture").press(" ")
+    expect(room).to_have_class(re.compile("rw-frozen"))
+    freeze.click()
+    expect(nb.output(2).locator(".rw-frozen")).to_have_count(0)
+    nb.python("view.widgets['/odom'].paused = True")
+    expect(room).to_have_class(re.compile("rw-frozen"))
+
+
+def drawn(room: Locator) -> str:
+    """The picture of a room."""
+    return str(room.locator("canvas").first.evaluate("canvas => canvas.toDataURL()"))
 
 
 def test_in_jupyterlab_all_of_it_is_in_view_at_1280_by_720_and_in_a_narrow_window_stop_stays_in_view(
@@ -165,7 +203,7 @@ def test_in_jupyterlab_all_of_it_is_in_view_at_1280_by_720_and_in_a_narrow_windo
     assert cards.evaluate_all(COVERED) == []
     shoot(nb.page.locator(".jp-NotebookPanel"), "feed-lab")
     feed.locator(".rw-freeze-all").click()
-    expect(feed.locator(".rw-frozen")).to_have_count(4)
+    expect(feed.locator(".rw-frozen")).to_have_count(5)
     nb.reload()
     feed = nb.output(1).locator(".rw-feed")
     expect(feed.locator(".rw-freeze-all")).to_have_text("Frozen")

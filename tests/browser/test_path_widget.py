@@ -142,3 +142,36 @@ def test_a_player_draws_the_way_up_to_its_moment_dark_and_goes_to_a_place_that_i
     nb.page.mouse.up()
     expect(now).to_have_text(named.removesuffix(" s"))
     shoot(nb.output(0), "path-player-picked")
+
+
+JUMP = """
+from robowidgets import PathWidget
+path = PathWidget(title="/odom")
+for x in (0, 8):
+    for i in range(21):
+        path.update(x=x + 0.1 * i, y=0.1 * i, yaw=0.8, time=x / 2 + 0.2 * i)
+path
+"""
+INKED = """(card) => {
+  const canvas = card.querySelector("canvas");
+  const hex = getComputedStyle(card).getPropertyValue("--rw-ink").trim();
+  const rgb = [1, 3, 5].map((i) => Number.parseInt(hex.slice(i, i + 2), 16));
+  const floor = canvas.height - 30 * devicePixelRatio;
+  const { data, width } = canvas.getContext("2d").getImageData(0, 0, canvas.width, floor);
+  const columns = new Set();
+  for (let i = 0; i < data.length; i += 4)
+    if (rgb.every((c, k) => Math.abs(c - data[i + k]) < 36)) columns.add((i / 4) % width);
+  const inked = [...columns].sort((a, b) => a - b);
+  return Math.max(...inked.map((x, i) => x - (inked[i - 1] ?? x))) / (inked.at(-1) - inked[0]);
+}"""
+"""The widest gap between columns with ink, as a part of the whole width."""
+
+
+@pytest.mark.parametrize(("theme", "scale"), LOOKS)
+def test_no_line_is_drawn_where_the_robot_jumped(plain_page: Callable[..., PlainPage], theme: str, scale: int) -> None:
+    nb = plain_page([JUMP], theme=theme, scale=scale)
+    card = nb.widget(0).locator(".rw-card")
+    await_drawing(card)
+    assert card.evaluate(INKED) > 0.5
+    shoot(card, f"path-jump-{theme}@{scale}x")
+    assert nb.python("len(path.points)") == "42"

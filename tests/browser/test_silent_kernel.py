@@ -14,7 +14,7 @@ from .chromium import shoot
 from .notebook import Notebook
 
 OPEN = """
-from robowidgets import MachineWidget, ProgramWidget, feeds
+from robowidgets import MachineWidget, PathWidget, ProgramWidget, TouchWidget, feeds
 from robowidgets.behaviors import Drive
 from robowidgets.simulator import View
 robot = feeds.simulator(wander=False)
@@ -24,7 +24,10 @@ class Walker:
     moves = "forward -> turn after 0.5", "turn -> forward after 0.5"
 program = robot.program(Walker, rate=20)
 machine, room, card = MachineWidget(robot), View(robot), ProgramWidget(robot)
-display(machine, room, card)
+touch, path = TouchWidget(title="/bumper"), PathWidget(title="/odom")
+touch.update(left=True, right=False)
+path.update(x=0.5, y=0.2, yaw=0.1)
+display(machine, room, card, touch, path)
 """
 SILENT = re.compile(r"^no word from the kernel for \d+\.\d s$")
 RATE = re.compile(r"\d+\.\d Hz$")
@@ -56,6 +59,10 @@ def is_old(nb: Notebook, words: re.Pattern[str] | str) -> None:
     machine, room, program = cards(nb)
     for card in (machine, room):
         expect(card.locator(".rw-silence")).to_have_text(words)
+    for card, shown in zip(events(nb), (".rw-field", ".rw-layer"), strict=True):
+        expect(card.locator(".rw-silence")).to_have_text(words)
+        expect(card.locator(shown).first).to_have_css("opacity", "0.4")
+        expect(card.locator(".rw-footer > *").first).to_have_css("opacity", "0.4")
     expect(machine.locator(".rw-machine-board")).to_have_css("opacity", "0.4")
     expect(machine.locator(".rw-footer")).to_contain_text("last step")
     expect(machine.locator(".rw-footer")).not_to_contain_text("Hz")
@@ -69,7 +76,7 @@ def is_old(nb: Notebook, words: re.Pattern[str] | str) -> None:
 
 def is_live(nb: Notebook) -> None:
     machine, room, program = cards(nb)
-    for card in (machine, room):
+    for card in (machine, room, *events(nb)):
         expect(card.locator(".rw-silence")).to_be_hidden()
     expect(machine.locator(".rw-footer")).to_have_text(RATE)
     expect(machine.locator(".rw-machine-band-foot")).to_contain_text("now")
@@ -78,6 +85,11 @@ def is_live(nb: Notebook) -> None:
 
 def cards(nb: Notebook) -> tuple[Locator, Locator, Locator]:
     return nb.widget(0, 0), nb.widget(0, 1), nb.widget(0, 2)
+
+
+def events(nb: Notebook) -> tuple[Locator, Locator]:
+    """Cards of what comes when it comes."""
+    return nb.widget(0, 3), nb.widget(0, 4)
 
 
 def can_be_dragged(nb: Notebook) -> bool:
@@ -104,8 +116,10 @@ def test_a_kernel_that_hangs_is_told_and_nothing_is_moved_until_it_goes_on(
             new MutationObserver(look).observe(document.body, { subtree: true, childList: true, characterData: true });
         }"""
     )
-    beats = int(nb.python("print(machine._beat)"))
-    nb.python(f"import time\nwhile min(machine._beat, room._beat) < {beats + 5}: time.sleep(0.05)")
+    beats = int(nb.python("print(max(machine._beat, room._beat, touch._beat, path._beat))"))
+    nb.python(
+        f"import time\nwhile min(machine._beat, room._beat, touch._beat, path._beat) < {beats + 5}: time.sleep(0.05)"
+    )
     assert nb.page.evaluate("window.toldSilent") == []
     program.get_by_role("button", name="Run").click()
     is_live(nb)

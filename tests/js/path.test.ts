@@ -24,6 +24,28 @@ test("the way up to a moment ends at the pose of that moment, and the rest begin
   assert.deepEqual(splitAt([], now), { before: [{ ...now, way: 0 }], after: [{ ...now, way: 0 }] });
 });
 
+test("a robot that jumped has no way there: the line, a pose on show and the nearest place say so", () => {
+  const bytes = new DataView(new ArrayBuffer(4 * 40));
+  const told = [
+    [0, 0, 0, 0, 0],
+    [1, 1, 0, 0, 1],
+    [2, 9, 0, 0, 1],
+    [3, 10, 0, 0, 2],
+  ];
+  for (const [i, value] of told.flat().entries()) bytes.setFloat64(8 * i, value, true);
+  const points = toPoints(bytes);
+  assert.deepEqual(
+    points.map(({ isAfterJump = false }) => isAfterJump),
+    [false, false, true, false],
+  );
+  assert.deepEqual(nearestOn(points, { x: 4, y: 0 }), points[1]);
+  const before = splitAt(points, { time: 1.5, x: 1.1, y: 0, yaw: 0 });
+  assert.deepEqual([before.before.at(-1)?.isAfterJump, before.after[1]?.isAfterJump], [undefined, true]);
+  const after = splitAt(points, { time: 1.9, x: 8.9, y: 0, yaw: 0 });
+  assert.deepEqual([after.before.at(-1)?.isAfterJump, after.after[1]?.isAfterJump], [true, false]);
+  assert.equal(after.before.at(-1)?.way, 1);
+});
+
 test("before the first pose all of the way is yet to come", () => {
   const nowhere = { time: -1, x: NaN, y: NaN, yaw: NaN };
   assert.deepEqual(splitAt(LINE, nowhere), { before: [], after: LINE });

@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from robowidgets import LaserWidget, MachineWidget, conditions
+from robowidgets import LaserWidget, MachineWidget, PathWidget, TouchWidget, conditions
 from robowidgets._core import heartbeat
 from robowidgets._core.timed_frame import FRAME_HEADER
 from robowidgets.behaviors import Drive
@@ -58,6 +58,21 @@ def test_while_nothing_steps_a_beat_tells_that_python_lives_and_other_widgets_se
     wait_for(lambda: other.sent("title") == ["/scan"], "its title is sent")
     assert other.sent("_beat") == []
     laser.close()
+
+
+def test_what_comes_when_it_comes_beats_and_in_a_player_nothing_does(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(heartbeat, "BEAT", 0.01)
+    for widget in (TouchWidget(), PathWidget()):
+        page = Page(widget)
+        widget.title = "/events"
+        wait_for(lambda page=page: len(page.sent("_beat")) > 3, "beats come")
+        widget.follow_player()
+        assert widget._beat == 0
+        del page.messages[:]
+        widget.title = "/recorded"
+        wait_for(lambda page=page: page.sent("title") == ["/recorded"], "its title is sent")
+        assert [beat for beat in page.sent("_beat") if beat] == []
+        widget.close()
 
 
 class Walker:

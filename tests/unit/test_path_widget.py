@@ -25,6 +25,16 @@ def pose_stamped(x: float, y: float, z: float, w: float) -> dict[str, object]:
     return {"header": {"frame_id": "map", "stamp": {"sec": 5, "nanosec": 6}}, "pose": where}
 
 
+def odometry(x: float, seconds: float) -> dict[str, object]:
+    told = pose_stamped(x, 0.0, 0.0, 1.0)
+    sec, nanosec = divmod(round(seconds * 1e9), 1_000_000_000)
+    return {
+        "header": {"frame_id": "odom", "stamp": {"sec": sec + 1, "nanosec": nanosec}},
+        "pose": {"pose": told["pose"]},
+        "twist": {"twist": {"linear": {"x": 0.0, "y": 0.0, "z": 0.0}, "angular": {"x": 0.0, "y": 0.0, "z": 0.0}}},
+    }
+
+
 class TestPath:
     def test_its_last_point_moves_until_it_lies_a_step_away_from_the_one_before(self) -> None:
         path = Path()
@@ -53,6 +63,44 @@ class TestPath:
         assert (at[0, 0], at[-1, 0]) == (0, 4999)
         assert at[-1, 4] == pytest.approx(4999 * 0.02)
         assert np.diff(at[:, 1]).max() <= 2 * path.step
+
+    @pytest.mark.parametrize(("seconds", "metres"), [(0.05, 1.0), (0.5, 8.0), (-60.0, 1.0)])
+    def test_a_jump_that_no_robot_drives_begins_a_new_stroke_and_is_no_way(self, seconds: float, metres: float) -> None:
+        path = Path()
+        driven = [path.add(i / 20, Pose(i / 80, 0.0, 0.0), clock=i / 20) for i in range(1, 42)]
+        assert not any(driven)
+        end, clock = 41 / 80, 41 / 20 + seconds
+        assert path.add(3.0, Pose(end + metres, 0.0, 0.0), clock=clock)
+        for i in range(1, 41):
+            assert not path.add(3 + i / 20, Pose(end + metres + i / 80, 0.0, 0.0), clock=clock + i / 20)
+        x, way = path.points[:, 1], path.points[:, 4]
+        (jump,) = np.flatnonzero(np.diff(x) > 0.1)
+        assert (x[jump], x[jump + 1]) == (end, end + metres)
+        assert way[jump + 1] == way[jump] == pytest.approx(0.5)
+        assert way[-1] == pytest.approx(1.0)
+
+    @pytest.mark.parametrize(
+        ("speed", "hz"), [(0.0, 20), (1.0, 1), (2.0, 0.2), (33.0, 10)], ids=["still", "slow", "rare", "car"]
+    )
+    def test_what_a_robot_or_a_car_drives_is_one_stroke_also_when_poses_are_rare(self, speed: float, hz: float) -> None:
+        path, x = Path(), 0.0
+        for i in range(200):
+            x += min(speed, 3.0 * i / hz) / hz  # it begins with 3 m/s² at most
+            assert not path.add(i / hz, Pose(x, 0.0, 0.0), clock=i / hz)
+        assert path.points[-1, 4] == pytest.approx(path.points[-1, 1] - path.points[0, 1])
+
+    def test_a_jump_is_still_seen_when_points_are_dropped(self, monkeypatch: pytest.MonkeyPatch) -> None:
+        monkeypatch.setattr(_path, "MOST_POINTS", 100)
+        path = Path()
+        for i in range(1000):
+            path.add(i / 20, Pose(i * 0.02 + (5.0 if i > 500 else 0.0), 0.0, 0.0), clock=i / 20)
+        x, way = path.points[:, 1], path.points[:, 4]
+        assert np.flatnonzero(np.diff(x) > np.diff(way) + 0.15).size == 1
+        assert way[-1] == pytest.approx(998 * 0.02)
+
+    def test_where_only_its_arrival_is_known_a_pose_begins_no_stroke(self) -> None:
+        path = Path()
+        assert not any(path.add(i / 1e6, Pose(float(i), 0.0, 0.0)) for i in range(10))
 
     def test_a_pose_without_a_place_is_left_out(self) -> None:
         path = Path()
@@ -131,6 +179,17 @@ class TestWidget:
             path.send_newest()
         assert len(sent) <= 1 + (time.monotonic() - began) / 0.25
         wait_for(lambda: sent[-1:] == [50], "the rest follows")
+        path.close()
+
+    def test_the_page_gets_a_jump_by_the_stamps_of_odometry_together_with_the_pose_after_it(self) -> None:
+        path = PathWidget(title="/odom")
+        for i in range(20):
+            path.update(odometry(0.01 * i, i / 20))
+        path.send_newest()
+        path.update(odometry(2.0, 1.0))
+        path.send_newest()
+        last = np.frombuffer(path._path).reshape(-1, 5)[-1]
+        assert (last[1], last[4]) == (2.0, pytest.approx(0.19))
         path.close()
 
     def test_a_frozen_pose_is_the_one_on_show(self) -> None:

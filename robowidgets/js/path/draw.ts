@@ -48,7 +48,8 @@ function drawLine(context: Context, projection: Projection, points: Point[], col
   context.beginPath();
   for (const point of points) {
     const { x, y } = toPixel(projection, point);
-    context.lineTo(x, y);
+    if (point.isAfterJump) context.moveTo(x, y);
+    else context.lineTo(x, y);
   }
   context.lineJoin = "round";
   stroke(context, color, width);

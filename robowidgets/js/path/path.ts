@@ -13,7 +13,12 @@ export interface TimedPose extends Pose {
 /** A place on the path: metres of the way up to it. */
 export interface Point extends TimedPose {
   way: number;
+  /** Whether the robot jumped to it, as odometry does that was set back. */
+  isAfterJump?: boolean;
 }
+
+/** Metres by which two points of a way may lie farther apart than it is long. */
+const SLACK = 0.15;
 
 export type PoseFrame = Frame & TimedPose;
 
@@ -29,9 +34,12 @@ export function toPoints(path: unknown): Point[] {
   const bytes = toBytes(path);
   if (!bytes) return [];
   const reader = new Reader(bytes);
+  let before: Point | undefined;
   return Array.from({ length: bytes.byteLength / 40 }, () => {
     const [time, x, y, yaw, way] = reader.float64s(5) as [number, number, number, number, number];
-    return { time, x, y, yaw, way };
+    const isAfterJump = before && Math.hypot(x - before.x, y - before.y) > way - before.way + SLACK;
+    before = { time, x, y, yaw, way, ...(isAfterJump && { isAfterJump }) };
+    return before;
   });
 }
 
@@ -44,9 +52,11 @@ export function splitAt(points: Point[], now: TimedPose): { before: Point[]; aft
   const next = firstWhere(points, ({ time }) => time > now.time);
   const [before, after] = [points.slice(0, next), points.slice(next)];
   if (!isKnown(now)) return { before, after };
-  const last = before.at(-1);
-  const way = last ? last.way + Math.hypot(now.x - last.x, now.y - last.y) : 0;
-  const here = { ...now, way };
+  const [last, following] = [before.at(-1), after[0]];
+  const toLast = last ? Math.hypot(now.x - last.x, now.y - last.y) : 0;
+  const isAfterJump = following?.isAfterJump && Math.hypot(now.x - following.x, now.y - following.y) < toLast;
+  if (isAfterJump) after[0] = { ...following, isAfterJump: false };
+  const here = { ...now, ...(isAfterJump ? { way: following.way, isAfterJump } : { way: (last?.way ?? 0) + toLast }) };
   return { before: [...before, here], after: [here, ...after] };
 }
 
@@ -54,7 +64,7 @@ export function splitAt(points: Point[], now: TimedPose): { before: Point[]; aft
 export function nearestOn(points: Point[], { x, y }: Place): Point | null {
   let [nearest, least]: [Point | null, number] = [points[0] ?? null, Infinity];
   for (const [i, to] of points.entries()) {
-    const from = points[i - 1] ?? to;
+    const from = (to.isAfterJump ? null : points[i - 1]) ?? to;
     const [dx, dy] = [to.x - from.x, to.y - from.y];
     const share = Math.min(1, Math.max(0, ((x - from.x) * dx + (y - from.y) * dy) / (dx * dx + dy * dy || 1)));
     const found = between(from, to, share);

@@ -1,11 +1,16 @@
-import type { CardTraits, Shape } from "../shared/traits.ts";
+import type { FrameTraits, Shape } from "../shared/traits.ts";
 
 /** A shape on a scan to whose angles its widget adds some radians. */
 export interface RoomShape extends Shape {
   turned: number;
 }
 
-export interface SimulatorTraits extends CardTraits {
+export interface SimulatorTraits extends FrameTraits {
+  paused: boolean;
+  /** Name of the group of widgets that are frozen together: of a feed its robot; empty: alone. */
+  _together: string;
+  /** The frozen picture; empty when none is. */
+  _frozen_frame: DataView;
   /** The robot, its newest scan, its path and the obstacles: see `toScene`. */
   _frame: DataView;
   /** The walls as float32: x1, y1, x2, y2 of each, metres. */

@@ -1,3 +1,4 @@
+import { copyOf, toBytes } from "../shared/bytes.ts";
 import { Canvas } from "../shared/canvas.ts";
 import { Card } from "../shared/card.ts";
 import { isDragged, make, makeButton, pointIn, setText } from "../shared/dom.ts";
@@ -14,13 +15,14 @@ import {
   toPixel,
 } from "../shared/floor.ts";
 import { toDegrees, toFixed, toMany } from "../shared/format.ts";
-import { lacksKernel, type Model, NO_KERNEL, newName, onChange } from "../shared/model.ts";
+import { lacksKernel, type Model, NO_KERNEL, newName, onChange, setTraits } from "../shared/model.ts";
 import { Pulse } from "../shared/pulse.ts";
+import { join, type Member, othersOf, setFrozen, tellOthers } from "../shared/together.ts";
 import { drawDrops, drawFree, drawRobot, drawThings, drawWalls } from "./draw.ts";
 import { drawShapes } from "./draw_shapes.ts";
 import { Edits } from "./edits.ts";
 import { boundsOf, draggedTo, movedBy, poseOf, type Scene, type Thing, thingAt, toScene, toWalls } from "./scene.ts";
-import type { SimulatorTraits } from "./traits.ts";
+import type { RoomShape, SimulatorTraits } from "./traits.ts";
 
 /** Pixels round a thing within which it is grabbed, by mouse or pen and by touch. */
 const SLOP = 6;
@@ -29,6 +31,8 @@ const TOUCH_SLOP = 16;
 const AHEAD = 0.9;
 const RESET = "Start the simulation anew: the robot and its room, variables and program";
 const HINT = "drag the robot or an obstacle \u00B7 press o for another";
+const FROZEN = "frozen \u00B7 press it to go on, then drag";
+const NOTHING = /* @__PURE__ */ new DataView(new ArrayBuffer(0));
 
 interface Drag {
   thing: Thing;
@@ -40,7 +44,9 @@ interface Drag {
 }
 
 /** A simulated robot in its room, from above. Python has the room; what a person moves is sent to it. */
-export class SimulatorView {
+export class SimulatorView implements Member {
+  /** It keeps no pictures to step back to. */
+  readonly oldest = -Infinity;
   readonly #model: Model<SimulatorTraits>;
   readonly #card: Card;
   readonly #edits: Edits;
@@ -53,6 +59,7 @@ export class SimulatorView {
   readonly #tell = () => this.#updateText();
   readonly #pulse: Pulse<SimulatorTraits>;
   #scene: Scene | null;
+  #shapes: RoomShape[];
   #walls: Float32Array;
   #drops: Float32Array;
   #projection: Projection | null = null;
@@ -62,7 +69,8 @@ export class SimulatorView {
 
   constructor(model: Model<SimulatorTraits>, element: HTMLElement, signal: AbortSignal) {
     this.#model = model;
-    this.#scene = toScene(model.get("_frame"));
+    this.#scene = toScene(this.#bytes);
+    this.#shapes = model.get("_shapes");
     this.#walls = toWalls(model.get("_walls"));
     this.#drops = toWalls(model.get("_drops"));
     this.#card = new Card(element, "simulator", model, () => this.#draw(), signal);
@@ -84,13 +92,67 @@ export class SimulatorView {
     );
     onChange(model, ["_frame"], () => this.#onFrame(), signal);
     onChange(model, ["_walls", "_drops"], () => this.#onWalls(), signal);
-    onChange(model, ["_shapes", "_status"], this.#card.redraw, signal);
+    onChange(model, ["_shapes"], () => this.#onShapes(), signal);
+    onChange(model, ["_status"], this.#card.redraw, signal);
+    onChange(model, ["paused", "_frozen_frame"], () => this.#onPaused(), signal);
+    onChange(model, ["_together"], () => tellOthers(this), signal);
+    join(this, signal);
     this.#watchInput(picture, signal);
   }
 
+  get group(): string {
+    return this.#model.get("_together");
+  }
+
+  /** The group of its feed is the robot. */
+  get robot(): string {
+    return this.group;
+  }
+
+  get paused(): boolean {
+    return this.#model.get("paused");
+  }
+
+  freeze(): void {
+    const bytes = toBytes(this.#model.get("_frame"));
+    // A copy: hosts hand out views of larger buffers, and would send the whole buffer under a view.
+    const frozen = bytes ? new DataView(copyOf(bytes, 0, bytes.byteLength)) : NOTHING;
+    if (!this.paused) setTraits(this.#model, { _frozen_frame: frozen, paused: true });
+  }
+
+  release(): void {
+    if (this.paused) setTraits(this.#model, { _frozen_frame: NOTHING, paused: false });
+  }
+
+  showAt(): void {}
+
+  /** What is on show: of the moment at which it was frozen, or now. */
+  get #bytes(): DataView {
+    const frozen = this.#model.get("_frozen_frame");
+    return this.paused && toBytes(frozen) ? frozen : this.#model.get("_frame");
+  }
+
+  #onPaused(): void {
+    if (this.paused) this.#cancel();
+    this.#onPut(false);
+    this.#shapes = this.paused ? this.#shapes : this.#model.get("_shapes");
+    this.#show();
+    tellOthers(this);
+  }
+
+  #onShapes(): void {
+    if (this.paused) return;
+    this.#shapes = this.#model.get("_shapes");
+    this.#card.redraw();
+  }
+
   #onFrame(): void {
-    this.#scene = toScene(this.#model.get("_frame"));
     this.#edits.onFrame();
+    if (!this.paused) this.#show();
+  }
+
+  #show(): void {
+    this.#scene = toScene(this.#bytes);
     if (typeof this.#selected === "number" && !this.#shown?.obstacles[this.#selected]) this.#selected = "robot";
     this.#card.redraw();
   }
@@ -113,7 +175,7 @@ export class SimulatorView {
   }
 
   get #isEditable(): boolean {
-    return !lacksKernel(this.#model) && !this.#pulse.silence;
+    return !lacksKernel(this.#model) && !this.#pulse.silence && !this.paused;
   }
 
   #draw(): void {
@@ -124,6 +186,7 @@ export class SimulatorView {
     const status = scene ? said : "waiting for the robot";
     this.#card.updateFrame(status ? [status] : [], "status");
     this.#card.updateSilence(words);
+    this.#card.root.classList.toggle("rw-frozen", this.paused);
     if (!scene) return;
     const bounds = boundsOf([this.#walls, this.#drops], this.#drag ? (this.#scene as Scene) : scene);
     const { picture, theme, noticeHeight: top } = this.#card;
@@ -140,7 +203,7 @@ export class SimulatorView {
     const isActive = picture.matches(":focus-within, :hover") && this.#isEditable;
     const [selected, moved] = [isActive ? this.#selected : null, this.#edits.thing];
     drawThings(context, projection, scene, selected, moved, theme);
-    drawShapes(context, projection, scene, this.#model.get("_shapes"), theme);
+    drawShapes(context, projection, scene, this.#shapes, theme);
     drawRobot(context, projection, scene, selected, moved, theme);
     this.#card.texts.ask(this.#tell);
   }
@@ -158,7 +221,10 @@ export class SimulatorView {
     ]);
     const words = `${toWords(robot)} \u00B7 ${toDegrees(robot.yaw)}`;
     setText(this.#pose, words);
-    setText(this.#pointed, this.#pointer ? toWords(this.#pointer) : isEditable ? HINT : "");
+    setText(
+      this.#pointed,
+      this.#pointer && !this.paused ? toWords(this.#pointer) : isEditable ? HINT : this.paused ? FROZEN : "",
+    );
     this.#put.disabled = !isEditable;
     this.#reset.disabled = !isEditable;
     this.#remove.disabled = !isEditable || typeof this.#selected !== "number";
@@ -231,6 +297,11 @@ export class SimulatorView {
 
   #onDown(event: PointerEvent, point: Place): void {
     const scene = this.#shown;
+    // In a frozen picture things stand where they may be no more.
+    if (this.paused) {
+      this.release();
+      return;
+    }
     if (!scene || !this.#projection || !this.#isEditable || this.#drag) return;
     if (this.#isPutting) {
       this.#edits.send({ act: "put", ...toFloor(this.#projection, point) });
@@ -291,6 +362,11 @@ export class SimulatorView {
 
   #onKey(event: KeyboardEvent): void {
     const scene = this.#shown;
+    if (isPlain(event) && event.key === " " && event.target === this.#card.picture) {
+      setFrozen([this, ...othersOf(this)], !this.paused);
+      event.preventDefault();
+      return;
+    }
     if (!scene || !(isPlain(event) || event.getModifierState?.("AltGraph")) || !this.#isEditable) return;
     if (this.#takeKey(event.key, event.shiftKey, scene)) event.preventDefault();
   }
