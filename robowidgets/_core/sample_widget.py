@@ -45,6 +45,9 @@ class SampleWidget(GroupedWidget, Protocol):
     def observe(self, handler: Callable[[Any], Any], names: Sequence[str]) -> None:
         """Have a function called when one of some traits changes."""
 
+    def follow_player(self) -> None:
+        """Have a player in the page say what is on show."""
+
     def name_after(self, topic: str, trait: str = "title") -> None:
         """Set a title to a topic, unless the user gave one."""
 

@@ -31,7 +31,7 @@ const TOUCH_SLOP = 16;
 const AHEAD = 0.9;
 const RESET = "Start the simulation anew: the robot and its room, variables and program";
 const HINT = "drag the robot or an obstacle \u00B7 press o for another";
-const FROZEN = "frozen \u00B7 press it to go on, then drag";
+const FROZEN = "frozen \u00B7 press to go on";
 const NOTHING = /* @__PURE__ */ new DataView(new ArrayBuffer(0));
 
 interface Drag {
@@ -185,8 +185,9 @@ export class SimulatorView implements Member {
     const said = isAlone ? NO_KERNEL : this.#model.get("_status");
     const status = scene ? said : "waiting for the robot";
     this.#card.updateFrame(status ? [status] : [], "status");
-    this.#card.updateSilence(words);
-    this.#card.root.classList.toggle("rw-frozen", this.paused);
+    const { paused } = this;
+    this.#card.updateSilence(paused ? FROZEN : words, !paused && words !== "");
+    this.#card.root.classList.toggle("rw-frozen", paused);
     if (!scene) return;
     const bounds = boundsOf([this.#walls, this.#drops], this.#drag ? (this.#scene as Scene) : scene);
     const { picture, theme, noticeHeight: top } = this.#card;
@@ -221,10 +222,7 @@ export class SimulatorView implements Member {
     ]);
     const words = `${toWords(robot)} \u00B7 ${toDegrees(robot.yaw)}`;
     setText(this.#pose, words);
-    setText(
-      this.#pointed,
-      this.#pointer && !this.paused ? toWords(this.#pointer) : isEditable ? HINT : this.paused ? FROZEN : "",
-    );
+    setText(this.#pointed, this.#pointer && !this.paused ? toWords(this.#pointer) : isEditable ? HINT : "");
     this.#put.disabled = !isEditable;
     this.#reset.disabled = !isEditable;
     this.#remove.disabled = !isEditable || typeof this.#selected !== "number";
