@@ -33,7 +33,7 @@ class Judge:
 
     The picture of a sample is sent once its verdicts are there, so that a lamp never tells of another sample than the
     one on show. A function that takes longer than `PATIENCE` does not hold the picture back: its lamp is unknown then.
-    A function that does not return is ended when its watch is removed or replaced.
+    A function that does not return is ended when its watch is removed or replaced, or the feed of the widget is closed.
 
     Args:
         widget: the widget, which the pacer sends once the verdicts are there.
@@ -50,11 +50,13 @@ class Judge:
         self._to_judge, self._waits = to_judge, waits
         self.watches: dict[str, Watch] = {}
         self.make_runner()
-        self._newest.on_new = self._wake
+        self._newest.on_new = self._on_new
         self._seen = self._done = 0
         """The versions that were last taken, and judged."""
         self._shot: Shot | None = None
         self._lamps: list[dict[str, Any]] = []
+        self._ends_late = False
+        """Whether a function that is late is ended."""
         self._log = LogOnce(log.error)
 
     def make_runner(self) -> None:
@@ -88,10 +90,26 @@ class Judge:
         for watch in self.watches.values():
             watch.end("its widget is closed")
 
+    def end_late(self) -> None:
+        """End a function that is late, or will be, until another sample comes: its source is closed."""
+        with self._newest.lock:
+            self._ends_late = True
+        self._mark_late()
+
     def _mark_late(self) -> None:
         """Have the picture shown without its verdicts."""
-        if self.is_late:
-            pacer.mark(self._widget)
+        if not self.is_late:
+            return
+        late = self._runner.current
+        if self._ends_late and isinstance(late, Watch):
+            late.switch_off(f"{self._late_text(late)}, and was ended with its feed")
+            with self._newest.lock:
+                self._restart(late)
+        pacer.mark(self._widget)
+
+    def _on_new(self) -> None:
+        self._ends_late = False
+        self._wake()
 
     def _wake(self) -> None:
         if self.watches:
@@ -177,7 +195,9 @@ class Judge:
         lamp = watch.lamp()
         if lamp["state"] == "off":
             return lamp
-        text = ""
-        if watch is self._runner.current:
-            text = f"has not returned for {self.busy_for:.1f} s{self._runner.where(watch.condition)}"
+        text = self._late_text(watch) if watch is self._runner.current else ""
         return {**lamp, "state": "unknown", "text": text, "rays": []}
+
+    def _late_text(self, watch: Watch) -> str:
+        """For how long a running condition has not returned, and at which line it is."""
+        return f"has not returned for {self.busy_for:.1f} s{self._runner.where(watch.condition)}"

@@ -327,6 +327,10 @@ class RobotWidget(PacedWidget, Generic[S]):
             self._trait_values["_source"] = source
             self.send_state("_source")
 
+    def on_source_closed(self) -> None:
+        """End conditions that do not return: no sample comes any more."""
+        self._watches.end_late()
+
     def _set_png_error(self, error: str) -> None:
         if error != self._png_error:
             self._png_error = error

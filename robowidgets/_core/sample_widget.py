@@ -54,6 +54,9 @@ class SampleWidget(GroupedWidget, Protocol):
     def set_source(self, source: dict[str, Any], missing: str = "") -> None:
         """Show where its samples come from, and the status of that."""
 
+    def on_source_closed(self) -> None:
+        """Note that its source is closed: whatever works on its samples, and does not return, is ended."""
+
     def frame_of(self, sample: Any) -> tuple[dict[str, Any], bytes]:
         """The text on a sample, and its frame without the header."""
 

@@ -7,6 +7,8 @@ import threading
 import time
 from collections import deque
 from collections.abc import Callable
+from contextvars import copy_context
+from functools import partial
 from typing import Any, NamedTuple
 
 from ..samples.checks import not_negative
@@ -51,6 +53,8 @@ class Watch:
         self.sample_name = sample_name
         self.condition = condition
         self._why_none = why_none
+        self._context = copy_context()
+        """That of the cell that watches: so what the condition prints appears below that cell."""
         self._lock = threading.RLock()
         self._changed = threading.Condition(self._lock)
         self._wakers: list[Callable[[], None]] = []
@@ -159,8 +163,8 @@ class Watch:
         try:
             verdict = UNKNOWN if sample is None else self._judge(sample)
         except BaseException as error:  # not even a SystemExit may end the thread that judges
-            if not self._ended:  # else it was ended because it did not return
-                self._switch_off(error)
+            if not self._why_off:  # else it was ended because it did not return
+                self.switch_off(error_in(error))
             return
         with self._lock:
             if self._sample is not None and verdict.value != self._verdict.value:
@@ -189,12 +193,13 @@ class Watch:
             try:
                 verdict = self._judge(sample)
             except BaseException as error:  # nor the thread that prefetches a recording
-                self._switch_off(error)
+                self.switch_off(error_in(error))
         return self._lamp(verdict, None, 0)
 
-    def _switch_off(self, error: BaseException) -> None:
+    def switch_off(self, why: str) -> None:
+        """Judge no more, for a reason that the lamp says."""
         with self._lock:
-            self._error, self._verdict = error_in(error), UNKNOWN
+            self._error, self._verdict = why, UNKNOWN
             self._notify()
 
     def _lamp(self, verdict: Verdict, since: float | None, changes: int) -> dict[str, Any]:
@@ -210,10 +215,9 @@ class Watch:
         }
 
     def _judge(self, sample: Any) -> Verdict:
-        if hasattr(self.condition, "judge"):
-            verdict: Verdict = self.condition.judge(sample)
-            return verdict
-        return judged(self.condition, sample)
+        judge = getattr(self.condition, "judge", None) or partial(judged, self.condition)
+        verdict: Verdict = self._context.copy().run(judge, sample)
+        return verdict
 
     def _is(self, value: bool) -> bool:
         if self._why_off:

@@ -119,6 +119,11 @@ class Watches:
         if self.judge:
             self.judge.make_runner()
 
+    def end_late(self) -> None:
+        """See `Judge.end_late`."""
+        if self.judge:
+            self.judge.end_late()
+
     def close(self) -> None:
         """End the thread, and whatever waits for a watch."""
         if self.judge:

@@ -162,7 +162,7 @@ class Connection(Observed):
             finally:
                 open_feeds.discard(self)
                 with self._lock:
-                    self._table.lose("the feed is closed")
+                    self._table.close()
                     self._changed.notify_all()
                 self._call_observers()
 

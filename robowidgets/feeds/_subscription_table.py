@@ -89,6 +89,12 @@ class SubscriptionTable:
             subscription.receives = False
         self.show_all()
 
+    def close(self) -> None:
+        """Have no message come any more."""
+        self.lose("the feed is closed")
+        for widget in self._widgets:
+            widget.on_source_closed()
+
     def status_of(self, topic: str) -> str:
         """The problems of a topic, connected or not; empty if there are none."""
         status = self.down or (self.by_topic.get(topic) or Subscription(topic)).status(self.topics)

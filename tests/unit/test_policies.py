@@ -121,14 +121,24 @@ def test_the_policies_differ_in_figures_alone() -> None:
     assert ANSWER == STEP, "an answer has the time that it has on a robot"
 
 
-def test_no_thread_of_a_judge_stays_after_its_feed_is_closed() -> None:
-    script = Scripted(SCAN)
+def loop(_scan: Any) -> bool:
+    while True:
+        time.sleep(0.001)
+
+
+@pytest.mark.parametrize("condition", [lambda _scan: True, loop])
+def test_no_thread_of_a_judge_stays_after_its_feed_is_closed(condition: Callable[[Any], bool]) -> None:
+    script, judged = Scripted(SCAN), threading.Event()
     before = threads_named("robowidgets-judge")
     with Feed(script) as feed:
-        laser, judged = LaserWidget(), threading.Event()
+        laser = LaserWidget()
         feed.connect("/scan", laser)
-        laser.watch(lambda _scan: judged.set() or True, name="seen")
-        script.listener.on_message("/scan", scan())
+        wall = laser.watch(lambda scan: judged.set() or condition(scan), name="wall")
+        near = laser.watch(lambda scan: scan.distance() < 1.5, name="near")
+        script.listener.on_message("/scan", scan(1.0))
         assert judged.wait(20)
     wait_for(lambda: threads_named("robowidgets-judge") == before, "it has ended")
+    assert near.verdict.value is True, "the other one is judged nevertheless"
+    words = r"has not returned for \d\.\d s, line \d+, and was ended with its feed" if condition is loop else ""
+    assert re.fullmatch(words, wall.error)
     laser.close()

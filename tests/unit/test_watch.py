@@ -9,6 +9,7 @@ import threading
 import time
 import weakref
 from collections.abc import Iterator
+from contextvars import ContextVar, copy_context
 from typing import Any
 
 import pytest
@@ -390,6 +391,22 @@ def test_no_user_function_runs_in_a_thread_that_carries_data(laser: LaserWidget)
     threading.Thread(target=show, args=(laser, 0.4), name="data").start()
     wall.wait(5)
     assert threads == {"robowidgets-judge"}
+
+
+def test_a_condition_runs_in_the_context_of_the_cell_that_watches_so_that_what_it_prints_is_below_that_cell(
+    laser: LaserWidget,
+) -> None:
+    cell: ContextVar[str] = ContextVar("cell", default="another one")
+    below: list[str] = []
+
+    def watch() -> None:
+        cell.set("that cell")
+        laser.watch(lambda _scan: below.append(cell.get()) or True, name="wall")
+
+    copy_context().run(watch)
+    show(laser, 0.4)
+    wait_for(lambda: below, "it is judged")
+    assert set(below) == {"that cell"}
 
 
 def test_a_function_that_never_ends_is_ended_when_it_is_not_wanted_any_more(laser: LaserWidget) -> None:
