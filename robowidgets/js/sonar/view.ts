@@ -100,12 +100,14 @@ export class SonarView implements Zoom {
   }
 
   canZoom(direction: -1 | 1): boolean {
-    return this.#zoomed(direction) !== this.#viewRange;
+    return this.#zoomed(direction) !== (this.#model.get("view_range") ?? this.#viewRange);
   }
 
   #zoomed(direction: -1 | 1): number {
     const most = reachOf(this.#cones) || Math.max(SOMEWHERE, this.#viewRange);
-    return stepRange(this.#viewRange, direction, Math.min(most, FARTHEST_VIEW));
+    // Two keys may come before the next drawing.
+    const now = this.#model.get("view_range") ?? this.#viewRange;
+    return stepRange(now, direction, Math.min(most, FARTHEST_VIEW));
   }
 
   #onFit(): void {
