@@ -105,6 +105,7 @@ class Kind(TopicWidget):
         goes_stale: whether a sample says nothing any more once the topic is silent. What a touch sensor said holds.
         every_message: whether each message counts, as an event does; of other kinds the newest is enough.
         also: second widgets for the same samples.
+        command_types: those of `types` whose messages are commands, whatever the name of their topic.
     """
 
     sample_name: str
@@ -123,6 +124,7 @@ class Kind(TopicWidget):
     goes_stale: bool = True
     every_message: bool = False
     also: tuple[TopicWidget, ...] = ()
+    command_types: frozenset[str] = frozenset()
 
     @property
     def commands(self) -> bool:
@@ -134,9 +136,9 @@ class Kind(TopicWidget):
         """What programs call the newest sample of its widget."""
         return self.roles[0].name if self.roles[0].each else self.sample_name
 
-    def is_command(self, topic: str) -> bool:
-        """Whether samples on this topic were asked for, not measured."""
-        return self.commands and is_command(topic)
+    def is_command(self, topic: str, type_name: str) -> bool:
+        """Whether samples on this topic, of messages of a type, were asked for, not measured."""
+        return self.commands and (type_name in self.command_types or is_command(topic))
 
     def second_widgets(self, types: str) -> tuple[TopicWidget, ...]:
         """The second widgets of a topic of this kind that measures; several types are joined by a comma."""
@@ -198,6 +200,7 @@ PATH = TopicWidget(
     frames="robowidgets.player._frames:PathFrames",
 )
 """Odometry says how fast the robot is, and also where."""
+_STEERED = frozenset({"ackermann_msgs/msg/AckermannDrive", "ackermann_msgs/msg/AckermannDriveStamped"})
 SPEED = Kind(
     name="speed",
     sample_name="speed",
@@ -209,6 +212,7 @@ SPEED = Kind(
             *(f"geometry_msgs/msg/Twist{suffix}" for suffix in ("", "Stamped", "WithCovariance")),
             "geometry_msgs/msg/TwistWithCovarianceStamped",
             "nav_msgs/msg/Odometry",
+            *_STEERED,
         )
     ),
     widget="robowidgets.speed_widget:SpeedWidget",
@@ -226,6 +230,7 @@ SPEED = Kind(
     # No topic says how fast its robot may be.
     options={"linear_limits": None, "angular_limits": None},
     also=(PATH,),
+    command_types=_STEERED,
 )
 TOUCH = Kind(
     name="touch",

@@ -20,9 +20,10 @@ from .messages import to_speed
 from .samples import AXES, Speed
 from .samples.age import arrival_of, note_arrival
 
-_FRAME = struct.Struct("<ddqd24d")
+_FRAME = struct.Struct("<ddqd26d")
 """After the head: what there is (1: measured, 2: commanded), resets of the peaks, stamp of the commanded speed in ns
-(0: none) and when it arrived, then by axis the measured, the commanded, the least and the greatest speeds."""
+(0: none) and when it arrived, then by axis the measured, the commanded, the least and the greatest speeds; last the
+measured and the commanded steering angle, NaN without."""
 
 _MEASURED, _COMMANDED = 1, 2
 _NO_VALUES = (nan,) * 6
@@ -69,9 +70,10 @@ class SpeedWidget(RobotWidget[Reading]):
     The reader sees a bar per axis, up from zero for a positive speed and down for a negative one, in the body frame of
     REP-103: linear x forward, y left, z up; angular about x (roll), y (pitch) and z (yaw, counter-clockwise). Limits
     are dashed; a bar past its limit turns red and says so with a mark and in words, a bar longer than the scale is
-    drawn cut. A commanded speed is a tick on the measured bar. NaN is shown as "no value", never as 0. Hovering an axis
-    or walking with the arrow keys tells its exact value, limits, command and peaks; space freezes; none of it needs the
-    kernel. A message that cannot be shown leaves the last picture and says why above it.
+    drawn cut. A commanded speed is a tick on the measured bar. A car has a bar for its steering angle in rad, too, left
+    is up. NaN is shown as "no value", never as 0. Hovering an axis or walking with the arrow keys tells its exact
+    value, limits, command and peaks; space freezes; none of it needs the kernel. A message that cannot be shown leaves
+    the last picture and says why above it.
 
     Args:
         title: what is shown, for the header; usually the topic.
@@ -151,7 +153,7 @@ class SpeedWidget(RobotWidget[Reading]):
 
         Args:
             message: a geometry_msgs/Twist, TwistStamped, TwistWithCovariance(Stamped) or nav_msgs/Odometry of rclpy,
-                rospy or rosbags, a rosbridge dictionary, or a `Speed`.
+                rospy or rosbags, a rosbridge dictionary, or a `Speed`; or an ackermann_msgs/AckermannDrive(Stamped).
             *unnamed: refused, with the call that takes numbers by name.
             **fields: instead of a message, linear (x, y, z in m/s) and angular (x, y, z in rad/s); what is left out has
                 no value.
@@ -280,21 +282,23 @@ class SpeedWidget(RobotWidget[Reading]):
             *(commanded.values if commanded else _NO_VALUES),
             *sample.least,
             *sample.greatest,
+            *(nan if speed is None or speed.steering is None else speed.steering for speed in (measured, commanded)),
         )
 
     def _unpack(self, frame: bytes) -> Reading:
         _, _, stamp_ns, arrived = FRAME_HEADER.unpack_from(frame)
         there, resets, commanded_ns, commanded_arrived, *values = _FRAME.unpack_from(frame, FRAME_HEADER.size)
         frame_id = self._frozen_about.get("frame_id", "")
-        measured = Speed(tuple(values[:3]), tuple(values[3:6]), stamp_ns or None, frame_id)
+        angles = [None if isnan(angle) else angle for angle in values[24:]]
+        measured = Speed(tuple(values[:3]), tuple(values[3:6]), stamp_ns or None, frame_id, steering=angles[0])
         note_arrival(measured, arrived)
-        commanded = Speed(tuple(values[6:9]), tuple(values[9:12]), commanded_ns or None)
+        commanded = Speed(tuple(values[6:9]), tuple(values[9:12]), commanded_ns or None, steering=angles[1])
         note_arrival(commanded, commanded_arrived)
         return Reading(
             measured if int(there) & _MEASURED else None,
             commanded if int(there) & _COMMANDED else None,
             tuple(values[12:18]),
-            tuple(values[18:]),
+            tuple(values[18:24]),
             int(resets),
         )
 
@@ -303,4 +307,6 @@ def _in_words(speed: Speed) -> str:
     """The axes that move, with their values, such as "linear.x 0.50 m/s"."""
     known = {axis: value for axis, value in zip(AXES, speed.values, strict=True) if not isnan(value)}
     moving = [f"{axis} {value:.2f} {unit_of(axis)}" for axis, value in known.items() if value]
+    if speed.steering:
+        moving.append(f"steering {speed.steering:.2f} rad")
     return ", ".join(moving) or ("at rest" if known else "unknown")

@@ -213,13 +213,14 @@ def _speed() -> tuple[bytes, dict[str, Any]]:
     speed.update(linear=(9, 9, 9), angular=(9, 9, 9))
     speed.reset_peaks()
     speed.update(Speed(measured[:3], measured[3:], 7))
-    speed.command(Speed(commanded[:3], commanded[3:], 6))
+    speed.command(Speed(commanded[:3], commanded[3:], 6, steering=-0.25))
     frame = speed.get_state()["_frame"]
     peaks = [list(speed.peaks[axis]) for axis in robowidgets.samples.AXES]
     speed.close()
     least, greatest = ([float(peak[i]) for peak in peaks] for i in (0, 1))
     head = {"sequence": 2, "rate": 30.0, "arrived": 12.5, "resets": 1}
-    return frame, head | {"measured": measured, "commanded": commanded, "least": least, "greatest": greatest}
+    values = {"measured": [*measured, nan], "commanded": [*commanded, -0.25]}
+    return frame, head | values | {"least": least, "greatest": greatest}
 
 
 def _touch() -> tuple[bytes, dict[str, Any]]:

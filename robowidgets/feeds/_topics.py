@@ -52,7 +52,7 @@ def decided(topic: FeedTopic, message: Any) -> FeedTopic:
     kind = kind_of_message(message, topic.type)
     if kind is None:
         return topic
-    return topic._replace(widget=kind.name, commanded=kind.is_command(topic.name))
+    return topic._replace(widget=kind.name, commanded=kind.is_command(topic.name, topic.type))
 
 
 def sample_of(message: Any, topic: FeedTopic) -> Any:
@@ -86,7 +86,7 @@ def _topic(name: str, adverts: Sequence[Advert]) -> FeedTopic:
         name,
         ", ".join(types),
         kind.name if kind else None,
-        kind is not None and kind.is_command(name),
+        kind is not None and any(kind.is_command(name, type_name) for type_name in types or [""]),
         any(a.offered for a in adverts),
         any(wanted) if wanted else None,
     )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from math import nan
 from typing import Any
 
 from ..samples import Speed
@@ -11,6 +12,9 @@ from .pose import pose_of
 
 def to_speed(message: Any) -> Speed:
     """The velocity in a Twist, TwistStamped, TwistWithCovariance(Stamped) or Odometry-like message, with its pose.
+
+    Of an AckermannDrive(Stamped) it is the speed and the steering angle. How fast such a car turns depends on its
+    wheelbase, which no message tells.
 
     Args:
         message: an object or dictionary of one of these shapes; a `Speed` is returned as it is.
@@ -24,10 +28,14 @@ def to_speed(message: Any) -> Speed:
     twist = message
     while not has(twist, "linear", "angular") and has(twist, "twist"):
         twist = get(twist, "twist")
+    drive = get(message, "drive", message)
+    if not has(twist, "linear", "angular") and has(drive, "speed", "steering_angle"):
+        linear = (get(drive, "speed"), nan, nan)
+        return Speed(linear, (nan,) * 3, stamp_ns(message), frame_id(message), steering=get(drive, "steering_angle"))
     if not has(twist, "linear", "angular"):
         raise TypeError(
             "expected a message like geometry_msgs/Twist, TwistStamped, TwistWithCovariance or nav_msgs/Odometry, "
-            f"with linear and angular; got {describe(message)}"
+            f"with linear and angular, or ackermann_msgs/AckermannDrive; got {describe(message)}"
         )
     linear, angular = (_vector(name, get(twist, name)) for name in ("linear", "angular"))
     frame = str(get(message, "child_frame_id", "") or frame_id(message))
@@ -38,5 +46,4 @@ def _vector(name: str, value: Any) -> tuple[float, float, float]:
     if not has(value, "x", "y", "z"):
         raise TypeError(f"{name}: expected a vector with x, y and z, got {describe(value)}")
     x, y, z = (get(value, axis) for axis in "xyz")
-    nan = float("nan")
     return (nan if x is None else x, nan if y is None else y, nan if z is None else z)

@@ -258,7 +258,7 @@ class Messages:
                     count=sum(channel.count for channel in channels),
                     rate=self._rate(channels),
                     widget=kind.name if kind else None,
-                    commanded=kind is not None and kind.is_command(name),
+                    commanded=kind is not None and kind.is_command(name, type_name),
                     problem=next((problem for _, _, problem in own if problem), ""),
                 )
             )
@@ -278,20 +278,20 @@ class Messages:
         """Lines on topics that begin late or end early, except touches and commands, which may be silent for long."""
         lines: list[str] = []
         for topic, channels in self._shown.items():
-            kind, _ = self._kinds[topic]
+            kind, type_name = self._kinds[topic]
             count = sum(channel.count for channel in channels)
-            if count >= _LEAST and kind.goes_stale and not kind.is_command(topic):
+            if count >= _LEAST and kind.goes_stale and not kind.is_command(topic, type_name):
                 lines += silences(topic, count, *self._span(channels), self._seconds(self.end_ns or 0))
         return lines
 
     def _about_frames(self) -> Iterator[str]:
         """Lines on topics whose messages, as far as they were read, are of several coordinate frames."""
         for topic, channels in self._shown.items():
-            kind, _ = self._kinds[topic]
+            kind, type_name = self._kinds[topic]
             # Copied, because another thread may be reading messages of a further frame.
             found = [name or "(empty)" for channel in channels for name in [*self._decoders[channel.id].frame_ids]]
             names = list(dict.fromkeys(found))
-            if len(names) > 1 and not kind.is_command(topic):
+            if len(names) > 1 and not kind.is_command(topic, type_name):
                 yield f"{topic}: {kind.noun} of {many(len(names), 'frame')}: {listed(names)}"
 
     def _span(self, channels: Sequence[Channel]) -> tuple[float, float]:

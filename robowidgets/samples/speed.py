@@ -23,12 +23,13 @@ class Speed(HasAge):
         stamp_ns: time in nanoseconds since the epoch, or None.
         frame_id: the frame in which the velocity is expressed (``child_frame_id`` of an odometry message).
         pose: where odometry has the robot: x, y in metres and yaw in radians; None where there is no odometry.
+        steering: the angle of the front wheels of a car in radians, left is positive; None for what is not steered.
 
     Raises:
         TypeError: something is not a number.
         ValueError: not three values.
 
-    Source: geometry_msgs/Twist, nav_msgs/Odometry, REP-103.
+    Source: geometry_msgs/Twist, nav_msgs/Odometry, ackermann_msgs/AckermannDrive, REP-103.
 
     Example:
         >>> Speed(linear=(0.5, 0.0, 0.0), angular=(0.0, 0.0, 0.1)).values[5]
@@ -40,6 +41,7 @@ class Speed(HasAge):
     stamp_ns: int | None = None
     frame_id: str = ""
     pose: Pose | None = None
+    steering: float | None = None
 
     def __post_init__(self) -> None:
         note_arrival(self)
@@ -57,6 +59,8 @@ class Speed(HasAge):
             )
         if self.pose is not None and not isinstance(self.pose, Pose):
             raise TypeError(f"pose: expected a Pose or None, got {self.pose!r}")
+        if self.steering is not None:
+            object.__setattr__(self, "steering", number("steering", self.steering))
 
     @property
     def values(self) -> tuple[float, ...]:

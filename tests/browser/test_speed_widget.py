@@ -44,13 +44,17 @@ for _ in range(37):
     frozen.update(linear=(0, 0, 0), angular=(0, 0, 0))
 commands = SpeedWidget(title="/cmd_vel")
 commands.command(linear=(0.4, 0, 0), angular=(0, 0, -1.3))
+car = SpeedWidget(title="/drive", bars="commanded", linear_limits=None, angular_limits=None)
+car.update({"drive": {"speed": 1.5, "steering_angle": -0.31}})
+steered = widget((1.38, 0, 0), (0, 0, -0.9), planar=True, linear_limits=None, angular_limits=None)
+steered.command({"drive": {"speed": 1.5, "steering_angle": -0.31}})
 refused = widget((0.62, 0, 0), (0, 0, -1.24))
 try:
     refused.update({"ranges": [1]})
 except TypeError:
     pass
 """
-NAMES = ["waiting", "usual", "measured", "planar", "odd", "slow", "fast", "frozen", "commands", "refused"]
+NAMES = ["waiting", "usual", "measured", "planar", "odd", "slow", "fast", "frozen", "commands", "car", "steered", "refused"]
 
 OVERLAPS = """(card) => {
     const box = (element) => element.getBoundingClientRect();
@@ -164,6 +168,20 @@ def test_bars_go_up_and_down_to_scale_with_the_exact_number(plain_page: Callable
     assert [value(card, f"angular.{a}").inner_text() for a in "xyz"] == ["1.00", "−1.00", "0.10"]
     for name, speed in {"linear.x": 0.5, "linear.y": -0.25, "angular.x": 1, "angular.y": -1, "angular.z": 0.1}.items():
         assert drawn(card, name, ".rw-bar") == pytest.approx(speed, abs=0.02), name
+
+
+def test_a_car_has_a_bar_for_its_steering_angle(plain_page: Callable[..., PlainPage]) -> None:
+    nb = plain_page([SPEED])
+    card = nb.widget(0)
+    nb.python("speed.update({'speed': 0.5, 'steering_angle': -0.25})")
+    expect(card.locator(".rw-heading")).to_have_text(["linear m/s", "steering rad"])
+    expect(card.locator("[data-axis] .rw-value")).to_have_text(["0.50", "−0.25"])
+    expect(card.get_by_role("button", name="Planar")).to_be_hidden()
+    nb.python("speed.update(linear=(0.4, 0, 0), angular=(0, 0, 0.1))")
+    expect(card.locator(".rw-heading")).to_have_text(["linear m/s", "angular rad/s"])
+    nb.python("speed.command({'speed': 0.5, 'steering_angle': -0.25})")
+    expect(card.locator(".rw-heading")).to_have_text(["linear m/s", "angular rad/s", "steering rad"])
+    expect(card.locator(".rw-command:visible")).to_have_text(["cmd 0.50", *["cmd –"] * 5, "cmd −0.25"])
 
 
 def test_a_bar_past_its_limit_turns_red_with_a_mark_and_words(plain_page: Callable[..., PlainPage]) -> None:

@@ -1,6 +1,6 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { GROUPS } from "../../robowidgets/js/speed/axes.ts";
+import { groupsOf } from "../../robowidgets/js/speed/axes.ts";
 import { judge, limitsOf } from "../../robowidgets/js/speed/limits.ts";
 import { placeBeside } from "../../robowidgets/js/speed/popup.ts";
 import {
@@ -84,7 +84,7 @@ test("a value is past a limit by more than rounding, and NaN is neither", () => 
 
 test("an axis has its own limits, else those of its group", () => {
   const settings = { linear: [-2, 2] as Limits, angular: [-3, 3] as Limits, axes: { "angular.z": [0, 1] as Limits } };
-  const found = GROUPS.flatMap((group) => group.axes.map((axis) => limitsOf(settings, group, axis)));
+  const found = groupsOf("velocity").flatMap((group) => group.axes.map((axis) => limitsOf(settings, group, axis)));
   assert.deepEqual(found, [
     [-2, 2],
     [-2, 2],

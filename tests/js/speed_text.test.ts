@@ -18,7 +18,7 @@ const SETTINGS = {
   limits: { linear: [-1, 1] as Limits, angular: [-1, 1] as Limits, axes: {} },
   planar: false,
   marksPeaks: false,
-  fastest: { linear: 0, angular: 0 },
+  fastest: { linear: 0, angular: 0, steering: 0 },
 };
 const NO_LIMITS = { ...SETTINGS, limits: { linear: null, angular: null, axes: {} } };
 
@@ -190,7 +190,7 @@ test("without limits nothing is past them, and no word is said of them", () => {
 test("the fastest speed counts commands and peaks of the axes on show, and never falls", () => {
   const more = { measured: [0.1, 0, 9, 0, 0, NaN], commanded: [-0.4, 0, 0, 0, 0, 0], greatest: [0, 0, 0, 0, 0, 2] };
   const fastest = toFastest(speeds(more), true, SETTINGS.fastest);
-  assert.deepEqual(fastest, { linear: 0.4, angular: 2 });
+  assert.deepEqual(fastest, { linear: 0.4, angular: 2, steering: 0 });
   assert.deepEqual(toFastest(speeds({ measured: [0, 0, 0, 0, 0, -Infinity] }), true, fastest), fastest);
   assert.equal(toFastest(speeds(more), false, SETTINGS.fastest).linear, 9);
 });
@@ -214,4 +214,21 @@ test("peaks are there only when they are to be marked", () => {
   const more = { measured: NONE, least: [1, 1, 1, 1, 1, 1], greatest: [2, 2, 2, 2, 2, 2] };
   assert.equal(axisFacts(0, more).peaks, null);
   assert.deepEqual(axisFacts(0, more, { marksPeaks: true }).peaks, [1, 2]);
+});
+
+test("what is steered shows its angle, and alone nothing that it does not say", () => {
+  const steered = [1.5, NaN, NaN, NaN, NaN, NaN, -0.25];
+  const names = (more: Partial<Speeds>) =>
+    toFacts(speeds(more), { ...SETTINGS, planar: true }).map(({ axes }) => axes.map(({ axis }) => axis.name));
+  assert.deepEqual(names({ measured: steered }), [["linear.x"], ["steering"]]);
+  assert.deepEqual(names({ commanded: steered }), [["linear.x"], ["steering"]]);
+  const moving = [1, 0, 0, 0, 0, 0.1, NaN];
+  assert.deepEqual(names({ measured: moving, commanded: steered }), [
+    ["linear.x", "linear.y"],
+    ["angular.z"],
+    ["steering"],
+  ]);
+  assert.deepEqual(names({ measured: moving }), [["linear.x", "linear.y"], ["angular.z"]]);
+  const { expression, direction, value } = describeAxis(axisFacts(6, { measured: steered }));
+  assert.deepEqual([expression, direction, value], ["angle (steering)", "right", "−0.2500 rad"]);
 });

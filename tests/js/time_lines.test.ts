@@ -11,7 +11,7 @@ const groups = toFacts(null, {
   limits: { linear: [-0.5, 0.5], angular: null, axes: {} },
   planar: true,
   marksPeaks: false,
-  fastest: { linear: 0, angular: 1 },
+  fastest: { linear: 0, angular: 1, steering: 0 },
 });
 
 test("the last seconds of each axis on show become lines, by the time before the last sample", () => {

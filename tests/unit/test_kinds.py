@@ -135,8 +135,13 @@ def test_a_speed_is_commanded_where_the_name_says_so(topic: str, commanded: bool
 
 
 def test_only_kinds_with_commands_have_commanded_topics() -> None:
-    assert SPEED.is_command("/cmd_vel")
-    assert not LASER.is_command("/cmd_vel")
+    assert SPEED.is_command("/cmd_vel", "geometry_msgs/msg/Twist")
+    assert not LASER.is_command("/cmd_vel", "sensor_msgs/msg/LaserScan")
+
+
+def test_some_types_are_commands_whatever_their_topic_is_called() -> None:
+    assert SPEED.is_command("/drive", "ackermann_msgs/msg/AckermannDriveStamped")
+    assert not SPEED.is_command("/drive", "geometry_msgs/msg/Twist")
 
 
 @pytest.mark.parametrize(

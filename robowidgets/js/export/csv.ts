@@ -1,7 +1,7 @@
 import { decodePose } from "../path/path.ts";
 import type { TimedFrame } from "../player/segments.ts";
 import { decodeScan } from "../shared/frames/scan.ts";
-import { decodeSpeeds } from "../shared/frames/speeds.ts";
+import { decodeSpeeds, STEERING } from "../shared/frames/speeds.ts";
 import { decodeTouch } from "../shared/frames/touch.ts";
 
 const AXES = ["linear_x", "linear_y", "linear_z", "angular_x", "angular_y", "angular_z"];
@@ -56,9 +56,11 @@ function toSpeeds(frames: DataView[]): Table {
   const speeds = frames.map(decodeSpeeds);
   const has = { measured: speeds.some((s) => s.measured), commanded: speeds.some((s) => s.commanded) };
   const kinds = (["measured", "commanded"] as const).filter((kind) => has[kind]);
+  const isSteered = speeds.some((speed) => kinds.some((kind) => !Number.isNaN(speed[kind]?.[STEERING] ?? NaN)));
+  const axes = isSteered ? [...AXES, "steering"] : AXES;
   return {
-    head: kinds.flatMap((kind) => AXES.map((axis) => `${kind}_${axis}`)),
-    rows: speeds.map((speed) => kinds.flatMap((kind) => AXES.map((_, i) => toText(speed[kind]?.[i])))),
+    head: kinds.flatMap((kind) => axes.map((axis) => `${kind}_${axis}`)),
+    rows: speeds.map((speed) => kinds.flatMap((kind) => axes.map((_, i) => toText(speed[kind]?.[i])))),
   };
 }
 

@@ -1,4 +1,6 @@
-/** One axis of a velocity, numbered as in Python's AXES. */
+import { type Speeds, STEERING } from "../shared/frames/speeds.ts";
+
+/** One axis of a velocity, numbered as in Python's AXES, or the steering angle of a car. */
 export interface Axis {
   index: number;
   /** As a program writes it: "angular.z". */
@@ -13,7 +15,7 @@ export interface Axis {
 }
 
 export interface Group {
-  name: "linear" | "angular";
+  name: "linear" | "angular" | "steering";
   unit: string;
   axes: Axis[];
 }
@@ -37,7 +39,34 @@ function toGroup(name: Group["name"], unit: string, first: number, rows: Row[]):
   return { name, unit, axes };
 }
 
-export const GROUPS: Group[] = [toGroup("linear", "m/s", 0, LINEAR), toGroup("angular", "rad/s", 3, ANGULAR)];
+const [GROUND, TURNS] = [toGroup("linear", "m/s", 0, LINEAR), toGroup("angular", "rad/s", 3, ANGULAR)];
+const WHEELS: Group = {
+  name: "steering",
+  unit: "rad",
+  axes: [{ index: STEERING, name: "steering", letter: "", word: "angle", directions: ["left", "right"], planar: true }],
+};
+const AHEAD: Group = { ...GROUND, axes: GROUND.axes.slice(0, 1) };
+
+/** Which axes there are: those of a velocity; of a car its steering angle, too, or alone with the speed ahead. */
+export type Layout = "velocity" | "both" | "car";
+
+const GROUPS: Record<Layout, Group[]> = {
+  velocity: [GROUND, TURNS],
+  both: [GROUND, TURNS, WHEELS],
+  car: [AHEAD, WHEELS],
+};
+
+export function groupsOf(layout: Layout): Group[] {
+  return GROUPS[layout];
+}
+
+/** The axes of what is shown. What turns by its wheels alone has no other speed than the one ahead. */
+export function layoutOf(speeds: Pick<Speeds, "measured" | "commanded"> | null): Layout {
+  const given = [speeds?.measured, speeds?.commanded].filter((values) => values != null);
+  const isSteered = (values: number[]) => !Number.isNaN(values[STEERING] ?? NaN);
+  if (!given.some(isSteered)) return "velocity";
+  return given.every(isSteered) ? "car" : "both";
+}
 
 /** Whether an axis is on show. */
 export function isShown(axis: Axis, planar: boolean): boolean {

@@ -1,6 +1,6 @@
 import { decimalsFor as decimalsUpTo } from "../shared/format.ts";
 import type { Speeds } from "../shared/frames/speeds.ts";
-import { type Axis, GROUPS, type Group, isShown } from "./axes.ts";
+import { type Axis, type Group, groupsOf, isShown, layoutOf } from "./axes.ts";
 import { type LimitSettings, limitsOf } from "./limits.ts";
 import { type Scale, sharedLimits, toReach, toScales } from "./scale.ts";
 import type { Limits } from "./traits.ts";
@@ -45,7 +45,7 @@ export type Fastest = Record<Group["name"], number>;
 export function toFastest(speeds: Speeds | null, planar: boolean, before: Fastest): Fastest {
   const fastest = { ...before };
   for (const values of speeds ? [speeds.measured, speeds.commanded, speeds.least, speeds.greatest] : []) {
-    for (const group of GROUPS) {
+    for (const group of groupsOf(layoutOf(speeds))) {
       for (const axis of group.axes.filter((axis) => isShown(axis, planar))) {
         const size = Math.abs(values?.[axis.index] ?? 0);
         if (Number.isFinite(size) && size > fastest[group.name]) fastest[group.name] = size;
@@ -57,15 +57,16 @@ export function toFastest(speeds: Speeds | null, planar: boolean, before: Fastes
 
 /** What the groups show. */
 export function toFacts(speeds: Speeds | null, { limits, planar, marksPeaks, fastest }: Settings): GroupFacts[] {
-  const onShow = GROUPS.map((group) =>
+  const every = groupsOf(layoutOf(speeds));
+  const onShow = every.map((group) =>
     group.axes.filter((axis) => isShown(axis, planar)).map((axis) => limitsOf(limits, group, axis)),
   );
-  const bounds = GROUPS.map((group, g) => {
+  const bounds = every.map((group, g) => {
     const reach = toReach(fastest[group.name]);
     return (onShow[g] ?? []).map((pair): Limits => pair ?? [-reach, reach]);
   });
   const scales = toScales(bounds);
-  return GROUPS.map((group, g) => {
+  return every.map((group, g) => {
     const [scale, groupLimits] = [scales[g] as Scale, onShow[g] as (Limits | null)[]];
     const decimals = decimalsFor(bounds[g] as Limits[]);
     const toAxisFacts = (axis: Axis): AxisFacts => ({

@@ -25,5 +25,5 @@ export function judge(value: number, limits: Limits | null): State {
 
 /** The limits of an axis: its own, else those of its group; null without. */
 export function limitsOf(settings: LimitSettings, group: Group, axis: Axis): Limits | null {
-  return settings.axes[axis.name] ?? settings[group.name];
+  return settings.axes[axis.name] ?? (group.name === "steering" ? null : settings[group.name]);
 }

@@ -6,7 +6,7 @@ import { type Model, onChange, setTraits } from "../shared/model.ts";
 import { SampleCard } from "../shared/sample_card.ts";
 import type { Stream } from "../shared/stream.ts";
 import { TimeLinesView } from "../shared/time_lines_view.ts";
-import { GROUPS } from "./axes.ts";
+import { groupsOf, type Layout, layoutOf } from "./axes.ts";
 import type { Column } from "./column.ts";
 import { type AxisFacts, type Fastest, type GroupFacts, toFacts, toFastest } from "./facts.ts";
 import { watchGestures } from "./gestures.ts";
@@ -29,6 +29,7 @@ const SETTINGS = [
   "bars",
   "over_time",
 ] as const;
+const NOTHING: Fastest = { linear: 0, angular: 0, steering: 0 };
 /** Seconds that the button shows. */
 const USUAL_SECONDS = 10;
 const RESET = "M6 1.5a4.5 4.5 0 1 0 4.5 4.5h-1.4a3.1 3.1 0 1 1-3.1-3.1v1.7l3-2.4-3-2.4z";
@@ -54,10 +55,11 @@ export class SpeedView {
   #boxes = new Map<Column, Box>();
   #boxKey = "";
   #isPlanar: boolean | null = null;
+  #layout: Layout = "velocity";
   #hovered: number | null = null;
   #picked: number | null = null;
   /** Kept, so that the scale of axes without limits grows and never jumps back; a reset of the peaks starts anew. */
-  #fastest: Fastest = { linear: 0, angular: 0 };
+  #fastest: Fastest = { ...NOTHING };
   #resets: number | null = null;
   /** Whether keys have moved to an axis, of which a screen reader has not heard. */
   #walked = false;
@@ -136,7 +138,7 @@ export class SpeedView {
     const isReset = !this.#stream.paused && speeds?.resets !== model.get("_resets");
     if (!isReset && speeds && this.#resets !== speeds.resets) {
       this.#resets = speeds.resets;
-      this.#fastest = { linear: 0, angular: 0 };
+      this.#fastest = { ...NOTHING };
     }
     this.#fastest = toFastest(speeds, planar, this.#fastest);
     const groups = toFacts(speeds, {
@@ -151,7 +153,7 @@ export class SpeedView {
     });
     const shown = groups.flatMap(({ axes }) => axes);
     const hidden = groups.flatMap((group) => group.hidden);
-    this.#layOut(planar);
+    this.#layOut(planar, layoutOf(speeds));
     const hasLimits = shown.some(({ limits }) => limits);
     this.#drawCard(speeds, hasLimits, summarize(shown, hidden));
     const clearance = toClearance(this.#track.height);
@@ -176,11 +178,13 @@ export class SpeedView {
     this.#lines.draw(seconds ? toTimeLines(samples, groups, seconds) : null, seconds, end, theme, size.ratio);
   }
 
-  #layOut(planar: boolean): void {
-    if (planar === this.#isPlanar) return;
+  #layOut(planar: boolean, layout: Layout): void {
+    if (planar === this.#isPlanar && layout === this.#layout) return;
     this.#isPlanar = planar;
-    this.#groups = GROUPS.map((group) => new GroupView(group, planar));
-    this.#board.classList.toggle("rw-planar", planar);
+    this.#layout = layout;
+    this.#groups = groupsOf(layout).map((group) => new GroupView(group, planar));
+    this.#board.classList.toggle("rw-planar", planar || layout === "car");
+    this.#card.root.classList.toggle("rw-both", layout === "both");
     this.#board.replaceChildren(...this.#groups.map(({ root }) => root));
     const [first] = this.#columns;
     if (first) this.#track.of(first.track);
@@ -195,6 +199,7 @@ export class SpeedView {
     this.#card.root.classList.toggle("rw-bars-commanded", isCommanded);
     this.#board.style.paddingTop = `${this.#card.noticeHeight}px`;
     this.#planar.ariaPressed = String(model.get("planar"));
+    setHidden(this.#planar, this.#layout === "car");
     setHidden(this.#reset, !model.get("hold_peaks"));
     setHidden(this.#empty, speeds !== null);
     setText(this.#empty, this.#card.waiting("speed"));
@@ -217,7 +222,7 @@ export class SpeedView {
   /** Where the track of a column is in the picture: measured once for each size of the picture. */
   #boxOf(column: Column): Box {
     const { width, height } = this.#card.size;
-    const key = [width, height, this.#card.noticeHeight, this.#isPlanar, this.#track.height].join();
+    const key = [width, height, this.#card.noticeHeight, this.#isPlanar, this.#layout, this.#track.height].join();
     if (key !== this.#boxKey) this.#boxes.clear();
     this.#boxKey = key;
     const box = this.#boxes.get(column) ?? boxWithin(this.#card.picture, column.track);

@@ -108,7 +108,8 @@ class SpeedDecoder(TemplateDecoder):
         if template.more:
             x, y, _, *quaternion = poses.T
             poses = np.stack([x, y, yaw_of(*quaternion)], axis=1)
-        return SpeedChunk(0, times, template.stamps(rows), values, poses, template.sample.frame_id)
+        steering = np.empty((len(rows), 0))  # what is steered is read one by one
+        return SpeedChunk(0, times, template.stamps(rows), values, poses, template.sample.frame_id, steering)
 
 
 class SampleDecoder:

@@ -120,22 +120,25 @@ class SpeedChunk(Chunk):
         values: shape (N, 6), float64, in the order of `AXES`: linear in m/s, angular in rad/s.
         poses: shape (N, 3), float64: x, y in metres and yaw in radians, of odometry; (N, 0) without.
         frame_id: the frame in which they are expressed.
+        steering: shape (N, 1), float64: steering angles in radians; (N, 0) without.
     """
 
     values: NDArray[np.float64]
     poses: NDArray[np.float64]
     frame_id: str
+    steering: NDArray[np.float64]
 
     @property
     def key(self) -> tuple[Any, ...]:
         """See `Chunk`."""
-        return (self.frame_id, self.poses.shape[1])
+        return (self.frame_id, self.poses.shape[1], self.steering.shape[1])
 
     def sample(self, i: int) -> Speed:
         """See `Chunk`."""
         x, y, z, roll, pitch, yaw = self.values[i].tolist()
         pose = Pose(*self.poses[i].tolist()) if self.poses.shape[1] else None
-        return Speed((x, y, z), (roll, pitch, yaw), int(self.stamps_ns[i]) or None, self.frame_id, pose)
+        steering = float(self.steering[i, 0]) if self.steering.shape[1] else None
+        return Speed((x, y, z), (roll, pitch, yaw), int(self.stamps_ns[i]) or None, self.frame_id, pose, steering)
 
 
 @dataclass(frozen=True)
@@ -201,5 +204,6 @@ def single_scan(scan: Scan, time_ns: int) -> ScanChunk:
 def single_speed(speed: Speed, time_ns: int) -> SpeedChunk:
     """A chunk of one speed."""
     times, stamps = np.array([[time_ns], [speed.stamp_ns or 0]], np.int64)
-    values, poses = (np.array([numbers], np.float64) for numbers in (speed.values, speed.pose or ()))
-    return SpeedChunk(0, times, stamps, values, poses, speed.frame_id)
+    angle = () if speed.steering is None else (speed.steering,)
+    values, poses, steering = (np.array([numbers], np.float64) for numbers in (speed.values, speed.pose or (), angle))
+    return SpeedChunk(0, times, stamps, values, poses, speed.frame_id, steering)

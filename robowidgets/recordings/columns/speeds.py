@@ -51,6 +51,14 @@ class Speeds(Series[Speed]):
         """X and y in metres and yaw in radians by odometry, shape (N, 3); NaN for speeds that came without."""
         return self._array("poses", 3, np.float64, lambda chunk: chunk.poses if chunk.poses.size else np.nan)
 
+    @property
+    def steering(self) -> NDArray[np.float64]:
+        """Steering angles in radians, left is positive, shape (N,), of commands of a car; NaN for speeds without."""
+        column = self._array("steering", 1, np.float64, lambda chunk: chunk.steering if chunk.steering.size else np.nan)
+        return column[:, 0]
+
     def to_numpy(self) -> dict[str, NDArray[Any]]:
-        """Times, and the six numbers by the names in `AXES`."""
-        return {**super().to_numpy(), **dict(zip(AXES, self.values.T, strict=True))}
+        """Times, and the six numbers by the names in `AXES`; of cars their ``steering``, too."""
+        steering = self.steering
+        more = {} if np.isnan(steering).all() else {"steering": steering}
+        return {**super().to_numpy(), **dict(zip(AXES, self.values.T, strict=True)), **more}

@@ -1,12 +1,15 @@
 import { Reader } from "../bytes.ts";
 import { type Frame, readHead } from "../stream.ts";
 
-/** What Python sends: numbers by axis, m/s and rad/s; NaN where there is no value. */
+/** The place of the steering angle of a car among the numbers by axis, after the six axes of a velocity. */
+export const STEERING = 6;
+
+/** What Python sends: numbers by axis, m/s and rad/s, then a steering angle in rad; NaN where there is no value. */
 export interface Speeds extends Frame {
   /** Null before the first. */
   measured: number[] | null;
   commanded: number[] | null;
-  /** The least and the greatest measured since the last reset. */
+  /** The least and the greatest measured since the last reset, without steering angles. */
   least: number[];
   greatest: number[];
   /** How many resets of the peaks Python knew of. */
@@ -22,12 +25,14 @@ export function decodeSpeeds(bytes: DataView): Speeds {
   // Then come stamp and time of arrival of the command, which the page does not use.
   const [there = 0, resets = 0] = reader.float64s(4);
   const [measured, commanded] = [reader.float64s(6), reader.float64s(6)];
+  const [least, greatest] = [reader.float64s(6), reader.float64s(6)];
+  const [angle = NaN, commandedAngle = NaN] = reader.float64s(2);
   return {
     ...head,
-    measured: there & MEASURED ? measured : null,
-    commanded: there & COMMANDED ? commanded : null,
-    least: reader.float64s(6),
-    greatest: reader.float64s(6),
+    measured: there & MEASURED ? [...measured, angle] : null,
+    commanded: there & COMMANDED ? [...commanded, commandedAngle] : null,
+    least,
+    greatest,
     resets,
   };
 }
