@@ -54,7 +54,22 @@ try:
 except TypeError:
     pass
 """
-NAMES = ["waiting", "usual", "measured", "planar", "odd", "slow", "fast", "frozen", "commands", "car", "steered", "refused"]
+NAMES = [
+    *(
+        "waiting",
+        "usual",
+        "measured",
+        "planar",
+        "odd",
+        "slow",
+        "fast",
+        "frozen",
+        "commands",
+        "car",
+        "steered",
+        "refused",
+    ),
+]
 
 OVERLAPS = """(card) => {
     const box = (element) => element.getBoundingClientRect();
