@@ -307,8 +307,8 @@ class TestSpeed:
     @pytest.mark.parametrize(
         ("message", "text"),
         [
-            (laser(), r"with linear and angular; got a dict with the keys header, angle_min, .*, …$"),
-            ({"twist": {"linear": vector()}}, r"with linear and angular; got a dict with the keys twist$"),
+            (laser(), r"AckermannDrive; got a dict with the keys header, angle_min, .*, …$"),
+            ({"twist": {"linear": vector()}}, r"AckermannDrive; got a dict with the keys twist$"),
             (0.5, r"got a float: '0.5'$"),
         ],
     )

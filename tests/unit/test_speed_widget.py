@@ -33,8 +33,8 @@ STAMPED = {"header": {"stamp": {"sec": 3, "nanosec": 4}, "frame_id": "base_link"
 def sent(speed: SpeedWidget) -> tuple[int, list[float], list[float], list[float], list[float]]:
     """What a page that opens now gets: what is there, measured, commanded, least, greatest."""
     frame = speed.get_state()["_frame"]
-    there, _, _, _, *values = struct.unpack_from("<ddqd24d", frame, FRAME_HEADER.size)
-    assert len(frame) == FRAME_HEADER.size + struct.calcsize("<ddqd24d")
+    there, _, _, _, *values = struct.unpack_from("<ddqd26d", frame, FRAME_HEADER.size)
+    assert len(frame) == FRAME_HEADER.size + struct.calcsize("<ddqd26d")
     return (int(there), *(values[i : i + 6] for i in range(0, 24, 6)))
 
 
