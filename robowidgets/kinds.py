@@ -301,7 +301,8 @@ def add(kind: Kind, *, replace: bool = False) -> None:
     others = [other for other in KINDS.values() if not (replace and other.name == kind.name)]
     for key in ("name", "sample_name", "parameter"):
         name = getattr(kind, key)
-        taken = (*_RESERVED, *(getattr(other, key) for other in others))
+        alike = ("name",) if key == "name" else ("sample_name", "parameter")
+        taken = tuple(dict.fromkeys((*_RESERVED, *(getattr(other, one) for other in others for one in alike))))
         if not name.isidentifier() or name in taken:
             hint = "; replace=True replaces a row" if key == "name" else ""
             raise ValueError(f"{key}: expected an identifier other than {', '.join(taken)}, got {name!r}{hint}")

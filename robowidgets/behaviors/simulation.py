@@ -101,4 +101,6 @@ def _samples(robot: Robot, asks_for: Iterable[str]) -> dict[str, Callable[[], An
 
 
 def _read_all(robot: Robot, measured: Mapping[str, Callable[[], Any]], each: Callable[..., Any]) -> Any:
-    return each({sensor: read() for sensor, read in measured.items()}, dict.fromkeys(measured, robot.time))
+    samples = {sensor: read() for sensor, read in measured.items()}
+    stamps = {sensor: sample.stamp_ns for sensor, sample in samples.items()}
+    return each(samples, {name: robot.time if stamp is None else stamp / 1e9 for name, stamp in stamps.items()})

@@ -37,9 +37,11 @@ class Probes:
 
     def close(self) -> None:
         """Wait for no message any more."""
-        for name, target in self._targets.items():
+        targets, self._targets = self._targets, {}
+        for name, target in targets.items():
             self._connection.detach(name, target)
 
     def _decide(self, topic: FeedTopic, message: Any) -> None:
-        self._connection.detach(topic.name, self._targets[topic.name])
-        self._connection.decide(topic, message)
+        if target := self._targets.get(topic.name):  # else it was closed meanwhile
+            self._connection.detach(topic.name, target)
+            self._connection.decide(topic, message)

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from uuid import uuid4
 
 from .._core.sample_widget import SampleWidget
-from ..kinds import title_of
+from ..kinds import sensor_of, title_of
 from ._callbacks import FunctionCaller
 from ._subscription import Subscription, Target
 from ._topics import FeedTopic
@@ -41,7 +41,18 @@ class SubscriptionTable:
         return tuple(self._widgets)
 
     def connect(self, topic: str, targets: Sequence[Target]) -> None:
-        """Add targets to a topic, except those that it has already."""
+        """Add targets to a topic, except those that it has already.
+
+        Raises:
+            ValueError: a widget has the sensor of this name from another topic.
+        """
+        for target in targets:
+            connected = [] if target.widget is None else self._widgets.get(target.widget, [])
+            if target.is_of_sensor and (other := _other_topic(topic, target, connected)):
+                raise ValueError(
+                    f"connect({topic!r}): the widget has a sensor {sensor_of(topic)!r}, from {other}; connect a "
+                    "function that gives it another name: lambda message: widget.update('another', message)"
+                )
         subscription = self.by_topic.get(topic)
         if subscription is None:
             subscription = self.by_topic[topic] = Subscription(topic)
@@ -149,6 +160,11 @@ def _rank(connected: _Connected) -> tuple[bool, bool, bool]:
     """Sorts primary topics first, and of those the ones that receive messages, or once did."""
     subscription, target = connected
     return not target.is_primary, not subscription.receives, not subscription.has_received
+
+
+def _other_topic(topic: str, target: Target, connected: Sequence[_Connected]) -> str:
+    """Another topic that has the target already; empty without any."""
+    return next((one.topic for one, other in connected if other == target and one.topic != topic), "")
 
 
 def _set_titles(widget: SampleWidget, connected: Sequence[_Connected]) -> None:

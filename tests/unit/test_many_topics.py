@@ -137,6 +137,18 @@ def test_a_person_connects_its_topics_as_those_of_any_widget() -> None:
         assert widget.gauges["right"].value == 3.0
 
 
+def test_two_topics_with_one_name_of_a_sensor_do_not_share_a_widget() -> None:
+    with Feed(Scripted(LEFT, SPARE)) as feed:
+        widget = GaugesWidget()
+        feed.connect("/tank/left", widget)
+        feed.connect("/tank/left", widget)
+        with pytest.raises(
+            ValueError, match=r"connect\('/spare/left'\): the widget has a sensor 'left', from /tank/left"
+        ):
+            feed.connect("/spare/left", widget)
+        assert widget.title == "/tank/left"
+
+
 def test_the_class_of_a_user_that_shows_them_is_called_as_functions_are() -> None:
     class Mine(GaugesWidget):
         def update(self, sensor: object, message: object = None) -> None:
