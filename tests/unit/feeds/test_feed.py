@@ -205,7 +205,7 @@ def test_where_the_log_hangs_the_thread_that_brings_messages_does_not(
     sender = threading.Thread(target=lambda: script.listener.on_message("/scan", scan(3.0)))
     sender.start()
     wait_for(lambda: laser.scan, "the message goes on to the others")
-    assert "ZeroDivisionError" in source(laser)["status"]
+    wait_for(lambda: "ZeroDivisionError" in source(laser)["status"], "its widget says what went wrong")
     gate.set()
     sender.join()
 

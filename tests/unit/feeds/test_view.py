@@ -258,7 +258,7 @@ def test_types_of_unknown_names_are_told_by_their_first_message(opened: Opened) 
     script.listener.on_message("/cmd", {"header": {}, "twist": twist(0.5)})
     script.listener.on_message("/sonar", {"range": 1.0, "min_range": 0.1, "max_range": 4.0, "radiation_type": 0})
     script.listener.on_message("/cliff", {"range": float("inf"), "min_range": 0.1, "max_range": 0.1})
-    assert on_page(view) == ["/scan", "/cmd", "/cliff", "/sonar"]
+    assert on_page(view) == ["/scan", "/sonar", "/cmd", "/cliff"]
     script.listener.on_message("/sonar", {"range": 1.5, "min_range": 0.1, "max_range": 4.0, "radiation_type": 0})
     assert view.widgets["/sonar"].ranges["sonar"].distance == 1.5
     assert ("unsubscribe", "/state") in script.asked
