@@ -14,6 +14,7 @@ ODOMETRY = "nav_msgs/msg/Odometry"
 TWIST = "geometry_msgs/msg/Twist"
 TWIST_STAMPED = "geometry_msgs/msg/TwistStamped"
 RANGE = "sensor_msgs/msg/Range"
+TF = "tf2_msgs/msg/TFMessage"
 CONTACTS = "ros_gz_interfaces/msg/Contacts"
 
 ToMessage = Callable[[Any, int, str], tuple[str, dict[str, Any]]]
@@ -44,6 +45,16 @@ def range_message(measured: Range, time_ns: int, _topic_type: str) -> tuple[str,
         "max_range": measured.max_range,
         "range": measured.range,
     }
+
+
+def mount_message(sample: Any, time_ns: int) -> tuple[str, dict[str, Any]] | None:
+    """A ``tf2_msgs/TFMessage`` with the place of a sensor on the robot; None where its sample does not tell it."""
+    if not isinstance(sample, Range) or sample.pose is None or not sample.frame_id:
+        return None
+    x, y, yaw = sample.pose
+    transform = {"translation": {"x": x, "y": y}, "rotation": {"z": sin(yaw / 2), "w": cos(yaw / 2)}}
+    header = _header(time_ns, "base_link")
+    return TF, {"transforms": [{"header": header, "child_frame_id": sample.frame_id, "transform": transform}]}
 
 
 def speed_message(speed: Speed, time_ns: int, topic_type: str) -> tuple[str, dict[str, Any]]:

@@ -16,7 +16,7 @@ from .._core.text import many
 from ..kinds import kind_of_sample
 from ..messages.channel import Channel
 from ..messages.encoding import encode
-from ..messages.standard import ToMessage
+from ..messages.standard import ToMessage, mount_message
 from ..repair.write import McapWriter
 
 log = logging.getLogger("robowidgets")
@@ -26,6 +26,9 @@ MOST_WAITING = 1000
 
 FLUSH = 1.0
 """Seconds after which messages are in the file, where they are not lost when the process dies."""
+
+TF_STATIC = "/tf_static"
+"""The topic of what does not move on a robot, such as the places of its sensors."""
 
 CLOSE_TIMEOUT = 2.0
 """Seconds for which closing waits for what is still to be written."""
@@ -55,6 +58,8 @@ class LiveWriter:
         self._failed = ""
         self._channels: dict[tuple[str, str], Channel] = {}
         self._to_message: dict[str, ToMessage] = {}
+        self._mounted: set[str] = set()
+        """The frames of sensors whose places are written."""
         # A clock that is set meanwhile moves no message.
         self._epoch_ns = time.time_ns() - time.monotonic_ns()
         self._queue: SimpleQueue[tuple[str, str, int, Any] | None] = SimpleQueue()
@@ -117,7 +122,13 @@ class LiveWriter:
             log.warning("%s: %s dropped", self._path, many(sum(self._dropped.values()), "message"))
 
     def _write(self, writer: McapWriter, topic: str, topic_type: str, time_ns: int, message: Any) -> None:
-        type_name, fields = self._standard(topic, topic_type, time_ns, message)
+        mount = mount_message(message, time_ns)
+        if mount and message.frame_id not in self._mounted:
+            self._mounted.add(message.frame_id)
+            self._put(writer, TF_STATIC, time_ns, *mount)
+        self._put(writer, topic, time_ns, *self._standard(topic, topic_type, time_ns, message))
+
+    def _put(self, writer: McapWriter, topic: str, time_ns: int, type_name: str, fields: Any) -> None:
         try:
             data = encode("cdr", type_name, fields)
         except ValueError as error:

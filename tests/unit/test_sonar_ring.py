@@ -202,6 +202,20 @@ def test_a_player_has_each_sonar_at_its_place_by_tf_and_knows_which_one_went_sil
             player.close()
 
 
+def test_a_ring_that_a_feed_recorded_has_its_places(tmp_path: Path) -> None:
+    with feeds.simulator("pioneer", wander=False) as feed, feed.record(tmp_path / "drive.mcap") as recorder:
+        wait_for(lambda: recorder.written["/sonar/rear_7"] > 1, "it was recorded")
+        assert recorder.written["/tf_static"] == len(RING)
+        poses = feed.robot.sonars.poses
+    with robowidgets.open(tmp_path / "drive.mcap") as recording:
+        player = recording.show()
+        try:
+            ring = next(view.widget for view in player.views if isinstance(view.widget, SonarWidget))
+            assert ring.poses == {name: pytest.approx(pose) for name, pose in poses.items()}
+        finally:
+            player.close()
+
+
 def test_only_what_static_transforms_lead_to_is_mounted() -> None:
     def at(parent: str, child: str, x: float, *, static: bool = True) -> Transform:
         return Transform(parent, child, 0, 0, (x, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0), static)
