@@ -3,19 +3,12 @@
  * are in robowidgets/samples/staleness.py.
  */
 
-/** How long a source may send nothing: so many of its usual steps, and at least and at most so many milliseconds. */
-export interface SilenceRule {
-  steps: number;
-  shortest: number;
-  longest: number;
-}
-
-/** Of a source that is on show now: the picture turns pale, lamps are unknown, lines are broken. */
-export const LIVE: SilenceRule = { steps: 3, shortest: 1000, longest: 10_000 };
-
-/** Milliseconds without a message after which a source with this usual step is silent; infinite: it is unknown. */
-export function silentAfter(rule: SilenceRule, step: number): number {
-  return Math.min(rule.longest, Math.max(rule.shortest, rule.steps * step));
+/**
+ * Milliseconds without a message after which a source on show, with this usual step, is silent: the picture turns pale,
+ * lamps are unknown, lines are broken. An infinite step is unknown.
+ */
+export function silentAfter(step: number): number {
+  return Math.min(10_000, Math.max(1000, 3 * step));
 }
 
 /** Least length of a gap between two scans of a scanogram, relative to the 90th percentile of all steps. */
@@ -38,7 +31,6 @@ export function usualStep(times: number[]): number {
   const steps = Float64Array.from(times.slice(1), (time, i) => time - (times[i] as number))
     .filter((step) => step > 0)
     .sort();
-  const middle = steps.length / 2;
-  const low = steps[Math.ceil(middle) - 1] ?? Infinity;
-  return (low + (steps[Math.floor(middle)] ?? low)) / 2;
+  const { length } = steps;
+  return length ? ((steps[(length - 1) >> 1] as number) + (steps[length >> 1] as number)) / 2 : Infinity;
 }

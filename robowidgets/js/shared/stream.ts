@@ -4,7 +4,7 @@ import { History } from "./history.ts";
 import { type Model, onChange, setTraits } from "./model.ts";
 import { throttle } from "./schedule.ts";
 import { firstWhere } from "./search.ts";
-import { LIVE, silentAfter } from "./staleness.ts";
+import { silentAfter } from "./staleness.ts";
 import { join, type Member, othersOf, setFrozen, tellOthers } from "./together.ts";
 import type { About, Moment, Recent, SampleTraits } from "./traits.ts";
 
@@ -316,7 +316,7 @@ export class Stream<F extends Frame> implements Member {
       this.live = false;
       this.#tell();
     };
-    this.#stale = setTimeout(stale, silentAfter(LIVE, 1000 / (this.rate || 0)) - ago);
+    this.#stale = setTimeout(stale, silentAfter(1000 / (this.rate || 0)) - ago);
   }
 
   #onFrozen(): void {

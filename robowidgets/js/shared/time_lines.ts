@@ -1,4 +1,4 @@
-import { LIVE, silentAfter, usualStep } from "./staleness.ts";
+import { silentAfter, usualStep } from "./staleness.ts";
 
 /** A value at a time; NaN where there is none. */
 export interface Point {
@@ -30,7 +30,7 @@ export interface TimeLine {
 /** The runs of points, without those that have no value; a silence of the source ends a run. */
 export function toRuns(points: Point[]): Point[][] {
   const runs: Point[][] = [];
-  const longest = silentAfter(LIVE, usualStep(points.map(({ at }) => at)));
+  const longest = silentAfter(usualStep(points.map(({ at }) => at)));
   let before = NaN;
   for (const point of points) {
     if (Number.isNaN(point.value)) before = NaN;
