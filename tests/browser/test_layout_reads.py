@@ -73,6 +73,32 @@ def step(i):
 step(0)
 touch
 """
+TELL = """() => {
+    window.told = { same: [], before: [], nodes: 0 };
+    const note = (records) => {
+        for (const { type, target, attributeName, oldValue, addedNodes } of records) {
+            if (type === "childList") told.nodes += addedNodes.length;
+            if (type === "attributes" && target.getAttribute(attributeName) === oldValue)
+                told.same.push(`${attributeName} of ${target.className}`);
+        }
+    };
+    const observer = new MutationObserver(note);
+    const attributes = { attributeFilter: ["hidden", "class", "style"], attributeOldValue: true };
+    observer.observe(document.body, { subtree: true, childList: true, characterData: true, ...attributes });
+    for (const name of ["fillText", "strokeText", "measureText"]) {
+        const own = CanvasRenderingContext2D.prototype[name];
+        CanvasRenderingContext2D.prototype[name] = function (...given) {
+            const records = observer.takeRecords();
+            note(records);
+            told.before.push(...records.map(({ target }) => target.className ?? target.parentElement?.className));
+            return own.apply(this, given);
+        };
+    }
+    window.drawn = 0;
+    const frame = requestAnimationFrame;
+    window.requestAnimationFrame = (draw) => frame((time) => { drawn += 1; draw(time); });
+}"""
+"""What is changed on the page: to what it is, before text is painted in the same frame, and by new nodes."""
 MACHINE = """
 from robowidgets import MachineWidget, feeds
 from robowidgets.behaviors import Drive
@@ -111,3 +137,20 @@ def test_drawing_again_has_the_browser_lay_out_nothing(plain_page: Callable[...,
         eventually(lambda before=before: nb.page.evaluate("() => drawn") > before, True)
     assert nb.page.evaluate("() => drawn") >= FRAMES
     assert nb.page.evaluate("() => [...new Set(reads)]") == []
+
+
+@pytest.mark.parametrize("cell", [LASER, NOTED, EMPTY], ids=["laser", "noted", "empty"])
+def test_a_scan_is_painted_before_the_page_is_changed_and_only_texts_that_differ_are(
+    plain_page: Callable[..., PlainPage], cell: str
+) -> None:
+    """Text on a canvas has all changes before it laid out, and a new node has rules by ``:has()`` looked at."""
+    nb = plain_page([cell])
+    expect(nb.widget(0).locator(".rw-nearest")).to_have_count(1)
+    for i in range(8):
+        nb.python(f"step({i})")
+    nb.page.evaluate(TELL)
+    for i in range(FRAMES):
+        before = nb.page.evaluate("() => drawn")
+        nb.python(f"step({i})")
+        eventually(lambda before=before: nb.page.evaluate("() => drawn") > before, True)
+    assert nb.page.evaluate("() => told") == {"same": [], "before": [], "nodes": 0}

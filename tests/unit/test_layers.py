@@ -192,3 +192,33 @@ def test_a_folder_of_the_front_end_imports_from_itself_and_shared_alone() -> Non
     pairs = [(file, other) for file, other in front_end_imports() if not file.startswith("export/")]
     assert pairs
     assert [pair for pair in pairs if pair[1].split("/")[0] not in (pair[0].split("/")[0], "shared")] == []
+
+
+def loaded_by(entry: Path) -> set[Path]:
+    """A file of the front end and all that it imports, directly or not."""
+    seen: set[Path] = set()
+    left = [entry.resolve()]
+    while left:
+        if (path := left.pop()) not in seen:
+            seen.add(path)
+            names = re.findall(r'(?:from|import) "(\.[^"]+)"', path.read_text(encoding="utf-8"))
+            left += [(path.parent / name).resolve() for name in names]
+    return seen
+
+
+def test_each_file_of_the_front_end_is_in_a_script_or_a_stylesheet() -> None:
+    built = [path for path in JS.iterdir() if re.search(r"(_widget|^export_\w+|^run_once)\.(ts|css)$", path.name)]
+    used = {path for entry in built for path in loaded_by(entry)}
+    files = [*JS.glob("*/*.ts"), *JS.glob("shared/*/*.ts"), *JS.glob("*/*.css")]
+    assert [path.relative_to(JS).as_posix() for path in files if path.resolve() not in used] == []
+
+
+def test_each_layer_of_the_laser_is_made() -> None:
+    view = (JS / "laser" / "view.ts").read_text(encoding="utf-8")
+    classes = [
+        name
+        for path in (JS / "laser").glob("*.ts")
+        for name in re.findall(r"export class (\w+) implements Layer\b", path.read_text(encoding="utf-8"))
+    ]
+    assert classes
+    assert [name for name in classes if f"new {name}(" not in view] == []
