@@ -20,7 +20,7 @@ export PIP_DISABLE_PIP_VERSION_CHECK := 1
 # The tests start hundreds of processes and kernels: the package is compiled for the first of them.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: demo setup build watch lab lint format check test test-floor test-newest test-js test-unit test-ros1 test-notebooks test-docs test-wheel test-browser bench pictures clean
+.PHONY: demo setup build watch lab lint sizes format check test test-floor test-newest test-js test-unit test-ros1 test-notebooks test-docs test-wheel test-browser bench pictures clean
 .NOTPARALLEL:
 .DELETE_ON_ERROR:
 
@@ -44,13 +44,17 @@ lint: setup build
 	.venv/bin/mypy
 	cd $(JS) && npm run --silent check
 
+# What each widget weighs, and what more of it costs: figures, no limit.
+sizes: setup build
+	.venv/bin/python scripts/sizes.py
+
 format: setup
 	.venv/bin/ruff check --fix .
 	.venv/bin/ruff format .
 	cd $(JS) && npm run --silent format
 
 # What is worth a wait of two minutes after each change; `make test` before each commit.
-check: lint test-js
+check: lint test-js sizes
 	$(UNITS) -m 'not slow'
 
 # What leaves a core idle runs beside something else.

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import gzip
 import os
 import re
 import shutil
@@ -22,12 +21,6 @@ PAGES = sorted(file.stem for file in (ROOT / "robowidgets" / "js").glob("export_
 EACH = "run_once.js"
 """What Jupyter runs for each widget."""
 FRONT_END = {EACH} | {f"{name}.{kind}" for name in (*WIDGETS, *PAGES) for kind in ("js", "css")}
-# Script and style together, compressed as a server sends them. The laser has more to show than the others; a kilobyte
-# of it says what a person may do: the list of keys, the hint. What only a program begins (shapes, pins, lamps' rays,
-# free space, the index view, ghosts) is 6 kB of it and 5 ms once per page: a second script for that would copy most of
-# what both parts share, and its layers would miss the first picture.
-LARGEST_FRONT_END = {"laser_widget": 48_000}
-LARGEST_OTHER = 40_000
 LARGEST_SAMPLE = 1_000_000
 RECORDINGS = (".bag", ".mcap", ".db3")
 # Names of XML namespaces, which nothing ever fetches.
@@ -82,12 +75,6 @@ def test_the_wheel_holds_the_widgets_front_end(package: Path) -> None:
         assert "export" in (package / "static" / f"{name}.js").read_text()
         assert ".rw-" in (package / "static" / f"{name}.css").read_text()
     assert {file.name for file in (package / "static").iterdir()} == FRONT_END
-
-
-@pytest.mark.parametrize("name", WIDGETS)
-def test_script_and_style_of_a_widget_are_small(package: Path, name: str) -> None:
-    parts = [package / "static" / f"{name}.{kind}" for kind in ("js", "css")]
-    assert sum(len(gzip.compress(part.read_bytes())) for part in parts) <= LARGEST_FRONT_END.get(name, LARGEST_OTHER)
 
 
 def test_a_build_makes_sure_of_the_front_end_of_every_widget() -> None:
