@@ -103,7 +103,7 @@ class SonarWidget(RobotWidget[Ranges]):
         self._errors: dict[str, str] = {}
         super().__init__(**kwargs)
 
-    def update(self, sensor: Any = None, reading: Any = MISSING, *unnamed: Any, **readings: Any) -> None:
+    def update(self, sensor: Any = None, reading: Any = MISSING, /, *unnamed: Any, **readings: Any) -> None:
         """Show what sensors measured in the next animation frame.
 
         It only stores, and may be called from any thread at any rate; the newest of each sensor wins.

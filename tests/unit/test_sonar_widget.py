@@ -118,6 +118,8 @@ class TestUpdate:
             ("right 1", 1.0),
         ]
         assert isnan(sonars["left"].distance)
+        sonars.update(sensor=1.5, reading=2.5)
+        assert (sonars["sensor"].range, sonars["reading"].range) == (1.5, 2.5), "any name may be one of a sensor"
 
     def test_takes_all_ranges_of_a_moment_in_place_of_those_there(self, sonars: SonarWidget) -> None:
         sonars.update("front", 0.42)

@@ -163,7 +163,11 @@ export class SonarView implements Zoom {
   #layOut(context: CanvasRenderingContext2D, theme: Theme): Layout {
     const { size, noticeHeight } = this.#card;
     const cones = this.#cones;
-    const sensors = cones.map(({ name, mount, isNear, isSilent, hasCome }) => [name, mount, isNear, isSilent, hasCome]);
+    // Which labels go, where not all have room, depends on the alarms.
+    const drops = this.#layout !== null && this.#layout.labels.length < cones.length;
+    const sensors = cones.map(({ name, mount, isNear, isSilent, hasCome }) => {
+      return [name, mount, isSilent, hasCome, drops && isNear];
+    });
     const key = JSON.stringify([sensors, size, noticeHeight, this.#viewRange, theme.font]);
     if (this.#layout && key === this.#layoutKey) return this.#layout;
     this.#layoutKey = key;
@@ -192,6 +196,11 @@ export class SonarView implements Zoom {
   }
 
   #drawPopups({ view, labels }: Layout, picked: Cone | undefined, hovered: Cone | undefined): void {
+    if (!picked && !hovered) {
+      this.#picked.hide();
+      this.#hovered.hide();
+      return;
+    }
     const { width, height } = this.#card.size;
     const box = { x: 0, y: this.#card.noticeHeight, width, height: height - this.#card.noticeHeight };
     const occupied = new Occupancy(width, height);
