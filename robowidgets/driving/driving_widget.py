@@ -99,7 +99,9 @@ class DrivingWidget(NamedWidget):
     ).tag(sync=True, echo_update=False)
 
     def __init__(self, **kwargs: Any) -> None:
-        self._page_lock, self._error_lock, self._send_lock = threading.Lock(), threading.Lock(), threading.RLock()
+        self._page_lock = threading.Lock()
+        self._error_lock = threading.Lock()
+        self._send_lock = threading.RLock()
         self._tokens = Tokens(ALLOW_LIFETIME)
         self._sent: dict[str, Any] = {}
         self._number = 0

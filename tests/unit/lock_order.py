@@ -73,11 +73,11 @@ def _noted(kind: str) -> Any:
         lock, frame = _make[kind](), sys._getframe(1)
         module = frame.f_globals.get("__name__", "")
         line = linecache.getline(frame.f_code.co_filename, frame.f_lineno)
-        attribute = re.match(r"\s*(?:self\.)?(\w+)\b.*\b(Lock|RLock)\(", line)
-        is_signal = module == "robowidgets._core.clock" and _owner(frame) == "_RealSignal"
-        if not module.startswith("robowidgets") or attribute is None or is_signal:
+        owner = _owner(frame)
+        attribute = re.match(r"\s*self\.(\w+)\b.*\b(Lock|RLock)\(" if owner else r"(\w+)\b.*\b(Lock|RLock)\(", line)
+        if not module.startswith("robowidgets") or attribute is None or owner == "_RealSignal":
             return lock  # of another package; or none that anybody holds
-        return NotedLock(lock, f"{_owner(frame) or module.removeprefix('robowidgets.')}.{attribute[1]}")
+        return NotedLock(lock, f"{owner or module.rpartition('.')[2]}.{attribute[1]}")
 
     return make
 
