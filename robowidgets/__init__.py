@@ -14,6 +14,7 @@ from .drive_widget import DriveWidget
 from .laser.footprint import Footprint
 from .laser_widget import LaserWidget
 from .path_widget import PathWidget
+from .plot_widget import PlotWidget
 from .samples import Range, Ranges, Ray, Scan, Sector, Speed, Touch, TouchMode, TouchState, Validity, spread
 from .scanogram_widget import ScanogramWidget
 from .shapes import Arc, Arrow, Line, Points, Polygon, Text
@@ -23,6 +24,7 @@ from .touch_widget import TouchWidget
 
 if TYPE_CHECKING:
     from . import feeds, lessons, simulator
+    from ._plot import plot as plot
     from .find import conditions
     from .machine_widget import MachineWidget
     from .program_widget import ProgramWidget
@@ -46,6 +48,7 @@ __all__ = [
     "Line",
     "MachineWidget",
     "PathWidget",
+    "PlotWidget",
     "Points",
     "Polygon",
     "ProgramWidget",
@@ -69,6 +72,7 @@ __all__ = [
     "conditions",
     "feeds",
     "lessons",
+    "plot",
     "simulator",
     "spread",
     "together",
@@ -84,6 +88,7 @@ _LATER = {
     "Recording": ".recording",
     "RecordingError": ".recordings",
     "open": ".recording",
+    "plot": "._plot",
 }
 
 

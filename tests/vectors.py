@@ -20,6 +20,7 @@ import numpy as np
 import robowidgets
 from robowidgets import (
     LaserWidget,
+    PlotWidget,
     Range,
     Scan,
     ScanogramWidget,
@@ -63,6 +64,7 @@ def make() -> dict[str, Any]:
             "speed": _speed(),
             "touch": _touch(),
             "sonar": _sonar(),
+            "plot": _plot(),
             **_scanogram(),
             "segment": _segment(),
         }
@@ -234,6 +236,23 @@ def _touch() -> tuple[bytes, dict[str, Any]]:
         {"name": "left", "state": "free", "touches": 0, "seconds": 0},
     ]
     return frame, {"sequence": 1, "rate": 30.0, "arrived": 12.5, "sensors": sensors}
+
+
+def _plot() -> tuple[bytes, dict[str, Any]]:
+    plot = PlotWidget()
+    plot.set_line("a", [0.0, 0.25, 0.5, 3.0], [1.0, nan, 0.1, -2.0])
+    plot.set_line("b", [4.5], [7.0])
+    frame = plot.get_state()["_frame"]
+    plot.close()
+    a = {
+        "total": 4,
+        "times": [0.0, 0.25, 0.5, 1.75, 3.0],
+        "values": [1.0, nan, 0.1, nan, -2.0],
+        "counts": [1.0, 0.0, 1.0, -1.0, 1.0],
+        "sums": [1.0, 0.0, 0.1, 0.0, -2.0],
+    }
+    b = {"total": 1, "times": [4.5], "values": [7.0], "counts": [1.0], "sums": [7.0]}
+    return frame, {"edition": 2, "whole": [0.0, 4.5], "span": [0.0, 4.5], "columns": 1000, "lines": [a, b]}
 
 
 def _sonar() -> tuple[bytes, dict[str, Any]]:

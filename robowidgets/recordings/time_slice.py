@@ -13,7 +13,7 @@ from .columns.speeds import Speeds
 from .columns.touches import Touches
 from .span import Span
 from .times import span_ns
-from .topics import Moment, TimedMessage
+from .topics import Moment, TimedMessage, Topic
 
 _MOMENT = 1e-9
 
@@ -77,6 +77,11 @@ class TimeSlice:
     def messages(self, topic: str) -> Iterator[TimedMessage]:
         """The messages of a topic of any type in the span, as in `Recording.messages`."""
         return self._recording.messages(topic, self.start, self.end)
+
+    @property
+    def topics(self) -> tuple[Topic, ...]:
+        """The topics of the recording, also those without a sample in the span."""
+        return self._recording.topics
 
     def fields(self, topic: str) -> Fields:
         """The messages of a topic of any type in the span as columns, as in `Recording.fields`."""

@@ -1,6 +1,5 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { moved, timeTicks, zoomed } from "../../robowidgets/js/scanogram/axis.ts";
 import { Blocks, cellAt } from "../../robowidgets/js/scanogram/blocks.ts";
 import * as data from "../../robowidgets/js/scanogram/data.ts";
 import { angleLabels, drawTimes } from "../../robowidgets/js/scanogram/draw_axes.ts";
@@ -12,6 +11,7 @@ import { State } from "../../robowidgets/js/scanogram/state.ts";
 import { describeMark, describePlace, describeSelection, toShare } from "../../robowidgets/js/scanogram/text.ts";
 import type { Theme } from "../../robowidgets/js/shared/theme.ts";
 import { toTime, toX } from "../../robowidgets/js/shared/time_axis.ts";
+import { moved, timeTicks, zoomed } from "../../robowidgets/js/shared/time_span.ts";
 import { DEGREE } from "./laser.ts";
 import { FakeModel } from "./models.ts";
 

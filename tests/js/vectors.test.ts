@@ -1,6 +1,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { decodeFrames } from "../../robowidgets/js/player/segments.ts";
+import { decodePlot } from "../../robowidgets/js/plot/frame.ts";
 import { decodeDetail, decodeWhole } from "../../robowidgets/js/scanogram/data.ts";
 import { decodeScan } from "../../robowidgets/js/shared/frames/scan.ts";
 import { decodeSpeeds } from "../../robowidgets/js/shared/frames/speeds.ts";
@@ -23,6 +24,11 @@ const FRAMES: Record<string, (bytes: DataView) => Record<string, unknown>> = {
   speed: (bytes) => ({ ...decodeSpeeds(bytes) }),
   touch: (bytes) => ({ ...decodeTouch(bytes) }),
   sonar: (bytes) => ({ ...decodeRing(bytes) }),
+  plot(bytes) {
+    const frame = decodePlot(bytes);
+    const lines = frame?.lines.map((rows) => pick(rows, rows));
+    return { ...frame, lines };
+  },
   scanogram(bytes) {
     const whole = decodeWhole(bytes);
     const { scanCount, pause, counts, block, touch } = whole;

@@ -2,7 +2,7 @@ import { write } from "../shared/canvas.ts";
 import { toDegrees } from "../shared/format.ts";
 import { type Theme, textFont } from "../shared/theme.ts";
 import { type TimeAxis, toX } from "../shared/time_axis.ts";
-import { timeTicks, toMoment } from "./axis.ts";
+import { timeTicks, toMoment } from "../shared/time_span.ts";
 import type { Layout } from "./layout.ts";
 import { angleTicks, type Rows } from "./rows.ts";
 

@@ -3,7 +3,7 @@ import { meaningOf } from "../shared/frames/classes.ts";
 import { NO_MEASUREMENT, NOTHING_IN_RANGE, OUTSIDE_LIMITS, READING, TOO_CLOSE } from "../shared/frames/scan.ts";
 import type { PopupWords } from "../shared/popup.ts";
 import { nameOf, type StateSpan, toWords as toPath } from "../shared/states/states.ts";
-import { toSeconds } from "./axis.ts";
+import { toSeconds } from "../shared/time_span.ts";
 import type { Place } from "./blocks.ts";
 import { kindOf, type NamedSpan, type Sweep, type Whole } from "./data.ts";
 import type { Pixel } from "./traits.ts";

@@ -1,5 +1,5 @@
-import { MINUTE, toFixed, toMinutes } from "../shared/format.ts";
-import type { Span } from "../shared/time_axis.ts";
+import { MINUTE, toFixed, toMinutes } from "./format.ts";
+import type { Span } from "./time_axis.ts";
 
 const ROUNDING = 1e-9;
 

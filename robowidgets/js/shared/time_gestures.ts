@@ -1,7 +1,7 @@
-import type { Point } from "../shared/box.ts";
-import { isDragged, pointIn } from "../shared/dom.ts";
-import { isPlain, on as listen } from "../shared/events.ts";
-import { watchWheel } from "../shared/wheel.ts";
+import type { Point } from "./box.ts";
+import { isDragged, pointIn } from "./dom.ts";
+import { isPlain, on as listen } from "./events.ts";
+import { watchWheel } from "./wheel.ts";
 
 /** What a person can do to the picture. */
 interface Gestures {

@@ -1,0 +1,164 @@
+import { make } from "../shared/dom.ts";
+import { toFixed } from "../shared/format.ts";
+import type { Mark } from "../shared/marks.ts";
+import { type Theme, textFont } from "../shared/theme.ts";
+import type { Span } from "../shared/time_axis.ts";
+import { timeTicks } from "../shared/time_span.ts";
+import type { Rows } from "./frame.ts";
+import type { Group } from "./groups.ts";
+import uPlot from "./uplot.ts";
+
+/** Pixels for the numbers at the left, and for the times below. */
+export const SCALE = 60;
+export const TIMES = 26;
+const TOP = 22;
+/** Of each time on the axis, at least. */
+const TIME_WIDTH = 75;
+/** Height of the bar above a mark, and the least width of what is marked. */
+const BAR = 3;
+
+/** What a chart shows. */
+export interface Shown {
+  rows: Rows[];
+  span: Span;
+  /** The longest time on the axis, which decides how times are written. */
+  end: number;
+  marks: Mark[];
+  theme: Theme;
+  width: number;
+  height: number;
+  /** Pixels at the right. */
+  right: number;
+}
+
+/** One graph: the lines of a unit, drawn by uPlot. */
+export class Chart {
+  readonly root = make("div", "rw-plot-graph");
+  readonly group: Group;
+  readonly #plot: uPlot;
+  readonly #isFirst: boolean;
+  #shown: Shown;
+
+  constructor(parent: HTMLElement, group: Group, isFirst: boolean, isLast: boolean, shown: Shown) {
+    this.group = group;
+    this.#isFirst = isFirst;
+    this.#shown = shown;
+    parent.append(this.root);
+    const ink = () => this.#shown.theme.ink;
+    const axis: uPlot.Axis = {
+      stroke: () => this.#shown.theme.muted,
+      grid: { stroke: () => this.#shown.theme.line, width: 1 },
+      ticks: { stroke: () => this.#shown.theme.guide, width: 1, size: 4 },
+      font: textFont(shown.theme),
+      gap: 4,
+    };
+    this.#plot = new uPlot(
+      {
+        width: shown.width,
+        height: shown.height,
+        padding: [TOP, shown.right, isLast ? 0 : 6, 0],
+        legend: { show: false },
+        cursor: { show: false },
+        scales: { x: { time: false, range: () => this.#shown.span } },
+        axes: [
+          {
+            ...axis,
+            size: isLast ? TIMES : 0,
+            ticks: { ...axis.ticks, show: isLast },
+            splits: () => this.#times.map(({ time }) => time),
+            values: () => this.#times.map(({ text }) => (isLast ? text : "")),
+          },
+          {
+            ...axis,
+            size: SCALE,
+            ticks: { show: false },
+            space: 28,
+            values: (_, numbers, _axis, _space, step) => numbers.map((number) => toScale(number, step)),
+          },
+        ],
+        series: [
+          {},
+          ...group.entries.map(
+            ({ pen }): uPlot.Series => ({
+              stroke: ink,
+              width: pen.width,
+              dash: pen.dash,
+              points: { size: 4, width: 1, stroke: ink, fill: ink },
+            }),
+          ),
+        ],
+        hooks: { drawClear: [() => this.#drawMarks()] },
+      },
+      this.#data(),
+      this.root,
+    );
+  }
+
+  /** Draws at once. */
+  draw(shown: Shown): void {
+    const { width, height } = this.#shown;
+    this.#shown = shown;
+    this.#plot.batch(() => {
+      if (shown.width !== width || shown.height !== height) this.#plot.setSize(shown);
+      this.#plot.setData(this.#data());
+    });
+  }
+
+  /** Where the graph stands, in pixels of the picture. */
+  get box(): { left: number; top: number; width: number; height: number } {
+    const { offsetLeft: left, offsetTop: top, offsetWidth: width, offsetHeight: height } = this.#plot.over;
+    return { left: this.root.offsetLeft + left, top: this.root.offsetTop + top, width, height };
+  }
+
+  /** The height of a value in the picture, within the graph. */
+  toY(value: number): number {
+    const { top, height } = this.box;
+    return top + Math.min(height, Math.max(0, this.#plot.valToPos(value, "y")));
+  }
+
+  close(): void {
+    this.#plot.destroy();
+    this.root.remove();
+  }
+
+  get #times(): { time: number; text: string }[] {
+    const { span, end, width, right } = this.#shown;
+    return timeTicks(span, Math.max(1, (width - SCALE - right) / TIME_WIDTH), end);
+  }
+
+  /** What all lines share as times, with null in gaps, and nothing where only others have a value. */
+  #data(): uPlot.AlignedData {
+    const tables = this.#shown.rows.map(({ times, values }): [number[], (number | null)[]] => [
+      [...times],
+      Array.from(values, (value) => (Number.isNaN(value) ? null : value)),
+    ]);
+    return tables.length === 1 ? (tables[0] as uPlot.AlignedData) : uPlot.join(tables);
+  }
+
+  #drawMarks(): void {
+    const { marks, span, theme } = this.#shown;
+    const { ctx, bbox } = this.#plot;
+    const ratio = uPlot.pxRatio;
+    for (const [start, end] of marks) {
+      if (end < span[0] || start > span[1]) continue;
+      const [from, to] = [start, end].map((time) => {
+        const x = this.#plot.valToPos(time, "x", true);
+        return Math.min(bbox.left + bbox.width, Math.max(bbox.left, x));
+      }) as Span;
+      const width = Math.max(BAR * ratio, to - from);
+      ctx.save();
+      ctx.fillStyle = theme.ink;
+      if (this.#isFirst) ctx.fillRect(from, bbox.top - (BAR + 1) * ratio, width, BAR * ratio);
+      ctx.globalAlpha = 0.07;
+      ctx.fillRect(from, bbox.top, width, bbox.height);
+      ctx.restore();
+    }
+  }
+}
+
+/** A number of a scale whose numbers stand at such a step: all of them with the digits that the step needs. */
+function toScale(value: number, step: number): string {
+  if (Math.abs(value) >= 1e6 || step < 1e-5) return value.toExponential(1).replace(/-/g, "\u2212");
+  const digits = String(Number(step.toPrecision(4))).split(".")[1] ?? "";
+  return toFixed(value, digits.length);
+}

@@ -1,0 +1,386 @@
+"""The plot: any numbers over time, with their exact values."""
+
+from __future__ import annotations
+
+import os
+import threading
+import time as clock
+from collections.abc import Iterable, Mapping
+from importlib import import_module
+from math import inf, isfinite, nan
+from numbers import Real
+from pathlib import Path
+from typing import Any, ClassVar
+
+import traitlets
+from numpy.typing import ArrayLike
+
+from ._core.base_widget import NamedWidget, refuse_unnamed
+from ._core.error_routing import called_from_cell
+from ._core.front_end import bundle
+from ._core.output_file import checked_output
+from ._core.pacer import pacer
+from ._core.png import Png, Saving
+from ._core.robot_widget import PAGES
+from ._core.time_traits import Marks, TimeSpan
+from ._core.timed_frame import TimedFrame
+from ._core.traits import Flag, bytes_trait
+from .plotting.frame import Lines, ends, pack
+from .plotting.line import Line, checked
+from .samples.checks import finite
+
+MOST_LINES = 8
+
+COLUMNS = 1000
+"""Columns of pixels for which all of a plot is sent; a part that is looked at has those that the page asks for."""
+
+_MOST_COLUMNS = 4000
+_EXACT = 4 * COLUMNS
+"""Values of a line up to which all of them are sent."""
+
+_OVERVIEW = 1.0
+"""Seconds between two times that all of a long, live plot is sent, at least; what is on show comes with each."""
+
+_SHARE = 20.0
+"""All of a plot is sent again after so many times the time that this took."""
+
+_BY_NAME = 'update(v=0.3, time=1.2), or update({"/odom.v": 0.3}, time=1.2)'
+
+
+class PlotWidget(NamedWidget):
+    """Numbers over time: up to eight lines, in a graph for each unit, over one axis of time.
+
+    The reader sees lines in ink, told apart by their dashes, and beside them the exact value at the pointer or the time
+    cursor, with its time, and the least, the mean and the greatest of what is on show. A value is never interpolated:
+    it is the last one up to that time. NaN and infinities are gaps, and so is a time in which nothing came for long.
+    Dragging looks at a span, the wheel zooms, space freezes. None of it needs the kernel, but finer detail comes when
+    it is free: of many values, the page has the first, last, least and greatest of each column of pixels.
+
+    Args:
+        title: what is shown, for the header.
+        units: name of a line to its unit, such as "m/s". Lines of one unit share a graph.
+        view: (start, end) in seconds, the time on show; None: all of it, or live the last `window`. The view writes it
+            too.
+        window: seconds that are on show while values come; None: all of them. The view writes it too.
+        time: the time cursor, in seconds; None: there is none. The view writes it too.
+        marks: (start, end, text) in seconds, of what is marked behind the lines, or what `Recording.find` gives.
+        paused: whether the picture is frozen. Values are taken all the same.
+        header, footer: whether they are there.
+
+    Raises:
+        TypeError: an unknown keyword.
+        traitlets.TraitError: a value out of its range.
+
+    Example:
+        >>> plot = PlotWidget(title="run", units={"set": "m/s", "measured": "m/s"})
+        >>> plot.set_line("set", [0.0, 1.0, 2.0], [0.2, 0.2, 0.0])
+        >>> for i in range(20):
+        ...     plot.update(measured=0.01 * i, time=0.1 * i)
+        >>> plot.names
+        ('set', 'measured')
+    """
+
+    _esm, _css = bundle("plot_widget")
+    _meant: ClassVar = {"freeze": "paused", "frozen": "paused", "unit": "units", "span": "view", "bands": "marks"}
+    _instead: ClassVar = {
+        "add": "plot.set_line(name, seconds, values)",
+        "append": "plot.update(v=0.3)",
+        "lines": "plot.names",
+    }
+
+    column = "wide"
+    send_interval = 0.05
+
+    units = traitlets.Dict(
+        key_trait=traitlets.Unicode(), value_trait=traitlets.Unicode(), help="Name of a line to its unit."
+    ).tag(sync=True)
+    view = TimeSpan(help="Seconds on show; None: all, or live the newest. Python and the view write it.").tag(sync=True)
+    window = traitlets.Float(
+        30.0, allow_none=True, help="Seconds on show while values come, above 0; None: all. The view writes it too."
+    ).tag(sync=True)
+    time = traitlets.Float(None, allow_none=True, help="The time cursor in seconds. The view writes it too.").tag(
+        sync=True
+    )
+    marks = Marks(help="What is marked behind the lines: (start, end, text), in seconds.").tag(sync=True)
+    paused = Flag(False, help="Whether the picture is frozen. Python and the view write it.").tag(sync=True)
+    footer = Flag(True, help="Whether facts stand below the picture.").tag(sync=True)
+
+    _frozen_at = traitlets.Float(None, allow_none=True, help="The last time on show while frozen.").tag(sync=True)
+    _frame = bytes_trait(echo_update=False)
+    _detail = bytes_trait(echo_update=False)
+    _about = traitlets.Dict().tag(sync=True, echo_update=False)
+    _wanted = traitlets.List(traitlets.Float(), help="Start, end and columns that the page looks at.").tag(
+        sync=True, echo_update=False
+    )
+
+    def __init__(self, **kwargs: Any) -> None:
+        self._lines: dict[str, Line] = {}
+        self._lock, self._send_lock = threading.Lock(), threading.RLock()
+        self._began: float | None = None
+        self._is_live = self._is_new = False
+        self._edition = 0
+        self._due = 0.0
+        self._error = self._png_error = ""
+        self._png = Png(self, self._set_png_error)
+        super().__init__(**kwargs)
+
+    def set_line(self, name: str, seconds: ArrayLike, values: ArrayLike) -> None:
+        """Show an array as a line, in place of the one of this name.
+
+        Args:
+            name: of the line; its unit is that in `units`.
+            seconds: times of N values in order, from 0 on.
+            values: N numbers or flags; NaN, infinities and masked values are gaps.
+
+        Raises:
+            TypeError: something is no number. ValueError: shapes that do not fit, times that go back, or more than
+                eight lines.
+        """
+        line = Line(*checked(_name(name), seconds, values))
+        with self._lock:
+            self._room_for((name,))
+            self._lines[name] = line
+            self._edition += 1
+            self._is_new = True
+        pacer.mark(self)
+
+    def update(
+        self, values: Mapping[str, float] | None = None, *unnamed: Any, time: float | None = None, **named: float
+    ) -> None:
+        """Add a value to each of some lines, all at one time.
+
+        It only stores, and may be called from any thread at any rate.
+
+        Args:
+            values: name of a line to its number or flag; NaN and infinities are gaps.
+            *unnamed: refused, with the call that takes numbers by name.
+            time: seconds, not before the last value of these lines; None: since the first value came.
+            **named: instead, numbers by the names of their lines.
+
+        Raises:
+            TypeError: no number. ValueError: a time before the last one, or more than eight lines. Nothing is added
+                then. In a callback (another thread; a task, timer or button of a notebook) nothing is raised; widget
+                and log say it.
+        """
+        try:
+            refuse_unnamed("update", unnamed, _BY_NAME)
+            self._add({**_mapping(values), **named}, time)
+        except (TypeError, ValueError) as error:
+            self._refuse(error)
+
+    def clear(self, *names: str) -> None:
+        """Remove lines by their names, or all of them.
+
+        Raises:
+            KeyError: there is no line of that name.
+        """
+        with self._lock:
+            for name in names or tuple(self._lines):
+                if name not in self._lines:
+                    raise KeyError(f"clear({name!r}): the lines are {', '.join(self._lines) or 'none'}")
+                del self._lines[name]
+            self._edition += 1
+            self._is_new = True
+            if not self._lines:
+                self._began, self._is_live = None, False
+        pacer.mark(self)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The names of the lines, in the order in which they came."""
+        with self._lock:
+            return tuple(self._lines)
+
+    def __getitem__(self, name: str) -> Any:
+        """The times and the values of a line: arrays of shape (N,), float64."""
+        with self._lock:
+            line = self._lines[name]
+            return line.times.copy(), line.values.copy()
+
+    def save_png(self, path: str | os.PathLike[str]) -> Saving:
+        """Write what the widget shows now into a PNG file; see `LaserWidget.save_png`."""
+        return self._png.save(path)
+
+    def to_html(self, path: str | os.PathLike[str], *, title: str = "", note: str = "") -> Path:
+        """Write a page with the plot, to zoom and to read without a kernel or the web; see `LaserWidget.to_html`.
+
+        Of a line of more than 16,000 values, the page has the first, last, least and greatest of each of 4,000 columns.
+        """
+        target = checked_output("to_html", path, (".html", ".htm"))
+        with self._send_lock:
+            self._compose(columns=_MOST_COLUMNS)
+            written: Path = import_module(PAGES).write(self, target, title, note)
+            self._is_new = True
+        return written
+
+    def sent_frames(self) -> list[TimedFrame]:
+        """No frames, since all of its history is on show: what `to_html` plays."""
+        return []
+
+    def arrays_of(self, frame: bytes) -> tuple[int, int]:
+        """The place and the number of arrays in a frame, of which there is none; see `sent_frames`."""
+        return len(frame), 0
+
+    def close(self) -> None:
+        """Remove the widget from the page."""
+        with self._send_lock:
+            super().close()
+            pacer.forget(self)
+
+    # -- called by the pacer and the host ------------------------------------------------------------------------------
+
+    def send_newest(self) -> int:
+        """Send what is new to the page; returns the number of bytes. The pacer calls it."""
+        with self._send_lock:
+            if self.comm is None:
+                return 0
+            names = self._compose()
+            if names:
+                super().send_state(names)
+            return sum(len(self._trait_values[name]) for name in names if name != "_about")
+
+    def get_state(self, key: str | Iterable[str] | None = None, drop_defaults: bool = False) -> dict[str, Any]:
+        """The synced traits, with the newest values: what a new view, a reload and a saved notebook get."""
+        if key is None:
+            with self._send_lock:
+                self._due = 0.0
+                self._compose()
+        state: dict[str, Any] = super().get_state(key, drop_defaults)
+        return state
+
+    def _compose(self, columns: int = COLUMNS) -> list[str]:
+        """Bring the traits for the page up to date, without sending them; returns the names of those that changed."""
+        with self._lock:
+            lines: Lines = [(line.times, line.values) for line in self._lines.values()]
+            edition, is_new = self._edition, self._is_new
+            about = {"names": list(self._lines), "live": self._is_live, "error": self._png_error or self._error}
+        values: dict[str, Any] = {"_about": about}
+        first, last = ends(lines)
+        is_long = any(len(times) > _EXACT for times, _ in lines)
+        now = clock.monotonic()
+        if is_new and not is_long:
+            values["_frame"] = pack(edition, lines, (first, last), columns)
+        elif is_new and now >= self._due:
+            values["_frame"] = pack(edition, lines, (first, last), columns)
+            self._due = clock.monotonic() + max(_OVERVIEW, _SHARE * (clock.monotonic() - now))
+        elif is_new:
+            pacer.mark_at(self, self._due)
+        if "_frame" in values:
+            with self._lock:
+                self._is_new = self._is_new and self._edition != edition
+        span, columns = self._looked_at(first, last)
+        values["_detail"] = pack(edition, lines, span, columns) if is_long and span else b""
+        changed = [name for name, value in values.items() if self._trait_values.get(name) != value]
+        for name in changed:
+            self._trait_values[name] = values[name]
+        return changed
+
+    def _looked_at(self, first: float, last: float) -> tuple[tuple[float, float] | None, int]:
+        """The span that is to be sent finely, and for how many columns; None: all of the plot is on show."""
+        wanted = self._wanted
+        if len(wanted) == 3 and all(map(isfinite, wanted)) and wanted[0] < wanted[1]:
+            return (wanted[0], wanted[1]), int(min(max(1, wanted[2]), _MOST_COLUMNS))
+        if not self._is_live or self.paused or self.view is not None or self.window is None:
+            return None, COLUMNS
+        return (max(first, last - self.window), last), COLUMNS
+
+    # -- inner ---------------------------------------------------------------------------------------------------------
+
+    def _add(self, values: Mapping[str, float], time: float | None) -> None:
+        if not values:
+            raise TypeError(f"update() needs numbers by name: {_BY_NAME}")
+        numbers = {_name(name): _number(name, value) for name, value in values.items()}
+        now = clock.monotonic()
+        given = None if time is None else finite("time", time, "seconds")
+        if given is not None and given < 0:
+            raise ValueError(f"time: expected seconds from 0 on, got {time!r}")
+        with self._lock:
+            self._room_for(numbers)
+            if self._began is None:
+                self._began = now
+            seconds = now - self._began if given is None else given
+            for name in numbers:
+                times = self._lines[name].times if name in self._lines else ()
+                if len(times) and times[-1] > seconds:
+                    raise ValueError(
+                        f"time: {seconds:g} s is before the last value of {name!r}, at {times[-1]:g} s; "
+                        "clear() starts anew"
+                    )
+            for name, number in numbers.items():
+                self._lines.setdefault(name, Line()).append(seconds, number)
+            self._is_live = self._is_new = True
+            self._error = ""
+        pacer.mark(self)
+
+    def _room_for(self, names: Iterable[str]) -> None:
+        count = len({*self._lines, *names})
+        if count > MOST_LINES:
+            raise ValueError(f"expected at most {MOST_LINES} lines, got {count}; clear(name) removes one")
+
+    def _refuse(self, error: Exception) -> None:
+        """Show why a value could not be shown; then raise the error in a cell, and log it in a callback."""
+        with self._lock:
+            self._error = f"{error}."
+        pacer.mark(self)
+        if called_from_cell():
+            raise error from None
+        self._log_once(f"a value could not be shown: {error}")
+
+    def _set_png_error(self, error: str) -> None:
+        self._png_error = error
+        pacer.mark(self)
+
+    def _summary(self) -> str:
+        with self._lock:
+            counts = [f"{name} ({len(line.times):,})" for name, line in self._lines.items()]
+        return ", ".join(counts) or "nothing yet"
+
+    @traitlets.observe("_wanted", "view", "window")
+    def _on_look(self, _change: Any) -> None:
+        pacer.mark(self)
+
+    @traitlets.observe("paused")
+    def _on_paused(self, _change: Any) -> None:
+        if not self.paused:
+            self._frozen_at = None
+        elif self._frozen_at is None:  # else the page has frozen it, at the time that it shows
+            with self._lock:
+                self._frozen_at = ends([(line.times, line.values) for line in self._lines.values()])[1]
+
+    @traitlets.validate("window")
+    def _is_span(self, proposal: Any) -> Any:
+        value = proposal["value"]
+        if value is not None and not 0 < value < inf:
+            raise traitlets.TraitError(f"window: expected seconds above 0, or None for all, got {value!r}")
+        return value
+
+    @traitlets.validate("time")
+    def _is_time(self, proposal: Any) -> Any:
+        value = proposal["value"]
+        if value is not None and not isfinite(value):
+            raise traitlets.TraitError(f"time: expected seconds, or None for no cursor, got {value!r}")
+        return value
+
+
+def _name(name: Any) -> str:
+    if not isinstance(name, str) or not name:
+        raise TypeError(f"expected the name of a line, got {name!r}")
+    return name
+
+
+def _mapping(values: Any) -> Mapping[str, float]:
+    if values is None:
+        return {}
+    if not isinstance(values, Mapping):
+        raise TypeError(f"update() takes numbers by name: {_BY_NAME}; got {values!r}")
+    return values
+
+
+def _number(name: str, value: Any) -> float:
+    """The number as float, NaN where it is not finite or None."""
+    if value is None:
+        return nan
+    if not isinstance(value, Real) and not (hasattr(value, "dtype") and getattr(value, "shape", None) == ()):
+        raise TypeError(f"{name}: expected a number, got {value!r}")
+    number = float(value)
+    return number if isfinite(number) else nan

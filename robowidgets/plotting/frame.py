@@ -1,0 +1,32 @@
+"""The bytes of a plot as the page reads them; docs/developers/frames.md describes them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from math import inf
+
+import numpy as np
+
+from .line import Floats
+from .thin import Rows, thinned
+
+_FLOAT = np.dtype("<f8")
+
+Lines = Sequence[tuple[Floats, Floats]]
+"""Times and values of each line."""
+
+
+def ends(lines: Lines) -> tuple[float, float]:
+    """The first and the last time of all lines; 0 and 0 where there is none."""
+    times = [times for times, _ in lines if len(times)]
+    first = min((float(one[0]) for one in times), default=inf)
+    return (first, max(float(one[-1]) for one in times)) if times else (0.0, 0.0)
+
+
+def pack(edition: int, lines: Lines, span: tuple[float, float], columns: int) -> bytes:
+    """The lines as they show a span in so many columns."""
+    parts = [np.array([edition, *ends(lines), *span, columns, len(lines)], _FLOAT)]
+    for times, values in lines:
+        rows: Rows = thinned(times, values, *span, columns)
+        parts += [np.array([len(times), len(rows.times)], _FLOAT), *(column.astype(_FLOAT) for column in rows)]
+    return b"".join(part.tobytes() for part in parts)

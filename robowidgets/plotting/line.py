@@ -1,0 +1,94 @@
+"""One line of a plot: numbers over time, which grow."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+MOST_VALUES = 4_000_000
+"""Values that a line keeps: an hour at 1 kHz. The oldest quarter goes when there are more."""
+
+_FIRST_ROOM = 256
+
+Floats = NDArray[np.float64]
+
+
+class Line:
+    """Numbers over time in seconds, in the order of time. The widget holds its lock during each call.
+
+    What is not finite is a gap: NaN.
+    """
+
+    def __init__(self, times: Floats | None = None, values: Floats | None = None) -> None:
+        self._times = np.empty(0) if times is None else times
+        self._values = np.empty(0) if values is None else values
+        self._count = len(self._times)
+
+    @property
+    def times(self) -> Floats:
+        """Shape (N,). Its numbers stay as they are while the line grows."""
+        return self._times[: self._count]
+
+    @property
+    def values(self) -> Floats:
+        """Shape (N,), alike."""
+        return self._values[: self._count]
+
+    def append(self, time: float, value: float) -> None:
+        """Add a value, which is not before the last one."""
+        if self._count == len(self._times):
+            first = self._count // 4 if self._count >= MOST_VALUES else 0
+            room = max(_FIRST_ROOM, min(2 * self._count, MOST_VALUES))
+            # New arrays: another thread may be reading those before.
+            self._times, self._values = (_moved(array[first:], room) for array in (self._times, self._values))
+            self._count -= first
+        self._times[self._count], self._values[self._count] = time, value
+        self._count += 1
+
+
+def _moved(array: Floats, room: int) -> Floats:
+    larger = np.empty(room)
+    larger[: len(array)] = array
+    return larger
+
+
+def checked(name: str, seconds: ArrayLike, values: ArrayLike) -> tuple[Floats, Floats]:
+    """Times and values of a line as float64, with NaN for what is not finite.
+
+    Raises:
+        TypeError: something is no number. ValueError: shapes that do not fit, or times that go back.
+    """
+    times, numbers = _numbers(f"{name}: seconds", seconds), _numbers(f"{name}: values", values)
+    if times.shape != numbers.shape:
+        raise ValueError(f"{name}: expected a time for each value, got {len(times):,} and {len(numbers):,}")
+    bad = np.flatnonzero(~(np.isfinite(times) & (times >= 0)))
+    if bad.size:
+        raise ValueError(f"{name}: expected seconds from 0 on, got {times[bad[0]]!r} at index {bad[0]}")
+    back = np.flatnonzero(np.diff(times) < 0)
+    if back.size:
+        at = int(back[0]) + 1
+        raise ValueError(
+            f"{name}: expected times in order, but index {at} is {times[at]:g} s, after {times[at - 1]:g} s; sort them first"
+        )
+    return times, np.where(np.isfinite(numbers), numbers, np.nan)
+
+
+def _numbers(what: str, given: ArrayLike) -> Floats:
+    array: Any = np.asanyarray(given)
+    if array.dtype.kind not in "iufb":
+        raise TypeError(f"{what}: expected an array of numbers, got {array.dtype}")
+    if array.ndim != 1:
+        raise ValueError(f"{what}: expected an array of one dimension, got shape {array.shape}")
+    numbers = array.astype(np.float64)
+    if isinstance(numbers, np.ma.MaskedArray):
+        return np.asarray(numbers.filled(np.nan))
+    return np.asarray(numbers)
+
+
+def slope(times: Floats, values: Floats) -> Floats:
+    """The change per second since the value before, at the time of each value; NaN at the first, and in no time."""
+    steps = np.diff(times, prepend=np.nan)
+    changes = np.diff(values, prepend=np.nan)
+    return np.divide(changes, steps, out=np.full(len(times), np.nan), where=steps > 0)

@@ -1,0 +1,43 @@
+"""Cells with plots, for the tests of their widget."""
+
+from __future__ import annotations
+
+RECORDED = """
+import robowidgets
+recording = robowidgets.open(robowidgets.SAMPLE)
+plot = robowidgets.plot(
+    recording, "/odom.twist.twist.linear.x", "/cmd_vel.twist.linear.x", "/odom.twist.twist.angular.z",
+    marks=recording.find(robowidgets.conditions.touched()),
+)
+plot
+"""
+ARRAYS = """
+from robowidgets import PlotWidget
+plot = PlotWidget(title="by hand", units={"a": "m", "b": "m"})
+plot.set_line("a", [0, 1, 2, 3, 4], [0.0, 0.25, 0.5, 3.0, 1.0])
+plot.set_line("b", [0, 1, 2, 3, 4], [1.0, float("nan"), 1.5, 1.5, -2.0])
+plot
+"""
+FAST = """
+import numpy as np
+from robowidgets import PlotWidget
+plot = PlotWidget(title="1 kHz for an hour", units={"v": "V"})
+seconds = np.arange(3_600_000) / 1000
+values = np.sin(seconds / 100)
+values[1_234_567] = 9.0
+plot.set_line("v", seconds, values)
+plot
+"""
+LIVE = """
+from robowidgets import PlotWidget
+from robowidgets._core.pacer import pacer
+plot = PlotWidget(title="live", units={"v": "m/s", "heading": "rad"})
+for i in range(600):
+    plot.update({"v": (i % 50) / 100, "heading": 3 - i / 100}, time=i / 10)
+plot
+"""
+EMPTY = """
+from robowidgets import PlotWidget
+plot = PlotWidget(title="nothing yet")
+plot
+"""

@@ -1,0 +1,225 @@
+"""What a person sees and does with a plot."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from playwright.sync_api import Browser, Locator, Page, expect
+
+from robowidgets import PlotWidget
+
+from .chromium import LOOKS, shoot
+from .laser import eventually
+from .plain_page import PlainPage
+from .plot import ARRAYS, EMPTY, FAST, LIVE, RECORDED
+
+HOSTILE = "<img src=x onerror=alert(1)>"
+
+
+def x_of(card: Locator, part: float) -> tuple[float, float]:
+    """A place at a part of the width of the first graph."""
+    box = card.locator(".u-over").first.bounding_box()
+    assert box
+    return box["x"] + part * box["width"], box["y"] + box["height"] / 2
+
+
+def value(card: Locator, line: int) -> Locator:
+    """The value of a line in the legend, with its unit."""
+    return card.locator(".rw-plot-value").nth(line)
+
+
+def measures(card: Locator, line: int) -> list[str]:
+    """Least, mean and most of a line in the legend."""
+    return [card.locator(f".rw-plot-{name}").nth(line).inner_text() for name in ("least", "mean", "most")]
+
+
+def drag(page: Page, card: Locator, start: float, end: float) -> None:
+    """Select a span of the first graph, as parts of its width."""
+    page.mouse.move(*x_of(card, start))
+    page.mouse.down()
+    page.mouse.move(*x_of(card, (start + end) / 2))
+    page.mouse.move(*x_of(card, end))
+    page.mouse.up()
+
+
+def ink(card: Locator) -> int:
+    """How many pixels of the graphs are painted."""
+    read = """(card) => [...card.querySelectorAll(".u-wrap canvas")].reduce((sum, canvas) => sum +
+        canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height).data.filter((_, i) => i % 4 === 3)
+        .reduce((count, alpha) => count + (alpha > 0), 0), 0)"""
+    painted: int = card.evaluate(read)
+    return painted
+
+
+@pytest.mark.parametrize(("theme", "scale"), LOOKS)
+def test_lines_and_values_are_readable_at_every_width(
+    plain_page: Callable[..., PlainPage], theme: str, scale: int
+) -> None:
+    nb = plain_page([RECORDED, ARRAYS, FAST, LIVE, EMPTY], run=False, scale=scale, theme=theme)
+    nb.run_all()
+    for width in (320, 560, 1000):
+        nb.resize(width)
+        for i, name in enumerate(("recorded", "arrays", "fast", "live", "empty")):
+            card = nb.widget(i).locator(".rw-card")
+            card.scroll_into_view_if_needed()
+            shoot(card, f"plot-{name}-{theme}-{width}")
+            assert card.evaluate("(card) => card.scrollWidth <= card.clientWidth")
+    recorded = nb.widget(0).locator(".rw-card")
+    expect(recorded.locator(".rw-plot-graph")).to_have_count(2)
+    expect(recorded.locator(".rw-plot-name")).to_have_text(
+        ["/odom.twist.twist.linear.x", "/cmd_vel.twist.linear.x", "/odom.twist.twist.angular.z"]
+    )
+    expect(recorded.locator(".rw-facts")).to_contain_text("3 lines")
+    assert measures(nb.widget(2).locator(".rw-card"), 0)[2] == "9"
+    expect(nb.widget(4).locator(".rw-empty")).to_have_text("waiting for values")
+
+
+def test_the_exact_value_and_time_at_the_pointer_show_while_a_cell_runs(plain_page: Callable[..., PlainPage]) -> None:
+    nb = plain_page([ARRAYS])
+    card = nb.widget(0).locator(".rw-card")
+    expect(value(card, 0)).to_have_text("1 m")
+    with nb.busy():
+        nb.page.mouse.move(*x_of(card, 0.7))
+        expect(value(card, 0)).to_have_text("0.5 m")
+        expect(value(card, 1)).to_have_text("1.5 m")
+        expect(card.locator(".rw-plot-at").first).to_have_text("at 2.000 s")
+        shoot(card, "plot-pointer")
+        nb.page.mouse.move(*x_of(card, 0.3))
+        expect(value(card, 1)).to_have_text("none m")
+        nb.page.mouse.move(0, 0)
+        expect(value(card, 0)).to_have_text("1 m")
+        nb.page.mouse.click(*x_of(card, 0.8))
+        nb.page.mouse.move(0, 0)
+        expect(value(card, 0)).to_have_text("3 m")
+        card.locator(".rw-picture").focus()
+        nb.page.keyboard.press("ArrowLeft")
+        nb.page.keyboard.press("ArrowLeft")
+        expect(value(card, 0)).to_have_text("0.5 m")
+        expect(card.locator(".rw-live")).to_have_text("2.000 s, a 0.5 m, b 1.5 m")
+    eventually(lambda: nb.python("print(plot.time)"), "2.0\n")
+    nb.python("plot.time = 0.5")
+    expect(value(card, 0)).to_have_text("0 m")
+
+
+def test_zooming_measures_what_is_seen_while_a_cell_runs(plain_page: Callable[..., PlainPage]) -> None:
+    nb = plain_page([ARRAYS])
+    card = nb.widget(0).locator(".rw-card")
+    assert measures(card, 0) == ["0", "0.95", "3"]
+    with nb.busy():
+        drag(nb.page, card, 0.2, 0.6)
+        eventually(lambda: measures(card, 0), ["0.25", "0.375", "0.5"])
+        expect(card.locator(".rw-footer")).to_contain_text("seen 0.80 s to 2.40 s")
+        card.get_by_role("button", name="Zoom out").click()
+        expect(card.locator(".rw-footer")).to_contain_text("seen 0.00 s to 3.20 s")
+        nb.page.mouse.dblclick(*x_of(card, 0.5))
+        eventually(lambda: measures(card, 0), ["0", "0.95", "3"])
+    nb.python("plot.view = (3, 4)")
+    eventually(lambda: measures(card, 0), ["1", "2", "3"])
+
+
+def test_each_value_of_an_hour_at_1_khz_shows_when_the_kernel_is_free(plain_page: Callable[..., PlainPage]) -> None:
+    nb = plain_page([FAST])
+    card = nb.widget(0).locator(".rw-card")
+    assert measures(card, 0)[2] == "9"
+    with nb.busy():
+        drag(nb.page, card, 0.3, 0.4)
+        expect(card.locator(".rw-footer")).to_contain_text("finer detail when the kernel is free")
+        assert measures(card, 0)[2] == "9"
+    expect(card.locator(".rw-footer")).not_to_contain_text("finer detail")
+    nb.python("plot.view = (1234.5, 1234.6)")
+    expect(card.locator(".rw-footer")).not_to_contain_text("finer detail")
+    eventually(lambda: nb.python("import numpy; print(len(numpy.frombuffer(plot._detail)) // 4)"), "105\n")
+    nb.python("plot.time = 1234.567")
+    expect(value(card, 0)).to_have_text("9 V")
+    expect(card.locator(".rw-plot-at")).to_have_text("at 1234.567 s")
+
+
+def test_live_values_stand_still_while_frozen_and_are_followed_again(plain_page: Callable[..., PlainPage]) -> None:
+    nb = plain_page([LIVE])
+    card = nb.widget(0).locator(".rw-card")
+    expect(card.locator(".rw-footer")).to_contain_text("seen 29.90 s to 59.90 s")
+    with nb.busy():
+        card.locator(".rw-freeze").click()
+        expect(card.locator(".rw-freeze")).to_have_text("Frozen")
+    eventually(lambda: nb.python("print(plot.paused, plot._frozen_at)"), "True 59.9\n")
+    nb.python("plot.update(v=5.0, heading=0.0, time=70.0); pacer.flush()")
+    expect(card.locator(".rw-facts")).to_contain_text("1\u202f202 values")
+    expect(value(card, 0)).to_have_text("0.49 m/s")
+    expect(card.locator(".rw-footer")).to_contain_text("seen 29.90 s to 59.90 s")
+    card.locator(".rw-picture").focus()
+    nb.page.keyboard.press("Space")
+    expect(value(card, 0)).to_have_text("5 m/s")
+    drag(nb.page, card, 0.2, 0.3)
+    nb.python("plot.update(v=6.0, heading=0.0, time=71.0); pacer.flush()")
+    card.get_by_role("button", name="Follow the newest values").click()
+    expect(value(card, 0)).to_have_text("6 m/s")
+    expect(card.locator(".rw-footer")).to_contain_text("to 1:11.00")
+
+
+def test_new_lines_units_and_errors_show_and_names_are_text(plain_page: Callable[..., PlainPage]) -> None:
+    nb = plain_page([EMPTY])
+    card = nb.widget(0).locator(".rw-card")
+    nb.python(f"plot.update({{{HOSTILE!r}: 1.0}}, time=0.0)\nplot.units = {{{HOSTILE!r}: {HOSTILE!r}}}")
+    expect(card.locator(".rw-plot-name")).to_have_text(HOSTILE)
+    expect(value(card, 0)).to_have_text(f"1 {HOSTILE}")
+    assert card.locator("img").count() == 0
+    nb.python("try: plot.update(v='fast')\nexcept TypeError: pass")
+    expect(card.locator(".rw-notice")).to_contain_text("v: expected a number, got 'fast'.")
+    nb.python("plot.update(v=1, time=1.0)")
+    expect(card.locator(".rw-plot-name")).to_have_text([HOSTILE, "v"])
+    expect(card.locator(".rw-plot-graph")).to_have_count(2)
+
+
+def test_keys_go_from_mark_to_mark(plain_page: Callable[..., PlainPage]) -> None:
+    nb = plain_page([ARRAYS.replace('title="by hand"', 'marks=[(1, 1.5, "near"), (3, 3, "bump")]')])
+    card = nb.widget(0).locator(".rw-card")
+    card.locator(".rw-picture").focus()
+    for key, seconds, text in (("n", "1.0", "near"), ("n", "3.0", "bump"), ("p", "1.0", "near")):
+        nb.page.keyboard.press(key)
+        expect(card.locator(".rw-live")).to_contain_text(text)
+        eventually(lambda: nb.python("print(plot.time)"), f"{seconds}\n")  # noqa: B023
+
+
+def test_a_page_without_a_kernel_reads_and_zooms(browser: Browser, tmp_path: Path) -> None:
+    plot = PlotWidget(title="page", units={"v": "m"})
+    plot.set_line("v", [0, 1, 2, 3, 4], [0.0, 1.0, 2.0, 4.0, 0.0])
+    file = plot.to_html(tmp_path / "plot.html", note="A plot.")
+    plot.close()
+    context = browser.new_context(offline=True)
+    page = context.new_page()
+    complaints: list[str] = []
+    page.on("console", lambda message: complaints.append(message.text))
+    page.on("pageerror", lambda error: complaints.append(error.message))
+    page.goto(file.as_uri())
+    card = page.locator(".rw-plot")
+    expect(value(card, 0)).to_have_text("0 m")
+    assert ink(card) > 1000
+    page.mouse.move(*x_of(card, 0.8))
+    expect(value(card, 0)).to_have_text("4 m")
+    drag(page, card, 0.1, 0.6)
+    eventually(lambda: measures(card, 0), ["1", "1.5", "2"])
+    shoot(page.locator("body"), "plot-page")
+    context.close()
+    assert complaints == []
+
+
+def test_a_png_has_the_lines(plain_page: Callable[..., PlainPage], tmp_path: Path) -> None:
+    nb = plain_page([ARRAYS])
+    path = tmp_path / "plot.png"
+    nb.python(f"saving = plot.save_png({str(path)!r})")
+    eventually(path.exists, True)
+    shoot(nb.widget(0).locator(".rw-card"), "plot-beside-png")
+    dark = """(url) => new Promise((done) => { const image = new Image(); image.onload = () => {
+        const canvas = document.createElement("canvas"); canvas.width = image.width; canvas.height = image.height;
+        const context = canvas.getContext("2d"); context.drawImage(image, 0, 0);
+        const part = context.getImageData(0.2 * image.width, 0.25 * image.height, 0.4 * image.width, 0.4 * image.height);
+        done(part.data.filter((_, i) => i % 4 === 0).reduce((count, red) => count + (red < 60), 0)); };
+        image.src = url; })"""
+    eventually(lambda: nb.python("print(saving)"), f"<{path}: written>\n")
+    import base64
+
+    url = "data:image/png;base64," + base64.b64encode(path.read_bytes()).decode()
+    assert nb.page.evaluate(dark, url) > 200

@@ -1,0 +1,108 @@
+import assert from "node:assert/strict";
+import { test } from "node:test";
+import { PlotData } from "../../robowidgets/js/plot/data.ts";
+import { decodePlot, type Rows } from "../../robowidgets/js/plot/frame.ts";
+import { toDigits, toGroups } from "../../robowidgets/js/plot/groups.ts";
+import { measure, merged, readingAt, timeBeside } from "../../robowidgets/js/plot/rows.ts";
+import { follows, type Looking, seen, wholeOf } from "../../robowidgets/js/plot/span.ts";
+import { FakeModel } from "./models.ts";
+
+function rowsOf(times: number[], values: number[], counts = values.map((v) => Number(!Number.isNaN(v)))): Rows {
+  const sums = values.map((value) => value || 0);
+  const [one, two, three, four] = [times, values, counts, sums].map((column) => new Float64Array(column));
+  return { total: times.length, times: one, values: two, counts: three, sums: four } as Rows;
+}
+
+/** The bytes of a frame, as `robowidgets/plotting/frame.py` packs them. */
+function packed(edition: number, span: number[], columns: number, total: number, rows: Rows): DataView {
+  const { times, values, counts, sums } = rows;
+  const head = [edition, 0, 100, ...span, columns, 1, total, times.length];
+  return new DataView(new Float64Array([...head, ...times, ...values, ...counts, ...sums]).buffer);
+}
+
+const LINE = rowsOf([0, 1, 2, 3.5, 5], [4, NaN, -1, NaN, 2], [1, 0, 1, -1, 1]);
+
+test("a reading is the last value up to a time, at its own time, and never interpolated", () => {
+  assert.deepEqual(readingAt(LINE, 0.99), { time: 0, value: 4 });
+  assert.deepEqual(readingAt(LINE, 1.5), { time: 1, value: NaN });
+  assert.deepEqual(readingAt(LINE, 4.9), { time: 2, value: -1 });
+  assert.deepEqual(readingAt(LINE, 5), { time: 5, value: 2 });
+  assert.equal(readingAt(LINE, -0.1), null);
+});
+
+test("steps go from value to value, over gaps too, and not to a silence", () => {
+  assert.equal(timeBeside(LINE, 0, 1), 1);
+  assert.equal(timeBeside(LINE, 2, 1), 5);
+  assert.equal(timeBeside(LINE, 5, -1), 2);
+  assert.equal(timeBeside(LINE, 5, -10), 0);
+  assert.equal(timeBeside(LINE, 5, 1), undefined);
+});
+
+test("least, mean and most are of what is seen, and of the values too that the page does not have", () => {
+  assert.deepEqual(measure(LINE, [0, 5]), { least: -1, mean: 5 / 3, most: 4 });
+  assert.deepEqual(measure(LINE, [1.5, 5]), { least: -1, mean: 0.5, most: 2 });
+  assert.equal(measure(LINE, [2.5, 4]), null);
+  assert.equal(measure(LINE, [1, 1]), null);
+  const thin: Rows = { ...rowsOf([0, 10], [1, 3]), counts: new Float64Array([1, 9]), sums: new Float64Array([1, 39]) };
+  assert.deepEqual(measure(thin, [0, 10]), { least: 1, mean: 4, most: 3 });
+});
+
+test("the part that is known finely takes the place of the coarse one", () => {
+  const part = rowsOf([2.5, 3, 3.2, 3.4, 4.5], [9, 5, 6, 7, 9]);
+  const { times, values } = merged(rowsOf([0, 2, 3.1, 5], [0, 2, 3, 5]), part, [3, 4]);
+  assert.deepEqual([...times], [0, 2, 3, 3.2, 3.4, 5]);
+  assert.deepEqual([...values], [0, 2, 5, 6, 7, 5]);
+});
+
+test("the newest seconds are on show while values come, until a person looks at a span or freezes", () => {
+  const live: Looking = { whole: [0, 100], view: null, live: true, window: 30, frozenAt: null };
+  assert.deepEqual(seen(live), [70, 100]);
+  assert.equal(follows(live), true);
+  assert.deepEqual(seen({ ...live, window: 300 }), [0, 100]);
+  assert.deepEqual(seen({ ...live, window: null }), [0, 100]);
+  assert.deepEqual(seen({ ...live, frozenAt: 50 }), [20, 50]);
+  assert.deepEqual(wholeOf({ ...live, frozenAt: 50 }), [0, 50]);
+  assert.equal(follows({ ...live, frozenAt: 50 }), false);
+  assert.deepEqual(seen({ ...live, view: [3, 4] }), [3, 4]);
+  assert.deepEqual(seen({ ...live, live: false }), [0, 100]);
+  assert.deepEqual(seen({ ...live, whole: [2, 2] }), [2, 3]);
+});
+
+test("lines of one unit share a graph, told apart by their pens, whatever their names", () => {
+  const groups = toGroups(["a", "toString", "b", "c"], { a: "m", b: "m", c: "s" });
+  assert.deepEqual(
+    groups.map(({ unit, entries }) => [unit, entries.map(({ index }) => index)]),
+    [
+      ["m", [0, 2]],
+      ["", [1]],
+      ["s", [3]],
+    ],
+  );
+  const pens = toGroups([..."abcdefgh"], {})[0]?.entries.map(({ pen }) => pen.dash.join());
+  assert.equal(new Set(pens).size, 8);
+});
+
+test("a number has a real minus sign, and no digits of rounding", () => {
+  assert.equal(toDigits(0.30000001192, 7), "0.3");
+  assert.equal(toDigits(-12.5, 4), "\u221212.5");
+  assert.equal(toDigits(NaN, 4), "NaN");
+});
+
+test("a part is asked for only where all of the line does not show each value, and one of other lines is not taken", () => {
+  const model = new FakeModel({ _frame: packed(1, [0, 100], 10, 3, rowsOf([0, 50, 100], [1, 2, 3])) });
+  const data = new PlotData(model.model, new AbortController().signal);
+  assert.equal(data.lacks([0, 1], 500), false);
+  model.receive({ _frame: packed(1, [0, 100], 10, 9999, rowsOf([0, 50, 100], [1, 2, 3])) });
+  assert.equal(data.lacks([0, 100], 10), false);
+  assert.equal(data.lacks([0, 10], 10), true);
+  model.receive({ _detail: packed(1, [0, 10], 10, 9999, rowsOf([0, 5], [7, 8])) });
+  assert.equal(data.lacks([0, 10], 10), false);
+  assert.equal(data.lacks([0, 10], 20), true);
+  assert.deepEqual([...(data.lines[0]?.values ?? [])], [7, 8, 2, 3]);
+  model.receive({ _frame: packed(2, [0, 100], 10, 9999, rowsOf([0, 50, 100], [1, 2, 3])) });
+  assert.deepEqual([...(data.lines[0]?.values ?? [])], [1, 2, 3]);
+});
+
+test("nothing is no frame", () => {
+  assert.equal(decodePlot(new DataView(new ArrayBuffer(0))), null);
+});
