@@ -69,7 +69,11 @@ def _columns(source: RecordingData | TimeSlice, field: str) -> Iterable[tuple[st
     if inner:
         part = part[[inner]]
     types = part.types
-    numbers = [name for name in part.names if types[name].startswith(_NUMBERS) and (name.endswith("]") or not types[name].endswith("]"))]
+    numbers = [
+        name
+        for name in part.names
+        if types[name].startswith(_NUMBERS) and (name.endswith("]") or not types[name].endswith("]"))
+    ]
     if not numbers or (not inner and len(numbers) > MOST_LINES):
         has = ", ".join(f"{topic}.{name}" for name in numbers) or ", ".join(f"{n} ({t})" for n, t in types.items())
         raise TypeError(f"plot(): {field!r} is not one number; there are {has}")

@@ -26,7 +26,7 @@ from ._core.time_traits import Marks, TimeSpan
 from ._core.timed_frame import TimedFrame
 from ._core.traits import Flag, bytes_trait
 from .plotting.frame import Lines, ends, pack
-from .plotting.line import Line, checked
+from .plotting.line import GrowingLine, checked
 from .samples.checks import finite
 
 MOST_LINES = 8
@@ -114,7 +114,7 @@ class PlotWidget(NamedWidget):
     )
 
     def __init__(self, **kwargs: Any) -> None:
-        self._lines: dict[str, Line] = {}
+        self._lines: dict[str, GrowingLine] = {}
         self._lock, self._send_lock = threading.Lock(), threading.RLock()
         self._began: float | None = None
         self._is_live = self._is_new = False
@@ -136,7 +136,7 @@ class PlotWidget(NamedWidget):
             TypeError: something is no number. ValueError: shapes that do not fit, times that go back, or more than
                 eight lines.
         """
-        line = Line(*checked(_name(name), seconds, values))
+        line = GrowingLine(*checked(_name(name), seconds, values))
         with self._lock:
             self._room_for((name,))
             self._lines[name] = line
@@ -300,14 +300,14 @@ class PlotWidget(NamedWidget):
                 self._began = now
             seconds = now - self._began if given is None else given
             for name in numbers:
-                times = self._lines[name].times if name in self._lines else ()
-                if len(times) and times[-1] > seconds:
+                times = self._lines.get(name, GrowingLine()).times
+                if times.size and times[-1] > seconds:
                     raise ValueError(
                         f"time: {seconds:g} s is before the last value of {name!r}, at {times[-1]:g} s; "
                         "clear() starts anew"
                     )
             for name, number in numbers.items():
-                self._lines.setdefault(name, Line()).append(seconds, number)
+                self._lines.setdefault(name, GrowingLine()).append(seconds, number)
             self._is_live = self._is_new = True
             self._error = ""
         pacer.mark(self)

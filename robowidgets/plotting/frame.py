@@ -7,8 +7,8 @@ from math import inf
 
 import numpy as np
 
+from ._thin import thinned
 from .line import Floats
-from .thin import Rows, thinned
 
 _FLOAT = np.dtype("<f8")
 
@@ -27,6 +27,6 @@ def pack(edition: int, lines: Lines, span: tuple[float, float], columns: int) ->
     """The lines as they show a span in so many columns."""
     parts = [np.array([edition, *ends(lines), *span, columns, len(lines)], _FLOAT)]
     for times, values in lines:
-        rows: Rows = thinned(times, values, *span, columns)
+        rows = thinned(times, values, *span, columns)
         parts += [np.array([len(times), len(rows.times)], _FLOAT), *(column.astype(_FLOAT) for column in rows)]
     return b"".join(part.tobytes() for part in parts)

@@ -15,7 +15,7 @@ _FIRST_ROOM = 256
 Floats = NDArray[np.float64]
 
 
-class Line:
+class GrowingLine:
     """Numbers over time in seconds, in the order of time. The widget holds its lock during each call.
 
     What is not finite is a gap: NaN.
@@ -91,4 +91,5 @@ def slope(times: Floats, values: Floats) -> Floats:
     """The change per second since the value before, at the time of each value; NaN at the first, and in no time."""
     steps = np.diff(times, prepend=np.nan)
     changes = np.diff(values, prepend=np.nan)
-    return np.divide(changes, steps, out=np.full(len(times), np.nan), where=steps > 0)
+    slopes: Floats = np.divide(changes, steps, out=np.full(len(times), np.nan), where=steps > 0)
+    return slopes

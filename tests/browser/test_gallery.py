@@ -82,6 +82,27 @@ def test_picture_of_sonars(plain_page: Callable[..., PlainPage], theme: Literal[
     shoot(card, f"gallery-sonar-{theme}")
 
 
+PLOT = """
+import robowidgets
+from robowidgets import conditions
+
+recording = robowidgets.open(robowidgets.SAMPLE)
+fields = ("/odom.twist.twist.linear.x", "/cmd_vel.twist.linear.x", "/odom.twist.twist.angular.z")
+plot = robowidgets.plot(recording, *fields, marks=recording.find(conditions.touched()), title="sample")
+plot.time = 33.2
+plot
+"""
+
+
+@every_theme
+def test_picture_of_a_plot(plain_page: Callable[..., PlainPage], theme: Literal["light", "dark"]) -> None:
+    nb = plain_page([PLOT], scale=2, theme=theme)
+    nb.resize(860)
+    card = nb.widget(0).locator(".rw-card")
+    expect(card.locator(".rw-plot-at").first).to_have_text("at 33.200 s")
+    shoot(card, f"gallery-plot-{theme}")
+
+
 FOUND = """
 import robowidgets
 from ipywidgets import VBox

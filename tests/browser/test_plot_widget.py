@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import re
+import base64
 from collections.abc import Callable
 from pathlib import Path
 
@@ -180,7 +180,7 @@ def test_keys_go_from_mark_to_mark(plain_page: Callable[..., PlainPage]) -> None
     for key, seconds, text in (("n", "1.0", "near"), ("n", "3.0", "bump"), ("p", "1.0", "near")):
         nb.page.keyboard.press(key)
         expect(card.locator(".rw-live")).to_contain_text(text)
-        eventually(lambda: nb.python("print(plot.time)"), f"{seconds}\n")  # noqa: B023
+        eventually(lambda: nb.python("print(plot.time)"), f"{seconds}\n")
 
 
 def test_a_page_without_a_kernel_reads_and_zooms(browser: Browser, tmp_path: Path) -> None:
@@ -215,11 +215,10 @@ def test_a_png_has_the_lines(plain_page: Callable[..., PlainPage], tmp_path: Pat
     dark = """(url) => new Promise((done) => { const image = new Image(); image.onload = () => {
         const canvas = document.createElement("canvas"); canvas.width = image.width; canvas.height = image.height;
         const context = canvas.getContext("2d"); context.drawImage(image, 0, 0);
-        const part = context.getImageData(0.2 * image.width, 0.25 * image.height, 0.4 * image.width, 0.4 * image.height);
+        const { width, height } = image;
+        const part = context.getImageData(0.2 * width, 0.25 * height, 0.4 * width, 0.4 * height);
         done(part.data.filter((_, i) => i % 4 === 0).reduce((count, red) => count + (red < 60), 0)); };
         image.src = url; })"""
     eventually(lambda: nb.python("print(saving)"), f"<{path}: written>\n")
-    import base64
-
     url = "data:image/png;base64," + base64.b64encode(path.read_bytes()).decode()
     assert nb.page.evaluate(dark, url) > 200

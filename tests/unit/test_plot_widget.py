@@ -15,9 +15,9 @@ import traitlets
 import robowidgets
 from robowidgets import PlotWidget
 from robowidgets.plotting import line as lines
+from robowidgets.plotting._thin import ThinRows, thinned
 from robowidgets.plotting.frame import pack
-from robowidgets.plotting.line import Line, slope
-from robowidgets.plotting.thin import Rows, thinned
+from robowidgets.plotting.line import GrowingLine, slope
 from robowidgets.recordings import RecordingError
 
 
@@ -28,20 +28,20 @@ def plot() -> Iterator[PlotWidget]:
     widget.close()
 
 
-def rows_of(frame: bytes) -> list[tuple[int, Rows]]:
+def rows_of(frame: bytes) -> list[tuple[int, ThinRows]]:
     """The number of values of each line in a frame, and its rows."""
     numbers = np.frombuffer(frame, "<f8")
     found, at = [], 7
     for _ in range(int(numbers[6])):
         total, count = map(int, numbers[at : at + 2])
         columns = numbers[at + 2 : at + 2 + 4 * count].reshape(4, count)
-        found.append((total, Rows(*columns)))
+        found.append((total, ThinRows(*columns)))
         at += 2 + 4 * count
     assert at == len(numbers)
     return found
 
 
-def sent(plot: PlotWidget) -> list[tuple[int, Rows]]:
+def sent(plot: PlotWidget) -> list[tuple[int, ThinRows]]:
     """What a new page gets of all lines."""
     return rows_of(plot.get_state()["_frame"])
 
@@ -197,7 +197,7 @@ def test_the_newest_of_a_long_line_comes_with_each_value_as_long_as_it_is_follow
 
 def test_the_oldest_values_go_when_there_are_too_many(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(lines, "MOST_VALUES", 1000)
-    line = Line()
+    line = GrowingLine()
     for i in range(1500):
         line.append(i, i)
     assert line.times[-1] == 1499
@@ -315,7 +315,11 @@ def test_a_part_of_a_recording_and_a_derivative_can_be_plotted() -> None:
     ("fields", "kind", "text"),
     [
         ((), TypeError, r"plot\(\) needs a field, as plot\(recording, "),
-        (("/odom.twist.twist.linar.x",), KeyError, r"no field 'twist.twist.linar.x'; did you mean 'twist.twist.linear.x'"),
+        (
+            ("/odom.twist.twist.linar.x",),
+            KeyError,
+            r"no field 'twist.twist.linar.x'; did you mean 'twist.twist.linear.x'",
+        ),
         (("/odm.twist",), RecordingError, r"no topic '/odm'"),
         (("/odom",), TypeError, r"'/odom' is not one number; there are /odom.pose.pose.position.x, "),
         (("/odom.child_frame_id",), TypeError, r"is not one number; there are child_frame_id \(string\)"),

@@ -18,7 +18,7 @@ _STEPS = 1000
 """Steps of time among which the usual one is found."""
 
 
-class Rows(NamedTuple):
+class ThinRows(NamedTuple):
     """Values of a line at their own times, and what lies between them.
 
     ``counts`` and ``sums`` are of the finite values after the row before, up to this one. A row of count -1 is no
@@ -31,7 +31,7 @@ class Rows(NamedTuple):
     sums: Floats
 
 
-def thinned(times: Floats, values: Floats, start: float, end: float, columns: int) -> Rows:
+def thinned(times: Floats, values: Floats, start: float, end: float, columns: int) -> ThinRows:
     """What shows a line in so many columns from one time to another, with a value beyond each end.
 
     Values are never made up: each is one of the line at its own time, and none of the extremes is missing. With up to
@@ -41,13 +41,13 @@ def thinned(times: Floats, values: Floats, start: float, end: float, columns: in
     high = min(len(times), int(np.searchsorted(times, end, "right")) + 1)
     kept = low + _kept(times[low:high], values[low:high], start, end, columns)
     if not kept.size:
-        return Rows(*np.empty((4, 0)))
+        return ThinRows(*np.empty((4, 0)))
     part = values[kept[0] : kept[-1] + 1]
     finite = np.isfinite(part)
     firsts = np.concatenate(([0], kept[:-1] + 1 - kept[0]))
     counts = np.add.reduceat(finite.astype(np.float64), firsts)
     sums = np.add.reduceat(np.where(finite, part, 0.0), firsts)
-    return _broken(times, kept, Rows(times[kept], values[kept], counts, sums))
+    return _broken(times, kept, ThinRows(times[kept], values[kept], counts, sums))
 
 
 def _kept(times: Floats, values: Floats, start: float, end: float, columns: int) -> NDArray[np.int64]:
@@ -73,12 +73,17 @@ def _extremes(values: Floats) -> tuple[int, ...]:
     return least, int(np.nanargmin(values)), int(np.nanargmax(values))
 
 
-def _broken(times: Floats, kept: NDArray[np.int64], rows: Rows) -> Rows:
+def _broken(times: Floats, kept: NDArray[np.int64], rows: ThinRows) -> ThinRows:
     """The rows with one more in each silence of the line, of which both ends are kept."""
     longest = LIVE.after(usual_step(times[-_STEPS:]))
     breaks = np.flatnonzero((np.diff(kept) == 1) & (np.diff(rows.times) > longest))
     if not breaks.size:
         return rows
     middle = (rows.times[breaks] + rows.times[breaks + 1]) / 2
-    added = (middle, np.nan, -1.0, 0.0)
-    return Rows(*(np.insert(column, breaks + 1, new) for column, new in zip(rows, added, strict=True)))
+    at = breaks + 1
+    return ThinRows(
+        np.insert(rows.times, at, middle),
+        np.insert(rows.values, at, np.nan),
+        np.insert(rows.counts, at, -1.0),
+        np.insert(rows.sums, at, 0.0),
+    )
