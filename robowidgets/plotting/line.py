@@ -70,7 +70,8 @@ def checked(name: str, seconds: ArrayLike, values: ArrayLike) -> tuple[Floats, F
     if back.size:
         at = int(back[0]) + 1
         raise ValueError(
-            f"{name}: expected times in order, but index {at} is {times[at]:g} s, after {times[at - 1]:g} s; sort them first"
+            f"{name}: expected times in order, but index {at} is {times[at]:g} s, after {times[at - 1]:g} s; "
+            "sort them first"
         )
     return times, np.where(np.isfinite(numbers), numbers, np.nan)
 

@@ -352,3 +352,9 @@ def test_a_page_has_the_values_and_is_written_again_after_more_came(plot: PlotWi
     plot.update(v=2.0, time=1.0)
     assert plot.to_html(tmp_path / "plot.html").read_text(encoding="utf-8") != first
     assert len(sent(plot)[0][1].times) == 2
+
+
+def test_the_licence_of_what_draws_the_lines_comes_with_its_code() -> None:
+    script = (Path(robowidgets.__file__).parent / "static" / "plot_widget.js").read_text(encoding="utf-8")
+    assert "Copyright (c) 2022 Leon Sorokin" in script
+    assert "THE SOFTWARE IS PROVIDED" in script
