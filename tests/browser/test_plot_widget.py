@@ -142,8 +142,8 @@ def test_live_values_stand_still_while_frozen_and_are_followed_again(plain_page:
     card = nb.widget(0).locator(".rw-card")
     expect(card.locator(".rw-footer")).to_contain_text("seen 29.90 s to 59.90 s")
     with nb.busy():
-        card.locator(".rw-freeze").click()
-        expect(card.locator(".rw-freeze")).to_have_text("Frozen")
+        card.locator(".rw-plot-freeze").click()
+        expect(card.locator(".rw-plot-freeze")).to_have_text("Frozen")
     eventually(lambda: nb.python("print(plot.paused, plot._frozen_at)"), "True 59.9\n")
     nb.python("plot.update(v=5.0, heading=0.0, time=70.0); pacer.flush()")
     expect(card.locator(".rw-facts")).to_contain_text("1\u202f202 values")

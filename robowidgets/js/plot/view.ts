@@ -68,7 +68,7 @@ export class PlotView {
     this.#all = makeButton("", "Show all of it (0, double click)", () => this.onReset(), signal, "All");
     const toNewest = () => setTraits(model, { view: null, window: model.get("window") ?? 30 });
     this.#follow = makeButton("", "Follow the newest values", toNewest, signal, "Newest");
-    this.#freeze = makeButton("rw-freeze", "", () => this.#toggle(), signal);
+    this.#freeze = makeButton("rw-plot-freeze", "", () => this.#toggle(), signal);
     controls.append(this.#follow, farther, closer, this.#all, this.#freeze);
     offerPng(this.#card, model, signal);
     onChange(
