@@ -278,7 +278,7 @@ def test_closing_sends_zero_first_if_a_speed_still_holds(driven: Driven) -> None
     script.close = lambda: closed_before.append(list(script.speeds))  # type: ignore[method-assign]
     feed.close()
     assert closed_before == [[(0.3, 0.0), (0.0, 0.0)]]
-    assert _driving_threads() == []
+    wait_for(lambda: _driving_threads() == [], "the thread ends")
     feed.stop()
     with pytest.raises(FeedError, match="the feed of the script is closed: open it again"):
         feed.drive(0.1)
