@@ -1,6 +1,6 @@
 import assert from "node:assert/strict";
 import { mock, test } from "node:test";
-import { throttle } from "../../robowidgets/js/shared/schedule.ts";
+import { Texts, throttle } from "../../robowidgets/js/shared/schedule.ts";
 
 function open() {
   mock.timers.enable({ apis: ["setTimeout"] });
@@ -44,5 +44,52 @@ test("after the end nobody is heard", () => {
   mock.timers.tick(1000);
   ask();
   assert.deepEqual(calls, [1]);
+  close();
+});
+
+function openTexts() {
+  mock.timers.enable({ apis: ["setTimeout"] });
+  let now = 1000;
+  const clock = mock.method(performance, "now", () => now);
+  const end = new AbortController();
+  const texts = new Texts(end.signal);
+  const written: number[] = [];
+  const write = () => written.push(now - 1000);
+  const pass = (ms: number) => {
+    now += ms;
+    mock.timers.tick(ms);
+  };
+  const close = () => {
+    clock.mock.restore();
+    mock.timers.reset();
+  };
+  return { texts, write, written, pass, end: () => end.abort(), close };
+}
+
+test("texts are written at the end of a drawing, ten times a second, and never between two of a flood", () => {
+  const { texts, write, written, pass, close } = openTexts();
+  for (let i = 0; i < 12; i++) {
+    texts.ask(write);
+    assert.ok(!written.includes(25 * i), "before the picture is painted");
+    texts.write(false);
+    pass(25);
+  }
+  assert.deepEqual(written, [0, 100, 200]);
+  pass(1000);
+  assert.equal(written.length, 4, "the last one is heard when the flood ends");
+  close();
+});
+
+test("a drawing for another size writes at once, and after the end nothing is written", () => {
+  const { texts, write, written, pass, end, close } = openTexts();
+  for (const isNow of [false, true]) {
+    texts.ask(write);
+    texts.write(isNow);
+  }
+  assert.deepEqual(written, [0, 0]);
+  texts.ask(write);
+  end();
+  pass(1000);
+  assert.deepEqual(written, [0, 0]);
   close();
 });
