@@ -1,12 +1,15 @@
-"""`robowidgets.plot`: fields of a recording over time, in one call."""
+"""`robowidgets.plot`: fields of a recording or of a running robot over time, in one call."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+import re
+from collections.abc import Collection, Iterable, Sequence
 from typing import Any
 
 import numpy as np
 
+from .feeds.feed import Feed
+from .messages.fields import describe, get
 from .plot_widget import MOST_LINES, PlotWidget
 from .plotting.line import Floats, slope
 from .plotting.units import unit_of
@@ -17,20 +20,25 @@ _EXAMPLE = 'plot(recording, "/odom.twist.twist.linear.x")'
 _NUMBERS = ("int", "uint", "float", "bool")
 
 
-def plot(source: RecordingData | TimeSlice, *fields: str, derivative: bool = False, **options: Any) -> PlotWidget:
-    """Fields of a recording over its time: any number of any topic, each under its name.
+def plot(
+    source: RecordingData | TimeSlice | Feed, *fields: str, derivative: bool = False, **options: Any
+) -> PlotWidget:
+    """Fields of a recording, or of a running robot, over time: any number of any topic, each under its name.
 
     Args:
-        source: a recording, or a part of it: ``recording[2:5]``.
+        source: a recording, or a part of it: ``recording[2:5]``; or a feed, of which each message is taken from now on,
+            in seconds since the first one came.
         *fields: a topic with a field, such as ``"/odom.twist.twist.linear.x"``; all numbers in it, where the field
-            holds several: ``"/imu.angular_velocity"``. Up to eight numbers in all.
-        derivative: whether the change per second of each is shown, too, as ``"d/dt /odom.twist.twist.linear.x"``.
+            holds several: ``"/imu.angular_velocity"``. Up to eight numbers in all. Of a feed, each is one number, and
+            the topic may appear later.
+        derivative: of a recording, whether the change per second of each is shown, too, as
+            ``"d/dt /odom.twist.twist.linear.x"``.
         **options: keywords of `PlotWidget`. Units that they name hold instead of those of the definition.
 
     Raises:
         UnknownTopicError: the recording has no such topic, or its messages cannot be read.
         KeyError: the messages have no such field; the text names the nearest ones.
-        TypeError: no recording, no field, or a field that is no number.
+        TypeError: neither a recording nor a feed, no field, or a field that is no number.
         ValueError: more than eight numbers.
 
     Example:
@@ -39,10 +47,17 @@ def plot(source: RecordingData | TimeSlice, *fields: str, derivative: bool = Fal
         >>> robowidgets.plot(recording, "/odom.twist.twist.linear.x", "/cmd_vel.twist.linear.x").names
         ('/odom.twist.twist.linear.x', '/cmd_vel.twist.linear.x')
     """
-    if not isinstance(source, (RecordingData, TimeSlice)):
-        raise TypeError(f"plot() takes a recording and fields, as {_EXAMPLE}; got {source!r}")
+    if not isinstance(source, (RecordingData, TimeSlice, Feed)):
+        raise TypeError(f"plot() takes a recording or a feed, and fields, as {_EXAMPLE}; got {source!r}")
     if not fields:
         raise TypeError(f"plot() needs a field, as {_EXAMPLE}")
+    for field in fields:
+        if not isinstance(field, str):
+            raise TypeError(f"plot(): expected a topic with a field, like '/odom.twist.twist.linear.x', got {field!r}")
+    if isinstance(source, Feed):
+        if derivative:
+            raise TypeError("plot(): derivative is for recordings; plot.update() takes what a function works out")
+        return _live(source, fields, options)
     columns = {name: column for field in fields for name, column in _columns(source, field)}
     if len(columns) * (1 + derivative) > MOST_LINES:
         raise ValueError(f"plot(): expected at most {MOST_LINES} lines, got {', '.join(columns)}")
@@ -51,8 +66,7 @@ def plot(source: RecordingData | TimeSlice, *fields: str, derivative: bool = Fal
     if derivative:
         units |= {f"d/dt {name}": _per_second(unit) for name, unit in units.items()}
         lines |= {f"d/dt {name}": (seconds, slope(seconds, values)) for name, (seconds, values) in lines.items()}
-    given = options.pop("units", {})
-    widget = PlotWidget(**{"title": ", ".join(dict.fromkeys(map(_short, fields))), **options, "units": units | given})
+    widget = _widget(fields, units, options)
     for name, (seconds, values) in lines.items():
         widget.set_line(name, seconds, values)
     return widget
@@ -60,12 +74,8 @@ def plot(source: RecordingData | TimeSlice, *fields: str, derivative: bool = Fal
 
 def _columns(source: RecordingData | TimeSlice, field: str) -> Iterable[tuple[str, tuple[Floats, Floats, str]]]:
     """Name, times, values and unit of each number in a field of a topic."""
-    if not isinstance(field, str):
-        raise TypeError(f"plot(): expected a topic with a field, like '/odom.twist.twist.linear.x', got {field!r}")
-    names = sorted((topic.name for topic in source.topics), key=len, reverse=True)
-    topic = next((name for name in names if field == name or field.startswith(f"{name}.")), field.partition(".")[0])
+    topic, inner = _split(field, [one.name for one in source.topics])
     part = source.fields(topic)
-    inner = field[len(topic) + 1 :]
     if inner:
         part = part[[inner]]
     types = part.types
@@ -83,6 +93,84 @@ def _columns(source: RecordingData | TimeSlice, field: str) -> Iterable[tuple[st
     for name in numbers:
         values = table.get(name, table.get(f"{name}_"))
         yield f"{topic}.{name}", (seconds, np.ma.filled(np.ma.asarray(values, np.float64), np.nan), unit_of(kind, name))
+
+
+def _live(feed: Feed, fields: Sequence[str], options: dict[str, Any]) -> PlotWidget:
+    """A plot to which each message adds its numbers."""
+    known = [topic.name for topic in feed.topics]
+    paths: dict[str, dict[str, str]] = {}
+    for field in fields:
+        topic, inner = _split(field, known)
+        if not inner:
+            raise TypeError(f"plot(): expected a field of {topic}, like '/odom.twist.twist.linear.x', got {field!r}")
+        paths.setdefault(topic, {})[field] = inner
+    if len(set(fields)) > MOST_LINES:
+        raise ValueError(f"plot(): expected at most {MOST_LINES} lines, got {', '.join(fields)}")
+    units = {name: unit for inner in paths.values() for name, path in inner.items() if (unit := unit_of("", path))}
+    widget = _widget(fields, units, options)
+    start = _Start()
+    for topic, names in paths.items():
+        feed.connect(topic, _Adder(feed, widget, topic, names, start), raw=True, each=True)
+    return widget
+
+
+class _Start:
+    """The time of the first message of any topic, in nanoseconds since the epoch."""
+
+    time_ns: int | None = None
+
+
+class _Adder:
+    """Adds the numbers in each message of a topic to a plot, until that is closed."""
+
+    def __init__(self, feed: Feed, plot: PlotWidget, topic: str, paths: dict[str, str], start: _Start) -> None:
+        self._feed, self._plot, self._topic, self._paths, self._start = feed, plot, topic, paths, start
+
+    def __call__(self, message: Any, time_ns: int) -> None:
+        if self._plot.comm is None:
+            self._feed.disconnect(self._topic, self)
+            return
+        if self._start.time_ns is None:
+            self._start.time_ns = time_ns
+        seconds = max(0.0, (time_ns - self._start.time_ns) / 1e9)
+        try:
+            numbers = {name: _number_at(message, path, name) for name, path in self._paths.items()}
+        except (TypeError, ValueError) as error:
+            self._plot.refuse(error, self._paths)
+        else:
+            self._plot.update(numbers, time=seconds)
+
+
+def _number_at(message: Any, path: str, name: str) -> Any:
+    """The value of a field of a message, which may be one of an array: ``covariance[7]``."""
+    value, so_far = message, ""
+    for part in path.split("."):
+        array, index = re.fullmatch(r"(.*?)(?:\[(\d+)\])?", part).groups()  # type: ignore[union-attr]
+        inner = get(value, array, _MISSING)
+        if inner is _MISSING:
+            raise ValueError(f"{name}: no field {part!r}; {so_far or 'the message'} is {describe(value)}")
+        if index is not None:
+            if not hasattr(inner, "__len__") or int(index) >= len(inner):
+                raise ValueError(f"{name}: no {part!r} in the message; its arrays are shorter")
+            inner = inner[int(index)]
+        value, so_far = inner, part
+    return value
+
+
+_MISSING = object()
+
+
+def _widget(fields: Iterable[str], units: dict[str, str], options: dict[str, Any]) -> PlotWidget:
+    """A plot with the units of its fields, and the title and units that were given."""
+    title = ", ".join(dict.fromkeys(map(_short, fields)))
+    return PlotWidget(**{"title": title, **options, "units": units | options.get("units", {})})
+
+
+def _split(field: str, known: Collection[str]) -> tuple[str, str]:
+    """The topic of a name, which may have points itself, and the field."""
+    names = sorted(known, key=len, reverse=True)
+    topic = next((name for name in names if field == name or field.startswith(f"{name}.")), field.partition(".")[0])
+    return topic, field[len(topic) + 1 :]
 
 
 def _short(field: str) -> str:

@@ -121,6 +121,8 @@ class PlotWidget(NamedWidget):
         self._edition = 0
         self._due = 0.0
         self._error = self._png_error = ""
+        self._refused: set[Any] = set()
+        """The names of the lines that the error is about."""
         self._png = Png(self, self._set_png_error)
         super().__init__(**kwargs)
 
@@ -166,7 +168,19 @@ class PlotWidget(NamedWidget):
             refuse_unnamed("update", unnamed, _BY_NAME)
             self._add({**_mapping(values), **named}, time)
         except (TypeError, ValueError) as error:
-            self._refuse(error)
+            self.refuse(error, {**(values if isinstance(values, Mapping) else {}), **named})
+
+    def refuse(self, error: Exception, names: Iterable[Any] = ()) -> None:
+        """Show why a value could not be shown, until one of these lines gets another, or any line where there are none.
+
+        In a cell the error is raised, in a callback it is logged.
+        """
+        with self._lock:
+            self._error, self._refused = f"{error}.", set(names)
+        pacer.mark(self)
+        if called_from_cell():
+            raise error from None
+        self._log_once(f"a value could not be shown: {error}")
 
     def clear(self, *names: str) -> None:
         """Remove lines by their names, or all of them.
@@ -183,6 +197,7 @@ class PlotWidget(NamedWidget):
             self._is_new = True
             if not self._lines:
                 self._began, self._is_live = None, False
+                self._error, self._refused = "", set()
         pacer.mark(self)
 
     @property
@@ -309,22 +324,14 @@ class PlotWidget(NamedWidget):
             for name, number in numbers.items():
                 self._lines.setdefault(name, GrowingLine()).append(seconds, number)
             self._is_live = self._is_new = True
-            self._error = ""
+            if not self._refused or self._refused & numbers.keys():
+                self._error, self._refused = "", set()
         pacer.mark(self)
 
     def _room_for(self, names: Iterable[str]) -> None:
         count = len({*self._lines, *names})
         if count > MOST_LINES:
             raise ValueError(f"expected at most {MOST_LINES} lines, got {count}; clear(name) removes one")
-
-    def _refuse(self, error: Exception) -> None:
-        """Show why a value could not be shown; then raise the error in a cell, and log it in a callback."""
-        with self._lock:
-            self._error = f"{error}."
-        pacer.mark(self)
-        if called_from_cell():
-            raise error from None
-        self._log_once(f"a value could not be shown: {error}")
 
     def _set_png_error(self, error: str) -> None:
         self._png_error = error

@@ -6,8 +6,8 @@ import re
 
 _UNITS = (
     (r"linear_acceleration\.[xyz]", "m/s²"),
-    (r"angular_velocity\.[xyz]|angular\.[xyz]", "rad/s"),
-    (r"linear\.[xyz]|speed", "m/s"),
+    (r"angular_velocity\.[xyz]|angular(\.[xyz]|\[\d\])", "rad/s"),
+    (r"linear(\.[xyz]|\[\d\])|speed", "m/s"),
     (r"position\.[xyz]|translation\.[xyz]|range|min_range|max_range|range_min|range_max|ranges\[\d+\]", "m"),
     (r"steering_angle|angle_min|angle_max|angle_increment|field_of_view|theta|yaw", "rad"),
     (r"voltage", "V"),

@@ -21,8 +21,8 @@ JS = ROOT / "js"
 LAYERS = (
     "__main__ command",
     "__init__ recording",
-    "player in_rerun export",
-    "find doctor feeds _plot",
+    "player in_rerun export _plot",
+    "find doctor feeds",
     "recordings",
     "*_widget _widget_choice _layout _together",
     "behaviors lessons",

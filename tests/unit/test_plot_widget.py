@@ -254,8 +254,16 @@ def test_a_value_that_is_none_is_refused_with_the_reason_and_nothing_is_added(
         call(plot)
     assert (plot.names, len(plot["w"][0])) == (("w",), 1)
     assert plot.get_state()["_about"]["error"]
-    plot.update(w=1.0, time=6.0)
+    plot.clear()
     assert plot.get_state()["_about"]["error"] == ""
+
+
+def test_an_error_stays_until_its_line_gets_a_value(plot: PlotWidget) -> None:
+    for name, error in (("w", True), ("v", False)):
+        with pytest.raises(TypeError):
+            plot.update(v="fast")  # type: ignore[arg-type]
+        plot.update({name: 1.0}, time=6.0)
+        assert bool(plot.get_state()["_about"]["error"]) is error
 
 
 def test_in_another_thread_the_widget_says_what_was_wrong(plot: PlotWidget, caplog: pytest.LogCaptureFixture) -> None:
@@ -333,7 +341,7 @@ def test_what_is_no_number_of_a_recording_is_refused_with_what_there_is(
 ) -> None:
     with robowidgets.open(robowidgets.SAMPLE) as recording, pytest.raises(kind, match=text):
         robowidgets.plot(recording, *fields)
-    with pytest.raises(TypeError, match=r"plot\(\) takes a recording and fields"):
+    with pytest.raises(TypeError, match=r"plot\(\) takes a recording or a feed, and fields"):
         robowidgets.plot([1, 2, 3], "v")  # type: ignore[arg-type]
 
 
