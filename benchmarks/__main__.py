@@ -42,7 +42,8 @@ Absolute figures depend on the machine and move by a third from run to run; rati
 - Scans are handed over by a running cell. Latency is from the call of `update` in the kernel to the end of the frame
   that shows the scan, by the machine's one clock, over the scans that were painted.
 - Bytes are those of all websocket messages that reach the page, per scan, at 10 Hz. CPU is that of the kernel's whole
-  process, per `update`, at 40 Hz.
+  process, and of the page's main thread, per `update`, at 40 Hz; that of the page until the first paint begins with the
+  cell. What reads the picture back is part of it, and the same for all.
 - Flooded: as many updates as the library takes, three times. Its newest scan counts as never shown after
   {patience:.0f} s.
 - Imports are timed in fresh processes that have loaded ipykernel, ipywidgets and NumPy.

@@ -30,12 +30,14 @@ class Figures:
     """One library in one fresh kernel and page. Milliseconds, but for counts and bytes; infinite: never."""
 
     first_paint: float
+    page_first: float
     latency_10hz: float
     latency_10hz_p95: float
     latency_40hz: float
     latency_40hz_p95: float
     painted_40hz: float
     cpu: float
+    page_cpu: float
     bytes: float
     flooded_painted: float
     flooded_latency: float
@@ -60,9 +62,14 @@ def facts(rival: str) -> dict[str, str]:
 def compare(stage: Stage, rival: str, seconds: float) -> Figures:
     """All figures of one library but its import, in a fresh notebook."""
     with stage.show(rival, facts(rival).get("SVG")) as show:
+        loaded = show.page_cpu()
         first_paint = show.first_paint()
+        painted = show.page_cpu()
         show.learn()
-        slow, fast = show.run(f"pace(10, {seconds})", PATIENCE), show.run(f"pace(40, {seconds})", PATIENCE)
+        slow = show.run(f"pace(10, {seconds})", PATIENCE)
+        before = show.page_cpu()
+        fast = show.run(f"pace(40, {seconds})", PATIENCE)
+        after = show.page_cpu()
         # Each meets the frames of the display in another phase, which a steady pace then keeps.
         floods = [show.run(f"flood({2 * seconds / 3})", PATIENCE) for _ in range(FLOODS)]
     for run in (slow, fast, *floods):
@@ -70,12 +77,14 @@ def compare(stage: Stage, rival: str, seconds: float) -> Figures:
             print(f"  {run.unread} frames of {rival} said no number")
     return Figures(
         first_paint=first_paint,
+        page_first=painted - loaded,
         latency_10hz=quantile(slow, 50),
         latency_10hz_p95=quantile(slow, 95),
         latency_40hz=quantile(fast, 50),
         latency_40hz_p95=quantile(fast, 95),
         painted_40hz=40 * painted_within(fast) / len(fast.stamps),
         cpu=1000 * fast.cpu / len(fast.stamps),
+        page_cpu=(after - before) / len(fast.stamps),
         bytes=float(slow.messages[:, 1].sum()) / len(slow.stamps),
         flooded_painted=mean(painted_within(flood) / flood.seconds for flood in floods),
         flooded_latency=mean(quantile(flood, 50) for flood in floods),

@@ -66,6 +66,7 @@ class Show:
     def __init__(self, notebook: Notebook, svg: str | None) -> None:
         self.notebook = notebook
         self._page = notebook.page
+        self._metrics = self._page.context.new_cdp_session(self._page)
         self._svg = svg
         self._folder = notebook.lab.files
 
@@ -78,6 +79,12 @@ class Show:
                 [self.notebook.path, cell, VIEW, self._svg],
             )
         )
+
+    def page_cpu(self) -> float:
+        """Milliseconds of CPU that the page's main thread has taken, which no other work on the machine adds to."""
+        self._metrics.send("Performance.enable", {"timeDomain": "threadTicks"})
+        told = self._metrics.send("Performance.getMetrics")["metrics"]
+        return 1000 * float(next(metric["value"] for metric in told if metric["name"] == "TaskDuration"))
 
     def learn(self) -> None:
         """Learn where the dots of every bit lie, and follow them from now on."""

@@ -22,12 +22,14 @@ from .stopping import Stopped
 
 COLUMNS = {
     "first_paint": "cell to first paint, ms",
+    "page_first": "page CPU until then, ms",
     "latency_10hz": "latency at 10 Hz, ms",
     "latency_10hz_p95": "p95",
     "latency_40hz": "latency at 40 Hz, ms",
     "latency_40hz_p95": "p95",
     "painted_40hz": "painted per s of 40",
     "cpu": "kernel CPU per update, ms",
+    "page_cpu": "page CPU per update, ms",
     "bytes": "bytes per scan",
     "flooded_painted": "flooded: painted per s",
     "flooded_latency": "latency, ms",
