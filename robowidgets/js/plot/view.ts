@@ -2,7 +2,7 @@ import type { Point } from "../shared/box.ts";
 import { Canvas, circle, fill, line, stroke, write } from "../shared/canvas.ts";
 import { Card } from "../shared/card.ts";
 import { make, makeButton, makeIcon, PAUSE, PLAY, setLabel, setText } from "../shared/dom.ts";
-import { isPlain, on } from "../shared/events.ts";
+import { isPlain, on, onAbort } from "../shared/events.ts";
 import { toMany } from "../shared/format.ts";
 import { describeMark, markBeside } from "../shared/marks.ts";
 import { lacksKernel, type Model, NO_KERNEL, onChange, setTraits } from "../shared/model.ts";
@@ -80,7 +80,7 @@ export class PlotView {
     onChange(model, ["time"], this.#redrawTop, signal);
     watchGestures(picture, this, signal);
     on(root, "keydown", (event) => this.#onKey(event), signal);
-    signal.addEventListener("abort", () => this.#close());
+    onAbort(signal, () => this.#close());
   }
 
   onHover(point: Point | null): void {
@@ -283,7 +283,7 @@ export class PlotView {
     const span = seen(looking);
     const columns = Math.max(1, Math.round((this.#card.size.width - SCALE - RIGHT) * devicePixelRatio));
     const isFine = !this.#data.lacks(span, columns);
-    const wanted = follows(looking) || span === looking.whole ? [] : [...span, columns];
+    const wanted = follows(looking) ? [] : [...span, columns];
     const isAlone = lacksKernel(this.#model);
     const isHint = isFine || follows(looking);
     setText(this.#fact, isHint ? HINT : isAlone ? NEVER : LATE);
