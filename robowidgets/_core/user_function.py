@@ -63,7 +63,8 @@ def say_what_was_meant(error: BaseException) -> None:
     modules = [of.__name__] if isinstance(of, ModuleType) else [part.__module__ for part in kind.__mro__]
     if _OURS not in (module.partition(".")[0] for module in modules):
         return
-    meant = {**getattr(of, "_meant", {}), **getattr(of, "_instead", {})}
+    tables = (vars(part).get(table, {}) for part in reversed(kind.__mro__) for table in ("_meant", "_instead"))
+    meant = {known: other for table in tables for known, other in table.items()}
     near = meant.get(name) or nearest_name(name, (known for known in dir(of) if not known.startswith("_")))
     if near:
         error.args = (f"{error}; did you mean {near!r}?",)

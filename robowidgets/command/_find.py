@@ -81,7 +81,7 @@ def add_find(parser: argparse.ArgumentParser) -> None:
     for name in (kind.sample_name for kind in _LOOKS_AT.values()):
         how.add_argument(f"--{name}", metavar="TOPIC", help=f"the topic of the {name} (default: the only one)")
     how.add_argument(
-        "--silent", metavar="TOPIC", help="the topic with a gap (default: any of scans or measured speeds)"
+        "--silent", metavar="TOPIC", help="the topic with a gap (default: any of scans, measured speeds or sonars)"
     )
     parser.add_argument("--json", action="store_true", help="print a list of spans as JSON, times in seconds")
 

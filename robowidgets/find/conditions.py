@@ -87,12 +87,12 @@ def gap(seconds: float, topic: str | None = None) -> Condition:
 
     Args:
         seconds: above 0.
-        topic: None: any topic of scans or measured speeds. Touch sensors and commands may be silent for long.
+        topic: None: any topic of scans, measured speeds or sonars. Touch sensors and commands may be silent for long.
 
     Raises:
         TypeError: ``seconds`` is no number.
         ValueError: the number is not above 0.
-        UnknownTopicError: raised by `Recording.find` if no topic is named and none has scans or measured speeds.
+        UnknownTopicError: raised by `Recording.find` if no topic is named and none has such samples.
     """
     return _Gap(seconds, topic)
 
@@ -293,8 +293,8 @@ class _Gap(Condition):
         found = [topic.name for topic in shown if KINDS[topic.widget or ""].goes_stale and not topic.commanded]
         if found:
             return found
-        steady = [f"no {'measured ' * kind.commands}{kind.noun}" for kind in KINDS.values() if kind.goes_stale]
-        there = f"{recording.path.name} has {' and '.join(steady)}"
+        *others, last = (f"{'measured ' * kind.commands}{kind.noun}" for kind in KINDS.values() if kind.goes_stale)
+        there = f"{recording.path.name} has no {', '.join(others)} or {last}"
         if not shown:
             raise UnknownTopicError(there)
         raise UnnamedTopicError(there, [topic.name for topic in shown], None)

@@ -15,7 +15,7 @@ import robowidgets
 from robowidgets import Scan, Speed, Touch, TouchMode, conditions
 from robowidgets.find.base import condition
 from robowidgets.find.instant import NoSampleYetError
-from robowidgets.kinds import KINDS
+from robowidgets.kinds import sample_names
 from robowidgets.samples.verdict import Verdict, fact, judged
 
 NAN, INF = float("nan"), float("inf")
@@ -260,7 +260,7 @@ class TestMoment:
             conditions.touched().judge(SEEN)
 
     def test_a_function_of_something_else_is_refused(self) -> None:
-        names = ", ".join(kind.sample_name for kind in KINDS.values())
+        names = ", ".join(sample_names())
         with pytest.raises(TypeError, match=rf"samples by name \({names}\); it takes scan, limit"):
             conditions.when(lambda scan, limit: scan.distance() < limit)
         assert conditions.when(lambda scan, limit=1: scan.distance() < limit).reads == {"scan"}  # type: ignore[misc]

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from robowidgets import Recording, RecordingError, Scan, Speed, Touch, open
+from robowidgets import Range, Recording, RecordingError, Scan, Speed, Touch, open
 from tests.conftest import real_recordings
 
 DIGESTS = Path(__file__).with_name("real_recordings.json")
@@ -63,6 +63,8 @@ def _values(sample: Any) -> bytes:
         return np.array(settings, np.float32).tobytes() + sample.ranges.tobytes() + sample.intensities.tobytes() + words
     if isinstance(sample, Speed):
         return np.array(sample.values).tobytes() + sample.frame_id.encode()
+    if isinstance(sample, Range):
+        return repr(sample).encode()
     assert isinstance(sample, Touch)
     return repr((dict(sample.touched), sample.mode, sample.sensors)).encode()
 
@@ -70,7 +72,7 @@ def _values(sample: Any) -> bytes:
 def _columns(recording: Recording, topic: str, widget: str) -> list[Any]:
     """By time, whatever the order of arrival was."""
     hashed = sha256()
-    series: Any = getattr(recording, {"laser": "scans", "speed": "speeds", "touch": "touches"}[widget])(topic)
+    series: Any = recording.series(topic)
     order = np.argsort(series.times_ns, kind="stable")
     hashed.update(series.times_ns[order].tobytes())
     hashed.update(series.stamps_ns[order].tobytes())
@@ -82,6 +84,8 @@ def _columns(recording: Recording, topic: str, widget: str) -> list[Any]:
         hashed.update(series.ranges[order].tobytes() + series.intensities[order].tobytes())
     elif widget == "speed":
         hashed.update(series.values[order].tobytes())
+    elif widget == "sonar":
+        hashed.update(series.ranges[order].tobytes())
     else:
         hashed.update(series.states[order].tobytes() + repr(series.labels).encode())
     return [len(series), hashed.hexdigest()[:16]]

@@ -134,11 +134,11 @@ class TestReadyMade:
         self, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
     ) -> None:
         recording = robowidgets.open(hazards.write(tmp_path / "x", {0.0: True, 2.0: True}))
-        there = "x has no laser scans and no measured speeds"
-        with pytest.raises(UnknownTopicError, match=f"{there}: name the topic, as in topic="):
+        there = "x has no laser scans, measured speeds"
+        with pytest.raises(UnknownTopicError, match=f"{there} or sonars: name the topic, as in topic="):
             recording.find(conditions.gap(1))
         monkeypatch.setitem(KINDS, "battery", replace(LASER, name="battery", noun="voltages"))
-        with pytest.raises(UnknownTopicError, match=f"{there} and no voltages: name the topic, as in topic="):
+        with pytest.raises(UnknownTopicError, match=f"{there}, sonars or voltages: name the topic, as in topic="):
             recording.find(conditions.gap(1))
 
     def test_joined(self, drive: robowidgets.Recording) -> None:
@@ -435,6 +435,7 @@ def test_nothing_odd_or_damaged_ends_in_an_error_of_another_kind(data: Path) -> 
                     "laser": lambda name=topic.name: conditions.nearest_below(0.5, topic=name),
                     "speed": lambda name=topic.name: conditions.speed_above(0.1, topic=name),
                     "touch": lambda name=topic.name: conditions.touched(topic=name),
+                    "sonar": lambda name=topic.name: conditions.when(lambda it: it[name].distance < 1),
                 }
                 if topic.widget:
                     assert recording.find(asked[topic.widget]() | conditions.gap(1e6, topic.name)).is_complete

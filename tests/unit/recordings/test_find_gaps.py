@@ -74,7 +74,7 @@ class TestTopics:
 
     def test_of_nothing_steady_have_to_be_named(self, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
         file = str(topics.write(tmp_path / "x", {"/left_bump": [(0, 1), (5, 1)], "/cmd_vel": [(0, 1)]}))
-        text = "x has no laser scans and no measured speeds: name the topic, as in "
+        text = "x has no laser scans, measured speeds or sonars: name the topic, as in "
         with robowidgets.open(file) as recording, pytest.raises(UnknownTopicError, match=f"{text}topic='/left_bump'"):
             recording.find(conditions.gap(1))
         assert main(["find", file, "--gap", "1"]) == 2
@@ -82,5 +82,5 @@ class TestTopics:
 
     def test_of_nothing_at_all_are_refused(self, tmp_path: Path) -> None:
         recording = robowidgets.open(topics.write(tmp_path / "x", {}))
-        with pytest.raises(UnknownTopicError, match="x has no laser scans and no measured speeds"):
+        with pytest.raises(UnknownTopicError, match="x has no laser scans, measured speeds or sonars"):
             recording.find(conditions.gap(1))

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from robowidgets.poses.frame_tree import FrameTree, Poses
-from robowidgets.poses.transforms import Pose, Transform, transforms_of
+from robowidgets.poses.transforms import PoseNumbers, Transform, transforms_of
 from robowidgets.recording import open
 
 from . import recorded
@@ -21,11 +21,11 @@ S = 1_000_000_000
 STILL = np.zeros(1, np.int64)
 
 
-def pose(x: float, y: float, yaw: float = 0.0) -> Pose:
+def pose(x: float, y: float, yaw: float = 0.0) -> PoseNumbers:
     return x, y, 0.0, 0.0, 0.0, sin(yaw / 2), cos(yaw / 2)
 
 
-def joint(parent: str, child: str, seconds: float, at: Pose, stamp: float = 0.0, **kind: bool) -> Transform:
+def joint(parent: str, child: str, seconds: float, at: PoseNumbers, stamp: float = 0.0, **kind: bool) -> Transform:
     return Transform(parent, child, round(seconds * S), round(stamp * S), at, **kind)
 
 

@@ -62,6 +62,7 @@ ODD = {
             "/test/geometry_msgs/twist_with_covariance": 2,
             "/test/geometry_msgs/twist_with_covariance_stamped": 2,
             "/test/nav_msgs/odometry": 2,
+            "/test/sensor_msgs/range": 2,
             "/test/std_msgs/bool": 2,
         },
         [],
