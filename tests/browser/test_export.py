@@ -103,10 +103,8 @@ def test_a_reload_and_exported_pages_without_a_kernel_show_the_last_state(
     nb = notebook([WIDGETS, FROZEN, ALONE])
     nb.reload()
     shows_speed_and_touch(nb.page)
-    # The page has not seen when the touch began, until it hears of it again.
+    # The page has not seen when the touch began: the next beat tells it.
     touched = nb.page.locator(".rw-touch .rw-tile").nth(1)
-    expect(touched.locator(".rw-tile-words")).to_have_text(re.compile("^touched.*1 touch$"))
-    nb.python("touch.update({'bumper': 0, 'state': 0})")
     expect(touched.locator(".rw-tile-words")).to_have_text(re.compile(r"^touched.*\d s$"))
     nb.widget(1).locator(".rw-picture").hover()
     nb.python(

