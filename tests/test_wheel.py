@@ -23,8 +23,8 @@ EACH = "run_once.js"
 FRONT_END = {EACH} | {f"{name}.{kind}" for name in (*WIDGETS, *PAGES) for kind in ("js", "css")}
 LARGEST_SAMPLE = 1_000_000
 RECORDINGS = (".bag", ".mcap", ".db3")
-# Names of XML namespaces, which nothing ever fetches.
-NAMESPACES = re.compile(r"https?://www\.w3\.org/")
+# What nothing ever fetches: names of XML namespaces, and the address in the licence of uPlot.
+NAMES = re.compile(r"https?://(www\.w3\.org/|github\.com/leeoniya/uPlot\b)")
 SOURCES = (".ts", ".mjs", "package.json", "package-lock.json", "tsconfig.json", "biome.json")
 
 
@@ -87,7 +87,7 @@ def test_a_build_makes_sure_of_the_front_end_of_every_widget() -> None:
 
 def test_the_front_end_asks_the_web_for_nothing(package: Path) -> None:
     for file in (package / "static").iterdir():
-        text = NAMESPACES.sub("", file.read_text())
+        text = NAMES.sub("", file.read_text())
         assert not re.findall(r"https?://[^\s\"']*", text), f"an address in {file.name}"
         # The script of a widget comes with the widget, and is run from memory.
         loads = r"@import|\bfrom\s*\"[^\"]" if file.name == EACH else r"@import|\bimport\s*\(|\bfrom\s*\"[^\"]"
