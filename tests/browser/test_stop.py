@@ -218,13 +218,12 @@ def test_a_kernel_that_does_not_answer_is_interrupted_and_a_cell_that_goes_on_is
     busy = nb.append("while True:\n    time.sleep(0.01)")
     nb.start(busy)
     says(nb, PROGRAM, "kernel busy: Stop interrupts the cell")
-    at = press(nb)
+    press(nb)
     says(nb, "nobody may drive", "the kernel was interrupted")
     with pytest.raises(CellError, match="KeyboardInterrupt"):
         nb.wait(busy)
     heard = eval(nb.python("heard"))
     assert heard[-1][1:] == (0.0, 0.0)
-    assert heard[-1][0] >= at
     nb.page.mouse.up()
     allow_of(nb).click()
     says(nb, PROGRAM, "Escape here stops, too")
