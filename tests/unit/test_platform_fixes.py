@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 import json
 import os
 import platform
@@ -37,13 +38,13 @@ FIXES = {
     if isinstance(fix, FunctionType) and fix.__module__ == platform_fixes.__name__ and not name.startswith("_")
 }
 PROJECT = Path(__file__).parents[2] / "pyproject.toml"
-NEEDED = re.compile(r"^    Needed for (\S+) (\S+): https://\S+$", re.MULTILINE)
+NEEDED = re.compile(r"^Needed for (\S+) (\S+): https://\S+$", re.MULTILINE)
 
 
 def needs() -> Iterator[tuple[str, str, str]]:
     """Each fix with a project that goes wrong without it, and its versions that do."""
     for name, fix in FIXES.items():
-        for project, versions in NEEDED.findall(fix.__doc__ or ""):
+        for project, versions in NEEDED.findall(inspect.getdoc(fix) or ""):
             yield name, project, versions
 
 
