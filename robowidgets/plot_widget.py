@@ -265,24 +265,22 @@ class PlotWidget(NamedWidget):
 
     def _compose(self, columns: int = COLUMNS) -> list[str]:
         """Bring the traits for the page up to date, without sending them; returns the names of those that changed."""
+        now = clock.monotonic()
         with self._lock:
             lines: Lines = [(line.times, line.values) for line in self._lines.values()]
-            edition, is_new = self._edition, self._is_new
+            is_long = any(len(times) > _EXACT for times, _ in lines)
+            is_new, is_due = self._is_new, not is_long or now >= self._due
+            self._is_new = is_new and not is_due  # before the frame is made: meanwhile another value may come
+            edition = self._edition
             about = {"names": list(self._lines), "live": self._is_live, "error": self._png_error or self._error}
         values: dict[str, Any] = {"_about": about}
         first, last = ends(lines)
-        is_long = any(len(times) > _EXACT for times, _ in lines)
-        now = clock.monotonic()
-        if is_new and not is_long:
+        if is_new and is_due:
             values["_frame"] = pack(edition, lines, (first, last), columns)
-        elif is_new and now >= self._due:
-            values["_frame"] = pack(edition, lines, (first, last), columns)
-            self._due = clock.monotonic() + max(_OVERVIEW, _SHARE * (clock.monotonic() - now))
+            if is_long:
+                self._due = clock.monotonic() + max(_OVERVIEW, _SHARE * (clock.monotonic() - now))
         elif is_new:
             pacer.mark_at(self, self._due)
-        if "_frame" in values:
-            with self._lock:
-                self._is_new = self._is_new and self._edition != edition
         span, columns = self._looked_at(first, last)
         values["_detail"] = pack(edition, lines, span, columns) if is_long and span else b""
         changed = [name for name, value in values.items() if self._trait_values.get(name) != value]

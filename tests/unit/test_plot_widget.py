@@ -72,6 +72,20 @@ def test_values_that_come_one_by_one_are_added_to_their_lines(plot: PlotWidget) 
     assert repr(plot) == "<PlotWidget run: /odom.v (1,000), w (1), up (1)>"
 
 
+def test_a_value_that_comes_while_a_frame_is_made_is_in_the_next(
+    plot: PlotWidget, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def pack_late(*given: Any) -> bytes:
+        monkeypatch.setattr("robowidgets.plot_widget.pack", pack)
+        plot.update(v=2.0, time=2.0)
+        return pack(*given)
+
+    plot.update(v=1.0, time=1.0)
+    monkeypatch.setattr("robowidgets.plot_widget.pack", pack_late)
+    assert sent(plot)[0][1].values.tolist() == [1.0]
+    assert sent(plot)[0][1].values.tolist() == [1.0, 2.0]
+
+
 def test_what_is_not_finite_is_a_gap(plot: PlotWidget) -> None:
     plot.set_line("a", [0, 1, 2], np.ma.masked_array([1, 2, 3], [False, True, False]))
     plot.set_line("b", [0, 1, 2], [1.0, inf, nan])
