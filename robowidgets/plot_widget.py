@@ -223,6 +223,7 @@ class PlotWidget(NamedWidget):
         """
         target = checked_output("to_html", path, (".html", ".htm"))
         with self._send_lock:
+            self._is_new, self._due = True, 0.0
             self._compose(columns=_MOST_COLUMNS)
             written: Path = import_module(PAGES).write(self, target, title, note)
             self._is_new = True

@@ -376,6 +376,20 @@ def test_a_page_has_the_values_and_is_written_again_after_more_came(plot: PlotWi
     assert len(sent(plot)[0][1].times) == 2
 
 
+def test_a_page_of_a_long_line_that_is_on_show_has_its_finer_columns(
+    plot: PlotWidget, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    plot.set_line("v", np.arange(100_000) / 1000, np.random.default_rng(3).normal(size=100_000))
+    ((_, coarse),) = sent(plot)
+    written: list[bytes] = []
+    monkeypatch.setattr("robowidgets.export.widget_page.write", lambda widget, *_: written.append(widget._frame))
+    plot.to_html(tmp_path / "plot.html")
+    ((total, rows),) = rows_of(written[0])
+    assert total == 100_000
+    assert len(rows.times) > 3.5 * len(coarse.times)
+    assert len(sent(plot)[0][1].times) == len(coarse.times)
+
+
 def test_the_licence_of_what_draws_the_lines_comes_with_its_code() -> None:
     script = (Path(robowidgets.__file__).parent / "static" / "plot_widget.js").read_text(encoding="utf-8")
     assert "Copyright (c) 2022 Leon Sorokin" in script
