@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Collection, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 import numpy as np
 
 from .feeds.feed import Feed
+from .kinds import topic_and_field
 from .messages.fields import describe, get
 from .plot_widget import MOST_LINES, PlotWidget
 from .plotting.line import Floats, slope
@@ -74,7 +75,7 @@ def plot(
 
 def _columns(source: RecordingData | TimeSlice, field: str) -> Iterable[tuple[str, tuple[Floats, Floats, str]]]:
     """Name, times, values and unit of each number in a field of a topic."""
-    topic, inner = _split(field, [one.name for one in source.topics])
+    topic, inner = topic_and_field(field, [one.name for one in source.topics])
     part = source.fields(topic)
     if inner:
         part = part[[inner]]
@@ -100,7 +101,7 @@ def _live(feed: Feed, fields: Sequence[str], options: dict[str, Any]) -> PlotWid
     known = [topic.name for topic in feed.topics]
     paths: dict[str, dict[str, str]] = {}
     for field in fields:
-        topic, inner = _split(field, known)
+        topic, inner = topic_and_field(field, known)
         if not inner:
             raise TypeError(f"plot(): expected a field of {topic}, like '/odom.twist.twist.linear.x', got {field!r}")
         paths.setdefault(topic, {})[field] = inner
@@ -164,13 +165,6 @@ def _widget(fields: Iterable[str], units: dict[str, str], options: dict[str, Any
     """A plot with the units of its fields, and the title and units that were given."""
     title = ", ".join(dict.fromkeys(map(_short, fields)))
     return PlotWidget(**{"title": title, **options, "units": units | options.get("units", {})})
-
-
-def _split(field: str, known: Collection[str]) -> tuple[str, str]:
-    """The topic of a name, which may have points itself, and the field."""
-    names = sorted(known, key=len, reverse=True)
-    topic = next((name for name in names if field == name or field.startswith(f"{name}.")), field.partition(".")[0])
-    return topic, field[len(topic) + 1 :]
 
 
 def _short(field: str) -> str:

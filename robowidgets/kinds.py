@@ -23,6 +23,7 @@ from .samples import Pose, Problem, Range, Ranges, Scan, Speed, Touch
 from .samples.touch_tracker import TouchesBetween
 
 _SAMPLE_FRAMES = "robowidgets.player._frames:SampleFrames"
+_MESSAGE_FRAMES = "robowidgets.player._frames:MessageFrames"
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -73,6 +74,11 @@ class TopicWidget:
         widget: the widget class; it takes ``title`` and has ``update(sample)``.
         nothing: the sample that a player shows before the first of a topic.
         frames: what the player of a recording shows of a topic at each time, a `robowidgets.player._frames.Track`.
+        roles: what the topics of the widget are for it. The first is that of the topic that it shows, whose messages
+            ``update`` takes; topics in the others go with the one of the first that shares most of their namespace.
+        options: keywords of the widget where a topic gets it, in place of the widget's own defaults.
+        goes_stale: whether a sample says nothing any more once the topic is silent. What a touch sensor said holds.
+        every_message: whether each message counts, as an event does; of other rows the newest is enough.
     """
 
     name: str
@@ -80,6 +86,32 @@ class TopicWidget:
     widget: str
     nothing: Any
     frames: str = _SAMPLE_FRAMES
+    roles: tuple[Role, ...] = (Role(name="sample"),)
+    options: Mapping[str, Any] = field(default_factory=dict)
+    goes_stale: bool = True
+    every_message: bool = False
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Asked(TopicWidget):
+    """A widget that topics have where it is asked for: by name, in the list of topics, or where no topic has a widget.
+
+    It takes messages as they are, of topics that have no kind.
+
+    Args:
+        types: message types of the topics that it shows; none: any type, for which no other row asks.
+        nothing: what a player gives its `frame_of` before the first message.
+        gathers: whether one widget has all topics that it is asked for. Its ``update`` takes the name of the topic
+            before the message.
+        of_fields: of one that gathers, whether it shows single fields of topics, ``"/odom.twist.twist.linear.x"``. The
+            widget class takes them as positional arguments.
+    """
+
+    types: frozenset[str] = frozenset()
+    nothing: Any = None
+    frames: str = _MESSAGE_FRAMES
+    gathers: bool = False
+    of_fields: bool = False
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -95,15 +127,10 @@ class Kind(TopicWidget):
         undecided: those of `types` of which some messages only are of this kind: the first message of a topic decides.
         columns: the series class of `Recording.series`.
         rerun: what logs the topics to Rerun, a `robowidgets.in_rerun.rerun_log.TopicLog`; empty: Rerun leaves them out.
-        roles: what the topics of the widget are for it. The first is that of the topic that it shows, whose messages
-            ``update`` takes; topics in the others go with the one of the first that shares most of their namespace.
         to_message: called for each topic that is recorded, makes what turns its samples into messages of ROS 2; None:
             a feed that has samples, not messages, cannot record them.
         gathered: makes what a program gets of the messages between two steps; None: the newest one.
         simulated: what the simulated robot sends of it, a `robowidgets.simulator.offers.MakeOffers`; empty: nothing.
-        options: keywords of the widget where a topic gets it, in place of the widget's own defaults.
-        goes_stale: whether a sample says nothing any more once the topic is silent. What a touch sensor said holds.
-        every_message: whether each message counts, as an event does; of other kinds the newest is enough.
         also: second widgets for the same samples.
         command_types: those of `types` whose messages are commands, whatever the name of their topic.
     """
@@ -116,13 +143,9 @@ class Kind(TopicWidget):
     undecided: frozenset[str] = frozenset()
     columns: str = "robowidgets.recordings.columns.series:Samples"
     rerun: str = ""
-    roles: tuple[Role, ...] = (Role(name="sample"),)
     to_message: Callable[[], ToMessage] | None = None
     gathered: Callable[[], Gathered] | None = None
     simulated: str = ""
-    options: Mapping[str, Any] = field(default_factory=dict)
-    goes_stale: bool = True
-    every_message: bool = False
     also: tuple[TopicWidget, ...] = ()
     command_types: frozenset[str] = frozenset()
 
@@ -273,6 +296,9 @@ SONAR = Kind(
 KINDS: dict[str, Kind] = {kind.name: kind for kind in (LASER, SPEED, TOUCH, SONAR)}
 """By name, in the order in which widgets stand on a page. `add` appends another."""
 
+ASKED: dict[str, Asked] = {}
+"""By name, the most useful first: widgets that topics have where they are asked for. `add` appends another."""
+
 _RESERVED = ("time_ns", "seconds", "topic")
 """Names that a moment has already."""
 _TYPE = re.compile(r"\w+/msg/\w+")
@@ -287,8 +313,8 @@ _STANDARD = frozenset(
 )
 
 
-def add(kind: Kind, *, replace: bool = False) -> None:
-    """Add a kind of sensor, for all recordings and feeds that are opened from now on.
+def add(kind: Kind | Asked, *, replace: bool = False) -> None:
+    """Add a kind of sensor, or a widget that is asked for, for all recordings and feeds that are opened from now on.
 
     Args:
         kind: its row.
@@ -298,6 +324,9 @@ def add(kind: Kind, *, replace: bool = False) -> None:
         ValueError: a name is taken or no identifier, a type is not such as ``sensor_msgs/msg/Range``, or a reference is
             not ``"module:name"``.
     """
+    if isinstance(kind, Asked):
+        _add_asked(kind, replace=replace)
+        return
     others = [other for other in KINDS.values() if not (replace and other.name == kind.name)]
     for key in ("name", "sample_name", "parameter"):
         name = getattr(kind, key)
@@ -306,14 +335,54 @@ def add(kind: Kind, *, replace: bool = False) -> None:
         if not name.isidentifier() or name in taken:
             hint = "; replace=True replaces a row" if key == "name" else ""
             raise ValueError(f"{key}: expected an identifier other than {', '.join(taken)}, got {name!r}{hint}")
-    for type_name in (*kind.types, *kind.undecided):
+    _check_texts(kind, (*kind.types, *kind.undecided), ("widget", "columns", "frames", "rerun", "simulated"))
+    KINDS[kind.name] = kind
+
+
+def _add_asked(row: Asked, *, replace: bool) -> None:
+    """See `add`."""
+    taken = [name for name in (*KINDS, *ASKED) if not (replace and name == row.name and name in ASKED)]
+    if not row.name.isidentifier() or row.name in taken:
+        raise ValueError(
+            f"name: expected an identifier other than {', '.join(taken)}, got {row.name!r}; replace=True replaces a row"
+        )
+    if row.of_fields and not row.gathers:
+        raise ValueError(f"gathers: expected True, as {row.name} shows fields of several topics")
+    _check_texts(row, row.types, ("widget", "frames"))
+    ASKED[row.name] = row
+
+
+def _check_texts(row: TopicWidget, types: Iterable[str], keys: Iterable[str]) -> None:
+    for type_name in types:
         if not _TYPE.fullmatch(type_name):
             raise ValueError(f"types: expected message types such as 'sensor_msgs/msg/Range', got {type_name!r}")
-    for key in ("widget", "columns", "frames", "rerun", "simulated"):
-        reference = getattr(kind, key)
+    for key in keys:
+        reference = getattr(row, key)
         if not _REFERENCE.fullmatch(reference) and (reference or key not in ("rerun", "simulated")):
             raise ValueError(f"{key}: expected 'module:name', got {reference!r}")
-    KINDS[kind.name] = kind
+
+
+def asked_of_type(types: str) -> Asked | None:
+    """The widget that a topic without a kind has where it is asked for; several types are joined by a comma.
+
+    None: its type is unknown, or no row shows it.
+    """
+    if not types:
+        return None
+    whole = [row for row in ASKED.values() if not row.of_fields]
+    of_type = (row for row in whole if not row.types.isdisjoint(types.split(", ")))
+    return next(of_type, next((row for row in whole if not row.types), None))
+
+
+def asked_of_fields() -> Asked | None:
+    """The widget that shows single fields of topics, if there is one."""
+    return next((row for row in ASKED.values() if row.of_fields), None)
+
+
+def asked_of_widget(widget: type) -> Asked | None:
+    """The row of a widget that topics have where it is asked for; None for a widget of another row."""
+    names = {f"{base.__module__}:{base.__qualname__}" for base in widget.__mro__}
+    return next((row for row in ASKED.values() if row.widget in names), None)
 
 
 def kinds_of_type(type_name: str) -> tuple[Kind, ...]:
@@ -389,6 +458,16 @@ def role_of(widget: type, method: str) -> Role | None:
 def counts_every_message(type_name: str) -> bool:
     """Whether each message of a type counts, as an event that no later one repeats; of others the newest is enough."""
     return any(kind.every_message for kind in kinds_of_type(type_name))
+
+
+def topic_and_field(name: str, known: Iterable[str]) -> tuple[str, str]:
+    """The topic of a name, which may have points itself, and the field: ``"/odom"``, ``"twist.twist.linear.x"``.
+
+    The field is empty where the name is that of a topic.
+    """
+    there = sorted(known, key=len, reverse=True)
+    topic = next((one for one in there if name == one or name.startswith(f"{one}.")), name.partition(".")[0])
+    return topic, name[len(topic) + 1 :]
 
 
 def namespace_of(topic: str) -> str:

@@ -155,6 +155,12 @@ class PathWidget(RobotWidget[PathPoint]):
         with self._newest.lock:
             return self._recent.at(arrival_of(sample), getattr(sample, "stamp_ns", None))
 
+    def within(self, start: float, end: float) -> dict[str, Any]:
+        """See `RobotWidget`: the points there, with the one before, which tells how far the robot had come."""
+        points = self.points
+        first, stop = np.searchsorted(points[:, 0], (start, end), "right")
+        return {"_path": points[max(0, first - 1) : stop].tobytes()}
+
     def show_whole(self, path: Path, until: float = inf) -> None:
         """Show a recording's path, of which a player then shows one moment; complete up to a time in seconds."""
         self._track, self._complete_until = path, until

@@ -117,12 +117,14 @@ class Recording(RecordingData):
         The player opens the file again, so this recording may still be read, or be closed.
 
         Args:
-            *topics: names of the topics to show; none: all that have a widget and a message.
+            *topics: names of the topics to show, of any type, or of fields: ``"/odom.twist.twist.linear.x"``; none: all
+                that have a widget and a message, or, where none has, a few widgets that show what there is.
             scanogram: whether to show a scanogram of the whole drive above them; None: only if it takes a moment.
             rerun: whether to show the Rerun viewer beside them, with the scans in the world (extra ``rerun``).
 
         Raises:
-            UnknownTopicError: the recording has no such topic, or no widget shows it.
+            UnknownTopicError: the recording has no such topic, or its messages cannot be read; the text says why.
+            KeyError: a topic has no such field; the text names the nearest ones.
             RecordingError: the file does not exist any more.
             TypeError: a name is no text, for example a list of names.
 
@@ -163,7 +165,7 @@ class Recording(RecordingData):
             path: the file, such as ``"bump.html"``.
             start: seconds from the start of the recording; None: its start.
             end: seconds from its start; None: its end.
-            topics: names of the topics; none: all that have a widget and a message.
+            topics: names of the topics and fields, as for `show`; none: all that have a widget and a message.
             marks: (start, end, text) in seconds, or what `find` returns; None: what touched the robot.
             title: of the page; empty: the name of the recording.
             note: a text under the title, which is shown as it is.

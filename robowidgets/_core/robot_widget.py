@@ -347,6 +347,13 @@ class RobotWidget(PacedWidget, Generic[S]):
         """
         return 0, 0
 
+    def miss(self, count: int) -> None:
+        """Note that so many messages came that it does not get. A widget that gets each message says it."""
+
+    def within(self, start: float, end: float) -> dict[str, Any]:  # noqa: ARG002
+        """What of its traits differs in a page of a stretch of a recording, in seconds: what it shows of all of it."""
+        return {}
+
     # -- to the page ---------------------------------------------------------------------------------------------------
 
     @property

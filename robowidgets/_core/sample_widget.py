@@ -39,6 +39,9 @@ class SampleWidget(GroupedWidget, Protocol):
     def update(self) -> Callable[..., Any]:
         """Takes a message or a sample; of a widget of several sensors, the name of one before it."""
 
+    def miss(self, count: int) -> None:
+        """Note that so many messages came that it does not get; of a widget that gets each message."""
+
     def has_trait(self, name: str) -> bool:
         """Whether it has a trait of that name."""
 
@@ -59,6 +62,9 @@ class SampleWidget(GroupedWidget, Protocol):
 
     def frame_of(self, sample: Any) -> tuple[dict[str, Any], bytes]:
         """The text on a sample, and its frame without the header."""
+
+    def within(self, start: float, end: float) -> dict[str, Any]:
+        """What of its traits differs in a page of a stretch of a recording, in seconds."""
 
     def arrays_of(self, frame: bytes) -> tuple[int, int]:
         """What a frame holds: bytes before arrays of float32 of equal lengths, and their number."""

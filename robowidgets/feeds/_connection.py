@@ -18,6 +18,7 @@ from ..behaviors.program import Program
 from ..behaviors.programs import Programs
 from ..behaviors.robot import DrivenRobot
 from ..driving.stop_all import stop_at_end
+from ..kinds import asked_of_type, topic_and_field
 from ..messages.standard import TWIST
 from ..samples import Speed
 from ._callbacks import FunctionCaller
@@ -120,7 +121,9 @@ class Connection(Observed):
         of_widgets, functions = sorted_targets(topic, targets)
         self._connect(topic, of_widgets)
         with self._lock:
-            self.functions.connect(topic, [target.call for target in of_widgets if not target.is_ours], raw=True)
+            for target in of_widgets:
+                if not target.is_ours:
+                    self.functions.connect(topic, [target.call], raw=True, each=target.on_missed is not None)
             self.functions.connect(topic, functions, raw, each)
             self._table.prune()
         self._subscribe()
@@ -275,11 +278,13 @@ class Connection(Observed):
                 pass
 
     def await_topics(self, names: Collection[str]) -> None:
-        """Wait a moment until these topics have a widget, or, without names, any topic."""
+        """Wait a moment until these topics, or those of these fields, can be shown; without names, any of a kind."""
 
         def are_there() -> bool:
-            there = {topic.name for topic in self.topics if topic.widget}
-            return there.issuperset(names) if names else bool(there)
+            if not names:
+                return any(topic.widget for topic in self.topics)
+            there = {topic.name for topic in self.topics if topic.widget or asked_of_type(topic.type)}
+            return there.issuperset(topic_and_field(name, there)[0] for name in names)
 
         self.wait_until(are_there, PATIENCE)
 

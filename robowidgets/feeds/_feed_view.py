@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from html import escape
 from typing import Any, Protocol
 
@@ -15,6 +15,7 @@ from .._core.sample_widget import SampleWidget
 from .._layout import on_one_screen, stacked
 from .._widget_choice import WidgetChoice, choose_widgets
 from ..behaviors.machine import Machine
+from ..kinds import topic_and_field
 from ..machine_widget import MachineWidget
 from ..program_widget import ProgramWidget
 from ..speed_widget import SpeedWidget
@@ -45,7 +46,8 @@ class FeedView(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no type
 
     Args:
         feed: the feed.
-        topics: names of topics; none: all that have a widget, the program, and the room of a simulated robot.
+        topics: names of topics, or of fields, ``"/odom.twist.twist.linear.x"``; none: all that have a widget, the
+            program, and the room of a simulated robot. Where no topic has one, a few widgets show what there is.
         beside: whether it stands beside the notebook, and only a bar with Stop in the cell.
 
     Attributes:
@@ -115,20 +117,35 @@ class FeedView(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no type
         self._feed = None  # a feed of which only closed views are left is deleted
 
     def _refresh(self) -> None:
-        topics = [topic for topic in self._connection.topics if not self._names or topic.name in self._names]
-        self._known.update((topic.name, topic) for topic in topics if topic.widget)
+        topics = list(self._connection.topics)
+        if self._names:
+            named = {name for name, _ in self._named(topics)}
+            topics = [topic for topic in topics if topic.name in named]
+        for topic in topics:
+            known = self._known.get(topic.name)
+            if topic.widget or known is None or not known.widget:  # a topic keeps its widget when it is gone
+                self._known[topic.name] = topic
         try:
             if self._closed:
                 self._probes.close()
             else:
                 self._probes.add(topics)
-            wanted = () if self._closed else choose_widgets(list(self._known.values()))
+            wanted = () if self._closed else self._choose()
             if self._add_program() or set(wanted) != self._shown.keys():
                 self._set_widgets(wanted)
         except FeedError:
             if not self._connection.is_closed:  # a feed that was closed meanwhile connects no widgets
                 raise
         self._show_status()
+
+    def _choose(self) -> tuple[WidgetChoice, ...]:
+        """The widgets for the topics. Those that have no kind wait until it is known that no other topic has one."""
+        return choose_widgets(list(self._known.values()), self._names, lambda _: self._connection.is_settled)
+
+    def _named(self, topics: Iterable[FeedTopic]) -> list[tuple[str, str]]:
+        """The topics and fields that are to be shown."""
+        known = [topic.name for topic in topics]
+        return [topic_and_field(name, known) for name in self._names]
 
     def _add_program(self) -> bool:
         """Make the widgets of the program and of its state machine once they are there; returns whether it made one."""
@@ -145,7 +162,7 @@ class FeedView(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no type
         there = dict(self._shown)
         shown: dict[WidgetChoice, SampleWidget] = {}
         for choice in wanted:
-            before = next((one for one in there if one.is_like(choice)), None)
+            before = choice if choice in there else next((one for one in there if one.is_like(choice)), None)
             if before is None:
                 widget = choice.make()
                 if isinstance(widget, SpeedWidget):
@@ -199,7 +216,7 @@ class FeedView(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no type
         """Show the status of the topics without a widget; a widget shows the status of its own topic."""
         there = {topic.name: topic for topic in self._connection.topics}
         shown = {name for choice in self._shown for name in choice.topics}
-        missing = [name for name in self._names if name not in shown]
+        missing = [name for name, _ in self._named(self._connection.topics) if name not in shown]
         if self._connection.status:
             lines = [self._connection.status] if missing or not shown else []
         elif missing:

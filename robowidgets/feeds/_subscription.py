@@ -11,7 +11,7 @@ from .._core.log_once import LogOnce, log_in_thread
 from .._core.robot_widget import RobotWidget
 from .._core.sample_widget import SampleWidget
 from ..drive_widget import DriveWidget
-from ..kinds import role_of, sensor_of
+from ..kinds import asked_of_widget, role_of, sensor_of
 from ._topics import FeedTopic, no_such
 from ._two_scanners import TwoScanners
 
@@ -19,15 +19,16 @@ _PACKAGE = __name__.partition(".")[0]
 
 
 class OfSensor:
-    """A method of a widget of several sensors, as what takes the messages of one of them.
+    """A method of a widget of several sensors or topics, as what takes the messages of one of them.
 
     Args:
-        method: it takes the name of the sensor, and a message.
+        method: it takes the name of the sensor or topic, and a message.
         sensor: the name.
     """
 
     def __init__(self, method: Callable[[str, Any], object], sensor: str) -> None:
         update_wrapper(self, method)
+        del vars(self)["__wrapped__"]  # what it needs is a message alone
         self._method, self._sensor = method, sensor
 
     def __call__(self, message: Any) -> object:
@@ -93,6 +94,10 @@ def _target_of(topic: str, given: Any) -> Target | Callable[[Any], object]:
 
 
 def _of_widget(topic: str, method: Callable[..., object], widget: SampleWidget) -> Target:
+    row = asked_of_widget(type(widget))
+    if row is not None:
+        call = OfSensor(method, topic) if row.gathers else method
+        return Target(call, widget, widget.miss if row.every_message else None)
     role = role_of(type(widget), getattr(method, "__name__", ""))
     return Target(OfSensor(method, sensor_of(topic)) if role is not None and role.each else method, widget)
 

@@ -169,7 +169,8 @@ class Feed:
         widget too; a named topic gets its own when it appears.
 
         Args:
-            *topics: names of the topics to show, without the program; none: all that have a widget.
+            *topics: names of the topics to show, of any type, or of fields: ``"/odom.twist.twist.linear.x"``, without
+                the program; none: all that have a widget, or, where none has, a few that show what there is.
             beside: whether the view stands beside the notebook, in JupyterLab; the cell has a bar with Stop then.
 
         Raises:

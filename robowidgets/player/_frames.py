@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
+from heapq import merge
 from itertools import islice
 from math import inf, nan
 from typing import Any, Protocol
@@ -17,6 +18,7 @@ from .._core.timed_frame import FRAME_HEADER, TimedFrame, table_of
 from .._widget_choice import WidgetChoice
 from ..kinds import sensor_of
 from ..laser_widget import LaserWidget
+from ..messages.fields import stamp_ns
 from ..path_widget import PathPoint, PathWidget
 from ..poses.mounts import mounts_of
 from ..poses.path import Path
@@ -60,6 +62,52 @@ class Track(Protocol):
 
     def seek(self, seconds: float) -> None:
         """Make the widget show a time, for programs that read its sample."""
+
+
+class MessageFrames:
+    """A `Track` of the last message of each topic of a widget at each time, as it is: of any type.
+
+    Its widget packs a message by `frame_of`; where it gathers, the newest message of each topic, by name. What the row
+    calls nothing stands for those of which none came yet.
+
+    Args:
+        recording: the recording.
+        choice: the topics, and the row of the widget.
+        widget: packs the messages.
+    """
+
+    def __init__(self, recording: RecordingData, choice: WidgetChoice, widget: SampleWidget) -> None:
+        self._recording, self._choice, self._widget = recording, choice, widget
+        self._before: dict[str, int | None] = {}
+
+    def frames(self, start: float, end: float) -> Iterator[TimedFrame]:
+        """See `Track`."""
+        topics = self._choice.topics
+        now: dict[str, Moment | None] = {name: self._recording.message_at(name, start) for name in topics}
+        seconds = max(moment.seconds if moment else BEFORE for moment in now.values())
+        for moment in moments_of(self._recording, self._choice, topics, start, end):
+            yield self._shown(seconds, now)
+            now[moment.topic] = moment
+            seconds = moment.seconds
+        yield self._shown(seconds, now)
+
+    def seek(self, seconds: float) -> None:
+        """See `Track`."""
+        for name in self._choice.topics:
+            moment = self._recording.message_at(name, seconds)
+            time_ns = moment and moment.time_ns
+            if name not in self._before or self._before[name] != time_ns:
+                self._before[name] = time_ns
+                message = moment.message if moment else self._choice.shown.nothing
+                self._widget.update(*([name] if self._choice.gathers else []), message)
+
+    def _shown(self, seconds: float, now: Mapping[str, Moment | None]) -> TimedFrame:
+        nothing = self._choice.shown.nothing
+        messages = {name: moment.sample if moment else nothing for name, moment in now.items()}
+        message = messages[self._choice.topic]
+        about, frame = self._widget.frame_of(messages if self._choice.gathers else message)
+        stamp = None if message is nothing else stamp_ns(message)
+        return TimedFrame(seconds, about, FRAME_HEADER.pack(0.0, nan, stamp or 0, 0.0) + frame)
 
 
 class SampleFrames:
@@ -229,6 +277,25 @@ def pack(frames: list[TimedFrame]) -> tuple[list[dict[str, Any]], bytes]:
     """Frames in the format of the page: each text once, and a table of times before the bytes."""
     abouts, rows = table_of(frames)
     return abouts, b"".join([np.float64(len(frames)).tobytes(), rows.tobytes(), *(timed.frame for timed in frames)])
+
+
+def moments_of(
+    recording: RecordingData,
+    choice: WidgetChoice,
+    topics: Sequence[str],
+    start: float | None = None,
+    end: float | None = None,
+) -> Iterator[Moment]:
+    """What a widget takes of some of its topics, in the order of time: samples, or messages as they are."""
+    if not choice.takes_messages:
+        return recording.samples(topics, start, end)
+    each = (recording.messages(topic, start, end) for topic in topics)
+    return merge(*each, key=lambda moment: moment.time_ns)
+
+
+def moment_at(recording: RecordingData, choice: WidgetChoice, topic: str, seconds: float) -> Moment | None:
+    """The last of these at a time or before it; None if there is none yet."""
+    return recording.message_at(topic, seconds) if choice.takes_messages else recording.at(topic, seconds)
 
 
 def silent_after(first: Iterable[Moment]) -> float:

@@ -11,7 +11,6 @@ from math import floor
 from typing import Any
 
 import ipywidgets
-import numpy as np
 
 from .._core.cells import close_all
 from .._core.text import as_date
@@ -20,7 +19,6 @@ from ..export.html import Heading, Page
 from ..export.models import Models, shown
 from ..export.segments import segment
 from ..kinds import LASER
-from ..path_widget import PathWidget
 from ..recordings import RecordingData
 from ..recordings.times import has_date, to_ns
 from ..repair import RecordingError
@@ -135,7 +133,7 @@ def _scanogram(
         return None
     # Left open where the recording ends: its last sample belongs to it.
     ends = (span[0], None if span[1] == recording.duration else span[1])
-    beside = [name for choice in choices for name in choice.topics]
+    beside = [name for choice in choices if not choice.takes_messages for name in choice.topics]
     picture, _ = whole_drive(recording, scanned, beside, True if own else wanted, ends)
     if picture and own:
         for name in ("title", "header", "footer", "color_range", "selection"):
@@ -167,11 +165,7 @@ def _models(
         changed: dict[str, Any] = {"_frame": b"", "_about": {}, "_source": {}, "_silence": 0.0}
         if picture and not player.scanogram and isinstance(view.widget, SpeedWidget):
             changed["planar"] = view.widget.planar or is_planar(recording, view.choice.topics)
-        if isinstance(view.widget, PathWidget):
-            # With the point before it, which tells how far the robot had come.
-            first, stop = np.searchsorted(view.widget.points[:, 0], span, "right")
-            changed["_path"] = view.widget.points[max(0, first - 1) : stop].tobytes()
-        models.add(view.widget, changed)
+        models.add(view.widget, changed | view.widget.within(*span))
     shown_at = {"time": time, "marks": marks}
     selection = _clipped(bar.selection, span)
     models.add(
@@ -246,8 +240,9 @@ def _heading(player: PagedPlayer, recording: RecordingData, wanted: Wanted, span
     name, duration = recording.path.name, recording.duration
     stretch = f"{duration:.2f} s" if end - start == duration else f"{start:.2f} to {end:.2f} s of {duration:.2f} s"
     start_ns = recording.start_ns or 0
-    topics = list(dict.fromkeys(topic for view in player.views for topic in view.choice.topics))
-    titles = list(dict.fromkeys(title for view in player.views for title in view.choice.titles))
+    choices = [view.choice for view in player.views]
+    topics = list(dict.fromkeys(one for choice in choices if not choice.takes_messages for one in choice.topics))
+    titles = list(dict.fromkeys(title for choice in choices for title in choice.titles))
     facts = [
         *([name] if wanted.title else []),
         stretch,

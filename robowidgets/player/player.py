@@ -25,17 +25,17 @@ from .._layout import WIDE, columns, on_one_screen
 from .._widget_choice import WidgetChoice, choose_widgets
 from ..export.html import MAX_SIZE, SUFFIXES
 from ..in_rerun.widget import RerunWidget
-from ..kinds import LASER, TOUCH, load
+from ..kinds import LASER, TOUCH, asked_of_fields, asked_of_type, load, topic_and_field
 from ..player_widget import PlayerWidget
 from ..poses.places import WITHIN, Places
 from ..recordings import RecordingData
 from ..recordings.odometry import places_of
 from ..recordings.times import has_date
-from ..recordings.topics import wanted
+from ..recordings.topics import UnknownTopicError, wanted
 from ..samples.state_span import rows_of
 from ..scanogram_widget import ScanogramWidget
 from ..speed_widget import SpeedWidget
-from ._frames import LOOKED_AT, Track, silent_after
+from ._frames import LOOKED_AT, Track, moment_at, moments_of, silent_after
 from ._leader import Leader
 from ._overview import is_planar, whole_drive
 from ._parts import LeadingPlayer, PlayerView
@@ -65,13 +65,14 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
 
     Args:
         recording: the recording. Nothing else may read it meanwhile.
-        topics: names of topics in it; none: all that have a widget and a message.
+        topics: names of topics in it, or of fields, ``"/odom.twist.twist.linear.x"``; none: all that have a widget and
+            a message, or, without any, a few widgets that show what there is.
         scanogram: whether to show a scanogram of the first topic with scans above the widgets. None: show it if it
             takes a few seconds at most, else a line that says that it is left out.
         rerun: whether to show the Rerun viewer beside the widgets, at the same time.
 
     Raises:
-        UnknownTopicError: no such topic, or no widget shows it.
+        UnknownTopicError: no such topic, or no widget shows it. KeyError: no such field.
         ImportError: ``rerun`` is set, and Rerun is not installed.
     """
 
@@ -100,9 +101,10 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
         take_the_place(self)
         self.recording = recording
         self.views: tuple[PlayerView, ...] = ()
-        recording.samples(topics or None)
+        _check(recording, topics)
         self.rerun = RerunWidget(recording, topics, layout={**_BESIDE, "flex": f"3 1 {_VIEWER}"}) if rerun else None
-        shown = choose_widgets(wanted(recording.topics, topics))
+        there = recording.topics if topics else wanted(recording.topics, ())
+        shown = choose_widgets(there, topics, lambda name: not recording.why_unreadable(name))
         self.views = tuple(_view(recording, choice) for choice in shown)
         self._seeking = threading.Lock()
         self._problems = ipywidgets.HTML()
@@ -112,7 +114,7 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
         freeze_together(view.widget for view in self.views)
         moves = recording.duration and self.views
         scanned = next((choice.topic for choice in shown if choice.kind.name == LASER.name), "") if moves else ""
-        beside = [name for choice in shown for name in choice.topics]
+        beside = [name for choice in shown if not choice.takes_messages for name in choice.topics]
         self.scanogram, note = whole_drive(recording, scanned, beside, scanogram)
         if self.scanogram:  # which has read the measured speeds
             for view in self.views:
@@ -331,12 +333,13 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
 
     def _step(self, seconds: float, direction: int) -> None:
         """Go from a time to the next or previous sample of the first widget, which may be an hour away."""
-        topic = self.views[0].choice.topic
+        choice = self.views[0].choice
         with self._seeking:
             if direction > 0:
-                found = next((m for m in self.recording.samples(topic, seconds) if m.seconds > seconds), None)
+                later = moments_of(self.recording, choice, (choice.topic,), seconds)
+                found = next((m for m in later if m.seconds > seconds), None)
             else:
-                found = self.recording.at(topic, seconds - _TINY)
+                found = moment_at(self.recording, choice, choice.topic, seconds - _TINY)
         if found:
             self.bar.send({"seek": found.seconds, "step": [seconds, direction]})
 
@@ -367,6 +370,20 @@ def _select(scanogram: ScanogramWidget, change: Any) -> None:
         scanogram.selection = change["new"]
 
 
+def _check(recording: RecordingData, names: Sequence[str]) -> None:
+    """Check that a recording is open, and that widgets can show these topics and fields of it."""
+    recording.samples(())
+    there = {topic.name: topic for topic in recording.topics}
+    for name in names:
+        topic, field = topic_and_field(name, there) if isinstance(name, str) else (name, "")
+        if field and topic in there and asked_of_fields():
+            recording.fields(topic)[[field]]  # raises for one that is not there
+        elif field or topic not in there or there[topic].widget or not asked_of_type(there[topic].type):
+            recording.check(name if topic in there else topic)
+        elif why := recording.why_unreadable(topic):
+            raise UnknownTopicError(f"{recording.path.name}: topic {topic!r} cannot be shown: {why}")
+
+
 def _view(recording: RecordingData, choice: WidgetChoice) -> PlayerView:
     widget = choice.make()
     return PlayerView(widget, choice, _track(recording, choice, widget))
@@ -381,11 +398,13 @@ def _pause(recording: RecordingData, choice: WidgetChoice) -> float:
     """Seconds after which a sample on show is stale; 0: never."""
     if not choice.kind.goes_stale:
         return 0.0
-    return silent_after(islice(recording.samples(choice.topic), LOOKED_AT))
+    return silent_after(islice(moments_of(recording, choice, (choice.topic,)), LOOKED_AT))
 
 
 def _first_look(recording: RecordingData, views: Iterable[PlayerView]) -> float:
     """The earliest time at which every topic that starts early has a sample."""
-    firsts = (next(recording.samples(topic), None) for view in views for topic in view.choice.topics)
+    firsts = (
+        next(moments_of(recording, view.choice, (topic,)), None) for view in views for topic in view.choice.topics
+    )
     seconds = [first.seconds for first in firsts if first]
     return max((s for s in seconds if s <= _EARLY * recording.duration), default=min(seconds, default=0.0))

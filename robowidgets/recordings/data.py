@@ -373,6 +373,10 @@ class RecordingData:
         """
         check(name, self.topics, self.path.name)
 
+    def why_unreadable(self, name: str) -> str:
+        """Why no message of a topic can be read; empty if they can be, whether a widget shows them or not."""
+        return self._messages.why_unreadable(name)
+
     def _with_remedies(self) -> tuple[Problem, ...]:
         found = self._messages.problems
         if self.start_ns is None:

@@ -329,7 +329,7 @@ def test_a_feed_that_is_closed_while_its_topics_come_puts_up_nothing(
     feed, script = opened()
     view = feed.show()
     monkeypatch.setattr(
-        "robowidgets.feeds._feed_view.choose_widgets", lambda topics: (feed.close(), choose_widgets(topics))[1]
+        "robowidgets.feeds._feed_view.choose_widgets", lambda *asked: (feed.close(), choose_widgets(*asked))[1]
     )
     script.listener.on_topics([SCAN])
     assert script.asked == []

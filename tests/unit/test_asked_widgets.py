@@ -1,0 +1,217 @@
+"""Widgets that topics have where they are asked for: by name, or because no topic has another."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+from types import SimpleNamespace as Message
+from typing import Any
+
+import pytest
+
+import robowidgets
+from robowidgets import kinds
+from robowidgets._widget_choice import FEW, choose_widgets
+from robowidgets.feeds import Advert, Feed
+from robowidgets.player.player import Player
+from robowidgets.recording import Recording
+from robowidgets.recordings import UnknownTopicError
+
+from ..fourth_kind.asked import ANY, FIELDS, WORDS, AnyWidget, FieldsWidget, WordsWidget, added
+from .feeds.scripted import IMU, ODOM, SCAN, Scripted
+from .recordings import recorded
+from .recordings.sweeps import TYPE as LASER_SCAN
+from .waiting import wait_for
+
+STRING = "std_msgs/msg/String"
+TYPES = {"/temperature": "std_msgs/msg/Float64", "/says": STRING, "/log": STRING, "/place": "geometry_msgs/msg/Point"}
+NUMBERS = ("/temperature.data", "/place.y")
+
+
+@pytest.fixture(autouse=True)
+def _asked() -> Iterator[None]:
+    with added():
+        yield
+
+
+@pytest.fixture(scope="module")
+def path(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Two seconds: a number every 0.1 s, a text each second, a later one of another topic, and places."""
+    messages: list[tuple[float, str, dict[str, Any]]] = [
+        *((i / 10, "/temperature", {"data": float(i)}) for i in range(21)),
+        *((float(i), "/says", {"data": f"at {i}"}) for i in range(2)),
+        (1.5, "/log", {"data": "late"}),
+        *((i / 2, "/place", {"x": 0.0, "y": -float(i), "z": 0.0}) for i in range(4)),
+    ]
+    ordered = sorted(messages, key=lambda message: message[0])
+    return recorded.write(tmp_path_factory.mktemp("asked") / "drive", TYPES, ordered)
+
+
+@pytest.fixture
+def recording(path: Path) -> Iterator[Recording]:
+    with robowidgets.open(path) as opened:
+        yield opened
+
+
+def shown(player: Player) -> list[tuple[str, tuple[str, ...]]]:
+    return [(type(view.widget).__name__, view.choice.topics) for view in player.views]
+
+
+def test_a_recording_of_which_no_topic_has_a_widget_shows_a_few_the_most_useful_first(recording: Recording) -> None:
+    player = recording.show()
+    try:
+        assert shown(player) == [
+            ("WordsWidget", ("/says", "/log")),
+            ("AnyWidget", ("/temperature",)),
+            ("AnyWidget", ("/place",)),
+        ]
+    finally:
+        player.close()
+
+
+def test_of_many_topics_without_a_widget_few_are_shown(tmp_path: Path) -> None:
+    names = [f"/number_{i}" for i in range(9)]
+    messages = [(i / 10, name, {"data": float(i)}) for i, name in enumerate(names)]
+    with robowidgets.open(
+        recorded.write(tmp_path / "x", dict.fromkeys(names, "std_msgs/msg/Float64"), messages)
+    ) as recording:
+        player = recording.show()
+    try:
+        assert [topics for _, topics in shown(player)] == [(name,) for name in names[:FEW]]
+    finally:
+        player.close()
+
+
+def test_beside_a_topic_that_has_a_widget_others_are_shown_by_name_alone(tmp_path: Path) -> None:
+    messages = [(0.1 * i, topic, {"data": 0.0} if topic == "/n" else {}) for i in range(9) for topic in ("/n", "/odom")]
+    types = {"/odom": "nav_msgs/msg/Odometry", "/n": "std_msgs/msg/Float64"}
+    with robowidgets.open(recorded.write(tmp_path / "x", types, messages)) as recording:
+        by_default, by_name = recording.show(), recording.show("/n", "/odom.pose.pose.position.x")
+    try:
+        assert shown(by_default) == [("SpeedWidget", ("/odom",)), ("PathWidget", ("/odom",))]
+        assert shown(by_name) == [("AnyWidget", ("/n",)), ("FieldsWidget", ("/odom",))]
+    finally:
+        by_default.close()
+        by_name.close()
+
+
+def test_fields_share_a_widget_that_has_the_numbers_of_any_time(recording: Recording) -> None:
+    player = recording.show("/says", *NUMBERS)
+    try:
+        words, lines = (view.widget for view in player.views)
+        assert isinstance(words, WordsWidget)
+        assert isinstance(lines, FieldsWidget)
+        assert lines.fields == NUMBERS
+        player.time = 1.25
+        assert lines.numbers == {"/temperature.data": 12.0, "/place.y": -2.0}
+        assert words.came[-1] == ("/says", "at 1")
+        track = player.views[1].track
+        assert [frame.seconds for frame in track.frames(0.85, 1.15)] == pytest.approx([0.8, 0.9, 1.0, 1.0, 1.1])
+    finally:
+        player.close()
+
+
+def test_a_track_of_messages_of_any_type_begins_with_the_one_before(recording: Recording) -> None:
+    player = recording.show("/log")
+    try:
+        (view,) = player.views
+        frames = list(view.track.frames(1.0, 2.0))
+        assert [(frame.seconds, frame.about) for frame in frames] == [
+            (-1.0, {"texts": {"/log": None}}), (pytest.approx(1.5), {"texts": {"/log": "late"}})
+        ]  # fmt: skip
+    finally:
+        player.close()
+
+
+def test_a_name_that_is_not_there_raises_with_the_nearest(recording: Recording) -> None:
+    with pytest.raises(UnknownTopicError, match=r"no topic '/temperatur'.*did you mean '/temperature'"):
+        recording.show("/temperatur")
+    with pytest.raises(KeyError, match=r"y"):
+        recording.show("/place.yy")
+    with pytest.raises(UnknownTopicError, match="did you mean '/place'"):
+        recording.show("/plac.y")
+
+
+def test_a_topic_whose_messages_cannot_be_read_says_why(tmp_path: Path) -> None:
+    path = recorded.write(tmp_path / "x", {"/scan": LASER_SCAN}, [])
+    with robowidgets.open(path) as recording:
+        recording._messages.why_unreadable = lambda _: "no definition of it"  # type: ignore[method-assign]
+        recording._messages.topics = (recording.topics[0]._replace(name="/odd", type="a/msg/B", widget=None),)
+        with pytest.raises(UnknownTopicError, match="'/odd' cannot be shown: no definition of it"):
+            Player(recording, ("/odd",))
+
+
+def test_a_page_has_the_frames_of_widgets_that_were_asked_for(recording: Recording, tmp_path: Path) -> None:
+    rows = (replace(row, widget="tests.unit.test_asked_widgets:PagedWidget") for row in (ANY,))
+    for row in rows:
+        kinds.add(row, replace=True)
+    page = recording.to_html(tmp_path / "page.html", topics=["/temperature"])
+    assert "/temperature" in page.read_text()
+
+
+class PagedWidget(AnyWidget):
+    """Has the script of a widget that is built."""
+
+    _esm, _css = robowidgets.SonarWidget._esm, robowidgets.SonarWidget._css
+
+
+NUMBER = Advert("/temperature", "std_msgs/msg/Float64")
+SAYS, LOG = Advert("/says", STRING), Advert("/log", STRING)
+
+
+class TestAFeed:
+    @pytest.fixture(autouse=True)
+    def _impatient(self, monkeypatch: pytest.MonkeyPatch) -> None:
+        monkeypatch.setattr("robowidgets.feeds._connection.PATIENCE", 0.02)
+
+    def test_shows_what_it_has_where_no_topic_has_a_widget(self) -> None:
+        script = Scripted(NUMBER, SAYS, LOG)
+        with Feed(script) as feed:
+            view = feed.show()
+            assert {topic: type(widget).__name__ for topic, widget in view.widgets.items()} == {
+                "/says": "WordsWidget", "/log": "WordsWidget", "/temperature": "AnyWidget"
+            }  # fmt: skip
+            assert view.widgets["/says"] is view.widgets["/log"]
+            script.listener.on_message("/temperature", Message(data=2.5))
+            wait_for(lambda: view.widgets["/temperature"].message == Message(data=2.5), "the number is shown")
+
+    def test_gives_each_message_with_its_topic_to_a_widget_that_gathers(self) -> None:
+        script = Scripted(SAYS, LOG, ODOM)
+        with Feed(script) as feed:
+            view = feed.show("/says", "/log")
+            (widget,) = set(view.widgets.values())
+            for i in range(3):
+                script.listener.on_message("/says", Message(data=f"{i}"))
+            script.listener.on_message("/log", Message(data="x"))
+            wait_for(lambda: len(widget.came) == 4, "every text is there")
+            assert [text for topic, text in widget.came if topic == "/says"] == ["0", "1", "2"]
+            assert ("/log", "x") in widget.came
+
+    def test_shows_fields_of_topics_that_come_later_in_the_same_widget(self) -> None:
+        script = Scripted(NUMBER)
+        with Feed(script) as feed:
+            view = feed.show("/temperature.data", "/imu.orientation.w")
+            widget = view.widgets["/temperature"]
+            assert widget.fields == ("/temperature.data", "/imu.orientation.w")
+            script.listener.on_topics((NUMBER, IMU, SCAN))
+            assert view.widgets == {"/temperature": widget, "/imu": widget}
+            script.listener.on_message("/imu", Message(orientation=Message(w=1.0)))
+            wait_for(lambda: widget.numbers == {"/imu.orientation.w": 1.0}, "the field is shown")
+
+
+def test_topics_of_several_namespaces_share_a_widget_that_gathers() -> None:
+    topics = [Message(name=name, type=STRING, widget=None, commanded=False) for name in ("/a/x", "/b/x")]
+    (choice,) = choose_widgets(topics, ["/b/x", "/a/x"])
+    assert (choice.kind, choice.topics, choice.titles) == (WORDS, ("/b/x", "/a/x"), ("/b/x, /a/x",))
+
+
+def test_a_row_that_cannot_work_is_refused() -> None:
+    with pytest.raises(ValueError, match="replace=True"):
+        kinds.add(WORDS)
+    with pytest.raises(ValueError, match="other than laser"):
+        kinds.add(replace(WORDS, name="laser"), replace=True)
+    with pytest.raises(ValueError, match="gathers"):
+        kinds.add(replace(FIELDS, name="more", gathers=False))
+    with pytest.raises(ValueError, match="module:name"):
+        kinds.add(replace(ANY, name="more", widget="x"))
