@@ -118,8 +118,7 @@ class Judge:
     def choose(self, packed: int) -> tuple[Shot | None, list[dict[str, Any]]]:
         """What to send to the page, with its lamps; None while the verdicts are due in a moment.
 
-        Called with the lock of the samples. At the end of a cell, in the main thread, it waits for that moment, so that
-        a notebook is saved with the last sample.
+        Called with the lock of the samples.
 
         Args:
             packed: the version that was packed last.
@@ -127,8 +126,6 @@ class Judge:
         newest = self._newest.shot()
         if not self.watches:
             return newest, []
-        if self._done != newest.version and threading.current_thread() is threading.main_thread():
-            self._newest.wait_for(lambda: self._done == newest.version, PATIENCE)
         if self._done == newest.version:
             return newest, self._lamps
         if self._shot is not None and self._shot.version > packed and self._waits:
@@ -136,6 +133,14 @@ class Judge:
         if not self.is_late:
             return None, []  # the runner has the widget marked when it is
         return newest, [self._unknown(watch) for watch in self.watches.values()]
+
+    def await_verdicts(self) -> None:
+        """At the end of a cell, in the main thread, wait a moment for the verdicts on the newest sample.
+
+        So a notebook is saved with the last sample. Called without the lock of the samples.
+        """
+        if self.watches and threading.current_thread() is threading.main_thread():
+            self._newest.waiters.wait_for(lambda: self._done == self._newest.version or None, PATIENCE)
 
     def will_mark(self) -> bool:
         """Whether it marks the widget in a moment, when the verdicts on the newest version are there."""
@@ -164,7 +169,7 @@ class Judge:
     def _leave_worker(self) -> None:
         """Have the worker go no further. Called with the lock."""
         self._runner.leave()
-        self._newest.wake()
+        self._newest.waiters.wake()
 
     def _judge_newest(self, call: Call) -> float | None:
         """Judge the newest version that was not judged yet, if there is one."""
@@ -186,7 +191,7 @@ class Judge:
                 self._done, self._shot = shot.version, shot
                 self._lamps = [watch.lamp() for watch in watches]
                 newest.changed = True  # also where it is on show already, with unknown lamps
-            newest.wake()
+            newest.waiters.wake()
         pacer.mark(self._widget)
         return 0.0  # there may be a newer one
 

@@ -8,6 +8,7 @@ from collections.abc import Callable
 from typing import Any, Generic, NamedTuple, TypeVar
 
 from .rate import RateMeter
+from .waiters import Waiters
 
 S = TypeVar("S")
 
@@ -25,7 +26,10 @@ class Shot(NamedTuple):
 class NewestSample(Generic[S]):
     """The newest sample of a widget, with the texts on it that are known.
 
-    Any thread may store one at any rate. Who reads several attributes, or waits, holds `lock`.
+    Any thread may store one at any rate. Who reads several attributes holds `lock`.
+
+    Attributes:
+        waiters: the threads that wait for another one.
     """
 
     def __init__(self) -> None:
@@ -43,14 +47,12 @@ class NewestSample(Generic[S]):
         self.meter = RateMeter()
         self.on_new: Callable[[], object] | None = None
         """Called with the lock when there is another version to judge."""
-        self.waiting = 0
-        """The number of threads that wait."""
         self.make_locks()
 
     def make_locks(self) -> None:
         """Make free locks; again in a forked process, which has no threads that could release the old ones."""
         self.lock = threading.RLock()
-        self._renewed = threading.Condition(self.lock)
+        self.waiters = Waiters(self.lock)
         self._taken = threading.local()
 
     def put(self, sample: S, about: dict[str, Any], *, counts: bool) -> None:
@@ -67,20 +69,7 @@ class NewestSample(Generic[S]):
         self.version += 1
         if self.on_new:
             self.on_new()
-        if self.waiting:
-            self.wake()
-
-    def wake(self) -> None:
-        """Have the threads that wait look again. Called with the lock."""
-        self._renewed.notify_all()
-
-    def wait_for(self, is_there: Callable[[], bool], timeout: float | None = None) -> bool:
-        """Wait until something is true, for some seconds or for ever; returns whether it is. Called with the lock."""
-        self.waiting += 1
-        try:
-            return self._renewed.wait_for(is_there, timeout)
-        finally:
-            self.waiting -= 1
+        self.waiters.wake()
 
     def is_new(self) -> bool:
         """Whether the calling thread has not taken this sample yet."""

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import threading
 from collections.abc import Iterable, Mapping
 from importlib import import_module
 from math import inf
@@ -119,22 +118,25 @@ class RobotWidget(PacedWidget, Generic[S]):
         seconds = limit if timeout is None else not_negative("timeout", timeout, "seconds")
         newest = self._newest
 
-        def has_next() -> bool:
-            if self._newest_measured() is None:
-                return False
-            return not self.has_rate or (newest.is_new() and newest.age <= limit)
+        def take_next() -> S | None:
+            sample: S | None = self._newest_measured()
+            if self.has_rate and not (newest.is_new() and newest.age <= limit):
+                return None
+            if sample is not None:
+                newest.take()
+            return sample
 
-        left = seconds
+        left, sample = seconds, None
         if self._source and seconds > PATIENCE:
-            with newest.lock:
-                left -= 0.0 if newest.wait_for(has_next, PATIENCE) else PATIENCE
-            if left < seconds and (why := self._missing):
+            sample, left = newest.waiters.wait_for(take_next, PATIENCE), seconds - PATIENCE
+            if sample is None and (why := self._missing):
                 self._log_once(f"{why}; waiting for {seconds:g} s, in case it comes")
-        with newest.lock:
-            if not newest.wait_for(has_next, min(left, threading.TIMEOUT_MAX)):
+        if sample is None:
+            sample = newest.waiters.wait_for(take_next, left)
+        if sample is None:
+            with newest.lock:
                 raise TimeoutError(self._why_none(seconds))
-            newest.take()
-            return self._newest_measured()
+        return sample
 
     @overload
     def watch(self, name: str, value: float, /) -> float: ...
@@ -388,11 +390,12 @@ class RobotWidget(PacedWidget, Generic[S]):
     def _bring_up_to_date(self) -> None:
         """See `FreezableWidget`."""
         with self._send_lock:
-            newest = self._newest
+            newest, judge = self._newest, self._watches.judge
+            if newest.changed and judge:
+                judge.await_verdicts()
             with newest.lock:
                 if not newest.changed:
                     return
-                judge = self._watches.judge
                 shot, lamps = judge.choose(self._packed_version) if judge else (newest.shot(), [])
                 if shot is None:
                     return

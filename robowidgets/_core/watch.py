@@ -14,6 +14,7 @@ from typing import Any, NamedTuple
 from ..samples.checks import not_negative
 from ..samples.verdict import UNKNOWN, Verdict, judged
 from .user_function import error_in
+from .waiters import Waiters
 
 MOST_CHANGES = 1000
 """Changes that a watch keeps."""
@@ -56,7 +57,7 @@ class Watch:
         self._context = copy_context()
         """That of the cell that watches: so what the condition prints appears below that cell."""
         self._lock = threading.RLock()
-        self._changed = threading.Condition(self._lock)
+        self._waiters = Waiters(self._lock)
         self._wakers: list[Callable[[], None]] = []
         self._verdict = UNKNOWN
         self._sample: Any = None
@@ -109,14 +110,10 @@ class Watch:
             TypeError: the timeout is no number. ValueError: it is not finite, or below 0.
         """
         seconds = not_negative("timeout", timeout, "seconds")
-        deadline = time.monotonic() + seconds
-        with self._lock:
-            while not self._is(value):
-                left = deadline - time.monotonic()
-                if left <= 0:
-                    raise self._too_late(seconds, value)
-                self._changed.wait(min(left, threading.TIMEOUT_MAX))
-            return self._sample
+        sample = self._waiters.wait_for(lambda: self._sample if self._is(value) else None, seconds)
+        if sample is None:
+            raise self._too_late(seconds, value)
+        return sample
 
     async def wait_async(self, timeout: float = 10.0, value: bool = True) -> Any:
         """As `wait`, for ``await``: other tasks run meanwhile."""
@@ -229,7 +226,7 @@ class Watch:
         return f"switched off, {self._error}" if self._error else self._ended
 
     def _notify(self) -> None:
-        self._changed.notify_all()
+        self._waiters.wake()
         for wake in self._wakers:
             wake()
 

@@ -28,24 +28,25 @@ def scans_of(connection: Connection, topic: str, timeout: float) -> Iterator[Sca
     target = connection.attach(topic, lambda message: newest.put(message, {}, counts=True))
     limit, told = max(timeout, FIRST_TIMEOUT), False
 
-    def has_next() -> bool:  # not one that came early in a loop body which took long: nothing has come since
-        return newest.sequence > taken and newest.age <= timeout
+    def find_next() -> tuple[Any, float, int] | None:
+        # Not one that came early in a loop body which took long: nothing has come since.
+        is_there = newest.sequence > taken and newest.age <= timeout
+        return (newest.sample, newest.arrived, newest.sequence) if is_there else None
 
     try:
         while True:
-            there, until = False, time.monotonic() + limit
+            found, until = None, time.monotonic() + limit
             # In short steps, to notice when the feed is closed.
-            while not there and not connection.is_closed and (left := until - time.monotonic()) > 0:
-                with newest.lock:
-                    there = newest.wait_for(has_next, min(left, 0.1))
-                    message, arrived, sequence = newest.sample, newest.arrived, newest.sequence
-                if not (there or taken or told) and (why := connection.why_missing(topic)):
+            while found is None and not connection.is_closed and (left := until - time.monotonic()) > 0:
+                found = newest.waiters.wait_for(find_next, min(left, 0.1))
+                if found is None and not (taken or told) and (why := connection.why_missing(topic)):
                     told = True
                     log.warning("%s; waiting for %s for %g s, in case it comes", why, topic, limit)
-            if not there:
+            if found is None:
                 why = connection.status_of(topic)
                 raise TimeoutError(f"no scan of {topic} for {limit:g} s" + (f": {why}" if why else ""))
-            limit, taken = timeout, sequence
+            message, arrived, taken = found
+            limit = timeout
             scan = to_scan(message)
             note_arrival(scan, arrived)
             yield scan

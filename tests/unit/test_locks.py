@@ -16,6 +16,7 @@ INTERRUPTED = """
 import os, random, signal, threading, time
 from robowidgets._core.coalesced_call import CoalescedCall
 from robowidgets._core.pacer import Pacer
+from robowidgets._core.waiters import Waiters
 from robowidgets.behaviors.program import Program
 from robowidgets.behaviors.robot import DrivenRobot
 from robowidgets.behaviors.variables import Variables
@@ -58,6 +59,8 @@ def rests():
         time.sleep(0.001)
     return True
 
+lock = threading.RLock()
+waiters = Waiters(lock)
 calls = []
 call = CoalescedCall(lambda: calls.append(1))
 began = threading.Event()
@@ -81,6 +84,7 @@ for _ in range(400):
 LOOPS = {
     "drive": ("watchdog.drive(Velocity(0.3), hold=60.0)", "watchdog.sent_in_time(watchdog.stop())"),
     "flush": ("pacer.flush()", "sender.was_sent.clear(); pacer.mark(sender); assert sender.was_sent.wait(5.0)"),
+    "wait": ("waiters.wait_for(lambda: None, 0.0001)", "assert not waiters and not lock._is_owned()"),
     "call": ("call()", "calls.clear(); call(); assert calls"),
     "program": ("program.replace(again); program.pause()", "assert rests(); assert steps()"),
 }

@@ -2,10 +2,10 @@ from __future__ import annotations
 
 import asyncio
 import gc
+import itertools
 import json
 import os
 import socket
-import struct
 import threading
 import weakref
 from collections.abc import Callable, Iterator
@@ -15,6 +15,7 @@ from typing import Any
 import pytest
 
 from robowidgets import DriveWidget, feeds
+from robowidgets._core.clock import RealClock
 from robowidgets.feeds import Feed, FeedError, _other_bridge, _websocket
 from robowidgets.feeds.foxglove import Foxglove
 from robowidgets.feeds.middleware import CLOSE_TIMEOUT, SEND_TIMEOUT
@@ -643,31 +644,38 @@ def test_a_hundred_opens_and_closes_leave_no_thread_no_socket_and_no_memory(ears
     assert [ref for ref in there if ref() is not None] == []
 
 
-def test_frames_that_come_without_a_pause_keep_nobody_from_publishing_and_closing(
-    ears: Ears, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(_websocket, "_GOODBYE", 0.05)
-    monkeypatch.setattr(_websocket, "SEND_TIMEOUT", 1000.0)  # the answer comes behind all that is on its way
-    with OldFoxglove([channel(1)], **TAKES) as server:
-        middleware = Foxglove(server.address)
+class TickingClock(RealClock):
+    """A clock by which it takes half a millisecond to look at it."""
+
+    def __init__(self) -> None:
+        self._looks = itertools.count()
+
+    def now(self) -> float:  # type: ignore[override]
+        return next(self._looks) / 2000
+
+
+def test_frames_that_wait_hold_up_every_other_call_in_the_thread_for_five_milliseconds_at_most(ears: Ears) -> None:
+    with OldFoxglove([channel(1)]) as server:
+        middleware = Foxglove(server.address, TickingClock())
         middleware.follow(frozenset({"/scan"}))
         middleware.open(ears)
         wait_for(lambda: server.subscribed, "it subscribed")
-        message = struct.pack("<BIQ", 1, server.subscribed[1], 0) + cdr()
-        assert len(message) < 126
-        frames = 50_000 * (bytes([0x82, len(message)]) + message)  # as they are on the wire
-
-        async def flood() -> None:
-            stream = server.clients[0].ws_connection.stream  # type: ignore[union-attr]
-            while not stream.closed():
-                await stream.write(frames)
-
-        asyncio.run_coroutine_threadsafe(flood(), server._loop)
-        wait_for(lambda: len(ears.messages) > 5, "messages are handed on meanwhile")
-        for speed in (1.0, 0.0):
-            middleware.publish("/cmd_vel", TWIST, {"linear": {"x": speed}})
+        is_held, go_on = threading.Event(), threading.Event()
+        ears.then = lambda *_: is_held.set() or go_on.wait(20)
+        server.log(1, cdr())
+        assert is_held.wait(20)
+        for _ in range(200):
+            server.log(1, cdr())
+        sent = threading.Event()
+        server._loop.call_soon_threadsafe(sent.set)
+        assert sent.wait(20)
+        go_on.set()
+        last = cdr(distance=7.0)
+        server.log(1, last)
+        wait_for(lambda: float(ears.messages[-1][1].ranges[0]) == 7.0, "all are read")
         middleware.close()
-        wait_for(lambda: _threads() == [], "its thread ended")
+    # They are decoded by a call like any other: some ten frames were read between two of these.
+    assert len(ears.messages) > 12
 
 
 def _threads() -> list[str]:
