@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterable, Sequence
 from typing import Any
 
@@ -10,7 +9,7 @@ import numpy as np
 
 from .feeds.feed import Feed
 from .kinds import topic_and_field
-from .messages.fields import describe, get
+from .messages.fields import FieldOf
 from .plot_widget import MOST_LINES, PlotWidget
 from .plotting.line import Floats, slope
 from .plotting.units import unit_of
@@ -125,7 +124,8 @@ class _Adder:
     """Adds the numbers in each message of a topic to a plot, until that is closed."""
 
     def __init__(self, feed: Feed, plot: PlotWidget, topic: str, paths: dict[str, str], start: _Start) -> None:
-        self._feed, self._plot, self._topic, self._paths, self._start = feed, plot, topic, paths, start
+        self._feed, self._plot, self._topic, self._start = feed, plot, topic, start
+        self._fields = {name: FieldOf(path, name) for name, path in paths.items()}
 
     def __call__(self, message: Any, time_ns: int) -> None:
         if self._plot.comm is None:
@@ -135,30 +135,11 @@ class _Adder:
             self._start.time_ns = time_ns
         seconds = max(0.0, (time_ns - self._start.time_ns) / 1e9)
         try:
-            numbers = {name: _number_at(message, path, name) for name, path in self._paths.items()}
+            numbers = {name: read(message) for name, read in self._fields.items()}
         except (TypeError, ValueError) as error:
-            self._plot.refuse(error, self._paths)
+            self._plot.refuse(error, self._fields)
         else:
             self._plot.update(numbers, time=seconds)
-
-
-def _number_at(message: Any, path: str, name: str) -> Any:
-    """The value of a field of a message, which may be one of an array: ``covariance[7]``."""
-    value, so_far = message, ""
-    for part in path.split("."):
-        array, index = re.fullmatch(r"(.*?)(?:\[(\d+)\])?", part).groups()  # type: ignore[union-attr]
-        inner = get(value, array, _MISSING)
-        if inner is _MISSING:
-            raise ValueError(f"{name}: no field {part!r}; {so_far or 'the message'} is {describe(value)}")
-        if index is not None:
-            if not hasattr(inner, "__len__") or int(index) >= len(inner):
-                raise ValueError(f"{name}: no {part!r} in the message; its arrays are shorter")
-            inner = inner[int(index)]
-        value, so_far = inner, part
-    return value
-
-
-_MISSING = object()
 
 
 def _widget(fields: Iterable[str], units: dict[str, str], options: dict[str, Any]) -> PlotWidget:

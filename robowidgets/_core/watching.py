@@ -78,11 +78,11 @@ class Watches:
                 "watch: a player moves this widget; give the condition to recording.find, and the spans to player.marks"
             )
         self._check(condition)
-        named = _default_name(condition) if name is None else name
+        named = default_name(condition) if name is None else name
         if not isinstance(named, str):
             hint = f'; a number comes after its name: watch("r", {named!r})' if isinstance(named, Real) else ""
             raise TypeError(f"name: expected text, got {named!r}{hint}")
-        _check_name(named)
+        check_watch_name(named)
         if named in self.numbers:
             raise ValueError(f"watch: {named!r} is the name of a number; unwatch({named!r}) removes it")
         watch = Watch(named, condition, widget.sample_name, self._hooks.why_unknown)
@@ -138,7 +138,7 @@ class Watches:
         if self._widget.driven_by_player:
             raise ValueError(f"watch({name!r}): a player moves this widget, and its samples are not of now")
         shown = number(f"watch({name!r})", value)
-        _check_name(name)
+        check_watch_name(name)
         if name in self.by_name:
             raise ValueError(f"watch({name!r}): a condition has this name; unwatch({name!r}) removes it")
         with self._newest.lock:
@@ -170,7 +170,8 @@ class Watches:
             )
 
 
-def _check_name(name: str) -> None:
+def check_watch_name(name: str) -> None:
+    """ValueError for a name that is empty or too long."""
     if not 0 < len(name.strip()) <= LONGEST_NAME:
         raise ValueError(f"name: expected 1 to {LONGEST_NAME} characters, got {name!r}")
 
@@ -188,7 +189,8 @@ def _takes_one(function: Callable[..., Any]) -> bool:
     return True
 
 
-def _default_name(condition: Any) -> str:
+def default_name(condition: Any) -> str:
+    """The name of a condition that got none; TypeError for a lambda, which has none."""
     if hasattr(condition, "judge"):
         return str(condition)[:LONGEST_NAME]
     name = name_of(condition)

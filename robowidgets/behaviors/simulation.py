@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from functools import partial
 from typing import Any, NamedTuple
 
-from ..kinds import kind_of_parameter, load, sensor_of
+from ..kinds import KINDS, kind_of_parameter, load, sensor_of
 from ..simulator import Robot
 from ..simulator.offers import Offer
 from ._parameters import parameters_of, program_name
@@ -14,7 +14,7 @@ from .drive import STANDSTILL, Drive, drive_of
 from .machine import Machine
 from .odometer import Odometer
 from .program import Program
-from .robot import DRIVEN, POSE, TURNED
+from .robot import DRIVEN, ODOMETRY, POSE, TURNED
 from .variables import ProgramState, Variables
 from .version import RATE, to_rate
 
@@ -48,7 +48,8 @@ def simulate(
     Errors of the program are raised. Between two steps the caller may set variables, and look at the robot.
 
     Args:
-        program: a function or a class, as `robowidgets.feeds.Feed.program` takes it, or the program that it returned.
+        program: a function or a class, as `robowidgets.feeds.Feed.program` takes it, or the program that it returned,
+            whose topics are read, too.
         robot: the robot.
         seconds: of simulated time.
         until: a function that ends it sooner, when it returns true.
@@ -69,10 +70,11 @@ def simulate(
         0.2
     """
     function = function_of(program)
-    asks_for = parameters_of(function, program_name(function), {})
+    topics = program.version.topics if isinstance(program, Program) else {}
+    asks_for = parameters_of(function, program_name(function), topics)
     period = 1 / to_rate(rate)
     own: dict[str, Any] = {"state": ProgramState(), "variables": Variables() if variables is None else variables}
-    samples = _samples(robot, asks_for)
+    samples = _samples(robot, asks_for, topics)
     start, drive, odometer = robot.time, STANDSTILL, Odometer()
     while (now := robot.time - start) < seconds and not (until and until()):
         odometer.add(robot.odometry)
@@ -84,11 +86,21 @@ def simulate(
         yield Step(now, drive, function.active if isinstance(function, Machine) else ())
 
 
-def _samples(robot: Robot, asks_for: Iterable[str]) -> dict[str, Callable[[], Any]]:
+def _samples(robot: Robot, asks_for: Iterable[str], topics: Mapping[str, str]) -> dict[str, Callable[[], Any]]:
     """By parameter, what returns the newest sample of the simulated robot. ValueError if it has no such sensor."""
     found: dict[str, Callable[[], Any]] = {}
+    sent = {
+        offer.topic: offer.read for kind in KINDS.values() if kind.simulated for offer in load(kind.simulated)(robot)
+    }
     for name in asks_for:
         kind = kind_of_parameter(name)
+        if name in topics and name not in ODOMETRY and (kind is None or kind.roles[0].each is None):
+            if topics[name] not in sent:
+                raise ValueError(
+                    f"a program asks for {name} on {topics[name]}, and the simulated robot sends {', '.join(sent)}"
+                )
+            found[name] = sent[topics[name]]
+            continue
         if kind is None:
             continue
         offers: list[Offer] = load(kind.simulated)(robot) if kind.simulated else []

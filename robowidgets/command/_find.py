@@ -4,7 +4,10 @@ from __future__ import annotations
 
 import argparse
 import json
+import operator
+import re
 from collections.abc import Callable, Iterable
+from contextlib import suppress
 from functools import reduce
 from math import degrees
 from operator import and_, or_
@@ -21,6 +24,11 @@ from ..recordings.topics import UnnamedTopicError
 from ..samples.checks import DEGREES, OF_DEGREES
 from ..samples.sector import ALL_ROUND, SECTORS, Asked, to_sector
 from ._error import CommandError
+
+_SIGNS = {
+    "<": operator.lt, "<=": operator.le, ">": operator.gt, ">=": operator.ge, "==": operator.eq, "!=": operator.ne,
+}  # fmt: skip
+_COMPARISON = re.compile(r"\s*(?:abs\(\s*(\S+?)\s*\)|(\S+?))\s*(<=|>=|==|!=|<|>)\s*(\S.*?)\s*")
 
 FOUND, NONE, INTERRUPTED = 0, 1, 130
 
@@ -42,6 +50,7 @@ _GIVES = {
     "--speed-above": "limit",
     "--axis": "axis",
     "--gap": "seconds",
+    "--field": "field",
 }
 """The argument of a condition that an option gives."""
 
@@ -67,6 +76,14 @@ def add_find(parser: argparse.ArgumentParser) -> None:
     asked.add_argument("--nearest-below", type=float, metavar="METRES", help="a ray meets something nearer than that")
     asked.add_argument("--speed-above", type=float, metavar="SPEED", help="it is faster than that, either way")
     asked.add_argument("--gap", type=float, metavar="SECONDS", help="nothing came for longer than that")
+    asked.add_argument(
+        "--field",
+        action="append",
+        default=[],
+        metavar="COMPARISON",
+        help="a field of any topic compares so, as '/imu.linear_acceleration.x > 12', by <, <=, >, >=, == or !=, to a "
+        "number, true, false or a text; abs(/imu.angular_velocity.z) is its size; may be given again for another",
+    )
     asked.add_argument("--any", action="store_true", help="one of the conditions is enough")
     how = parser.add_argument_group("where to look")
     how.add_argument(
@@ -136,10 +153,35 @@ def condition(arguments: argparse.Namespace) -> Condition:
         asked.append(conditions.speed_above(arguments.speed_above, arguments.axis or "linear.x", arguments.speed))
     if arguments.gap is not None:
         asked.append(conditions.gap(arguments.gap, arguments.silent))
+    asked += map(_compared, arguments.field)
     if not asked:
-        raise CommandError("find: expected a condition: --touched, --nearest-below, --speed-above or --gap")
+        raise CommandError("find: expected a condition: --touched, --nearest-below, --speed-above, --gap or --field")
     _check_used(arguments)
     return reduce(or_ if arguments.any else and_, asked)
+
+
+def _compared(words: str) -> Condition:
+    """The condition in words such as ``/imu.linear_acceleration.x > 12``."""
+    found = _COMPARISON.fullmatch(words)
+    if found is None:
+        raise CommandError(
+            f"find: --field: expected a comparison, such as '/imu.linear_acceleration.x > 12', got {words!r}"
+        )
+    size, name, sign, value = found.groups()
+    field = conditions.field(size or name)
+    compared: Condition = _SIGNS[sign](abs(field) if size else field, _value(value))
+    return compared
+
+
+def _value(word: str) -> Any:
+    """A number, a flag or a text, which may stand in quotes."""
+    with suppress(ValueError):
+        return int(word)
+    with suppress(ValueError):
+        return float(word)
+    if word.lower() in ("true", "false"):
+        return word.lower() == "true"
+    return word[1:-1] if word[0] == word[-1] and word[0] in "'\"" and len(word) > 1 else word
 
 
 def _check_used(arguments: argparse.Namespace) -> None:
@@ -161,7 +203,7 @@ def find(arguments: argparse.Namespace, warn: Callable[[str], None]) -> tuple[st
     with robowidgets.open(arguments.file) as recording:
         try:
             spans = recording.find(condition(arguments))
-        except ValueError as error:
+        except (TypeError, ValueError) as error:
             raise CommandError(_in_options(str(error))) from None
         except UnnamedTopicError as error:
             option = _NAMED_BY[error.widget]

@@ -23,7 +23,7 @@ from ..kinds import (
     sensor_of,
 )
 from ..samples import Speed
-from ..samples.staleness import TO_DRIVE_BY
+from ..samples.staleness import TO_DRIVE_BY, SilenceRule
 from ._links import TopicLink
 from ._probes import Probes
 from ._subscription import Target
@@ -37,11 +37,16 @@ class _Latest:
     """The newest message of a topic, read as a sample when the program asks for it."""
 
     def __init__(
-        self, connection: TopicLink, topic: str, on_message: Callable[[], None], odometer: Odometer | None
+        self,
+        connection: TopicLink,
+        topic: str,
+        on_message: Callable[[], None],
+        odometer: Odometer | None,
+        silence: SilenceRule | None,
     ) -> None:
         self.odometer = odometer
         """What each pose of the topic is added to; None: only the newest message counts."""
-        self._connection, self.topic, self._on_message = connection, topic, on_message
+        self._connection, self.topic, self._on_message, self._silence = connection, topic, on_message, silence
         self._lock = threading.Lock()
         self._messages: deque[Any] = deque()
         self._times: deque[float] = deque(maxlen=3)
@@ -63,16 +68,23 @@ class _Latest:
         """The newest sample. NotReadyError if there is none, or if it is too old."""
         with self._lock:
             messages, self._messages = self._messages, deque()
-            times = list(self._times)
         if messages:
             self._take(messages)
-        if self._sample is None:
-            raise NotReadyError(self._connection.status_of(self.topic) or f"waiting for {self.topic}")
+        if why := self.why_not_ready(name):
+            raise NotReadyError(why)
+        return self._sample if self._gathered is None else self._gathered.take()
+
+    def why_not_ready(self, name: str) -> str:
+        """Why there is no sample, or only one that is too old; empty where there is one."""
+        with self._lock:
+            times = list(self._times)
+        if not times:
+            return self._connection.status_of(self.topic) or f"waiting for {self.topic}"
         age = time.monotonic() - times[-1]
         step = min((later - earlier for earlier, later in pairwise(times)), default=0.0)
-        if self._goes_stale and age > TO_DRIVE_BY.after(step):
-            raise NotReadyError(self._connection.status_of(self.topic) or f"no {name} comes on {self.topic} any more")
-        return self._sample if self._gathered is None else self._gathered.take()
+        if self._goes_stale and age > (self._silence or TO_DRIVE_BY).after(step):
+            return self._connection.status_of(self.topic) or f"no {name} comes on {self.topic} any more"
+        return ""
 
     def _take(self, messages: Sequence[Any]) -> None:
         """Read messages. NotReadyError if a message cannot be read."""
@@ -103,10 +115,25 @@ class _Latest:
 
 
 class FeedInputs:
-    """The newest samples of a feed that a program asks for: see `robowidgets.behaviors.robot.Inputs`."""
+    """The newest samples of a feed that a program asks for: see `robowidgets.behaviors.robot.Inputs`.
 
-    def __init__(self, connection: TopicLink, wake: Callable[[], None]) -> None:
-        self._connection, self._wake = connection, wake
+    Args:
+        connection: that of the feed.
+        wake: called on each message of the topic ``on``.
+        silence: when a sample is too old; None: as for programs, which drive by it.
+        wakes_each: whether it is called on each message of any of its topics.
+    """
+
+    def __init__(
+        self,
+        connection: TopicLink,
+        wake: Callable[[], None],
+        *,
+        silence: SilenceRule | None = None,
+        wakes_each: bool = False,
+    ) -> None:
+        self._connection, self._wake, self._wakes_each = connection, wake, wakes_each
+        self._silence = silence
         self._lock = threading.RLock()
         """Held by the thread that chooses and by that of the program, never by one of the transport."""
         self._wanted: dict[str, str | None] = {}
@@ -145,6 +172,17 @@ class FeedInputs:
         samples = {sensor_of(topic): one.read(_kind(name).sample_name) for topic, one in latest.items()}
         return each(samples, {sensor_of(topic): one.came_at for topic, one in latest.items()})
 
+    def why_not_ready(self) -> str:
+        """Why one of the samples is missing or too old; empty where all are there. It takes none."""
+        with self._lock:
+            for name in self._wanted:
+                if name not in self._chosen:
+                    return self._missing(name)
+                for topic in self._chosen[name]:
+                    if why := self._latest[topic].why_not_ready(name):
+                        return why
+        return ""
+
     def why_silent(self, on: str) -> str:
         """See `Inputs`."""
         return self._connection.status_of(on) or f"waiting for {on}"
@@ -171,11 +209,11 @@ class FeedInputs:
 
     def _attach(self, topic: str, *, is_odometry: bool = False) -> None:
         def wake() -> None:
-            if self._on == topic:
+            if self._wakes_each or self._on == topic:
                 self._wake()
 
         if topic not in self._latest:
-            self._latest[topic] = _Latest(self._connection, topic, wake, None)
+            self._latest[topic] = _Latest(self._connection, topic, wake, None, self._silence)
         if is_odometry and self._latest[topic].odometer is None:
             self._odometer.leave_out()
             for latest in self._latest.values():

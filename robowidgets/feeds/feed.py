@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import os
 import weakref
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 from .._core.cells import CellNote, name_in_cells
 from .._core.clock import Clock, scheduler
 from .._core.tables import Table
+from .._core.watch import Watch
+from .._core.watching import check_watch_name, default_name
 from ..behaviors.variables import Variables
 from ..driving.command_watchdog import Velocity
 from ..samples import Scan
@@ -24,6 +27,7 @@ from .middleware import FeedError, Middleware
 if TYPE_CHECKING:
     from ..behaviors.program import Program
     from ._feed_view import FeedView
+    from ._feed_watch import FeedWatch
     from ._recorder import Recorder
 
 
@@ -53,6 +57,7 @@ class Feed:
         self.driver, self.watchdog = self.connection.driver, self.connection.watchdog
         self.programs = self.connection.programs
         self._drive_note, self._program_note = CellNote(), CellNote()
+        self._watches: dict[str, FeedWatch] = {}
         self.connection.open()
 
     # -- what a person uses --------------------------------------------------------------------------------------------
@@ -317,6 +322,62 @@ class Feed:
             )
         )
         return program
+
+    def watch(self, condition: Any, name: str | None = None, /, **topics: str) -> Watch:
+        """Judge a condition whenever the robot sends something that it reads, of any of its topics.
+
+        It is judged in a thread of its own, on the newest messages. What raises is switched off, and `error` of the
+        result says why; a program may wait for it: see `robowidgets.find.conditions` and `Watch`. Unlike `watch` of a
+        widget it has no lamp.
+
+        Args:
+            condition: one of `robowidgets.conditions`, or several that are joined; or a function that returns True,
+                False, or None for unknown. A function takes what a program may take: ``scan``, ``speed``, ``touch``,
+                ``sonars``, ``pose``, and ``driven`` and ``turned`` since the watch began; or it has one parameter of
+                another name, and gets the moment, which has all of them, and ``moment[topic]``.
+            name: plain text; a watch of the same name is replaced. None: the name of the function, or the text of the
+                condition.
+            **topics: for a parameter, the topic that it is read from: ``imu="/imu"``.
+
+        Raises:
+            TypeError: no such condition, a lambda without a name, or something unknown is asked for.
+            ValueError: the name is empty or too long. FeedError: the feed is closed.
+
+        Example:
+            >>> from robowidgets import conditions, feeds
+            >>> with feeds.simulator() as robot:
+            ...     near = robot.watch(conditions.nearest_below(5.0) & (conditions.field("/odom.linear[0]") < 1.0))
+            ...     moment = near.wait()
+            >>> near.value is None  # the feed is closed
+            True
+        """
+        from ._feed_watch import FeedWatch
+
+        self.connection.check_open(*topics.values())
+        named = default_name(condition) if name is None else name
+        if not isinstance(named, str):
+            raise TypeError(f"name: expected text, got {named!r}")
+        check_watch_name(named)
+        watch = FeedWatch(self.connection, condition, named, topics)
+        before, self._watches[named] = self._watches.get(named), watch
+        if before is not None:  # as a truth value it is its verdict
+            before.end("another condition has its name now")
+        return watch
+
+    def unwatch(self, name: str) -> None:
+        """Judge a condition no more.
+
+        Raises:
+            KeyError: there is no watch of that name.
+        """
+        if name not in self._watches:
+            raise KeyError(f"no watch {name!r}: there are {', '.join(self._watches) or 'none'}")
+        self._watches.pop(name).end("it is watched no more")
+
+    @property
+    def watched(self) -> Mapping[str, Watch]:
+        """The watches by name."""
+        return MappingProxyType(self._watches)
 
     def close(self) -> None:
         """Stop the robot if it is driven, disconnect, end every thread; doing it again does nothing.

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import heapq
 import os
 import threading
 import time
@@ -11,6 +12,8 @@ from typing import Any
 import numpy as np
 
 from ..recordings import RecordingData
+from ..recordings.topics import Topic
+from ..samples import HasAge
 from ..samples.age import note_arrival
 from ..samples.checks import finite
 from ._threaded import ThreadedMiddleware
@@ -74,17 +77,14 @@ class Played(ThreadedMiddleware):
         self._woken.set()
 
     def _run_session(self, listener: Listener) -> str:
-        shown = {topic.name for topic in self._recording.topics if topic.widget}
-        others = {topic.name for topic in self._recording.topics} - shown
         started = time.monotonic()
         with self._recording:
             while True:
                 self._woken.clear()
                 if self._closed.is_set():
                     return ""
-                names = self._wanted & shown
-                for name in self._wanted & others:
-                    listener.on_trouble(name, f"{name}: a recording publishes only topics that a widget shows")
+                topics = self._recording.topics
+                names = frozenset(topic.name for topic in topics if self._is_wanted(topic, listener))
                 ended = self._play(listener, names, started)
                 if ended and self._loop:
                     started += max(self._recording.duration / self._speed, _SHORTEST_ROUND)
@@ -93,13 +93,26 @@ class Played(ThreadedMiddleware):
                         listener.on_trouble(name, f"{self.where} is at its end")
                     self._woken.wait()
 
+    def _is_wanted(self, topic: Topic, listener: Listener) -> bool:
+        """Whether a topic is to be played; where its messages cannot be read, it is told why."""
+        if topic.name not in self._wanted:
+            return False
+        if topic.problem and not topic.widget:
+            listener.on_trouble(topic.name, f"{topic.name} cannot be read: {topic.problem}")
+            return False
+        return True
+
     def _play(self, listener: Listener, names: frozenset[str], started: float) -> bool:
         """Pass on the samples that are due from now on, until other topics are wanted; returns whether it ended."""
-        now = (time.monotonic() - started) * self._speed
-        for moment in self._recording.samples(names, start=max(now, 0.0)) if names else ():
+        now = max((time.monotonic() - started) * self._speed, 0.0)
+        shown = names & {topic.name for topic in self._recording.topics if topic.widget}
+        samples = [self._recording.samples(shown, start=now)] if shown else []
+        messages = [self._recording.messages(name, start=now) for name in sorted(names - shown)]
+        for moment in heapq.merge(*samples, *messages, key=lambda moment: moment.time_ns):
             if self._woken.wait(max(0.0, started + moment.seconds / self._speed - time.monotonic())):
                 return False
-            note_arrival(moment.sample)
+            if isinstance(moment.sample, HasAge):
+                note_arrival(moment.sample)
             listener.on_message(moment.topic, moment.sample)
         return not self._woken.wait(max(0.0, started + self._recording.duration / self._speed - time.monotonic()))
 

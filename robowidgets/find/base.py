@@ -12,7 +12,7 @@ import numpy as np
 from .._core.watch import Watch
 from ..kinds import KINDS, sample_names
 from ..messages.decoding import one_line
-from ..recordings.topics import Topic, UnnamedTopicError, shown
+from ..recordings.topics import Topic, UnnamedTopicError, check_known, shown
 from ..repair import RecordingError
 from ..samples import HasAge
 from ..samples.verdict import Trace, Verdict
@@ -84,7 +84,8 @@ class Condition(ABC):
 
     def __bool__(self) -> bool:
         raise TypeError(
-            "a condition is neither true nor false by itself: join conditions with &, | and ~ (in brackets)"
+            "a condition is neither true nor false by itself: join conditions with &, | and ~ (in brackets); "
+            "a range is field.between(1, 3)"
         )
 
 
@@ -238,13 +239,10 @@ def names_of(function: Callable[..., Any]) -> tuple[str, ...]:
 
 
 def _topics(recording: RecordingData, asked: Any) -> list[Topic]:
-    there = shown(recording.topics)
     if asked is None:
-        return list(there.values())
+        return list(shown(recording.topics).values())
     names = [asked] if isinstance(asked, str) else list(asked)
-    for name in names:
-        recording.check(name)
-    return [there[name] for name in dict.fromkeys(names)]
+    return [check_known(name, recording.topics, recording.path.name) for name in dict.fromkeys(names)]
 
 
 def _code(value: bool | None) -> int:

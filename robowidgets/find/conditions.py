@@ -28,6 +28,7 @@ from ..samples.distances import distances, inside, ray_distances
 from ..samples.sector import ALL_ROUND, Asked, to_sector
 from ..samples.traced_numbers import fact
 from ..samples.verdict import Verdict
+from ._fields import Field
 from ._steps import NO, UNKNOWN, YES, Steps, combined, steps
 from .base import VALUES, Condition, FunctionCondition
 from .instant import NoSampleYetError
@@ -36,7 +37,7 @@ if TYPE_CHECKING:
     from ..recordings import RecordingData
     from ._search import Search
 
-__all__ = ["Condition", "gap", "nearest_below", "speed_above", "touched", "when"]
+__all__ = ["Condition", "field", "gap", "nearest_below", "speed_above", "touched", "when"]
 
 
 def touched(label: str | None = None, topic: str | None = None) -> Condition:
@@ -95,6 +96,33 @@ def gap(seconds: float, topic: str | None = None) -> Condition:
         UnknownTopicError: raised by `Recording.find` if no topic is named and none has such samples.
     """
     return _Gap(seconds, topic)
+
+
+def field(name: str) -> Field:
+    """A field of the messages of any topic, to be compared: ``field("/imu.linear_acceleration.x") > 12``.
+
+    `Recording.find` and `Feed.watch` judge it. NaN, an array that is too short, and a time before the first message are
+    unknown. A topic that sends steadily, as a sensor does, is unknown during a silence as well; what any other topic
+    said holds until its next message.
+
+    Args:
+        name: the topic with a field of its definition, such as ``"/odom.twist.twist.linear.x"`` or
+            ``"/diagnostics.status[0].name"``. It is a number, a flag or a text.
+
+    Raises:
+        TypeError: no text. ValueError: no field is named. Where it is looked for: UnknownTopicError and
+            UnknownFieldError, which name the nearest ones, and TypeError for what is neither a number, a flag nor a
+            text.
+
+    Example:
+        >>> import robowidgets
+        >>> from robowidgets import conditions
+        >>> recording = robowidgets.open(robowidgets.SAMPLE)
+        >>> found = recording.find(conditions.field("/odom.twist.twist.linear.x") < 0)
+        >>> found.condition
+        '/odom.twist.twist.linear.x < 0'
+    """
+    return Field(name)
 
 
 def when(function: Callable[[Any], Any]) -> Condition:

@@ -57,7 +57,8 @@ class Instant:
 
     ``moment.scan``, ``moment.speed`` and ``moment.touch`` are the samples of the only topic of their kind (for speeds,
     of the measured one); a sample of another kind has the name `Kind.sample_name`. ``moment.sonars`` has the samples of
-    all topics of the only namespace with some, once each is there. ``moment["/cmd_vel"]`` is the sample of any topic.
+    all topics of the only namespace with some, once each is there. ``moment["/cmd_vel"]`` is the sample of any topic,
+    and ``moment["/imu"]`` the message of one that no widget shows, where ``topics`` names it.
     ``moment.seconds`` counts from the start of the recording, ``moment.time_ns`` is by its clock.
 
     Raises:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Mapping
 from functools import partial
 from typing import Any
@@ -25,6 +26,50 @@ def get(message: Any, path: str, default: Any = MISSING) -> Any:
         if value is MISSING:
             return default
     return value
+
+
+class ShortArrayError(ValueError):
+    """A message has no such value, because its array is shorter."""
+
+
+class FieldOf:
+    """Reads one field of messages, which may be a value of an array: ``covariance[7]``, ``status[0].name``.
+
+    Args:
+        path: the path of the field.
+        name: its whole name, for errors.
+    """
+
+    def __init__(self, path: str, name: str = "") -> None:
+        self._name = name or path
+        self._steps: list[str | int] = []
+        for part in path.split("."):
+            array, index = _INDEXED.fullmatch(part).groups()  # type: ignore[union-attr]
+            self._steps += [array] if index is None else [array, int(index)]
+
+    def __call__(self, message: Any) -> Any:
+        """The value of the field.
+
+        Raises:
+            ShortArrayError: an array is too short for it. ValueError: there is no such field.
+        """
+        value, so_far = message, "the message"
+        for step in self._steps:
+            if isinstance(step, int):
+                if not hasattr(value, "__len__"):
+                    raise ValueError(f"{self._name}: {so_far!r} is no array, but {describe(value)}")
+                if step >= len(value):
+                    raise ShortArrayError(f"{self._name}: no {so_far}[{step}] in the message; its arrays are shorter")
+                value = value[step]
+                continue
+            inner = get(value, step, MISSING)
+            if inner is MISSING:
+                raise ValueError(f"{self._name}: no field {step!r}; {so_far} is {describe(value)}")
+            value, so_far = inner, step
+        return value
+
+
+_INDEXED = re.compile(r"(.*?)(?:\[(\d+)\])?")
 
 
 def reader(message: Any) -> Callable[[str, Any], Any]:

@@ -82,3 +82,13 @@ def usual_step(times: NDArray[np.float64] | NDArray[np.int64]) -> float:
     ahead = np.diff(times)
     ahead = ahead[ahead > 0]
     return float(np.median(ahead)) if ahead.size else 0.0
+
+
+def is_steady(times: NDArray[np.float64] | NDArray[np.int64]) -> bool:
+    """Whether messages come at a steady pace, as those of a sensor do: then a silence says that one is missing."""
+    ahead, usual = np.diff(times), usual_step(times)
+    return bool(usual and np.count_nonzero(np.abs(ahead - usual) <= _STEADY * usual) >= _SHARE * len(ahead))
+
+
+_STEADY, _SHARE = 0.25, 0.5
+"""A topic is steady if this share of its steps differs from the usual one by no more than this part of it."""

@@ -13,7 +13,8 @@ import pytest
 import robowidgets
 from robowidgets import SAMPLE, LaserWidget, RecordingError, Scan, feeds
 
-from ..recordings import robot
+from ..recordings import recorded
+from ..recordings.test_definitions import unknown_recording
 from ..waiting import wait_for
 
 
@@ -64,11 +65,26 @@ def test_topics_that_are_connected_later_join_at_the_same_time() -> None:
         assert (odometry[0].stamp_ns or 0) >= (first[19].stamp_ns or 0)
 
 
-def test_a_topic_that_no_widget_shows_is_said_not_to_come(tmp_path: Path) -> None:
-    with feeds.recording(robot.write(tmp_path / "drive")) as feed:
-        feed.connect("/log", lambda _: None)
-        wait_for(lambda: "only" in feed.connection.status_of("/log"), "it is said")
-        assert feed.connection.status_of("/log") == "/log: a recording publishes only topics that a widget shows"
+def test_a_topic_that_no_widget_shows_comes_as_messages_in_its_place_among_the_others(tmp_path: Path) -> None:
+    messages = [(0.1 * i, "/imu", {"linear_acceleration": {"x": float(i)}}) for i in range(20)]
+    speeds = [(0.1 * i, "/speed", {"linear": {"x": float(i)}}) for i in range(20)]
+    types = {"/imu": "sensor_msgs/msg/Imu", "/speed": "geometry_msgs/msg/Twist"}
+    path = recorded.write(tmp_path / "x", types, sorted([*messages, *speeds], key=lambda one: one[0]))
+    came: list[tuple[str, float]] = []
+    with feeds.recording(path, speed=10) as feed:
+        feed.connect("/imu", lambda message: came.append(("imu", message.linear_acceleration.x)), each=True)
+        feed.connect("/speed", lambda speed: came.append(("speed", speed.linear[0])), each=True)
+        wait_for(lambda: {name for name, x in came if x == 19} == {"imu", "speed"}, "all have come")
+    for name in ("imu", "speed"):
+        values = [x for own, x in came if own == name]
+        assert values == sorted(values)
+
+
+def test_a_topic_that_cannot_be_read_says_why(tmp_path: Path) -> None:
+    with feeds.recording(unknown_recording(tmp_path / "x")) as feed:
+        feed.connect("/status", lambda _: None)
+        wait_for(lambda: "cannot be read" in feed.connection.status_of("/status"), "it is said")
+        assert "my_msgs" in feed.connection.status_of("/status")
 
 
 def test_a_real_recording_plays(data: Path) -> None:

@@ -1,0 +1,264 @@
+"""Conditions that are judged on all that a robot sends."""
+
+from __future__ import annotations
+
+import inspect
+import logging
+import threading
+import time
+from collections import deque
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import suppress
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from .._core.log_once import LogOnce
+from .._core.policies import CONDITION
+from .._core.runner import Call, Runner
+from .._core.user_function import name_of
+from .._core.watch import Watch
+from ..behaviors.robot import DRIVEN, ODOMETRY, TURNED, NotReadyError
+from ..find.base import Condition, FunctionCondition, condition
+from ..find.instant import NoSampleYetError
+from ..kinds import KINDS, topic_and_field
+from ..samples.staleness import LIVE, is_steady, usual_step
+from ._program_inputs import FeedInputs
+from ._topics import check_name
+
+if TYPE_CHECKING:
+    from ._connection import Connection
+
+log = logging.getLogger("robowidgets")
+
+_STEPS = 20
+"""Messages by whose times a topic counts as steady."""
+
+
+class FeedWatch(Watch):
+    """A condition that is judged whenever a message comes of which it reads; `Feed.watch` returns it.
+
+    Args:
+        connection: that of the feed.
+        given: the condition or function.
+        name: its name.
+        topics: of parameters of the function, the topics that they are read from.
+
+    Raises:
+        TypeError: it is no condition, asks for something unknown, or needs more than one moment.
+    """
+
+    def __init__(self, connection: Connection, given: Any, name: str, topics: Mapping[str, str]) -> None:
+        super().__init__(name, _condition(given, topics), "moment", self._why_unknown)
+        self.connection, self._topics = connection, topics
+        self._inputs: dict[str, FeedInputs] = {}
+        """By the name under which they are read."""
+        self._messages: dict[str, _Newest] = {}
+        self._began: dict[str, float] = {}
+        """What odometry said when it was first read, for metres and radians since then."""
+        self._missing: set[str] = set()
+        """What could not be read when it was judged last."""
+        self._turns = threading.RLock()
+        self._runner = Runner(self._turn, self._turns, "robowidgets-judge", CONDITION, on_look=lambda: None)
+        self._log = LogOnce(log.error)
+        for name in sorted(self.condition.reads):  # from its first message on
+            with suppress(NoSampleYetError):
+                self.read(name) if name in self.names else self.message(topic_and_field(name, self.topic_names())[0])
+        connection.observe(self._on_change)
+        self._wake()
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """What a moment has, beside topics by their names."""
+        return (*_known(), *self._topics)
+
+    def topic_names(self) -> list[str]:
+        """The topics that are known now."""
+        return [topic.name for topic in self.connection.topics]
+
+    def read(self, name: str) -> Any:
+        """The newest value of one of the `names`, or the newest sample or message of a topic.
+
+        Raises:
+            NoSampleYetError: it is not there yet, or too old.
+        """
+        if name not in self._inputs:
+            self._inputs[name] = FeedInputs(self.connection, self._wake, silence=LIVE, wakes_each=True)
+            self._inputs[name].choose({name: self._topics.get(name, None if name in self.names else name)}, None)
+        try:
+            value = self._inputs[name].take()[name]
+        except NotReadyError:
+            self._missing.add(name)
+            raise NoSampleYetError(name) from None
+        return value - self._began.setdefault(name, value) if name in (DRIVEN, TURNED) else value
+
+    def message(self, topic: str) -> Any:
+        """The newest message of a topic as received.
+
+        Raises:
+            NoSampleYetError: none has come, or none comes any more from a topic that is steady.
+        """
+        if topic not in self._messages:
+            self._messages[topic] = _Newest(self.connection, topic, self._wake)
+        newest = self._messages[topic]
+        if newest.why_missing():
+            self._missing.add(topic)
+            raise NoSampleYetError(topic)
+        return newest.message
+
+    def judge(self, sample: Any) -> None:
+        """See `Watch`: what is unknown before the first verdict is none."""
+        super().judge(sample)
+        if self._verdict.value is None and not self._changes:
+            self._sample = None
+
+    def end(self, reason: str) -> None:
+        """See `Watch`."""
+        super().end(reason)
+        self.connection.unobserve(self._on_change)
+        with self._turns:
+            self._runner.leave()
+        for inputs in self._inputs.values():
+            inputs.close()
+        for newest in self._messages.values():
+            newest.close()
+
+    def _wake(self) -> None:
+        if not self._why_off:
+            self._runner.wake()
+
+    def _on_change(self) -> None:
+        """Judge it again, since topics may have appeared; end it with its feed."""
+        if self.connection.is_closed:
+            self.end("its feed is closed")
+        else:
+            self._wake()
+
+    def _turn(self, call: Call) -> None:
+        self._missing = set()
+        call(self.judge, FeedMoment(self), of=self)
+        if self.error:
+            self._log(f"{self.name}: {self.error}", self.error)
+
+    def _why_unknown(self) -> str:
+        if self._runner.is_late:
+            return f"has not returned for {self._runner.busy_for:.1f} s{self._runner.where(self.condition)}"
+        inputs = {name: one.why_not_ready() for name, one in list(self._inputs.items())}
+        messages = {topic: one.why_missing() for topic, one in list(self._messages.items())}
+        is_known = self._verdict.value is not None  # then what was missing did not matter
+        left_out = self._missing if is_known else ()
+        return next((why for name, why in {**inputs, **messages}.items() if why and name not in left_out), "")
+
+
+class FeedMoment:
+    """What a robot sent last: ``moment.scan``, ``moment.pose``, ``moment["/imu"]``. What was read of it stays.
+
+    Attributes:
+        messages: by topic, the newest message as received.
+    """
+
+    def __init__(self, watch: FeedWatch) -> None:
+        self._watch = watch
+        self._values: dict[str, Any] = {}
+        self.messages = _Messages(watch)
+
+    def __getattr__(self, name: str) -> Any:
+        if name.startswith("__") or name not in self._watch.names:
+            raise AttributeError(f"no {name!r} here: there are {', '.join(self._watch.names)} and moment[topic]")
+        return self._value(name)
+
+    def __getitem__(self, topic: str) -> Any:
+        check_name(topic)
+        return self._value(topic)
+
+    def __dir__(self) -> list[str]:
+        return [*self._watch.names, "messages"]
+
+    def __repr__(self) -> str:
+        read = {**self._values, **self.messages.read}
+        return f"<moment: {', '.join(f'{name} {value!r}' for name, value in read.items()) or 'nothing was read'}>"
+
+    def _value(self, name: str) -> Any:
+        if name not in self._values:
+            self._values[name] = self._watch.read(name)
+        return self._values[name]
+
+
+class _Messages(Mapping[str, Any]):
+    """The newest message of each topic at a moment, as received."""
+
+    def __init__(self, watch: FeedWatch) -> None:
+        self._watch = watch
+        self.read: dict[str, Any] = {}
+
+    def __getitem__(self, topic: str) -> Any:
+        if topic not in self.read:
+            self.read[topic] = self._watch.message(topic)
+        return self.read[topic]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._watch.topic_names())
+
+    def __len__(self) -> int:
+        return len(self._watch.topic_names())
+
+
+class _Newest:
+    """The newest message of a topic as received."""
+
+    def __init__(self, connection: Connection, topic: str, wake: Callable[[], None]) -> None:
+        self._connection, self._topic, self._wake = connection, topic, wake
+        self.message: Any = None
+        self._times: deque[float] = deque(maxlen=_STEPS)
+        self._target = connection.attach(topic, self._put)
+
+    def close(self) -> None:
+        """Take no more messages."""
+        self._connection.detach(self._topic, self._target)
+
+    def why_missing(self) -> str:
+        """Why there is no message, or only one that is too old; empty where there is one."""
+        times = np.array(self._times)
+        if not times.size:
+            return self._connection.status_of(self._topic) or f"waiting for {self._topic}"
+        kind = self._connection.topic_of(self._topic).widget
+        if not (KINDS[kind].goes_stale if kind else is_steady(times)):
+            return ""
+        if time.monotonic() - times[-1] <= LIVE.after(usual_step(times)):
+            return ""
+        return self._connection.status_of(self._topic) or f"no message comes on {self._topic} any more"
+
+    def _put(self, message: Any) -> None:
+        self.message = message
+        self._times.append(time.monotonic())
+        self._wake()
+
+
+def _known() -> tuple[str, ...]:
+    return (*(kind.parameter for kind in KINDS.values()), *ODOMETRY)
+
+
+def _condition(given: Any, topics: Mapping[str, str]) -> Condition:
+    """What is judged: a condition, or a function of what its parameters name, or of a moment."""
+    if isinstance(given, (Condition, Watch)) or not callable(given):
+        if topics:
+            raise TypeError(f"watch: {', '.join(topics)}: topics are named for the parameters of a function")
+        return condition(given)
+    name = name_of(given)
+    if inspect.iscoroutinefunction(given):
+        raise TypeError(f"watch: expected a plain function, got the coroutine function {name}")
+    asked = [
+        one.name
+        for one in inspect.signature(given).parameters.values()
+        if one.default is one.empty and one.kind in (one.POSITIONAL_ONLY, one.POSITIONAL_OR_KEYWORD)
+    ]
+    if unused := [one for one in topics if one not in asked]:
+        raise TypeError(f"watch: {unused[0]}={topics[unused[0]]!r} names a topic, but {name} has no such parameter")
+    if asked and set(asked) <= {*_known(), *topics}:
+        return FunctionCondition(given, asked)
+    if len(asked) != 1:
+        raise TypeError(
+            f"watch: expected a function of {', '.join(_known())}, of parameters for which topics are named, as in "
+            f"watch(function, imu='/imu'), or of one moment; {name} takes {', '.join(asked) or 'nothing'}"
+        )
+    return FunctionCondition(given, ())
