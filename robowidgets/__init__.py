@@ -13,9 +13,10 @@ from ._together import together
 from .drive_widget import DriveWidget
 from .laser.footprint import Footprint
 from .laser_widget import LaserWidget
+from .messages.map_grid import load_map
 from .path_widget import PathWidget
 from .plot_widget import PlotWidget
-from .samples import Range, Ranges, Ray, Scan, Sector, Speed, Touch, TouchMode, TouchState, Validity, spread
+from .samples import MapGrid, Range, Ranges, Ray, Scan, Sector, Speed, Touch, TouchMode, TouchState, Validity, spread
 from .scanogram_widget import ScanogramWidget
 from .shapes import Arc, Arrow, Line, Points, Polygon, Text
 from .sonar_widget import SonarWidget
@@ -47,6 +48,7 @@ __all__ = [
     "LaserWidget",
     "Line",
     "MachineWidget",
+    "MapGrid",
     "PathWidget",
     "PlotWidget",
     "Points",
@@ -72,6 +74,7 @@ __all__ = [
     "conditions",
     "feeds",
     "lessons",
+    "load_map",
     "plot",
     "simulator",
     "spread",

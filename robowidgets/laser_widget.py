@@ -76,7 +76,7 @@ class LaserWidget(
     HasTrail,  # trail, spread: the scans before the one on show; and from HasFootprint, footprint: the robot to scale
     HasGhost,  # ghost: the scan that it is compared with
     HasSectors,  # sectors, selection, pins, highlight, distance, code: what is pointed at
-    DrawsShapes,  # draw, drawn: the shapes of programs; and from RobotWidget what all widgets of samples have
+    DrawsShapes[Scan],  # draw, drawn: the shapes of programs; and from RobotWidget what all widgets of samples have
 ):
     """A laser scan, live: its detection area to scale, range arcs, labelled rays, and every ray with its number.
 

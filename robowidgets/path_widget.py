@@ -1,29 +1,39 @@
-"""The path view: where a robot was over time, as a map."""
+"""The map: where a robot was over time, on what it knows of its floor."""
 
 from __future__ import annotations
 
 import struct
 import time
-from dataclasses import dataclass
-from math import inf, nan
-from typing import Any
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
+from math import inf, isfinite, nan
+from typing import Any, ClassVar
 
 import numpy as np
+import traitlets
 from numpy.typing import NDArray
 
 from ._core.base_widget import check_given, refuse_unnamed
+from ._core.error_routing import called_from_cell
 from ._core.front_end import bundle
 from ._core.pacer import pacer
-from ._core.robot_widget import RobotWidget
 from ._core.timed_frame import FRAME_HEADER
-from ._core.traits import bytes_trait
+from ._core.traits import Flag, bytes_trait
+from .maps.layers import Layers, frames_in
+from .maps.packing import pack_grids, pack_layers, pack_tracks, unpack_layers
+from .maps.placing import Placed, pose_of_frame
 from .messages import to_pose
-from .messages.fields import frame_id, stamp_ns, unwrap
+from .messages.fields import frame_id, get, stamp_ns, unwrap
+from .messages.map_item import to_map_item
 from .poses.path import Path
 from .poses.recent import RecentPoses
-from .samples import HasAge, Pose
+from .poses.transforms import STATIC, Transform, transforms_in
+from .samples import HasAge, MapGrid, Pose
 from .samples.age import arrival_of, note_arrival
 from .samples.checks import finite, to_radians
+from .samples.map_item import MapItem
+from .shapes.drawing import Drawable, DrawsShapes
+from .shapes.forms import short_text
 
 _FRAME = struct.Struct("<4d")
 """After the head: time in seconds, x and y in metres, yaw in radians."""
@@ -44,10 +54,12 @@ class PathPoint(HasAge):
     yaw: float
     stamp_ns: int | None = None
     frame_id: str = ""
+    layers: tuple[Placed, ...] | None = field(default=None, compare=False, repr=False)
+    """What the layers of the map show then; None: those of now."""
 
 
-class PathWidget(RobotWidget[PathPoint]):
-    """Where a robot was over time: its path to scale from above, with its pose now.
+class PathWidget(DrawsShapes[PathPoint]):
+    """Where a robot was over time: its path to scale from above, with its pose now; with layers a map.
 
     The reader sees the way up to the moment on show as a dark line from a hollow dot, the rest of a recording as a
     faint one, and the robot with its heading; x to the right and y up, in the frame of odometry. Hovering the path, or
@@ -58,8 +70,16 @@ class PathWidget(RobotWidget[PathPoint]):
     more. Heights are left out. Where the pose jumps farther than a robot can drive until then, as odometry does that
     was set back, a new stroke begins, and the way does not grow.
 
+    `put` adds layers by name: other poses with their ways, planned paths, grids, scans; `ground` is a map below them.
+    All are drawn in one frame, each by the transforms of tf at its own stamp. A layer that no transform joins to that
+    frame is not drawn, and the list of layers says so; `frame` chooses another one.
+
     Args:
         title: what is shown, for the header; usually the topic.
+        frame: the coordinate frame in which the map is drawn; empty: "map", where tf leads there, else the root of the
+            frames of the first layer. The view writes it too.
+        hidden: names of layers that are not drawn. The view writes it too.
+        follow: whether the robot stays in the middle. The view writes it too.
         paused: whether the picture is frozen.
         history: seconds for which the page keeps samples to step back through while frozen, 0 (none) to 600.
         header, footer: whether they are there.
@@ -79,13 +99,34 @@ class PathWidget(RobotWidget[PathPoint]):
     """
 
     _esm, _css = bundle("path_widget")
+    _instead: ClassVar = {"add": "path.put(name, message)", "layers": "path.names", "map": "path.ground"}
     column = "map"
     sample_name = "pose"
     beats = True
+    frame_traits = ("frame", "_edition")
 
+    frame = traitlets.Unicode("", help="The frame of the map; empty: found by tf. Python and the view write it.").tag(
+        sync=True
+    )
+    hidden = traitlets.List(traitlets.Unicode(), help="Names of layers not drawn. Python and the view write it.").tag(
+        sync=True
+    )
+    follow = Flag(False, help="Whether the robot stays in the middle. Python and the view write it.").tag(sync=True)
     _path = bytes_trait(echo_update=False)
+    _tracks = bytes_trait(echo_update=False)
+    _grids = bytes_trait(echo_update=False)
+    _map = traitlets.Dict(help="The layers, and the frames in which they may be drawn.").tag(
+        sync=True, echo_update=False
+    )
 
     def __init__(self, **kwargs: Any) -> None:
+        self._layers = Layers()
+        self._placed: tuple[Placed, ...] = ()
+        self._own = ""
+        """The layer of the poses that `update` takes; empty while there are no others."""
+        self._map_edition = 0
+        self._shape_frames: dict[str, str] = {}
+        self._ground: MapGrid | None = None
         self._track = Path()
         self._recent = RecentPoses()
         self._began: float | None = None
@@ -121,6 +162,8 @@ class PathWidget(RobotWidget[PathPoint]):
                         self._path_due = 0.0  # until the page has the jump, it would draw a way
                     self._recent.add(pose, arrival_of(point), point.stamp_ns)
                     self._is_path_new = True
+                    if self._layers:
+                        self._put_own(point, message)
                 self._show(point, {"frame_id": point.frame_id})
         except (TypeError, ValueError) as error:
             self._refuse(error)
@@ -129,11 +172,234 @@ class PathWidget(RobotWidget[PathPoint]):
         """Start a new path: the poses so far go, and the next one is the first."""
         with self._newest.lock:
             self._track, self._recent, self._began, self._is_path_new = Path(), RecentPoses(), None, True
+            self._layers, self._own, self._map_edition = Layers(), "", -1
+            self._layers.choose(self.frame)
+            if self._ground is not None:
+                self._put("ground", MapItem("grid", self._ground.frame_id, grid=self._ground), 0.0)
+        pacer.mark(self)
+
+    # -- layers --------------------------------------------------------------------------------------------------------
+
+    def put(self, name: str, message: Any = None, *, time: float | None = None) -> None:
+        """Show a message as the layer of this name, or a frame of tf; what came before under the name was there.
+
+        It only stores, and may be called from any thread at any rate.
+
+        Args:
+            name: 1 to 60 characters, usually the topic. ``"map->base_link"`` is the second frame in the first, moved by
+                the messages of tf; it needs no message.
+            message: a nav_msgs/Odometry, Path or OccupancyGrid; a geometry_msgs/Pose, PoseStamped,
+                PoseWithCovarianceStamped (with its ellipse, which holds 95 %), PoseArray or Pose2D; a
+                nav2_msgs/Costmap; a sensor_msgs/LaserScan, of which the newest is shown, or NavSatFix, in metres east
+                and north of the first fix; a `MapGrid`, a `Scan`; or a tf2_msgs/TFMessage, which is no layer itself,
+                but joins the frames of all. Objects of rclpy, rospy or rosbags, rosbridge dictionaries, moments of a
+                recording.
+            time: seconds; None: those of the moment of a recording, else since the first message came.
+
+        Raises:
+            TypeError: no such message. ValueError: a number or a name that cannot be, or more than 30 layers. In a
+                callback nothing is raised; widget and log say it.
+
+        Example:
+            >>> path = PathWidget()
+            >>> pose = {"position": {"x": 1, "y": 2}, "orientation": {"x": 0, "y": 0, "z": 0, "w": 1}}
+            >>> path.put("goal", {"header": {"frame_id": "map"}, "pose": pose})
+            >>> path.names
+            ('goal',)
+        """
+        try:
+            short_text("name", name)
+            if message is None and frames_in(name) is None:
+                raise TypeError(f'put({name!r}) needs a message, or a name of two frames, such as "map->base_link"')
+            with self._newest.lock:
+                seconds = self._seconds(message, {} if time is None else {"time": time})
+                if message is None:
+                    self._adopt()
+                    self._layers.show_frame(name)
+                else:
+                    self._put(name, message, seconds)
+                last = self._newest.sample
+                if last is None or self.driven_by_player:
+                    last = PathPoint(seconds, nan, nan, nan)
+                self._show(replace(last, time=max(seconds, last.time) if isfinite(last.time) else seconds))
+        except (TypeError, ValueError) as error:
+            self._refuse(error)
+
+    def layer(self, name: str) -> Callable[[Any], None]:
+        """What a feed calls with each message of a topic, to `put` it as the layer of this name.
+
+        Example:
+            >>> feed.connect("/amcl_pose", path.layer("/amcl_pose"))  # doctest: +SKIP
+        """
+        short_text("name", name)
+        return _LayerOf(self, name)
+
+    def remove(self, name: str) -> None:
+        """Remove a layer; KeyError where there is none of this name."""
+        with self._newest.lock:
+            if name not in self._layers.names:
+                raise KeyError(f"remove({name!r}): the layers are {', '.join(self._layers.names) or 'none'}")
+            self._layers.remove(name)
+            self._newest.changed = True
         pacer.mark(self)
 
     @property
+    def names(self) -> tuple[str, ...]:
+        """The names of the layers, in the order in which they came."""
+        with self._newest.lock:
+            return self._layers.names
+
+    @property
+    def ground(self) -> MapGrid | None:
+        """A map below all layers: what `robowidgets.load_map` returns, or an OccupancyGrid; None: none.
+
+        Raises:
+            TypeError: something else is assigned.
+        """
+        return self._ground
+
+    @ground.setter
+    def ground(self, ground: Any) -> None:
+        item = None if ground is None else to_map_item(ground)
+        if item is not None and item.grid is None:
+            raise TypeError(f"ground: expected a map, as robowidgets.load_map(path) returns it, got {ground!r}")
+        self._ground = item.grid if item else None
+        if item is not None:
+            self.put("ground", item)
+        elif "ground" in self.names:
+            self.remove("ground")
+
+    def join(self, parent: str, child: str, pose: Sequence[Any]) -> None:
+        """Say where a frame is in another, where tf does not: ``path.join("base_link", "laser", (0.1, 0, 0))``.
+
+        Args:
+            parent: the name of a frame.
+            child: the name of the frame whose pose it is.
+            pose: x and y in metres, and yaw in radians or as "20deg".
+
+        Raises:
+            TypeError: no pose. ValueError: it is not finite.
+        """
+        try:
+            x, y, yaw = pose
+        except (TypeError, ValueError):
+            raise TypeError(f"pose: expected x, y and yaw, got {pose!r}") from None
+        x, y = finite("x", x, "metres"), finite("y", y, "metres")
+        half = finite("yaw", to_radians("yaw", yaw), "radians") / 2
+        turn = (0.0, 0.0, float(np.sin(half)), float(np.cos(half)))
+        one = Transform(parent.lstrip("/"), child.lstrip("/"), 0, 0, (x, y, 0.0, *turn), static=True)
+        with self._newest.lock:
+            self._layers.add_frames(iter([one]), 0.0)
+            self._newest.changed = True
+        pacer.mark(self)
+
+    def distance(self, name: str, other: str) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """How far a way is from another, or from the planned path, over time.
+
+        Args:
+            name: the layer of the robot's way.
+            other: a layer with a planned path: the distance to the newest one then; or with poses: the distance to
+                where that one was at the same time.
+
+        Returns:
+            Seconds, and metres, of each point of the way that the widget keeps; NaN while the other is not known.
+
+        Raises:
+            KeyError: there is no layer of one of the names.
+
+        Example:
+            >>> plot.set_line("off the plan", *path.distance("/odom", "/plan"))  # doctest: +SKIP
+        """
+        with self._newest.lock:
+            for one in (name, other):
+                if one not in self._layers.names:
+                    raise KeyError(f"distance({one!r}): the layers are {', '.join(self._layers.names) or 'none'}")
+            return self._layers.distance(name, other)
+
+    def draw(  # type: ignore[override]  # no function, since it is drawn in the frame of a map
+        self,
+        name: str,
+        shape: Drawable | None,
+        *,
+        frame: str = "",
+        color: str | None = None,
+        lifetime: float | None = None,
+    ) -> None:
+        """Draw a shape on the map, under a name; what had the name before is replaced.
+
+        It only stores, and may be called from any thread at any rate.
+
+        Args:
+            name: 1 to 60 characters, which stand beside the shape.
+            shape: a shape, several, or None to remove what has the name. Places are x and y in metres of the frame.
+            frame: the coordinate frame of the shape, which moves with it; empty: that of the map.
+            color: like "#12854a" or "green"; None: the colour of all that programs draw.
+            lifetime: seconds after which it goes, unless it is drawn again; None: it stays.
+
+        Raises:
+            TypeError: no shape, or something is no text or number. ValueError: the name, the colour or the lifetime
+                cannot be, or there are too many shapes. In a callback nothing is raised; widget and log say it.
+
+        Example:
+            >>> from robowidgets import Line, PathWidget
+            >>> path = PathWidget()
+            >>> path.draw("door 2", Line((5.0, -0.6), (6.0, -0.6)), frame="odom")
+        """
+        try:
+            if callable(shape):
+                raise TypeError(f"draw({name!r}): a map takes the shape itself; draw it anew where it moves")
+            if not isinstance(frame, str):
+                raise TypeError(f"frame: expected the name of a coordinate frame, got {frame!r}")
+        except TypeError as error:
+            if called_from_cell():
+                raise
+            self._refuse(error)
+            return
+        with self._newest.lock:
+            self._shape_frames[name] = frame.lstrip("/")
+        super().draw(name, shape, color=color, lifetime=lifetime)
+
+    def _put(self, name: str, message: Any, seconds: float) -> None:
+        """Take a message of a layer, or of tf. Called with the lock of the samples."""
+        inner = getattr(message, "message", message)
+        time_ns = time.monotonic_ns()
+        transforms = get(inner, "transforms", None)
+        if transforms is not None:
+            self._layers.add_frames(transforms_in(inner, name.rpartition("/")[2] == STATIC, time_ns), seconds)
+            return
+        self._adopt()
+        self._layers.put(name, to_map_item(message), seconds, time_ns)
+
+    def _adopt(self) -> None:
+        """Make a layer of the poses that `update` took, now that there are others."""
+        point = self._newest.sample
+        if self._own or self._layers or point is None or not len(self._track.points):
+            return
+        self._put_own(point, None)
+        own = next(iter(self._layers))
+        own.track = self._track
+
+    def _put_own(self, point: PathPoint, message: Any) -> None:
+        """Show a pose that `update` took among the layers."""
+        self._own = self._own or self.title or "robot"
+        item = MapItem("pose", point.frame_id.lstrip("/"), point.stamp_ns, Pose(point.x, point.y, point.yaw))
+        if message is not None:
+            told = to_map_item(message)
+            item = replace(item, scatter=told.scatter, child_frame_id=told.child_frame_id)
+        self._layers.put(self._own, item, point.time, time.monotonic_ns())
+
+    @traitlets.observe("frame")
+    def _on_frame(self, change: Any) -> None:
+        with self._newest.lock:
+            self._layers.choose(change["new"].lstrip("/"))
+            self._newest.changed = True
+        pacer.mark(self)
+
+    # -- the pose on show ----------------------------------------------------------------------------------------------
+
+    @property
     def pose(self) -> PathPoint | None:
-        """The pose on show: the frozen one while paused, else the newest; None before the first."""
+        """The pose on show: the frozen one while paused, else the newest; None before the first that `update` took."""
         return self._sample_on_show()
 
     @property
@@ -168,7 +434,7 @@ class PathWidget(RobotWidget[PathPoint]):
 
     def frame_of(self, sample: PathPoint) -> tuple[dict[str, Any], bytes]:
         """See `RobotWidget`."""
-        about: dict[str, Any] = {"frame_id": sample.frame_id}
+        about: dict[str, Any] = {"frame_id": sample.frame_id, **self._drawn_on(sample)}
         if sample.time > self._complete_until:
             about["notes"] = [f"no path after {self._complete_until:.0f} s: reading all of it takes long"]
         return about, self._pack(sample)
@@ -184,12 +450,16 @@ class PathWidget(RobotWidget[PathPoint]):
             pose = Pose(x, y, to_radians("yaw", fields.get("yaw", nan)))
         else:
             pose = to_pose(message)
-        now = time.monotonic()
-        self._began = now if self._began is None else self._began
-        seconds = fields.get("time", getattr(message, "seconds", now - self._began))
+        seconds = self._seconds(message, fields)
         inner = unwrap(message)
         stamp = getattr(inner, "stamp_ns", None) or stamp_ns(inner)
-        return PathPoint(finite("time", seconds, "seconds"), pose.x, pose.y, pose.yaw, stamp, frame_id(inner))
+        return PathPoint(seconds, pose.x, pose.y, pose.yaw, stamp, frame_id(inner))
+
+    def _seconds(self, message: Any, fields: dict[str, Any]) -> float:
+        """Seconds of a message: as given, of a moment of a recording, or since the first one came."""
+        now = time.monotonic()
+        self._began = now if self._began is None else self._began
+        return finite("time", fields.get("time", getattr(message, "seconds", now - self._began)), "seconds")
 
     def _measured_at(self, point: PathPoint, message: Any, fields: dict[str, Any]) -> float | None:
         """Seconds at which a pose was measured; None where only its arrival is known."""
@@ -201,13 +471,40 @@ class PathWidget(RobotWidget[PathPoint]):
         at = self.pose
         return f"x {at.x:.2f} m, y {at.y:.2f} m at {at.time:.2f} s" if at else ""
 
+    def _texts_now(self) -> dict[str, Any]:
+        """See `RobotWidget`: the shapes, each with the pose of its frame; which layers are not drawn, and why."""
+        texts = super()._texts_now()
+        if not self._layers and "shapes" not in texts:
+            return texts
+        placed, missing = self._layers.show_placed()
+        self._placed = tuple(placed)
+        shapes = []
+        for form in texts.pop("shapes", []):
+            at = self._at(self._shape_frames.get(form["name"], ""))
+            if at is None:
+                missing[form["name"]] = f"not drawn: no transform to {self._layers.frame}"
+            else:
+                shapes.append({**form, "from": at})
+        frame = {"frame_id": self._layers.frame} if self._layers.frame else {}
+        return {**texts, **frame, **({"shapes": shapes} if shapes else {}), **({"missing": missing} if missing else {})}
+
+    def _at(self, frame: str) -> list[float] | None:
+        """The pose of a frame in that of the map, now; None where nothing joins them."""
+        world = self._layers.frame
+        if not frame or not world or frame == world:
+            return [0.0, 0.0, 0.0]
+        pose = pose_of_frame(self._layers.frames, frame, world, time.monotonic_ns(), None)
+        return None if pose is None else list(pose)
+
     def _pack(self, sample: PathPoint) -> bytes:
-        return _FRAME.pack(sample.time, sample.x, sample.y, sample.yaw)
+        layers = self._placed if sample.layers is None else sample.layers
+        return _FRAME.pack(sample.time, sample.x, sample.y, sample.yaw) + pack_layers(layers)
 
     def _unpack(self, frame: bytes) -> PathPoint:
         _, _, stamp_ns, arrived = FRAME_HEADER.unpack_from(frame)
         seconds, x, y, yaw = _FRAME.unpack_from(frame, FRAME_HEADER.size)
-        point = PathPoint(seconds, x, y, yaw, stamp_ns or None, self._frozen_about.get("frame_id", ""))
+        layers = tuple(unpack_layers(frame[FRAME_HEADER.size + _FRAME.size :]))
+        point = PathPoint(seconds, x, y, yaw, stamp_ns or None, self._frozen_about.get("frame_id", ""), layers)
         note_arrival(point, arrived)
         return point
 
@@ -215,13 +512,43 @@ class PathWidget(RobotWidget[PathPoint]):
         """Have the path sent with the newest pose, unless it was sent just now."""
         super()._bring_up_to_date()
         with self._newest.lock:
-            if not self._is_path_new:
+            is_map_new = self._layers.edition != self._map_edition
+            if not self._is_path_new and not is_map_new:
                 return
             now = time.monotonic()
             if now < self._path_due:
                 pacer.mark_at(self, self._path_due)
                 return
-            self._is_path_new, self._path_due = False, now + _SPACING
+            self._is_path_new, self._path_due = False, now + _SPACING * max(1, len(self._layers.names) // 3)
             # Without sending it at once, as setting the trait would.
-            self._trait_values["_path"] = self._track.points.tobytes()
-            self._unsent.add("_path")
+            values: dict[str, Any] = {"_path": b"" if self._layers else self._track.points.tobytes()}
+            if is_map_new:
+                self._map_edition = self._layers.edition
+                values |= {
+                    "_tracks": pack_tracks(self._layers.tracks()),
+                    "_grids": pack_grids(self._layers.grids()),
+                    "_map": {
+                        "layers": [{**one.about, "number": one.number} for one in self._layers],
+                        "frames": self._layers.known_frames,
+                    },
+                }
+            changed = [name for name, value in values.items() if self._trait_values.get(name) != value]
+            self._trait_values.update(values)
+            self._unsent.update(changed)
+
+
+class _LayerOf:
+    """A layer of a map, as what takes the messages of a topic."""
+
+    def __init__(self, path: PathWidget, name: str) -> None:
+        self.__self__, self._name = path, name
+        self.__name__ = "put"
+
+    def __call__(self, message: Any) -> None:
+        self.__self__.put(self._name, message)
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, _LayerOf) and (self.__self__, self._name) == (other.__self__, other._name)
+
+    def __hash__(self) -> int:
+        return hash((id(self.__self__), self._name))

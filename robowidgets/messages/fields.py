@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Mapping
 from functools import partial
+from types import SimpleNamespace
 from typing import Any
 
 from ..samples import HasAge
@@ -70,6 +71,13 @@ class FieldOf:
 
 
 _INDEXED = re.compile(r"(.*?)(?:\[(\d+)\])?")
+
+
+def as_object(message: Any) -> Any:
+    """A dictionary, and those in it, with their keys as attributes."""
+    if isinstance(message, _KEYED):
+        return SimpleNamespace(**{name: as_object(value) for name, value in message.items()})
+    return message
 
 
 def reader(message: Any) -> Callable[[str, Any], Any]:

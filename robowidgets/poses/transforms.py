@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from math import hypot, isfinite
 from typing import Any, NamedTuple
 
-from ..messages.fields import stamp_ns
+from ..messages.fields import as_object, get, stamp_ns
 
 TRANSFORMS = ("tf2_msgs/msg/TFMessage", "tf/msg/tfMessage")
 STATIC = "tf_static"
@@ -38,13 +38,22 @@ def transforms_of(message: Any, topic: str, time_ns: int) -> Iterator[Transform]
         ValueError: a pose contains NaN or infinity, or a quaternion of length 0.
     """
     if hasattr(message, "transforms"):
-        static = topic.rpartition("/")[2] == STATIC
-        for stamped in message.transforms:
-            at = stamped.transform
-            yield _transform(stamped, time_ns, at.translation, at.rotation, static=static)
+        yield from transforms_in(message, topic.rpartition("/")[2] == STATIC, time_ns)
     else:
         at = message.pose.pose
         yield _transform(message, time_ns, at.position, at.orientation, odometry=True)
+
+
+def transforms_in(message: Any, static: bool, time_ns: int) -> Iterator[Transform]:
+    """The transforms in a TFMessage, which may be a dictionary.
+
+    Raises:
+        ValueError: as `transforms_of`.
+    """
+    for stamped in get(message, "transforms"):
+        one = as_object(stamped) if isinstance(stamped, Mapping) else stamped
+        at = one.transform
+        yield _transform(one, time_ns, at.translation, at.rotation, static=static)
 
 
 def _transform(stamped: Any, time_ns: int, position: Any, orientation: Any, **flags: bool) -> Transform:

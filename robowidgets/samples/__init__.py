@@ -5,6 +5,7 @@ counter-clockwise). It knows neither ROS nor a page.
 """
 
 from .age import HasAge
+from .map_grid import MapGrid
 from .pose import Pose, yaw_of
 from .problem import Problem
 from .range import Range
@@ -19,6 +20,7 @@ from .touch import Touch, TouchMode, TouchState
 __all__ = [
     "AXES",
     "HasAge",
+    "MapGrid",
     "Pose",
     "Problem",
     "Range",

@@ -7,13 +7,12 @@ import time
 from collections.abc import Callable, Mapping, Sequence
 from math import isfinite
 from types import MappingProxyType
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeVar
 
 from .._core.error_routing import called_from_cell
 from .._core.pacer import pacer
 from .._core.robot_widget import RobotWidget
 from .._core.user_function import error_in
-from ..samples import Scan
 from ..samples.checks import number
 from .forms import MOST_PLACES, Shape, short_text
 
@@ -39,7 +38,10 @@ COLORS = (
 _HEX = re.compile(r"#(?:[0-9a-fA-F]{3}){1,2}")
 
 Drawable = Shape | Sequence[Shape]
-Drawer = Callable[[Scan], "Drawable | None"]
+Drawer = Callable[[Any], "Drawable | None"]
+
+
+S = TypeVar("S")
 
 
 class Drawn(NamedTuple):
@@ -64,8 +66,8 @@ class Drawn(NamedTuple):
         return [{"name": name, **shape.form, **color, **left} for shape in shapes]
 
 
-class DrawsShapes(RobotWidget[Scan]):
-    """A widget of scans on which a program draws."""
+class DrawsShapes(RobotWidget[S]):
+    """A widget on which a program draws: of scans, or a map."""
 
     def __init__(self, **kwargs: Any) -> None:
         self._drawn: dict[str, Drawn] = {}
@@ -135,7 +137,7 @@ class DrawsShapes(RobotWidget[Scan]):
         forms = self._forms(time.monotonic())
         return {"shapes": forms} if forms else {}
 
-    def _drawn_on(self, scan: Scan) -> dict[str, Any]:
+    def _drawn_on(self, scan: Any) -> dict[str, Any]:
         """The texts on a scan of a recording: the shapes, and what was wrong with functions that make some."""
         forms: list[dict[str, Any]] = []
         notes: list[str] = []

@@ -4,6 +4,7 @@ import { BELOW, type Bounds, MARGIN, type Place, type Pose } from "../shared/flo
 import { firstWhere } from "../shared/search.ts";
 import { type Frame, readHead } from "../shared/stream.ts";
 import { ticks } from "../shared/ticks.ts";
+import { type LayerState, readLayers } from "./layers.ts";
 
 /** A pose at a time in seconds; without a value NaN. */
 export interface TimedPose extends Pose {
@@ -20,22 +21,27 @@ export interface Point extends TimedPose {
 /** Metres by which two points of a way may lie farther apart than it is long. */
 const SLACK = 0.15;
 
-export type PoseFrame = Frame & TimedPose;
+export interface PoseFrame extends Frame, TimedPose {
+  layers: LayerState[];
+}
 
 export function decodePose(bytes: DataView): PoseFrame {
   const reader = new Reader(bytes);
   const head = readHead(reader);
   const [time, x, y, yaw] = reader.float64s(4) as [number, number, number, number];
-  return { ...head, time, x, y, yaw };
+  return { ...head, time, x, y, yaw, layers: readLayers(reader) };
 }
 
 /** The points of a path, oldest first. */
 export function toPoints(path: unknown): Point[] {
   const bytes = toBytes(path);
   if (!bytes) return [];
-  const reader = new Reader(bytes);
+  return readPoints(new Reader(bytes), bytes.byteLength / 40);
+}
+
+export function readPoints(reader: Reader, count: number): Point[] {
   let before: Point | undefined;
-  return Array.from({ length: bytes.byteLength / 40 }, () => {
+  return Array.from({ length: count }, () => {
     const [time, x, y, yaw, way] = reader.float64s(5) as [number, number, number, number, number];
     const isAfterJump = before && Math.hypot(x - before.x, y - before.y) > way - before.way + SLACK;
     before = { time, x, y, yaw, way, ...(isAfterJump && { isAfterJump }) };

@@ -1,22 +1,33 @@
-import { Canvas } from "../shared/canvas.ts";
+import type { Point as Pixel } from "../shared/box.ts";
+import { Reader, toBytes } from "../shared/bytes.ts";
+import { Canvas, write } from "../shared/canvas.ts";
 import { make, pointIn, setHidden, setText } from "../shared/dom.ts";
 import { isPlain, on } from "../shared/events.ts";
-import { fit, type Place, type Projection, toFloor, toPixel } from "../shared/floor.ts";
-import { toFixed, toMetres } from "../shared/format.ts";
-import { type Model, onChange } from "../shared/model.ts";
+import { type Bounds, drawFloor, fit, type Place, type Projection, toFloor, toPixel } from "../shared/floor.ts";
+import { toDegrees, toFixed, toMetres } from "../shared/format.ts";
+import { lacksKernel, type Model, onChange, setTraits } from "../shared/model.ts";
 import { Occupancy } from "../shared/occupancy.ts";
-import { Popup, toSentence } from "../shared/popup.ts";
+import { Popup, type PopupWords, toSentence } from "../shared/popup.ts";
 import { placePopup } from "../shared/popup_place.ts";
 import { SampleCard } from "../shared/sample_card.ts";
 import type { Stream } from "../shared/stream.ts";
+import { textFont } from "../shared/theme.ts";
 import type { Picking } from "../shared/traits.ts";
+import { watchZoom, ZOOM_KEYS } from "../shared/zoom.ts";
+import { boundsOfLook, canZoom, type Look, lookOf, zoomed } from "./camera.ts";
 import { drawGrid, drawPath } from "./draw.ts";
-import { boundsOf, isKnown, nearestOn, type Point, type PoseFrame, splitAt, toPoints } from "./path.ts";
+import { drawMap, drawMeasure, placeOf, type Shown, spotsOf } from "./draw_layers.ts";
+import { describeCell, factOf, gridsFrom, sureness } from "./facts.ts";
+import { Ground } from "./ground.ts";
+import { cellAt, type LayerAbout, type LayerState, robotOf, toTracks } from "./layers.ts";
+import { Panel, type Row } from "./panel.ts";
+import { boundsOf, isKnown, nearestOn, type Point, type PoseFrame, splitAt, type TimedPose, toPoints } from "./path.ts";
 import { describePoint, toHeading, toPlace } from "./text.ts";
-import type { PathTraits } from "./traits.ts";
+import { type Measured, Tools, watchDrags } from "./tools.ts";
+import type { PathTraits, PlacedShape } from "./traits.ts";
 
-/** Pixels from the path within which a place of it is named. */
-const REACH = 40;
+/** Pixels from the path within which a place of it is named; on a map, where cells are named, fewer. */
+const [REACH, REACH_ON_MAP] = [40, 12];
 const WALK: Record<string, number> = {
   ArrowRight: 1,
   ArrowUp: 1,
@@ -27,6 +38,19 @@ const WALK: Record<string, number> = {
   Home: -Infinity,
   End: Infinity,
 };
+/** Pixels by which a key moves the map. */
+const NUDGE = 40;
+const MOVES: Record<string, [x: number, y: number]> = {
+  ArrowRight: [-NUDGE, 0],
+  ArrowLeft: [NUDGE, 0],
+  ArrowUp: [0, NUDGE],
+  ArrowDown: [0, -NUDGE],
+};
+/** Width of a card in which the list of layers stands beside the map, from the start. */
+const BESIDE = 640;
+const PANEL = 270;
+/** Metres from side to side that following shows, where nothing else was looked at. */
+const NEAR = 12;
 
 /** One view of a path widget: it wires the card, the drawing, the pop-up and the gestures. */
 export class PathView {
@@ -35,15 +59,25 @@ export class PathView {
   readonly #card: SampleCard;
   readonly #canvas: Canvas;
   readonly #popup: Popup;
+  readonly #tools: Tools;
+  readonly #panel: Panel;
+  readonly #ground = new Ground();
   readonly #empty = make("div", "rw-empty");
   readonly #pose = make("span", "rw-strong");
   readonly #way = make("span", "");
   #projection: Projection | null = null;
   #points: Point[] = [];
-  /** Those on show, up to the present pose and after it. */
-  #shown: Point[] = [];
+  #tracks = new Map<number, Point[]>();
+  /** What is on show of each layer. */
+  #layers: Shown[] = [];
+  /** The ways on show whose places are named, each up to the present pose and after it; the robot's first. */
+  #ways: { name: string; points: Point[] }[] = [];
   #pointer: Place | null = null;
   #picked: Point | null = null;
+  #look: Look | null = null;
+  #isOpen: boolean | null = null;
+  #isMeasuring = false;
+  #measured: Measured | null = null;
 
   constructor(
     model: Model<PathTraits & Picking>,
@@ -59,89 +93,380 @@ export class PathView {
     picture.role = "application";
     this.#canvas = new Canvas(picture);
     this.#popup = new Popup(picture, signal);
+    this.#panel = new Panel((name) => this.#toggle(name), signal);
+    this.#tools = new Tools(this, signal);
+    this.#card.addControls(...this.#tools.all);
     picture.append(this.#empty);
     footer.append(this.#pose, this.#way);
-    onChange(model, ["_path"], () => this.#onPath(), signal);
+    onChange(model, ["_path", "_tracks"], () => this.#onPath(), signal);
+    onChange(model, ["_grids"], () => this.#onGrids(), signal);
+    onChange(model, ["_map", "hidden", "follow", "frame"], this.#card.redraw, signal);
     on(picture, "pointermove", (event) => this.#onPointer(event), signal);
     on(picture, "pointerleave", () => this.#onPointer(null), signal);
-    on(picture, "click", (event) => this.#onClick(event), signal);
+    on(picture, "dblclick", () => !this.#isMeasuring && this.onFit(), signal);
     on(root, "keydown", (event) => this.#onKey(event), signal);
+    watchDrags(picture, this, signal);
+    watchZoom(picture, this, signal);
     this.#onPath();
+    this.#onGrids();
   }
+
+  // What a person does
+
+  get isMeasuring(): boolean {
+    return this.#isMeasuring;
+  }
+
+  onFollow(): void {
+    setTraits(this.#model, { follow: !this.#model.get("follow") });
+    this.#card.redraw();
+  }
+
+  onMeasure(): void {
+    this.#isMeasuring = !this.#isMeasuring;
+    this.#measured = null;
+    this.#card.redraw();
+  }
+
+  onLayers(): void {
+    this.#isOpen = Boolean(this.#panel.root.hidden);
+    this.#card.redraw();
+  }
+
+  onFit(): void {
+    this.#look = null;
+    if (this.#model.get("follow")) setTraits(this.#model, { follow: false });
+    this.#card.redraw();
+  }
+
+  onFrame(frame: string): void {
+    this.#look = null;
+    setTraits(this.#model, { frame });
+  }
+
+  canZoom(direction: -1 | 1): boolean {
+    return this.#projection !== null && canZoom(this.#look ?? lookOf(this.#projection.bounds), direction);
+  }
+
+  /** Zooms at the pointer, by a button or a key in the middle. */
+  onZoom(direction: -1 | 1): void {
+    const projection = this.#projection;
+    if (!projection) return;
+    const isPointed = this.#pointer && this.#card.picture.matches(":hover") && !this.#model.get("follow");
+    const look = this.#look ?? lookOf(projection.bounds);
+    this.#look = zoomed(look, direction, isPointed && this.#pointer ? toFloor(projection, this.#pointer) : look);
+    this.#card.redraw();
+  }
+
+  onMove(dx: number, dy: number): void {
+    const projection = this.#projection;
+    if (!projection) return;
+    const look = this.#look ?? lookOf(projection.bounds);
+    this.#look = { ...look, x: look.x - dx / projection.scale, y: look.y + dy / projection.scale };
+    if (this.#model.get("follow")) setTraits(this.#model, { follow: false });
+    this.#card.redraw();
+  }
+
+  onMeasured(from: Pixel, to: Pixel): void {
+    if (!this.#projection) return;
+    this.#measured = { from: toFloor(this.#projection, from), to: toFloor(this.#projection, to) };
+    this.#tellMeasured();
+  }
+
+  onTap(event: MouseEvent): void {
+    const at = pointIn(this.#card.picture, event);
+    if (this.#isMeasuring && this.#projection) {
+      const place = toFloor(this.#projection, at);
+      const isSecond = this.#measured && !this.#measured.to;
+      this.#measured = isSecond ? { from: this.#measured?.from ?? place, to: place } : { from: place, to: null };
+      this.#tellMeasured();
+      return;
+    }
+    const before = this.#pointer;
+    this.#pointer = at;
+    this.#pick(this.#pointed?.point ?? null);
+    this.#pointer = before;
+  }
+
+  #tellMeasured(): void {
+    const { from, to } = this.#measured ?? {};
+    if (from && to) this.#card.say([measureWords(from, to)]);
+    this.#card.redraw();
+  }
+
+  #toggle(name: string): void {
+    const hidden = this.#model.get("hidden");
+    const others = hidden.filter((one) => one !== name);
+    setTraits(this.#model, { hidden: others.length < hidden.length ? others : [...hidden, name] });
+    this.#card.redraw();
+  }
+
+  // What comes from Python
 
   #onPath(): void {
     this.#points = toPoints(this.#model.get("_path"));
+    const bytes = toBytes(this.#model.get("_tracks"));
+    this.#tracks = toTracks(bytes && new Reader(bytes));
     this.#card.redraw();
+  }
+
+  #onGrids(): void {
+    void this.#ground.take(this.#model.get("_grids"), this.#card.redraw);
+  }
+
+  /** What is on show of each layer at the time of a frame. */
+  #toShown(now: PoseFrame | null): Shown[] {
+    const { layers = [] } = this.#model.get("_map");
+    const hidden = new Set(this.#model.get("hidden"));
+    const states = new Map<number, LayerState>(now?.layers.map((state) => [state.number, state]));
+    const visible = layers.filter(({ name }) => !hidden.has(name));
+    const robot = robotOf(visible, states);
+    return visible.flatMap((about) => {
+      const state = states.get(about.number);
+      if (!state || !now) return [];
+      const parts = this.#wayOf(about, state, now);
+      return [{ about, state, ...parts, isRobot: about === robot }];
+    });
+  }
+
+  #wayOf(about: LayerAbout, state: LayerState, now: PoseFrame): { before: Point[]; after: Point[] } {
+    const track = this.#tracks.get(about.number);
+    if (about.kind !== "pose" || !track) return { before: [], after: [] };
+    return splitAt(track, { x: state.x, y: state.y, yaw: state.yaw, time: now.time });
+  }
+
+  // Drawing
+
+  get #hasLayers(): boolean {
+    return Boolean(this.#model.get("_map").layers?.length);
+  }
+
+  get #shapes(): PlacedShape[] {
+    return this.#stream.about.shapes ?? [];
   }
 
   #draw(): void {
     const card = this.#card;
     const now = this.#stream.shown;
+    const hasLayers = this.#hasLayers;
+    this.#layers = hasLayers ? this.#toShown(now) : [];
+    const robot = this.#layers.find(({ isRobot }) => isRobot);
+    const here: TimedPose | null = robot ? { ...robot.state, time: now?.time ?? NaN } : now;
     card.update([this.#stream.about.frame_id ?? ""], "pose");
-    setText(this.#empty, now ? (isKnown(now) ? "" : "no pose up to this time") : card.waiting("pose"));
+    const isEmpty = !now || (!isKnown(now) && !hasLayers);
+    setText(this.#empty, now ? (isEmpty ? "no pose up to this time" : "") : card.waiting("pose"));
     setHidden(this.#empty, !this.#empty.textContent);
-    const parts = now ? splitAt(this.#points, now) : { before: [], after: [] };
-    this.#shown = [...parts.before, ...parts.after];
+    const parts = now && !hasLayers ? splitAt(this.#points, now) : { before: [], after: [] };
+    this.#ways = hasLayers
+      ? [...this.#layers]
+          .sort((a, b) => Number(b.isRobot) - Number(a.isRobot))
+          .map(({ about, before, after, isRobot }) => ({
+            name: about.name,
+            points: isRobot ? [...before, ...after] : before,
+          }))
+      : [{ name: "", points: [...parts.before, ...parts.after] }];
+    const isBeside = this.#placePanel(hasLayers);
     const top = card.noticeHeight;
-    const room = { width: card.size.width, height: card.size.height - top };
-    const bounds = boundsOf(this.#shown, room);
-    const projection = fit(bounds, room, top);
+    const room = { width: card.size.width - (isBeside ? PANEL : 0), height: card.size.height - top };
+    const projection = fit(this.#boundsIn(room, here), room, top);
     this.#projection = projection;
     const context = this.#canvas.begin(card.size);
-    drawGrid(context, projection, card.theme);
-    const named = now && this.#named;
-    if (now) drawPath(context, projection, parts, now, named, card.theme);
-    this.#drawPopup(named, now);
-    this.#drawFooter(now, parts.before.at(-1));
+    const named = now ? (this.#pointed?.point ?? this.#picked) : null;
+    if (hasLayers) {
+      drawFloor(context, projection, card.theme);
+      const scene = { layers: this.#layers, ground: this.#ground, shapes: this.#shapes, now: here ?? NOWHERE, named };
+      drawMap(context, projection, scene, card.theme);
+    } else {
+      drawGrid(context, projection, card.theme);
+      if (now) drawPath(context, projection, parts, now, named, card.theme);
+    }
+    this.#drawMeasured(context, projection);
+    this.#drawPopup(named, here);
+    this.#updateTools(hasLayers);
+    this.#updatePanel(now, robot);
+    const last = robot ? robot.before.at(-1) : parts.before.at(-1);
+    this.#drawFooter(here, last, robot);
   }
 
-  /** The place of the path that the pop-up names: under the pointer, else the picked one. */
-  get #named(): Point | null {
-    return this.#pointed ?? this.#picked;
+  /** The floor on show: all of it, what a person looked at, or the robot in the middle. */
+  #boundsIn(room: { width: number; height: number }, here: Place | null): Bounds {
+    const isFollowing = this.#model.get("follow") && here && isKnown(here);
+    const all = () => boundsOf(this.#places(), room);
+    if (isFollowing) {
+      const width = this.#look?.width ?? Math.min(NEAR, lookOf(all()).width);
+      return boundsOfLook({ x: here.x, y: here.y, width }, room);
+    }
+    return this.#look ? boundsOfLook(this.#look, room) : all();
   }
 
-  get #pointed(): Point | null {
+  /** All places that are on show. */
+  #places(): Place[] {
+    const places: Place[] = this.#ways.flatMap(({ points }) => points);
+    for (const { about, state } of this.#layers) {
+      if (about.kind === "grid") places.push(...this.#ground.cornersOf(state));
+      else if (isKnown(state)) places.push(state);
+      places.push(...state.points);
+    }
+    for (const shape of this.#hasLayers ? this.#shapes : [])
+      places.push(...spotsOf(shape).map((spot) => placeOf(shape, spot)));
+    return places;
+  }
+
+  #drawMeasured(context: CanvasRenderingContext2D, projection: Projection): void {
+    const { from, to } = this.#measured ?? {};
+    if (!from) return;
+    const end = to ?? (this.#pointer ? toFloor(projection, this.#pointer) : from);
+    const { theme } = this.#card;
+    drawMeasure(context, projection, from, end, theme);
+    const at = toPixel(projection, { x: (from.x + end.x) / 2, y: (from.y + end.y) / 2 });
+    const font = `600 ${textFont(theme)}`;
+    write(context, measureWords(from, end), at.x, at.y - 12, theme.pointer, font, "center", theme.background);
+  }
+
+  /** The place of a way under the pointer. */
+  get #pointed(): { point: Point; name: string } | null {
     const projection = this.#projection;
     const pointer = this.#pointer;
-    if (!pointer || !projection) return null;
-    const found = nearestOn(this.#shown, toFloor(projection, pointer));
-    const at = found && toPixel(projection, found);
-    return at && Math.hypot(at.x - pointer.x, at.y - pointer.y) <= REACH ? found : null;
+    if (!pointer || !projection || this.#isMeasuring) return null;
+    let [found, least]: [{ point: Point; name: string } | null, number] = [null, Infinity];
+    for (const { name, points } of this.#ways) {
+      const point = nearestOn(points, toFloor(projection, pointer));
+      const at = point && toPixel(projection, point);
+      const away = at ? Math.hypot(at.x - pointer.x, at.y - pointer.y) : Infinity;
+      // Where two lie on each other, the robot's.
+      if (point && away <= (this.#hasLayers ? REACH_ON_MAP : REACH) && away < least - 3)
+        [found, least] = [{ point, name }, away];
+    }
+    return found;
   }
 
-  #drawPopup(named: Point | null, now: PoseFrame | null): void {
-    if (!named || !now || !this.#projection) {
+  #drawPopup(named: Point | null, now: TimedPose | null): void {
+    const projection = this.#projection;
+    const words = named && now ? this.#wordsOf(named, now) : this.#cellWords();
+    const place = named ?? (projection && this.#pointer ? toFloor(projection, this.#pointer) : null);
+    if (!words || !projection || !place) {
       this.#popup.hide();
       return;
     }
     const { width, height } = this.#card.size;
-    const at = toPixel(this.#projection, named);
+    const at = toPixel(projection, place);
     const path = new Occupancy(width, height);
-    for (const point of this.#shown) {
-      const { x, y } = toPixel(this.#projection, point);
-      path.mark(x, y);
+    for (const { points } of this.#ways) {
+      for (const point of points) {
+        const { x, y } = toPixel(projection, point);
+        path.mark(x, y);
+      }
     }
-    const box = { x: 0, y: 0, width, height };
-    this.#popup.show(describePoint(named, now), (size) => placePopup(size, box, at, at, path, [], []));
+    const box = { x: 0, y: 0, width: width - (this.#isBeside ? PANEL : 0), height };
+    this.#popup.show(words, (size) => placePopup(size, box, at, at, path, [], []));
   }
 
-  #drawFooter(now: PoseFrame | null, here: Point | undefined): void {
-    const isShown = now !== null && isKnown(now);
-    setText(this.#pose, isShown ? `${toPlace(now)}, ${toHeading(now)}` : "");
-    setText(this.#way, isShown && here ? `${toMetres(here.way)} driven \u00B7 ${toFixed(now.time, 1)} s` : "");
+  #wordsOf(named: Point, now: TimedPose): PopupWords {
+    const words = describePoint(named, now);
+    const name = this.#pointed?.name ?? "";
+    return name ? { ...words, details: `${words.details}\n${name}` } : words;
   }
+
+  /** What is told of the cell under the pointer; null beside all grids. */
+  #cellWords(): PopupWords | null {
+    const [projection, pointer] = [this.#projection, this.#pointer];
+    if (!projection || !pointer || this.#isMeasuring || !this.#stream.shown) return null;
+    const at = toFloor(projection, pointer);
+    const { west, east, south, north } = projection.bounds;
+    if (at.x < west || at.x > east || at.y < south || at.y > north) return null;
+    const robot = this.#layers.find(({ isRobot }) => isRobot);
+    for (const grid of gridsFrom(this.#layers)) {
+      const cells = this.#ground.cellsOf(grid.state);
+      const cell = cells && cellAt(cells, grid.state, at);
+      if (cell) return describeCell(grid, this.#ground, cell, at, robot);
+    }
+    return null;
+  }
+
+  // The list of layers
+
+  get #isBeside(): boolean {
+    return !this.#panel.root.hidden && this.#card.width >= BESIDE;
+  }
+
+  /** Puts the list beside the map, or below it where the card is narrow; returns whether it is beside. */
+  #placePanel(hasLayers: boolean): boolean {
+    const { picture, width } = this.#card;
+    const { root } = this.#panel;
+    setHidden(root, !hasLayers || !(this.#isOpen ?? width >= BESIDE));
+    const isBeside = width >= BESIDE;
+    if (isBeside && root.parentElement !== picture) picture.append(root);
+    else if (!isBeside && root.previousElementSibling !== picture) picture.after(root);
+    root.classList.toggle("rw-beside", isBeside);
+    this.#card.root.classList.toggle("rw-map", hasLayers);
+    return this.#isBeside;
+  }
+
+  #updateTools(hasLayers: boolean): void {
+    const { all, fit, follow, frame, layers, measure } = this.#tools;
+    const isFollowing = this.#model.get("follow");
+    for (const one of all) setHidden(one, !hasLayers);
+    // A path alone is zoomed and measured too, by wheel and keys.
+    if (!hasLayers) setHidden(fit, !this.#look && !isFollowing);
+    fit.disabled = !this.#look && !isFollowing;
+    follow.ariaPressed = String(isFollowing);
+    measure.ariaPressed = String(this.#isMeasuring);
+    layers.ariaPressed = String(!this.#panel.root.hidden);
+    this.#card.picture.dataset.cursor = this.#isMeasuring ? "measure" : "";
+    const { frames = [] } = this.#model.get("_map");
+    if (hasLayers) this.#tools.updateFrames(frames, this.#stream.about.frame_id ?? "", lacksKernel(this.#model));
+    else setHidden(frame, true);
+  }
+
+  #updatePanel(now: PoseFrame | null, robot: Shown | undefined): void {
+    if (this.#panel.root.hidden || !now) return;
+    const { layers = [] } = this.#model.get("_map");
+    const { missing = {}, frame_id = "" } = this.#stream.about;
+    const hidden = new Set(this.#model.get("hidden"));
+    const shapes = [...new Set([...this.#shapes.map(({ name }) => name)])];
+    const names = new Set(layers.map(({ name }) => name));
+    const lost = Object.keys(missing).filter((name) => !names.has(name));
+    const rows: Row[] = [...shapes, ...lost].map((name) => ({
+      name,
+      kind: "shape",
+      isRobot: false,
+      fact: missing[name] ?? "drawn by the program",
+      isThere: !missing[name],
+      isOn: true,
+    }));
+    for (const about of [...layers].sort((a, b) => ORDER.indexOf(a.kind) - ORDER.indexOf(b.kind))) {
+      const shown = this.#layers.find((one) => one.about === about);
+      const why = missing[about.name];
+      const fact = shown ? factOf(shown, robot, this.#ground, now.time) : "";
+      rows.push({
+        name: about.name,
+        kind: about.kind,
+        isRobot: about === robot?.about,
+        fact: hidden.has(about.name) ? "not shown" : (why ?? (fact || "nothing up to this time")),
+        isThere: shown !== undefined || hidden.has(about.name),
+        isOn: !hidden.has(about.name),
+      });
+    }
+    this.#panel.update(
+      rows,
+      frame_id ? [`all in the frame ${frame_id}`, "each by the transforms at its own stamp"] : [],
+    );
+  }
+
+  #drawFooter(now: TimedPose | null, here: Point | undefined, robot: Shown | undefined): void {
+    const isShown = now !== null && isKnown(now);
+    const sure = robot ? sureness(robot) : "";
+    setText(this.#pose, isShown ? [`${toPlace(now)}, ${toHeading(now)}`, sure].filter(Boolean).join(" ") : "");
+    const time = now ? `${toFixed(now.time, 1)} s` : "";
+    setText(this.#way, isShown && here ? `${toMetres(here.way)} driven \u00B7 ${time}` : "");
+  }
+
+  // Pointer and keys
 
   #onPointer(event: PointerEvent | null): void {
     if (event?.pointerType === "touch") return;
     this.#pointer = event && pointIn(this.#card.picture, event);
     this.#card.redraw();
-  }
-
-  #onClick(event: MouseEvent): void {
-    const before = this.#pointer;
-    this.#pointer = pointIn(this.#card.picture, event);
-    this.#pick(this.#pointed);
-    this.#pointer = before;
   }
 
   /** In a player goes to the time of a place of the path, else keeps its pop-up open. */
@@ -153,18 +478,44 @@ export class PathView {
   }
 
   #onKey(event: KeyboardEvent): void {
-    const by = WALK[event.key];
     const now = this.#stream.shown;
     if (!isPlain(event) || event.target !== this.#card.picture || !now) return;
-    if (event.key === "Escape") this.#picked = null;
-    else if (event.key === "Enter" && this.#picked) this.#pick(this.#picked);
-    else if (by !== undefined) {
-      const times = this.#shown.map(({ time }) => time);
-      const at = times.findIndex((time) => time >= (this.#picked?.time ?? now.time));
-      this.#picked = this.#shown[Math.min(times.length - 1, Math.max(0, at + by))] ?? null;
-      if (this.#picked) this.#card.say(toSentence(describePoint(this.#picked, now)));
-    } else return;
+    if (!this.#takeKey(event, now)) return;
     event.preventDefault();
     this.#card.redraw();
   }
+
+  #takeKey({ key, shiftKey }: KeyboardEvent, now: PoseFrame): boolean {
+    const [by, move, zoom] = [WALK[key], MOVES[key], ZOOM_KEYS[key]];
+    const robot = this.#layers.find(({ isRobot }) => isRobot);
+    const here: TimedPose = robot ? { ...robot.state, time: now.time } : now;
+    if (key === "Escape") {
+      if (this.#isMeasuring) this.onMeasure();
+      this.#picked = null;
+    } else if (key === "Enter" && this.#picked) this.#pick(this.#picked);
+    else if (zoom) this.onZoom(zoom);
+    else if (key === "0") this.onFit();
+    else if (key === "f") this.onFollow();
+    else if (key === "m") this.onMeasure();
+    else if (key === "l" && this.#hasLayers) this.onLayers();
+    else if (shiftKey && move) this.onMove(...move);
+    else if (by !== undefined) {
+      const [{ points } = { points: [] }] = this.#ways;
+      const times = points.map(({ time }) => time);
+      const at = times.findIndex((time) => time >= (this.#picked?.time ?? now.time));
+      this.#picked = points[Math.min(times.length - 1, Math.max(0, at + by))] ?? null;
+      if (this.#picked) this.#card.say(toSentence(describePoint(this.#picked, here)));
+    } else return false;
+    return true;
+  }
+}
+
+const NOWHERE: TimedPose = { x: NaN, y: NaN, yaw: NaN, time: NaN };
+/** Kinds of layers from top to bottom. */
+const ORDER: LayerAbout["kind"][] = ["scan", "pose", "poses", "path", "goal", "grid"];
+
+/** "1.05 m · 12.3°" */
+function measureWords(from: Place, to: Place): string {
+  const [dx, dy] = [to.x - from.x, to.y - from.y];
+  return `${toMetres(Math.hypot(dx, dy))} \u00B7 ${toDegrees(Math.atan2(dy, dx))}`;
 }

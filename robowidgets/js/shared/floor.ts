@@ -91,6 +91,17 @@ export function drawFloor(context: Context, projection: Projection, theme: Theme
   write(context, toShortMetres(length), west - 6, y, theme.muted, textFont(theme), "right");
 }
 
+/** Calls a function that draws on the floor only. */
+export function clipToFloor(context: Context, projection: Projection, draw: () => void): void {
+  const { x, y, width, height } = floorOf(projection);
+  context.save();
+  context.beginPath();
+  context.rect(x, y, width, height);
+  context.clip();
+  draw();
+  context.restore();
+}
+
 /** A robot as a disc with its nose inside, at a place in pixels. */
 export function drawBody(context: Context, at: Place, yaw: number, radius: number, color: string, theme: Theme): void {
   circle(context, at, radius);

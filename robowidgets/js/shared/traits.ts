@@ -66,6 +66,8 @@ export interface About {
   numbers?: Record<string, number | null>;
   /** Where the scanner was in the frame of odometry: metres and radians. */
   pose?: [x: number, y: number, yaw: number];
+  /** Why layers of a map, by their names, are not drawn. */
+  missing?: Record<string, string>;
   /** Sequence number of the sample that the lamps tell of. */
   judged?: number;
 }

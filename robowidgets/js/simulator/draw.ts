@@ -1,5 +1,5 @@
 import { type Context, circle, fill, line, stroke, write } from "../shared/canvas.ts";
-import { drawBody, floorOf, type Place, type Projection, toPixel } from "../shared/floor.ts";
+import { clipToFloor, drawBody, type Place, type Projection, toPixel } from "../shared/floor.ts";
 import { type Theme, textFont } from "../shared/theme.ts";
 import { endsOf, handleOf, robotRadius, type Scene, type Thing } from "./scene.ts";
 
@@ -24,17 +24,6 @@ export function drawFree(context: Context, projection: Projection, { scan }: Sce
     }
     fill(context, theme.seen);
   });
-}
-
-/** Calls a function that draws on the floor only. */
-export function clipToFloor(context: Context, projection: Projection, draw: () => void): void {
-  const { x, y, width, height } = floorOf(projection);
-  context.save();
-  context.beginPath();
-  context.rect(x, y, width, height);
-  context.clip();
-  draw();
-  context.restore();
 }
 
 /** Places without floor: hatched, with their name where there is room. */

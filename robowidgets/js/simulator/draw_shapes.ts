@@ -1,10 +1,9 @@
 import { type Box, holds, isWithin, overlaps } from "../shared/box.ts";
-import { floorOf, type Place, type Projection, toPixel } from "../shared/floor.ts";
+import { clipToFloor, floorOf, type Place, type Projection, toPixel } from "../shared/floor.ts";
 import { drawShape, pathOf } from "../shared/shapes/draw.ts";
 import { boxAt, LINE, PLACES, widthOf, writeLabel } from "../shared/shapes/labels.ts";
 import { type Metres, placesOf } from "../shared/shapes/places.ts";
 import type { Theme } from "../shared/theme.ts";
-import { clipToFloor } from "./draw.ts";
 import { endOf, robotRadius, type Scene, toPlace, turnedBy } from "./scene.ts";
 import type { RoomShape } from "./traits.ts";
 

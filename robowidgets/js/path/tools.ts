@@ -1,0 +1,121 @@
+import type { Point as Pixel } from "../shared/box.ts";
+import { isDragged, make, makeButton, pointIn, setHidden } from "../shared/dom.ts";
+import { on } from "../shared/events.ts";
+import type { Place } from "../shared/floor.ts";
+
+/** What a person does to the map. */
+export interface MapActs {
+  onFollow(): void;
+  onMeasure(): void;
+  onLayers(): void;
+  onFit(): void;
+  onZoom(direction: -1 | 1): void;
+  onFrame(frame: string): void;
+}
+
+/** The buttons of a map, which stand before the one that freezes. */
+export class Tools {
+  readonly frame = make("select", "rw-button rw-map-frame");
+  readonly follow: HTMLButtonElement;
+  readonly measure: HTMLButtonElement;
+  readonly layers: HTMLButtonElement;
+  readonly fit: HTMLButtonElement;
+  readonly all: HTMLElement[];
+  #frames = "";
+
+  constructor(acts: MapActs, signal: AbortSignal) {
+    this.frame.ariaLabel = "Frame of the map";
+    this.frame.title = "The frame in which the map is drawn";
+    on(this.frame, "change" as "input", () => acts.onFrame(this.frame.value), signal);
+    this.follow = makeButton(
+      "rw-map-wide",
+      "Keep the robot in the middle (f)",
+      () => acts.onFollow(),
+      signal,
+      "Follow",
+    );
+    this.measure = makeButton(
+      "rw-map-wide",
+      "Measure by two clicks, or a drag (m)",
+      () => acts.onMeasure(),
+      signal,
+      "Measure",
+    );
+    this.layers = makeButton("", "List of the layers (l)", () => acts.onLayers(), signal, "Layers");
+    const farther = makeButton("rw-zoom rw-map-wide", "Zoom out (\u2212)", () => acts.onZoom(1), signal, "\u2212");
+    const closer = makeButton("rw-zoom rw-map-wide", "Zoom in (+)", () => acts.onZoom(-1), signal, "+");
+    this.fit = makeButton("", "Show all of it (0)", () => acts.onFit(), signal, "Fit");
+    this.all = [this.frame, this.follow, this.measure, this.layers, farther, closer, this.fit];
+  }
+
+  /** Shows the frames in which the map may be drawn, and the one in which it is. */
+  updateFrames(frames: readonly string[], shown: string, isAlone: boolean): void {
+    const names = shown && !frames.includes(shown) ? [shown, ...frames] : [...frames];
+    setHidden(this.frame, names.length < 2);
+    this.frame.disabled = isAlone;
+    const key = names.join("\n");
+    if (key !== this.#frames) {
+      this.#frames = key;
+      const options = names.map((name) => {
+        const option = make("option", "", `Frame ${name}`);
+        option.value = name;
+        return option;
+      });
+      this.frame.replaceChildren(...options);
+    }
+    if (document.activeElement !== this.frame || !this.frame.value) this.frame.value = shown;
+  }
+}
+
+/** Where a drag began, and what it does. */
+interface Drag {
+  pointer: number;
+  from: Pixel;
+  last: Pixel;
+  hasMoved: boolean;
+}
+
+/** What drags on the map do. */
+export interface Dragged {
+  /** Whether a press begins a line that is measured. */
+  readonly isMeasuring: boolean;
+  onMove(dx: number, dy: number): void;
+  onMeasured(from: Pixel, to: Pixel): void;
+  onTap(event: MouseEvent): void;
+}
+
+/** Has drags of a mouse or a pen move the map, or measure; a finger scrolls the page. */
+export function watchDrags(picture: HTMLElement, target: Dragged, signal: AbortSignal): void {
+  let drag: Drag | null = null;
+  let moved = false;
+  const onDown = (event: PointerEvent) => {
+    moved = false;
+    if (event.button !== 0 || (event.pointerType === "touch" && !target.isMeasuring)) return;
+    const from = pointIn(picture, event);
+    drag = { pointer: event.pointerId, from, last: from, hasMoved: false };
+  };
+  const onMove = (event: PointerEvent) => {
+    if (!drag || event.pointerId !== drag.pointer) return;
+    const at = pointIn(picture, event);
+    if (!drag.hasMoved && !isDragged(drag.from, at)) return;
+    if (!drag.hasMoved) picture.setPointerCapture(event.pointerId);
+    drag.hasMoved = moved = true;
+    if (target.isMeasuring) target.onMeasured(drag.from, at);
+    else target.onMove(at.x - drag.last.x, at.y - drag.last.y);
+    drag.last = at;
+  };
+  const onEnd = () => {
+    drag = null;
+  };
+  on(picture, "pointerdown", onDown, signal);
+  on(picture, "pointermove", onMove, signal);
+  on(picture, "pointerup", onEnd, signal);
+  on(picture, "pointercancel", onEnd, signal);
+  on(picture, "click", (event) => !moved && target.onTap(event), signal);
+}
+
+/** A line that a person measures. */
+export interface Measured {
+  from: Place;
+  to: Place | null;
+}

@@ -1,0 +1,229 @@
+"""The layers of a live map, each by its name."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..poses.live_frames import LiveFrames
+from ..poses.local_plane import LocalPlane
+from ..poses.path import Path
+from ..poses.transforms import Transform
+from ..samples import Pose
+from ..samples.map_item import MapItem
+from . import _distances
+from .packing import is_small, pack_grid
+from .placing import EAST_NORTH, Placed, by_plane, frame_of_map, place, pose_of_frame
+
+MOST_LAYERS = 30
+MOST_PLANS = 200
+"""Plans of a layer that are kept, to tell how far the robot is from each."""
+ARROW = "->"
+
+Floats = NDArray[np.float64]
+
+
+class Layer:
+    """One layer: what came last, and where it is in the frame of the map."""
+
+    def __init__(self, number: int, name: str) -> None:
+        self.number, self.name = number, name
+        self.item: MapItem | None = None
+        self.seconds = 0.0
+        self.time_ns = 0
+        self.placed: Placed | None = None
+        self.track = Path()
+        self.plans: list[tuple[float, Floats]] = []
+        self.plane: LocalPlane | None = None
+        self.grid_bytes = b""
+
+    @property
+    def about(self) -> dict[str, Any]:
+        """What the page is told of it."""
+        item = self.item
+        if item is None:
+            return {"name": self.name, "kind": "pose"}
+        about: dict[str, Any] = {"name": self.name, "kind": kind_of(self.name, item)}
+        if item.grid is not None:
+            about["most"] = item.grid.most
+        if not item.frame_id:
+            about["note"] = "names no frame"
+        return about
+
+
+def kind_of(name: str, item: MapItem) -> str:
+    """What a layer is drawn as: a goal is a pose that nobody drove to."""
+    return "goal" if item.kind == "pose" and "goal" in name.lower() and not item.child_frame_id else item.kind
+
+
+def frames_in(name: str) -> tuple[str, str] | None:
+    """The two frames in a name such as "map->base_link"; None for another name."""
+    parent, arrow, child = name.partition(ARROW)
+    return (
+        (parent.strip().lstrip("/"), child.strip().lstrip("/")) if arrow and parent.strip() and child.strip() else None
+    )
+
+
+class Layers:
+    """The layers of a map that is drawn live, in one frame. The widget holds its lock during each call.
+
+    Attributes:
+        frames: the coordinate frames, as far as tf and odometry told them.
+        asked: the frame that a person chose; empty: the one that all have in common.
+        frame: the one in which the map is drawn.
+        edition: how often what the page gets but seldom has changed: ways, large grids and the list.
+    """
+
+    def __init__(self) -> None:
+        self.frames = LiveFrames()
+        self.asked = ""
+        self.frame = ""
+        self.edition = 0
+        self._by_name: dict[str, Layer] = {}
+
+    def __bool__(self) -> bool:
+        return bool(self._by_name)
+
+    def __iter__(self) -> Iterator[Layer]:
+        return iter(self._by_name.values())
+
+    def put(self, name: str, item: MapItem, seconds: float, time_ns: int) -> None:
+        """Show the newest item of a layer."""
+        layer = self._layer(name)
+        if layer.item is None or layer.item.kind != item.kind:
+            self.edition += 1
+        layer.item, layer.plane = by_plane(item, layer.plane)
+        layer.seconds, layer.time_ns, layer.placed = seconds, time_ns, None
+        if item.child_frame_id and item.frame_id and item.pose == item.pose:
+            half = item.pose.yaw / 2
+            turn = (0.0, 0.0, float(np.sin(half)), float(np.cos(half)))
+            pose = (item.pose.x, item.pose.y, 0.0, *turn)
+            self.frames.add(
+                Transform(item.frame_id, item.child_frame_id, time_ns, item.stamp_ns or 0, pose, odometry=True)
+            )
+        self._settle()
+        self._place(layer)
+
+    def add_frames(self, transforms: Iterator[Transform], seconds: float) -> None:
+        """Take transforms of tf, and move the layers that show a frame."""
+        moved: dict[str, Transform] = {}
+        for one in transforms:
+            self.frames.add(one)
+            moved[one.child] = one
+        self._settle()
+        for layer in self:
+            pair = frames_in(layer.name)
+            if pair is None or not (newest := self._newest(pair[1], moved)):
+                continue
+            stamp = newest.stamp_ns or None
+            pose = pose_of_frame(self.frames, pair[1], pair[0], newest.time_ns, stamp)
+            if pose is not None:
+                self.put(
+                    layer.name, MapItem("pose", pair[0], stamp, pose, child_frame_id=pair[1]), seconds, newest.time_ns
+                )
+
+    def show_frame(self, name: str) -> None:
+        """Have a layer for a frame in another, by a name such as "map->base_link"."""
+        self._layer(name)
+        self.edition += 1
+
+    def remove(self, name: str) -> None:
+        """Remove a layer; KeyError where there is none of that name."""
+        del self._by_name[name]
+        self.edition += 1
+        self._settle()
+
+    def choose(self, frame: str) -> None:
+        """Draw in a frame; empty: in the one that all have in common."""
+        self.asked = frame
+        self._settle()
+
+    def show_placed(self) -> tuple[list[Placed], dict[str, str]]:
+        """What each layer shows now, and why some show nothing."""
+        shown, missing = [], {}
+        for layer in self:
+            if layer.item is None:
+                missing[layer.name] = "not drawn: nothing came yet"
+            elif placed := self._place(layer):
+                shown.append(placed)
+            else:
+                missing[layer.name] = f"not drawn: no transform to {self.frame}"
+        return shown, missing
+
+    @property
+    def known_frames(self) -> list[str]:
+        """The frames in which the map may be drawn, the one at the root first."""
+        names: dict[str, None] = {}
+        for layer in self:
+            if layer.item is not None and layer.item.frame_id and layer.item.kind != "scan":
+                names |= dict.fromkeys(reversed(self.frames.chain(layer.item.frame_id)))
+        return list(names)
+
+    def tracks(self) -> list[tuple[int, Floats]]:
+        """The ways of the layers that have one."""
+        return [(layer.number, layer.track.points) for layer in self if layer.item and layer.item.kind == "pose"]
+
+    def grids(self) -> list[bytes]:
+        """The large grids that are placed, packed."""
+        return [layer.grid_bytes for layer in self if layer.grid_bytes]
+
+    def distance(self, name: str, other: str) -> tuple[Floats, Floats]:
+        """Seconds of each point of the way of a layer, and its metres from another or from a plan."""
+        one, two = self._by_name[name], self._by_name[other]
+        track = one.track.points
+        if two.item is not None and two.item.kind == "path":
+            return track[:, 0], _distances.to_plans(track, two.plans)
+        return track[:, 0], _distances.to_track(track, two.track.points)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The names of the layers, in the order in which they came."""
+        return tuple(self._by_name)
+
+    def _layer(self, name: str) -> Layer:
+        if name not in self._by_name:
+            if len(self._by_name) >= MOST_LAYERS:
+                raise ValueError(f"put({name!r}): expected at most {MOST_LAYERS} layers; remove(name) removes one")
+            number = 1 + max((layer.number for layer in self), default=-1)
+            self._by_name[name] = Layer(number, name)
+            self.edition += 1
+        return self._by_name[name]
+
+    def _newest(self, frame: str, moved: dict[str, Transform]) -> Transform | None:
+        """The newest of some transforms that moves a frame."""
+        found = [moved[name] for name in self.frames.chain(frame) if name in moved and not moved[name].static]
+        return max(found, key=lambda one: one.stamp_ns, default=None)
+
+    def _settle(self) -> None:
+        """Choose the frame; in another one, ways begin anew, since those before are in the one before."""
+        items = [layer.item for layer in self if layer.item is not None]
+        only_fixes = bool(items) and all(item.frame_id == EAST_NORTH for item in items)
+        frame = self.asked or (EAST_NORTH if only_fixes else frame_of_map(self.frames, items))
+        if frame == self.frame:
+            return
+        self.frame = frame
+        self.edition += 1
+        for layer in self:
+            layer.placed, layer.track, layer.plans = None, Path(), []
+
+    def _place(self, layer: Layer) -> Placed | None:
+        item = layer.item
+        if layer.placed is not None or item is None:
+            return layer.placed
+        placed = place(self.frames, self.frame, item, layer.time_ns, layer.number, layer.seconds)
+        layer.placed = placed
+        if placed is None:
+            return None
+        if item.kind == "pose":
+            measured = item.stamp_ns / 1e9 if item.stamp_ns else None
+            layer.track.add(layer.seconds, Pose(*placed.pose), measured)
+            self.edition += 1
+        elif item.kind == "path":
+            layer.plans = [*layer.plans[1 - MOST_PLANS :], (layer.seconds, placed.points)]
+        elif item.grid is not None:
+            layer.grid_bytes = b"" if is_small(item.grid) else pack_grid(layer.number, layer.seconds, item.grid)
+            self.edition += 1
+        return placed

@@ -1,0 +1,92 @@
+"""The bytes of a map's layers, as the page reads them; docs/developers/frames.md describes them."""
+
+from __future__ import annotations
+
+import struct
+import zlib
+from collections.abc import Iterable, Iterator, Sequence
+from math import isnan, nan
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..samples import MapGrid, Pose
+from ..samples.map_item import Scatter
+from .placing import Placed
+
+_RECORD = struct.Struct("<12d")
+"""Number of the layer; seconds; x, y, yaw; covariance of x, x and y, y (NaN: not known); points in the message; metres
+of a cell of the grid that follows (NaN: no grid does); rows and columns of what follows."""
+_GRID = struct.Struct("<7d")
+"""Number of the layer, seconds, rows, columns, metres of a cell, cells of the map to its side, bytes that follow."""
+_TRACK = struct.Struct("<2d")
+
+CELLS_IN_FRAME = 10_000
+"""A grid of so many cells comes with each frame, as a scan does: a costmap that rolls along with its robot."""
+
+MOST_CELLS = 4_000_000
+"""Cells of a grid that the page gets."""
+
+
+def pack_layers(layers: Iterable[Placed]) -> bytes:
+    """What each layer shows at a time."""
+    parts = []
+    for one in layers:
+        grid = one.grid if one.grid is not None and is_small(one.grid) else None
+        rows, columns = grid.cells.shape if grid else one.points.shape
+        scatter = one.scatter or (nan,) * 3
+        size = grid.resolution if grid else nan
+        parts.append(_RECORD.pack(one.number, one.seconds, *one.pose, *scatter, one.total, size, rows, columns))
+        if grid:
+            parts.append(grid.cells.tobytes())
+        else:
+            # From the first of them: far from the origin, float32 is coarse.
+            first = np.zeros(columns)
+            first[:2] = one.points[0, :2] if rows else 0.0
+            parts += [first[:2].astype("<f8").tobytes(), (one.points - first).astype("<f4").tobytes()]
+    return b"".join(parts)
+
+
+def unpack_layers(data: bytes) -> Iterator[Placed]:
+    """The layers in a frame."""
+    at = 0
+    while at < len(data):
+        number, seconds, x, y, yaw, xx, xy, yy, count, size, rows, columns = _RECORD.unpack_from(data, at)
+        at += _RECORD.size
+        shape = int(rows), int(columns)
+        grid, points = None, np.empty((0, 2))
+        if isnan(size):
+            first = np.zeros(shape[1])
+            first[:2] = np.frombuffer(data, "<f8", 2, at)
+            near = np.frombuffer(data, "<f4", shape[0] * shape[1], at + 16).reshape(shape)
+            points = near + first
+            at += 16 + near.nbytes
+        else:
+            cells = np.frombuffer(data, np.uint8, shape[0] * shape[1], at).reshape(shape)
+            grid = MapGrid(cells, size, Pose(x, y, yaw))
+            at += cells.nbytes
+        scatter = None if isnan(xx) else Scatter(xx, xy, yy)
+        yield Placed(int(number), seconds, Pose(x, y, yaw), scatter, points, int(count), grid)
+
+
+def is_small(grid: MapGrid) -> bool:
+    """Whether a grid comes with each frame."""
+    return grid.cells.size <= CELLS_IN_FRAME
+
+
+def pack_grid(number: int, seconds: float, grid: MapGrid) -> bytes:
+    """A large grid of a layer from a time on, which the page gets once."""
+    shown, step = grid.thinned(MOST_CELLS)
+    rows, columns = shown.cells.shape
+    packed = zlib.compress(shown.cells.tobytes(), 6)
+    return _GRID.pack(number, seconds, rows, columns, shown.resolution, step, len(packed)) + packed
+
+
+def pack_tracks(tracks: Iterable[tuple[int, NDArray[np.float64]]]) -> bytes:
+    """The ways of layers, by their numbers: rows of seconds, x, y, yaw and metres of the way so far."""
+    return b"".join(_TRACK.pack(number, len(points)) + points.astype("<f8").tobytes() for number, points in tracks)
+
+
+def pack_grids(grids: Sequence[bytes]) -> bytes:
+    """The large grids of all layers."""
+    return b"".join(grids)

@@ -1,0 +1,120 @@
+"""Where what a message tells is in the frame of a map."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import replace
+from math import cos, sin
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..poses.frame_tree import Poses
+from ..poses.live_frames import Frames, joined
+from ..poses.local_plane import LocalPlane
+from ..samples import MapGrid, Pose, yaw_of
+from ..samples.map_item import NOWHERE, MapItem, Scatter
+
+EAST_NORTH = "east, north of the first fix"
+"""The frame of what a satellite receiver tells: nothing in tf joins it."""
+
+MAP = "map"
+"""The frame of the floor (REP-105), which may have a parent: the earth."""
+
+MOST_POINTS = 2000
+"""Points of a path, a scan or an array of poses that are drawn; of more, every second, every third, and so on."""
+
+
+class Placed(NamedTuple):
+    """What a layer shows at a time, in the frame of the map.
+
+    ``pose`` is that of a pose, or of the corner of a grid; NaN where there is none. ``points`` have shape (N, 2), or
+    (N, 3) with their yaw; of ``total`` points of the message every ``total / N``-th is there.
+    """
+
+    number: int
+    seconds: float
+    pose: Pose
+    scatter: Scatter | None
+    points: NDArray[np.float64]
+    total: int
+    grid: MapGrid | None
+
+
+def place(frames: Frames, world: str, item: MapItem, time_ns: int, number: int, seconds: float) -> Placed | None:
+    """An item in the frame ``world``, by the transform at its own stamp; None: nothing joins both.
+
+    One that names no frame is taken as of ``world``.
+    """
+    count = len(item.points)
+    points = item.points[:: -(-count // MOST_POINTS)] if count > MOST_POINTS else item.points
+    if len(points) < count and item.kind == "path":
+        points = np.vstack([points[:-1], item.points[-1:]])
+    pose = item.grid.origin if item.grid else item.pose
+    if not item.frame_id or item.frame_id == world:
+        return Placed(number, seconds, pose, item.scatter, points, count, item.grid)
+    at = joined(frames, item.frame_id, world, time_ns, item.stamp_ns)
+    if at is None:
+        return None
+    return Placed(
+        number, seconds, _moved(at, pose), _turned(at, item.scatter), _all_moved(at, points), count, item.grid
+    )
+
+
+def pose_of_frame(frames: Frames, frame: str, world: str, time_ns: int, stamp_ns: int | None) -> Pose | None:
+    """Where a frame is in another one; None: nothing joins them."""
+    at = joined(frames, frame, world, time_ns, stamp_ns)
+    return None if at is None else _moved(at, Pose(0.0, 0.0, 0.0))
+
+
+def by_plane(item: MapItem, plane: LocalPlane | None) -> tuple[MapItem, LocalPlane | None]:
+    """A fix as metres east and north of the first one, which it is where there was none; other items as they are."""
+    if item.fix is not None and plane is None:
+        plane = LocalPlane(*item.fix)
+    if item.fix is None or plane is None:
+        return item, plane
+    return replace(item, frame_id=EAST_NORTH, pose=Pose(*plane.east_north(*item.fix), NOWHERE.yaw)), plane
+
+
+def frame_of_map(frames: Frames, items: Iterable[MapItem]) -> str:
+    """The frame in which a map is drawn: of those above the first grid, else the first layer, "map", else the root."""
+    named = [item for item in items if item.frame_id and item.frame_id != EAST_NORTH]
+    # A scan or a costmap that rolls along with the robot tells less than what names the frame of the floor.
+    first = min(named, key=lambda item: (item.kind == "scan", item.kind != "grid"), default=None)
+    if first is None:
+        return ""
+    chain = frames.chain(first.frame_id)
+    return MAP if MAP in chain else chain[-1]
+
+
+def _moved(at: Poses, pose: Pose) -> Pose:
+    half = pose.yaw / 2 if pose.yaw == pose.yaw else 0.0
+    inner = Poses(np.array([[pose.x, pose.y, 0.0]]), np.array([[0.0, 0.0, sin(half), cos(half)]]))
+    (position,), (turn,) = at.of(inner)
+    yaw = float(yaw_of(*turn)) if pose.yaw == pose.yaw else pose.yaw
+    return Pose(float(position[0]), float(position[1]), yaw)
+
+
+def _all_moved(at: Poses, points: NDArray[np.float64]) -> NDArray[np.float64]:
+    if not len(points):
+        return points
+    n = len(points)
+    yaw = points[:, 2] if points.shape[1] == 3 else np.zeros(n)
+    zero = np.zeros(n)
+    inner = Poses(
+        np.column_stack([points[:, :2], zero]), np.column_stack([zero, zero, np.sin(yaw / 2), np.cos(yaw / 2)])
+    )
+    positions, turns = Poses(*(np.repeat(column, n, axis=0) for column in at)).of(inner)
+    if points.shape[1] == 2:
+        return positions[:, :2]
+    return np.column_stack([positions[:, :2], yaw_of(*turns.T)])
+
+
+def _turned(at: Poses, scatter: Scatter | None) -> Scatter | None:
+    if scatter is None:
+        return None
+    yaw = float(yaw_of(*at.orientations[0]))
+    turn = np.array([[cos(yaw), -sin(yaw)], [sin(yaw), cos(yaw)]])
+    (xx, xy), (_, yy) = turn @ np.array([[scatter.xx, scatter.xy], [scatter.xy, scatter.yy]]) @ turn.T
+    return Scatter(float(xx), float(xy), float(yy))

@@ -1,0 +1,89 @@
+"""The coordinate frames of a running robot, as far as its transforms tell, and the pose of one in another."""
+
+from __future__ import annotations
+
+from collections import deque
+from typing import Protocol
+
+import numpy as np
+
+from .frame_tree import Poses, Times, TransformHistory
+from .transforms import Transform
+
+KEPT = 500
+"""Transforms of a frame that are kept: ten seconds at 50 Hz."""
+
+
+class Frames(Protocol):
+    """The tree of coordinate frames: of a recording a `FrameTree`, of a running robot `LiveFrames`."""
+
+    def chain(self, frame: str) -> list[str]:
+        """The frame, its parent, the parent of that, up to the root."""
+
+    def poses(self, frame: str, world: str, times_ns: Times, stamps_ns: Times) -> Poses:
+        """The poses of a frame in one above it in its `chain`, at some times."""
+
+
+class LiveFrames:
+    """The frames of a running robot; of each frame the last transforms to its parent.
+
+    Odometry counts where tf names no parent of its frame.
+    """
+
+    def __init__(self) -> None:
+        self._parents: dict[str, str] = {}
+        self._rows: dict[str, deque[Transform]] = {}
+        self._by_odometry: set[str] = set()
+        self._histories: dict[str, TransformHistory] = {}
+
+    def add(self, one: Transform) -> None:
+        """Take the newest transform of a frame. Its ``time_ns`` is when it arrived."""
+        child = one.child
+        if one.odometry and child in self._parents and child not in self._by_odometry:
+            return
+        is_other = self._parents.get(child) != one.parent or (child in self._by_odometry) != one.odometry
+        rows = self._rows.get(child)
+        if rows is None or is_other or one.static or one.stamp_ns < rows[-1].stamp_ns:
+            rows = self._rows[child] = deque(maxlen=KEPT)
+        rows.append(one)
+        self._parents[child] = one.parent
+        (self._by_odometry.add if one.odometry else self._by_odometry.discard)(child)
+        self._histories.pop(child, None)
+
+    def chain(self, frame: str) -> list[str]:
+        """See `Frames`."""
+        chain = [frame]
+        while (parent := self._parents.get(chain[-1])) and parent not in chain:
+            chain.append(parent)
+        return chain
+
+    def poses(self, frame: str, world: str, times_ns: Times, stamps_ns: Times) -> Poses:
+        """See `Frames`."""
+        chain = self.chain(frame)
+        poses = Poses.identity(len(times_ns))
+        for name in chain[: chain.index(world)]:
+            poses = self._history(name).at(times_ns, stamps_ns).of(poses)
+        return poses
+
+    def _history(self, frame: str) -> TransformHistory:
+        if frame not in self._histories:
+            rows = self._rows[frame]
+            numbers = np.array([one.pose for one in rows])
+            times, stamps = (
+                np.array([getattr(one, name) for one in rows], np.int64) for name in ("time_ns", "stamp_ns")
+            )
+            poses = Poses(numbers[:, :3], numbers[:, 3:])
+            self._histories[frame] = TransformHistory(self._parents[frame], times, stamps, poses, rows[-1].static)
+        return self._histories[frame]
+
+
+def joined(frames: Frames, frame: str, world: str, time_ns: int, stamp_ns: int | None) -> Poses | None:
+    """The pose of a frame in another at one time, by its stamp where it has one, shape (1,); None: nothing joins them."""
+    if frame == world:
+        return Poses.identity(1)
+    up, down = frames.chain(frame), frames.chain(world)
+    common = next((name for name in up if name in down), None)
+    if common is None:
+        return None
+    times, stamps = np.array([time_ns], np.int64), np.array([stamp_ns or 0], np.int64)
+    return frames.poses(world, common, times, stamps).inverse().of(frames.poses(frame, common, times, stamps))
