@@ -27,6 +27,10 @@ FEW = 4
 """Most widgets of those that are asked for, where nobody asked and no topic has another."""
 
 
+_ALONG = Role(name="along", take="put")
+"""Of what joins or completes the topics that a widget gathers."""
+
+
 class Shown(Protocol):
     """The properties of a topic that decide its widget."""
 
@@ -98,7 +102,7 @@ class WidgetChoice(NamedTuple):
     def titles(self) -> tuple[str, ...]:
         """What it shows, for a person: its topics, or the namespace of several that share it, the first one first."""
         if self.gathers:
-            return (", ".join(self.topics),)
+            return (", ".join(self.own),)
         return (title_of(self.own), *self.topics[len(self.own) :])
 
     def is_like(self, other: WidgetChoice) -> bool:
@@ -189,7 +193,8 @@ def _asked_for(wanted: Iterable[tuple[str, str]], listed: list[Shown]) -> tuple[
         names = found[row.name]
         groups = [names] if row.gathers else [[name] for name in names]
         for group in groups:
-            parts = tuple((row.roles[0], name) for name in group)
+            others = [one.name for one in listed if one.name not in group and row.takes_along(one.type)]
+            parts = (*((row.roles[0], name) for name in group), *((_ALONG, name) for name in others))
             choices.append(WidgetChoice(row, parts, fields=fields if row.of_fields else ()))
     return tuple(choices)
 

@@ -103,6 +103,8 @@ class Asked(TopicWidget):
         nothing: what a player gives its `frame_of` before the first message.
         gathers: whether one widget has all topics that it is asked for. Its ``update`` takes the name of the topic
             before the message.
+        along: of one that gathers, types of topics that it takes along by its method ``put``, asked for or not: what
+            joins or completes the others.
         of_fields: of one that gathers, whether it shows single fields of topics, ``"/odom.twist.twist.linear.x"``. The
             widget class takes them as positional arguments.
     """
@@ -111,7 +113,12 @@ class Asked(TopicWidget):
     nothing: Any = None
     frames: str = _MESSAGE_FRAMES
     gathers: bool = False
+    along: frozenset[str] = frozenset()
     of_fields: bool = False
+
+    def takes_along(self, types: str) -> bool:
+        """Whether its widget takes along a topic of a type; several types are joined by a comma."""
+        return not self.along.isdisjoint(types.split(", "))
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -215,14 +222,20 @@ LASER = Kind(
     # A room is much smaller than what many scanners can see.
     options={"view_range": "auto"},
 )
-PATH = TopicWidget(
+_TRANSFORMS = frozenset({"tf2_msgs/msg/TFMessage", "tf/msg/tfMessage"})
+PATH = Asked(
     name="path",
-    types=frozenset({"nav_msgs/msg/Odometry"}),
+    types=_TRANSFORMS
+    | {f"geometry_msgs/msg/Pose{suffix}" for suffix in ("", "Stamped", "WithCovariance", "Array", "2D")}
+    | {"geometry_msgs/msg/PoseWithCovarianceStamped", "nav2_msgs/msg/Costmap", "sensor_msgs/msg/NavSatFix"}
+    | {f"nav_msgs/msg/{name}" for name in ("Odometry", "Path", "OccupancyGrid")},
     widget="robowidgets.path_widget:PathWidget",
     nothing=Speed((nan, nan, nan), (nan, nan, nan), pose=Pose(nan, nan, nan)),
-    frames="robowidgets.player._frames:PathFrames",
+    frames="robowidgets.player._map_frames:path_track",
+    gathers=True,
+    along=_TRANSFORMS | {"sensor_msgs/msg/LaserScan"},
 )
-"""Odometry says how fast the robot is, and also where."""
+"""Odometry also says where the robot is: it has a path. What else has a place is asked for, on one map."""
 _STEERED = frozenset({"ackermann_msgs/msg/AckermannDrive", "ackermann_msgs/msg/AckermannDriveStamped"})
 SPEED = Kind(
     name="speed",
@@ -296,7 +309,7 @@ SONAR = Kind(
 KINDS: dict[str, Kind] = {kind.name: kind for kind in (LASER, SPEED, TOUCH, SONAR)}
 """By name, in the order in which widgets stand on a page. `add` appends another."""
 
-ASKED: dict[str, Asked] = {}
+ASKED: dict[str, Asked] = {PATH.name: PATH}
 """By name, the most useful first: widgets that topics have where they are asked for. `add` appends another."""
 
 _RESERVED = ("time_ns", "seconds", "topic")
@@ -372,6 +385,11 @@ def asked_of_type(types: str) -> Asked | None:
     whole = [row for row in ASKED.values() if not row.of_fields]
     of_type = (row for row in whole if not row.types.isdisjoint(types.split(", ")))
     return next(of_type, next((row for row in whole if not row.types), None))
+
+
+def goes_along(types: str) -> bool:
+    """Whether a widget that gathers topics takes along one of this type, whether it is asked for or not."""
+    return any(row.takes_along(types) for row in ASKED.values())
 
 
 def asked_of_fields() -> Asked | None:

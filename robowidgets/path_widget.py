@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import struct
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
+from copy import deepcopy
 from dataclasses import dataclass, field, replace
 from math import inf, isfinite, nan
 from typing import Any, ClassVar
@@ -25,6 +26,7 @@ from .maps.placing import Placed, pose_of_frame
 from .messages import to_pose
 from .messages.fields import frame_id, get, stamp_ns, unwrap
 from .messages.map_item import to_map_item
+from .messages.pose import pose_of
 from .poses.path import Path
 from .poses.recent import RecentPoses
 from .poses.transforms import STATIC, Transform, transforms_in
@@ -34,6 +36,8 @@ from .samples.checks import finite, to_radians
 from .samples.map_item import MapItem
 from .shapes.drawing import Drawable, DrawsShapes
 from .shapes.forms import short_text
+
+Floats = NDArray[np.float64]
 
 _FRAME = struct.Struct("<4d")
 """After the head: time in seconds, x and y in metres, yaw in radians."""
@@ -119,14 +123,19 @@ class PathWidget(DrawsShapes[PathPoint]):
         sync=True, echo_update=False
     )
 
+    whole_map: Any = None
+    """What the player of a recording keeps of all of it."""
+
     def __init__(self, **kwargs: Any) -> None:
         self._layers = Layers()
         self._placed: tuple[Placed, ...] = ()
         self._own = ""
         """The layer of the poses that `update` takes; empty while there are no others."""
-        self._map_edition = 0
+        self._map_edition = self._map_listing = 0
         self._shape_frames: dict[str, str] = {}
         self._ground: MapGrid | None = None
+        self._whole_tracks: list[tuple[int, Floats]] = []
+        self._whole_grids: list[tuple[int, float, bytes]] = []
         self._track = Path()
         self._recent = RecentPoses()
         self._began: float | None = None
@@ -143,7 +152,8 @@ class PathWidget(DrawsShapes[PathPoint]):
         Args:
             message: a nav_msgs/Odometry or a geometry_msgs/Pose, PoseStamped or PoseWithCovariance(Stamped) of rclpy,
                 rospy or rosbags, a rosbridge dictionary, or a `Speed` that came with odometry.
-            *unnamed: refused, with the call that takes numbers by name.
+            *unnamed: a message, where the name of its layer comes first, as `put` takes it: feeds give it so. Others
+                are refused, with the call that takes numbers by name.
             **fields: instead of a message, x and y in metres and yaw in radians or as "20deg". With either, the time in
                 seconds; without it, that of a moment of a recording, else the seconds since the first pose came.
 
@@ -152,7 +162,12 @@ class PathWidget(DrawsShapes[PathPoint]):
                 the last one. In a callback (another thread; a task, timer or button of a notebook) nothing is raised;
                 widget and log say it.
         """
+        if isinstance(message, str) and len(unnamed) == 1 and not fields and not self._is_own(message, unnamed[0]):
+            self.put(message, unnamed[0])
+            return
         try:
+            if isinstance(message, str) and len(unnamed) == 1:
+                self._own, (message,), unnamed = message, unnamed, ()
             refuse_unnamed("update", unnamed, _BY_NAME)
             with self._newest.lock:
                 point = self._to_point(message, fields)
@@ -172,7 +187,7 @@ class PathWidget(DrawsShapes[PathPoint]):
         """Start a new path: the poses so far go, and the next one is the first."""
         with self._newest.lock:
             self._track, self._recent, self._began, self._is_path_new = Path(), RecentPoses(), None, True
-            self._layers, self._own, self._map_edition = Layers(), "", -1
+            self._layers, self._own, self._map_edition, self._map_listing = Layers(), "", -1, -1
             self._layers.choose(self.frame)
             if self._ground is not None:
                 self._put("ground", MapItem("grid", self._ground.frame_id, grid=self._ground), 0.0)
@@ -293,7 +308,7 @@ class PathWidget(DrawsShapes[PathPoint]):
             self._newest.changed = True
         pacer.mark(self)
 
-    def distance(self, name: str, other: str) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    def distance(self, name: str, other: str) -> tuple[Floats, Floats]:
         """How far a way is from another, or from the planned path, over time.
 
         Args:
@@ -370,14 +385,21 @@ class PathWidget(DrawsShapes[PathPoint]):
         self._adopt()
         self._layers.put(name, to_map_item(message), seconds, time_ns)
 
+    def _is_own(self, name: str, message: Any) -> bool:
+        """Whether a message of a topic is a pose of the path: that of the first topic with poses, before any layer."""
+        if self.driven_by_player or self._own not in ("", name) or (self._layers and not self._own):
+            return False
+        inner = unwrap(message)
+        return pose_of(inner) is not None and (self._own == name or "goal" not in name.lower())
+
     def _adopt(self) -> None:
         """Make a layer of the poses that `update` took, now that there are others."""
         point = self._newest.sample
-        if self._own or self._layers or point is None or not len(self._track.points):
+        if self._layers or point is None or not len(self._track.points):
             return
         self._put_own(point, None)
         own = next(iter(self._layers))
-        own.track = self._track
+        own.track = deepcopy(self._track)
 
     def _put_own(self, point: PathPoint, message: Any) -> None:
         """Show a pose that `update` took among the layers."""
@@ -408,7 +430,7 @@ class PathWidget(DrawsShapes[PathPoint]):
         return self.pose if self.paused else None
 
     @property
-    def points(self) -> NDArray[np.float64]:
+    def points(self) -> Floats:
         """The path: seconds, x and y in metres, yaw in radians and metres of the way so far, shape (N, 5).
 
         In the player of a recording it is that of the whole recording.
@@ -423,14 +445,32 @@ class PathWidget(DrawsShapes[PathPoint]):
 
     def within(self, start: float, end: float) -> dict[str, Any]:
         """See `RobotWidget`: the points there, with the one before, which tells how far the robot had come."""
-        points = self.points
-        first, stop = np.searchsorted(points[:, 0], (start, end), "right")
-        return {"_path": points[max(0, first - 1) : stop].tobytes()}
+        tracks = [(number, _part(track, start, end)) for number, track in self._whole_tracks]
+        grids = [
+            packed
+            for i, (number, seconds, packed) in enumerate(self._whole_grids)
+            if seconds <= end and not any(n == number and s <= start for n, s, _ in self._whole_grids[i + 1 :])
+        ]
+        path = _part(self.points, start, end).tobytes()
+        return {"_path": path, "_tracks": pack_tracks(tracks), "_grids": pack_grids(grids)}
 
     def show_whole(self, path: Path, until: float = inf) -> None:
         """Show a recording's path, of which a player then shows one moment; complete up to a time in seconds."""
         self._track, self._complete_until = path, until
         self._path = path.points.tobytes()
+
+    def show_map(
+        self, about: dict[str, Any], tracks: list[tuple[int, Floats]], grids: list[tuple[int, float, bytes]]
+    ) -> None:
+        """Show the layers of a recording, with all of their ways, and their large grids, each from seconds on."""
+        self._whole_tracks, self._whole_grids = tracks, grids
+        self._map, self._tracks = about, pack_tracks(tracks)
+        self._grids = pack_grids([packed for _, _, packed in grids])
+
+    def show_moment(self, point: PathPoint, about: dict[str, Any]) -> None:
+        """Show a moment of the map of a recording."""
+        with self._newest.lock:
+            self._show(point, about)
 
     def frame_of(self, sample: PathPoint) -> tuple[dict[str, Any], bytes]:
         """See `RobotWidget`."""
@@ -471,10 +511,16 @@ class PathWidget(DrawsShapes[PathPoint]):
         at = self.pose
         return f"x {at.x:.2f} m, y {at.y:.2f} m at {at.time:.2f} s" if at else ""
 
+    def get_state(self, key: str | Iterable[str] | None = None, drop_defaults: bool = False) -> dict[str, Any]:
+        """See `RobotWidget`; all of the state has all of the ways."""
+        if key is None and "_path_due" in vars(self):
+            self._path_due = 0.0
+        return super().get_state(key, drop_defaults)
+
     def _texts_now(self) -> dict[str, Any]:
         """See `RobotWidget`: the shapes, each with the pose of its frame; which layers are not drawn, and why."""
         texts = super()._texts_now()
-        if not self._layers and "shapes" not in texts:
+        if self.driven_by_player or (not self._layers and "shapes" not in texts):
             return texts
         placed, missing = self._layers.show_placed()
         self._placed = tuple(placed)
@@ -512,29 +558,33 @@ class PathWidget(DrawsShapes[PathPoint]):
         """Have the path sent with the newest pose, unless it was sent just now."""
         super()._bring_up_to_date()
         with self._newest.lock:
-            is_map_new = self._layers.edition != self._map_edition
-            if not self._is_path_new and not is_map_new:
-                return
+            layers = self._layers
+            values: dict[str, Any] = {}
+            if layers.listing != self._map_listing and not self.driven_by_player:
+                # At once: frames name layers by their numbers.
+                self._map_listing = layers.listing
+                about = [{**one.about, "number": one.number} for one in layers]
+                values = {"_map": {"layers": about, "frames": layers.known_frames}}
+            is_map_new = layers.edition != self._map_edition and not self.driven_by_player
             now = time.monotonic()
-            if now < self._path_due:
+            if (self._is_path_new or is_map_new) and now < self._path_due:
                 pacer.mark_at(self, self._path_due)
-                return
-            self._is_path_new, self._path_due = False, now + _SPACING * max(1, len(self._layers.names) // 3)
-            # Without sending it at once, as setting the trait would.
-            values: dict[str, Any] = {"_path": b"" if self._layers else self._track.points.tobytes()}
-            if is_map_new:
-                self._map_edition = self._layers.edition
-                values |= {
-                    "_tracks": pack_tracks(self._layers.tracks()),
-                    "_grids": pack_grids(self._layers.grids()),
-                    "_map": {
-                        "layers": [{**one.about, "number": one.number} for one in self._layers],
-                        "frames": self._layers.known_frames,
-                    },
-                }
+            elif self._is_path_new or is_map_new:
+                self._is_path_new, self._path_due = False, now + _SPACING * max(1, len(layers.names) // 3)
+                self._map_edition = layers.edition
+                values["_path"] = b"" if layers else self._track.points.tobytes()
+                if is_map_new:
+                    values |= {"_tracks": pack_tracks(layers.tracks()), "_grids": pack_grids(layers.grids())}
+            # Without sending them at once, as setting the traits would.
             changed = [name for name, value in values.items() if self._trait_values.get(name) != value]
             self._trait_values.update(values)
             self._unsent.update(changed)
+
+
+def _part(points: Floats, start: float, end: float) -> Floats:
+    """The points of a way in a stretch of a recording, with the one before, which tells how far the robot had come."""
+    first, stop = np.searchsorted(points[:, 0], (start, end), "right")
+    return points[max(0, first - 1) : stop]
 
 
 class _LayerOf:

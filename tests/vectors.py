@@ -20,6 +20,8 @@ import numpy as np
 import robowidgets
 from robowidgets import (
     LaserWidget,
+    MapGrid,
+    PathWidget,
     PlotWidget,
     Range,
     Scan,
@@ -65,6 +67,7 @@ def make() -> dict[str, Any]:
             "touch": _touch(),
             "sonar": _sonar(),
             "plot": _plot(),
+            "map": _map(),
             **_scanogram(),
             "segment": _segment(),
         }
@@ -275,6 +278,30 @@ def _sonar() -> tuple[bytes, dict[str, Any]]:
     poses = [[0.5, -0.25, 1.5], None, None, None, None]
     sonars = [dict(zip(keys, row, strict=True), pose=pose) for row, pose in zip(rows, poses, strict=True)]
     return frame, {"sequence": 1, "rate": 30.0, "arrived": 12.5, "sonars": sonars}
+
+
+def _map() -> tuple[bytes, dict[str, Any]]:
+    path = PathWidget()
+    point = {"position": {"x": 1.5, "y": -2.0}, "orientation": {"x": 0.0, "y": 0.0, "z": 1.0, "w": 0.0}}
+    covariance = [0.25, 0.125, 0, 0, 0, 0, 0.125, 0.5, *[0] * 28]
+    path.put("/amcl", {"header": {"frame_id": "map"}, "pose": {"pose": point, "covariance": covariance}}, time=0.5)
+    path.put("/poses", {"header": {"frame_id": "map"}, "poses": [point, point]}, time=1.0)
+    path.put(
+        "/costmap", MapGrid(np.array([[0, 99, 255]], np.uint8), 0.5, Pose(1.0, 2.0, 0.0), frame_id="map"), time=2.0
+    )
+    frame = path.get_state()["_frame"]
+    path.close()
+    places = [{"x": 1.5, "y": -2.0, "yaw": float(np.float32(pi))}] * 2
+    cells = {"rows": 1, "columns": 3, "size": 0.5, "step": 1, "data": [0, 99, 255]}
+    unknown = [nan] * 3
+    layers = [
+        [0, 0.5, 1.5, -2.0, pi, [0.25, 0.125, 0.5], [], 0, None],
+        [1, 1.0, nan, nan, nan, unknown, places, 2, None],
+        [2, 2.0, 1.0, 2.0, 0.0, unknown, [], 0, cells],
+    ]
+    keys = ("number", "time", "x", "y", "yaw", "scatter", "points", "total", "cells")
+    reads = {"sequence": 3, "rate": 30.0, "arrived": 12.5, "time": 2.0, "x": nan, "y": nan, "yaw": nan}
+    return frame, {**reads, "layers": [dict(zip(keys, row, strict=True)) for row in layers]}
 
 
 def _scanogram() -> dict[str, tuple[bytes, dict[str, Any]]]:

@@ -15,7 +15,7 @@ from .._core.sample_widget import SampleWidget
 from .._layout import on_one_screen, stacked
 from .._widget_choice import WidgetChoice, choose_widgets
 from ..behaviors.machine import Machine
-from ..kinds import topic_and_field
+from ..kinds import goes_along, topic_and_field
 from ..machine_widget import MachineWidget
 from ..program_widget import ProgramWidget
 from ..speed_widget import SpeedWidget
@@ -120,7 +120,7 @@ class FeedView(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no type
         topics = list(self._connection.topics)
         if self._names:
             named = {name for name, _ in self._named(topics)}
-            topics = [topic for topic in topics if topic.name in named]
+            topics = [topic for topic in topics if topic.name in named or goes_along(topic.type)]
         for topic in topics:
             known = self._known.get(topic.name)
             if topic.widget or known is None or not known.widget:  # a topic keeps its widget when it is gone

@@ -16,7 +16,7 @@ from ..samples import Pose
 from ..samples.map_item import MapItem
 from . import _distances
 from .packing import is_small, pack_grid
-from .placing import EAST_NORTH, Placed, by_plane, frame_of_map, place, pose_of_frame
+from .placing import Placed, by_plane, frame_of_map, place, pose_of_frame
 
 MOST_LAYERS = 30
 MOST_PLANS = 200
@@ -74,14 +74,14 @@ class Layers:
         frames: the coordinate frames, as far as tf and odometry told them.
         asked: the frame that a person chose; empty: the one that all have in common.
         frame: the one in which the map is drawn.
-        edition: how often what the page gets but seldom has changed: ways, large grids and the list.
+        edition: how often ways and large grids have changed.
     """
 
     def __init__(self) -> None:
         self.frames = LiveFrames()
         self.asked = ""
         self.frame = ""
-        self.edition = 0
+        self.edition = self._listing = 0
         self._by_name: dict[str, Layer] = {}
 
     def __bool__(self) -> bool:
@@ -90,11 +90,16 @@ class Layers:
     def __iter__(self) -> Iterator[Layer]:
         return iter(self._by_name.values())
 
+    @property
+    def listing(self) -> int:
+        """How often the list of layers, or the frames, have changed."""
+        return self._listing + self.frames.edition
+
     def put(self, name: str, item: MapItem, seconds: float, time_ns: int) -> None:
         """Show the newest item of a layer."""
         layer = self._layer(name)
-        if layer.item is None or layer.item.kind != item.kind:
-            self.edition += 1
+        if layer.item is None or (layer.item.kind, layer.item.frame_id) != (item.kind, item.frame_id):
+            self._listing += 1
         layer.item, layer.plane = by_plane(item, layer.plane)
         layer.seconds, layer.time_ns, layer.placed = seconds, time_ns, None
         if item.child_frame_id and item.frame_id and item.pose == item.pose:
@@ -128,12 +133,12 @@ class Layers:
     def show_frame(self, name: str) -> None:
         """Have a layer for a frame in another, by a name such as "map->base_link"."""
         self._layer(name)
-        self.edition += 1
 
     def remove(self, name: str) -> None:
         """Remove a layer; KeyError where there is none of that name."""
         del self._by_name[name]
         self.edition += 1
+        self._listing += 1
         self._settle()
 
     def choose(self, frame: str) -> None:
@@ -189,7 +194,7 @@ class Layers:
                 raise ValueError(f"put({name!r}): expected at most {MOST_LAYERS} layers; remove(name) removes one")
             number = 1 + max((layer.number for layer in self), default=-1)
             self._by_name[name] = Layer(number, name)
-            self.edition += 1
+            self._listing += 1
         return self._by_name[name]
 
     def _newest(self, frame: str, moved: dict[str, Transform]) -> Transform | None:
@@ -200,12 +205,12 @@ class Layers:
     def _settle(self) -> None:
         """Choose the frame; in another one, ways begin anew, since those before are in the one before."""
         items = [layer.item for layer in self if layer.item is not None]
-        only_fixes = bool(items) and all(item.frame_id == EAST_NORTH for item in items)
-        frame = self.asked or (EAST_NORTH if only_fixes else frame_of_map(self.frames, items))
+        frame = self.asked or frame_of_map(self.frames, items)
         if frame == self.frame:
             return
         self.frame = frame
         self.edition += 1
+        self._listing += 1
         for layer in self:
             layer.placed, layer.track, layer.plans = None, Path(), []
 

@@ -16,6 +16,8 @@ from ..poses.local_plane import LocalPlane
 from ..samples import MapGrid, Pose, yaw_of
 from ..samples.map_item import NOWHERE, MapItem, Scatter
 
+Floats = NDArray[np.float64]
+
 EAST_NORTH = "east, north of the first fix"
 """The frame of what a satellite receiver tells: nothing in tf joins it."""
 
@@ -37,7 +39,7 @@ class Placed(NamedTuple):
     seconds: float
     pose: Pose
     scatter: Scatter | None
-    points: NDArray[np.float64]
+    points: Floats
     total: int
     grid: MapGrid | None
 
@@ -54,7 +56,7 @@ def place(frames: Frames, world: str, item: MapItem, time_ns: int, number: int, 
     pose = item.grid.origin if item.grid else item.pose
     if not item.frame_id or item.frame_id == world:
         return Placed(number, seconds, pose, item.scatter, points, count, item.grid)
-    at = joined(frames, item.frame_id, world, time_ns, item.stamp_ns)
+    at = _joined(frames, item.frame_id, world, time_ns, item.stamp_ns)
     if at is None:
         return None
     return Placed(
@@ -64,8 +66,22 @@ def place(frames: Frames, world: str, item: MapItem, time_ns: int, number: int, 
 
 def pose_of_frame(frames: Frames, frame: str, world: str, time_ns: int, stamp_ns: int | None) -> Pose | None:
     """Where a frame is in another one; None: nothing joins them."""
-    at = joined(frames, frame, world, time_ns, stamp_ns)
+    at = _joined(frames, frame, world, time_ns, stamp_ns)
     return None if at is None else _moved(at, Pose(0.0, 0.0, 0.0))
+
+
+def _joined(frames: Frames, frame: str, world: str, time_ns: int, stamp_ns: int | None) -> Poses | None:
+    return joined(frames, frame, world, np.array([time_ns], np.int64), np.array([stamp_ns or 0], np.int64))
+
+
+def poses_in(
+    frames: Frames, frame: str, world: str, times_ns: NDArray[np.int64], stamps_ns: NDArray[np.int64], poses: Floats
+) -> Floats | None:
+    """Poses of a frame, shape (N, 3), in the frame of a map, each at its own stamp; None: nothing joins them."""
+    if not frame or frame == world:
+        return poses
+    at = joined(frames, frame, world, times_ns, stamps_ns)
+    return None if at is None else _moved_each(at, poses)
 
 
 def by_plane(item: MapItem, plane: LocalPlane | None) -> tuple[MapItem, LocalPlane | None]:
@@ -79,7 +95,10 @@ def by_plane(item: MapItem, plane: LocalPlane | None) -> tuple[MapItem, LocalPla
 
 def frame_of_map(frames: Frames, items: Iterable[MapItem]) -> str:
     """The frame in which a map is drawn: of those above the first grid, else the first layer, "map", else the root."""
-    named = [item for item in items if item.frame_id and item.frame_id != EAST_NORTH]
+    found = list(items)
+    named = [item for item in found if item.frame_id and item.frame_id != EAST_NORTH]
+    if len(named) < len(found) and all(item.frame_id == EAST_NORTH for item in found if item.kind != "scan"):
+        return EAST_NORTH
     # A scan or a costmap that rolls along with the robot tells less than what names the frame of the floor.
     first = min(named, key=lambda item: (item.kind == "scan", item.kind != "grid"), default=None)
     if first is None:
@@ -89,26 +108,26 @@ def frame_of_map(frames: Frames, items: Iterable[MapItem]) -> str:
 
 
 def _moved(at: Poses, pose: Pose) -> Pose:
-    half = pose.yaw / 2 if pose.yaw == pose.yaw else 0.0
-    inner = Poses(np.array([[pose.x, pose.y, 0.0]]), np.array([[0.0, 0.0, sin(half), cos(half)]]))
-    (position,), (turn,) = at.of(inner)
-    yaw = float(yaw_of(*turn)) if pose.yaw == pose.yaw else pose.yaw
-    return Pose(float(position[0]), float(position[1]), yaw)
+    (row,) = _moved_each(at, np.array([pose]))
+    return Pose(*row.tolist())
 
 
-def _all_moved(at: Poses, points: NDArray[np.float64]) -> NDArray[np.float64]:
+def _all_moved(at: Poses, points: Floats) -> Floats:
     if not len(points):
         return points
-    n = len(points)
-    yaw = points[:, 2] if points.shape[1] == 3 else np.zeros(n)
-    zero = np.zeros(n)
-    inner = Poses(
-        np.column_stack([points[:, :2], zero]), np.column_stack([zero, zero, np.sin(yaw / 2), np.cos(yaw / 2)])
-    )
-    positions, turns = Poses(*(np.repeat(column, n, axis=0) for column in at)).of(inner)
-    if points.shape[1] == 2:
-        return positions[:, :2]
-    return np.column_stack([positions[:, :2], yaw_of(*turns.T)])
+    n, columns = points.shape
+    rows = points if columns == 3 else np.column_stack([points, np.zeros(n)])
+    return _moved_each(Poses(*(np.repeat(column, n, axis=0) for column in at)), rows)[:, :columns]
+
+
+def _moved_each(at: Poses, rows: Floats) -> Floats:
+    """Poses x, y and yaw, shape (N, 3), each moved by one of as many; a yaw that is not known stays so."""
+    yaw = rows[:, 2]
+    zero = np.zeros(len(rows))
+    half = np.nan_to_num(yaw) / 2
+    inner = Poses(np.column_stack([rows[:, :2], zero]), np.column_stack([zero, zero, np.sin(half), np.cos(half)]))
+    positions, turns = at.of(inner)
+    return np.column_stack([positions[:, :2], np.where(np.isnan(yaw), yaw, yaw_of(*turns.T))])
 
 
 def _turned(at: Poses, scatter: Scatter | None) -> Scatter | None:

@@ -31,6 +31,8 @@ class LiveFrames:
     """
 
     def __init__(self) -> None:
+        self.edition = 0
+        """How often a frame got another parent."""
         self._parents: dict[str, str] = {}
         self._rows: dict[str, deque[Transform]] = {}
         self._by_odometry: set[str] = set()
@@ -46,6 +48,7 @@ class LiveFrames:
         if rows is None or is_other or one.static or one.stamp_ns < rows[-1].stamp_ns:
             rows = self._rows[child] = deque(maxlen=KEPT)
         rows.append(one)
+        self.edition += self._parents.get(child) != one.parent
         self._parents[child] = one.parent
         (self._by_odometry.add if one.odometry else self._by_odometry.discard)(child)
         self._histories.pop(child, None)
@@ -77,13 +80,13 @@ class LiveFrames:
         return self._histories[frame]
 
 
-def joined(frames: Frames, frame: str, world: str, time_ns: int, stamp_ns: int | None) -> Poses | None:
-    """The pose of a frame in another at one time, by its stamp where it has one, shape (1,); None: nothing joins them."""
+def joined(frames: Frames, frame: str, world: str, times_ns: Times, stamps_ns: Times) -> Poses | None:
+    """The poses of a frame in another at some log times and stamps, shape (N,); None: nothing joins them."""
     if frame == world:
-        return Poses.identity(1)
+        return Poses.identity(len(times_ns))
     up, down = frames.chain(frame), frames.chain(world)
     common = next((name for name in up if name in down), None)
     if common is None:
         return None
-    times, stamps = np.array([time_ns], np.int64), np.array([stamp_ns or 0], np.int64)
-    return frames.poses(world, common, times, stamps).inverse().of(frames.poses(frame, common, times, stamps))
+    inner = frames.poses(frame, common, times_ns, stamps_ns)
+    return inner if common == world else frames.poses(world, common, times_ns, stamps_ns).inverse().of(inner)

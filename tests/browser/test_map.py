@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 
 import pytest
-from playwright.sync_api import expect
+from playwright.sync_api import Locator, expect
 
 from .chromium import LOOKS, shoot
 from .plain_page import PlainPage
@@ -15,26 +16,159 @@ MAP = """
 from robowidgets import Line, PathWidget
 from tests import map_scene
 path = PathWidget(title="Map")
-map_scene.drive(path)
-path.put("/sonar/left", {"header": {"frame_id": "sonar_link"}, "pose": {"position": {"x": 0, "y": 0}, "orientation": {"x": 0, "y": 0, "z": 0, "w": 1}}}, time=33.2)
-path.draw("door 2", Line((4.9, -0.6), (6.0, -0.6)), frame="odom")
 path.has_rate = False
+map_scene.drive(path)
+path.put("/sonar/left", map_scene.plan([(0, 0), (1, 0)], 33.0, "sonar_link"), time=33.2)
+path.draw("door 2", Line((4.9, -0.6), (6.0, -0.6)), frame="odom")
 path
 """
+SMALL = """
+import numpy as np
+from robowidgets import MapGrid, PathWidget
+from robowidgets.samples import Pose
+path = PathWidget(title="Map")
+path.has_rate = False
+cells = np.zeros((40, 80), np.uint8)
+cells[20:, 40:] = 100
+path.put("/map", MapGrid(cells, 0.1, Pose(-4.0, -2.0, 0.0), frame_id="map"))
+def drive(start, stop):
+    for i in range(start, stop):
+        pose = {"position": {"x": 0.1 * i - 3.5, "y": -1.0}, "orientation": {"x": 0, "y": 0, "z": 0, "w": 1}}
+        path.put("/pose", {"header": {"frame_id": "map"}, "pose": pose}, time=0.5 * i)
+drive(0, 30)
+path
+"""
+"""Its floor is exactly that of the grid, 8 m wide: half of it is occupied on the upper right."""
+
+
+def fact(card: Locator, name: str) -> Locator:
+    """What the list says of a layer."""
+    row = card.locator(".rw-layers-row", has=card.page.get_by_text(name, exact=True))
+    return row.locator(".rw-layers-fact")
 
 
 @pytest.mark.parametrize(("theme", "scale"), LOOKS)
-def test_a_map_has_its_layers_in_one_frame_and_says_which_one_nothing_joins(
+def test_layers_are_drawn_in_one_frame_and_the_list_says_what_each_is_and_which_one_nothing_joins(
     plain_page: Callable[..., PlainPage], theme: str, scale: int
 ) -> None:
     nb = plain_page([MAP], theme=theme, scale=scale)
-    nb.resize(1030)
     card = nb.widget(0).locator(".rw-card")
-    await_drawing(card)
-    for width in (1030, 760, 480, 320):
+    for width in (320, 480, 760, 1030):
         nb.resize(width)
         await_drawing(card)
-        nb.page.wait_for_timeout(300)
         shoot(card, f"map-{theme}-{width}")
+    expect(fact(card, "/sonar/left")).to_have_text("not drawn: no transform to map")
+    expect(fact(card, "/map")).to_contain_text("302 × 205 cells of 0.05 m")
+    expect(fact(card, "/scan")).to_contain_text("readings")
+    expect(fact(card, "/nav/plan")).to_contain_text("/amcl_pose 0.05 m off")
+    expect(fact(card, "/odom")).to_contain_text("off /amcl_pose")
+    expect(fact(card, "door 2")).to_have_text("drawn by the program")
+    expect(card.locator(".rw-layers-foot")).to_contain_text("all in the frame map")
+    expect(card.locator(".rw-footer")).to_contain_text("± 0.47 m")
+    nb.resize(480)
+    expect(card.locator(".rw-layers")).to_be_hidden()
+    card.get_by_role("button", name="Layers").click()
+    expect(card.locator(".rw-layers")).to_be_visible()
+    shoot(card, f"map-{theme}-480-layers")
+
+
+def test_hovering_names_the_cell_as_a_program_finds_it_and_a_click_takes_a_layer_off(
+    plain_page: Callable[..., PlainPage],
+) -> None:
+    nb = plain_page([SMALL])
+    nb.resize(1030)
+    card = nb.widget(0).locator(".rw-card")
+    expect(fact(card, "/map")).to_contain_text("80 × 40 cells of 0.10 m")
+    picture, popup = card.locator(".rw-picture"), card.locator(".rw-popup")
+    box = picture.bounding_box()
+    assert box
+    middle = (box["x"] + (box["width"] - 270) / 2, box["y"] + 12 + (box["height"] - 40) / 2)
+    nb.page.mouse.move(middle[0] + 100, middle[1] - 60)
+    expect(popup.locator(".rw-popup-expression")).to_have_text(re.compile(r"grid\[2\d, 5\d\]"))
+    expect(popup).to_contain_text("occupied")
+    expect(popup).to_contain_text("from the robot, at")
+    nb.page.mouse.move(middle[0] - 100, middle[1] - 60)
+    expect(popup).to_contain_text("free")
+    card.get_by_role("checkbox", name="/map").click()
+    expect(fact(card, "/map")).to_have_text("not shown")
+    assert nb.python("path.hidden") == "['/map']"
+    nb.page.mouse.move(middle[0] + 100, middle[1] - 60)
+    expect(popup).to_be_hidden()
+    nb.python("path.hidden = []")
+    expect(fact(card, "/map")).to_contain_text("80 × 40 cells")
+
+
+def test_it_is_moved_zoomed_measured_and_read_while_a_cell_runs(plain_page: Callable[..., PlainPage]) -> None:
+    nb = plain_page([SMALL])
     nb.resize(760)
-    expect(card.locator(".rw-layers-row")).to_have_count(7)
+    card = nb.widget(0).locator(".rw-card")
+    expect(card.locator(".rw-footer")).to_contain_text("x −0.60 m")
+    picture, popup = card.locator(".rw-picture"), card.locator(".rw-popup")
+    box = picture.bounding_box()
+    assert box
+    x, y = box["x"] + 245, box["y"] + 12 + (box["height"] - 40) / 2
+    fit = card.get_by_role("button", name="Show all of it (0)")
+    with nb.busy():
+        expect(fit).to_be_disabled()
+        card.get_by_role("button", name="Zoom in (+)").click()
+        expect(fit).to_be_enabled()
+        nb.page.mouse.move(x, y - 30)
+        expression = popup.locator(".rw-popup-expression")
+        expect(expression).to_have_text(re.compile(r"grid\["))
+        before = expression.text_content()
+        nb.page.mouse.down()
+        nb.page.mouse.move(x + 60, y - 30, steps=3)
+        nb.page.mouse.up()
+        expect(expression).to_have_text(before or "")
+        picture.focus()
+        nb.page.keyboard.press("0")
+        expect(fit).to_be_disabled()
+        nb.page.keyboard.press("m")
+        expect(card.get_by_role("button", name="Measure by two clicks")).to_have_attribute("aria-pressed", "true")
+        nb.page.mouse.click(x, y)
+        nb.page.mouse.click(x + 100, y)
+        expect(card.locator(".rw-live")).to_contain_text(re.compile(r"\d\.\d\d m · 0\.0°"))
+        shoot(card, "map-measured")
+        nb.page.mouse.move(x - 50, y + 40)
+        nb.page.mouse.down()
+        nb.page.mouse.move(x - 50, y - 40, steps=3)
+        nb.page.mouse.up()
+        expect(card.locator(".rw-live")).to_contain_text(re.compile(r"\d\.\d\d m · 90\.0°"))
+        nb.page.keyboard.press("Escape")
+        nb.page.keyboard.press("Home")
+        expect(expression).to_have_text("0.00 s")
+        nb.page.keyboard.press("Escape")
+        nb.page.keyboard.press("f")
+        expect(card.get_by_role("button", name="Keep the robot in the middle")).to_have_attribute(
+            "aria-pressed", "true"
+        )
+        shoot(card, "map-followed")
+        card.locator(".rw-freeze").click()
+        expect(card).to_have_class(re.compile("rw-frozen"))
+    nb.python("drive(30, 60)")
+    expect(card.locator(".rw-footer")).to_contain_text("x −0.60 m")
+    nb.python("path.paused = False")
+    expect(card.locator(".rw-footer")).to_contain_text("x 2.40 m")
+
+
+def test_another_frame_is_chosen_and_what_it_does_not_reach_says_so(plain_page: Callable[..., PlainPage]) -> None:
+    nb = plain_page([MAP])
+    nb.resize(1030)
+    card = nb.widget(0).locator(".rw-card")
+    expect(fact(card, "/map")).to_contain_text("302 × 205 cells")
+    card.locator("select.rw-map-frame").select_option("sonar_link")
+    expect(fact(card, "/map")).to_have_text("not drawn: no transform to sonar_link")
+    expect(card.locator(".rw-layers-foot")).to_contain_text("all in the frame sonar_link")
+    assert nb.python("path.frame") == "'sonar_link'"
+    shoot(card, "map-other-frame")
+
+
+def test_names_from_outside_reach_the_page_as_text(plain_page: Callable[..., PlainPage]) -> None:
+    name = "<img src=x onerror=alert(1)>"
+    nb = plain_page(
+        [SMALL, f'path.put({name!r}, {{"header": {{"frame_id": {name!r}}}, "x": 1.0, "y": 2.0, "theta": 0.0}})']
+    )
+    nb.resize(1030)
+    card = nb.widget(0).locator(".rw-card")
+    expect(fact(card, name)).to_have_text("not drawn: no transform to map")
+    expect(card.locator("img")).to_have_count(0)

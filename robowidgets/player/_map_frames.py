@@ -1,0 +1,306 @@
+"""The tracks of a map of a recording: its layers at every time, in one frame."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterable, Iterator
+from heapq import merge
+from math import isfinite, nan
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from .._core.progress import without_bars
+from .._core.text import many
+from .._core.timed_frame import FRAME_HEADER, TimedFrame
+from .._widget_choice import WidgetChoice
+from ..maps.layers import kind_of
+from ..maps.packing import is_small, pack_grid
+from ..maps.placing import Floats, Placed, by_plane, frame_of_map, place, poses_in
+from ..messages.map_item import to_map_item
+from ..path_widget import PathPoint, PathWidget
+from ..poses.frame_tree import FrameTree
+from ..poses.local_plane import LocalPlane
+from ..poses.mounts import ROBOT
+from ..poses.path import Path
+from ..poses.transforms import TRANSFORMS
+from ..recordings import RecordingData
+from ..recordings.topics import Moment, TimedMessage
+from ..samples import Pose
+from ..samples.map_item import MapItem
+from ._frames import BEFORE, PathFrames, Track
+
+LONGEST = 3.0
+"""Seconds for which the transforms, and then each layer, are read before the map is shown."""
+
+MOST_GRIDS = 20
+"""Large grids of a layer that a page gets; of more, every second, every third, and so on."""
+
+TOGETHER = 0.02
+"""Seconds within which what the layers show is shown in one frame."""
+
+
+def path_track(recording: RecordingData, choice: WidgetChoice, widget: PathWidget) -> Track:
+    """The `Track` of a path widget: of one topic of odometry its path, else a map."""
+    return MapFrames(recording, choice, widget) if choice.takes_messages else PathFrames(recording, choice, widget)
+
+
+class _Told(NamedTuple):
+    """What a layer last told, and when."""
+
+    item: MapItem
+    seconds: float
+    time_ns: int
+
+
+class _LargeGrid(NamedTuple):
+    """A large grid that the page has: without its cells."""
+
+    told: _Told
+    packed: bytes
+
+
+class WholeMap:
+    """What is read of a recording once: its transforms, the ways and the large grids of its layers.
+
+    Args:
+        recording: the recording.
+        names: the topics of the layers.
+        frames: whether the robot's own frame is a layer, as tf tells it.
+        asked: the frame of the map; empty: the one that is found.
+    """
+
+    def __init__(self, recording: RecordingData, names: list[str], frames: bool, asked: str) -> None:
+        self.asked, self.names = asked, names
+        self._start_ns = recording.start_ns or 0
+        self.notes: list[str] = []
+        self.planes: dict[str, LocalPlane] = {}
+        self.errors: dict[str, str] = {}
+        self.grids: dict[str, list[_LargeGrid]] = {}
+        with without_bars():
+            self.tree = FrameTree(self._in_time(recording.transforms(), "transforms"))
+            self._read(recording)
+        self.base = next((name for name in ROBOT if frames and self.tree.history(name)), "")
+        firsts = list(self._firsts.values())
+        self.frame = asked or frame_of_map(self.tree, firsts)
+        if not self.frame and self.base:
+            self.frame = self.tree.chain(self.base)[-1]
+        self.layers = [*names, *([f"{self.frame}->{self.base}"] if self.base and self.base != self.frame else [])]
+
+    def about(self) -> dict[str, Any]:
+        """What the page is told of the layers."""
+        layers = []
+        for number, name in enumerate(self.layers):
+            item = self._firsts.get(name)
+            about: dict[str, Any] = {"name": name, "number": number, "kind": kind_of(name, item) if item else "pose"}
+            if item and item.grid is not None:
+                about["most"] = item.grid.most
+            if item and not item.frame_id:
+                about["note"] = "names no frame"
+            if (large := self.grids.get(name)) and self._counts[name] > len(large):
+                about["note"] = f"{len(large)} of {many(self._counts[name], 'map')} shown"
+            layers.append(about)
+        frames: dict[str, None] = {}
+        for item in self._firsts.values():
+            if item.frame_id and item.kind != "scan":
+                frames |= dict.fromkeys(reversed(self.tree.chain(item.frame_id)))
+        return {"layers": layers, "frames": list(frames)}
+
+    def tracks(self) -> list[tuple[int, Floats]]:
+        """The ways of the layers, in the frame of the map."""
+        found = []
+        for number, name in enumerate(self.layers):
+            rows = self._rows.get(name, [])
+            if number >= len(self.names):
+                rows = self._of_base()
+            if not rows:
+                continue
+            numbers = np.array([row[:4] for row in rows])
+            times, stamps = (np.array([row[i] for row in rows], np.int64) for i in (4, 5))
+            frame = self.base if number >= len(self.names) else self._firsts[name].frame_id
+            poses = poses_in(self.tree, frame, self.frame, times, stamps, numbers[:, 1:])
+            if poses is not None:
+                found.append((number, _way(numbers[:, 0], poses, times)))
+        return found
+
+    def _of_base(self) -> list[tuple[float, float, float, float, int, int]]:
+        """The times of the frame of the robot: those of all that moves it."""
+        moving = [self.tree.history(name) for name in self.tree.chain(self.base)]
+        all_times = [(h.times_ns, h.stamps_ns) for h in moving if h is not None and not h.static]
+        rows = {int(t): int(s) for times, stamps in all_times for t, s in zip(times, stamps, strict=True)}
+        return [((t - self._start_ns) / 1e9, 0.0, 0.0, 0.0, t, rows[t]) for t in sorted(rows)]
+
+    def moves(self, start: float, end: float) -> list[tuple[float, float, float, float, int, int]]:
+        """The times at which the frame of the robot moved in a stretch."""
+        return [row for row in self._of_base() if start <= row[0] < end]
+
+    def told_by(self, name: str, moment: Moment | TimedMessage | None) -> _Told | None:
+        """What a message of a topic tells; None for one that has no place on a map."""
+        if moment is None:
+            return None
+        large = self.grids.get(name)
+        if large:
+            return next((one.told for one in reversed(large) if one.told.time_ns <= moment.time_ns), None)
+        try:
+            item, _ = by_plane(to_map_item(moment), self.planes.get(name))
+        except (TypeError, ValueError) as error:
+            self.errors[name] = f"not drawn: {error}"
+            return None
+        return _Told(item, moment.seconds, moment.time_ns)
+
+    def place(self, now: dict[str, _Told | None], seconds: float, time_ns: int) -> tuple[list[Placed], dict[str, str]]:
+        """What each layer shows at a time, and why some show nothing."""
+        shown, missing = [], {}
+        for number, name in enumerate(self.layers):
+            told = now.get(name)
+            if number >= len(self.names):
+                item = MapItem("pose", self.base, None, Pose(0.0, 0.0, 0.0))
+                told = _Told(item, seconds, time_ns)
+            if told is None:
+                if name in self.errors:
+                    missing[name] = self.errors[name]
+                continue
+            placed = place(self.tree, self.frame, told.item, told.time_ns, number, told.seconds)
+            if placed is None:
+                missing[name] = f"not drawn: no transform to {self.frame}"
+            else:
+                shown.append(placed)
+        return shown, missing
+
+    def _read(self, recording: RecordingData) -> None:
+        """Read the first item of each layer, and of those with a way all poses; of large grids all of them."""
+        self._firsts: dict[str, MapItem] = {}
+        self._rows: dict[str, list[tuple[float, float, float, float, int, int]]] = {}
+        self._counts = {topic.name: topic.count or 0 for topic in recording.topics}
+        for name in self.names:
+            plane = None
+            rows = self._rows[name] = []
+            step = max(1, -(-self._counts[name] // MOST_GRIDS))
+            for i, moment in enumerate(self._in_time(recording.messages(name), name)):
+                if i % step and name in self.grids:
+                    continue
+                try:
+                    item, plane = by_plane(to_map_item(moment), plane)
+                except (TypeError, ValueError) as error:
+                    self.errors.setdefault(name, f"not drawn: {error}")
+                    continue
+                self._firsts.setdefault(name, item)
+                if plane is not None:
+                    self.planes[name] = plane
+                if item.grid is not None and not is_small(item.grid):
+                    self._keep(name, moment, item)
+                elif item.kind == "pose" and kind_of(name, item) == "pose":
+                    if isfinite(item.pose.x):
+                        rows.append((moment.seconds, *item.pose, moment.time_ns, item.stamp_ns or 0))
+                else:
+                    break  # what it shows is read with each moment
+
+    def _keep(self, name: str, moment: TimedMessage, item: MapItem) -> None:
+        assert item.grid is not None
+        packed = pack_grid(self.names.index(name), moment.seconds, item.grid)
+        stub = MapItem("grid", item.frame_id, item.stamp_ns, item.grid.origin)
+        self.grids.setdefault(name, []).append(_LargeGrid(_Told(stub, moment.seconds, moment.time_ns), packed))
+
+    def _in_time(self, found: Iterable[Any], what: str) -> Iterator[Any]:
+        """What is found within the time that a map may take, and a note where that was not all."""
+        began = time.monotonic()
+        for i, one in enumerate(found):
+            yield one
+            if i % 64 == 0 and time.monotonic() - began > LONGEST:
+                at = (one.time_ns - self._start_ns) / 1e9
+                self.notes.append(f"{what}: not read after {at:.0f} s: reading all of it takes long")
+                return
+
+
+class MapFrames:
+    """A `Track` of the layers of a map: what each of its topics told last, in one frame.
+
+    The newest scans of the recording are on it, and its transforms join the frames.
+
+    Args:
+        recording: the recording.
+        choice: the topics.
+        widget: the map, which gets the ways and the large grids of the whole recording.
+    """
+
+    def __init__(self, recording: RecordingData, choice: WidgetChoice, widget: PathWidget) -> None:
+        self._recording, self._widget = recording, widget
+        types = {topic.name: topic.type for topic in recording.topics}
+        self._topics = [name for name in choice.topics if types.get(name) not in TRANSFORMS]
+        asks_tf = any(types.get(name) in TRANSFORMS for name in choice.own)
+        whole = widget.whole_map
+        if not isinstance(whole, WholeMap) or whole.asked != widget.frame:
+            whole = WholeMap(recording, self._topics, asks_tf, widget.frame)
+            widget.whole_map = whole
+            grids = [
+                (self._topics.index(name), one.told.seconds, one.packed)
+                for name, own in whole.grids.items()
+                for one in own
+            ]
+            widget.show_map(whole.about(), whole.tracks(), grids)
+        self._whole: WholeMap = whole
+        self._before: tuple[Any, ...] = ()
+
+    def frames(self, start: float, end: float) -> Iterator[TimedFrame]:
+        """See `Track`."""
+        whole = self._whole
+        now = self._now(start)
+        nothing = (BEFORE, self._recording.start_ns or 0)
+        seconds, time_ns = max(((one.seconds, one.time_ns) for one in now.values() if one), default=nothing)
+        if whole.base:
+            seconds, time_ns = start, self._time_ns(start)
+        began = seconds
+        each = [self._recording.messages(name, start, end) for name in self._topics]
+        if whole.base:
+            each.append(self._ticks(start, end))
+        for moment in merge(*each, key=lambda moment: moment.time_ns):
+            if moment.seconds - began >= TOGETHER or seconds < 0:
+                yield self._shown(now, seconds, time_ns)
+                began = moment.seconds
+            if moment.topic and (told := whole.told_by(moment.topic, moment)):
+                now[moment.topic] = told
+            seconds, time_ns = moment.seconds, moment.time_ns
+        yield self._shown(now, seconds, time_ns)
+
+    def seek(self, seconds: float) -> None:
+        """See `Track`."""
+        now = self._now(seconds)
+        times = tuple(one and one.time_ns for one in now.values())
+        if times == self._before and not self._whole.base:
+            return
+        self._before = times
+        about, point = self._point(now, seconds, self._time_ns(seconds))
+        self._widget.show_moment(point, about)
+
+    def _now(self, seconds: float) -> dict[str, _Told | None]:
+        return {name: self._whole.told_by(name, self._recording.message_at(name, seconds)) for name in self._topics}
+
+    def _ticks(self, start: float, end: float) -> Iterator[TimedMessage]:
+        """Times at which the robot's frame moved."""
+        for seconds, *_, time_ns, _ in self._whole.moves(start, end):
+            yield TimedMessage("", time_ns, None, seconds)
+
+    def _time_ns(self, seconds: float) -> int:
+        return (self._recording.start_ns or 0) + round(seconds * 1e9)
+
+    def _shown(self, now: dict[str, _Told | None], seconds: float, time_ns: int) -> TimedFrame:
+        about, point = self._point(now, seconds, time_ns)
+        drawn, frame = self._widget.frame_of(point)
+        return TimedFrame(seconds, {**drawn, **about}, FRAME_HEADER.pack(0.0, nan, 0, 0.0) + frame)
+
+    def _point(self, now: dict[str, _Told | None], seconds: float, time_ns: int) -> tuple[dict[str, Any], PathPoint]:
+        placed, missing = self._whole.place(now, seconds, time_ns)
+        about: dict[str, Any] = {"frame_id": self._whole.frame}
+        if missing:
+            about["missing"] = missing
+        if self._whole.notes:
+            about["notes"] = self._whole.notes
+        return about, PathPoint(seconds, nan, nan, nan, layers=tuple(placed))
+
+
+def _way(seconds: Floats, poses: Floats, times_ns: Any) -> Floats:
+    """A way in as many points as a page needs."""
+    path = Path()
+    for at, pose, time_ns in zip(seconds.tolist(), poses.tolist(), times_ns.tolist(), strict=True):
+        path.add(at, Pose(*pose), clock=time_ns / 1e9)
+    return path.points

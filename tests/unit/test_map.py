@@ -1,0 +1,430 @@
+"""The path widget as a map: what it takes, in which frame it draws that, and what the page gets."""
+
+from __future__ import annotations
+
+import zlib
+from collections.abc import Callable
+from math import cos, degrees, nan, pi, radians, sin, sqrt
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+from rosbags.highlevel import AnyReader
+
+import robowidgets
+from robowidgets import Line, MapGrid, PathWidget, load_map
+from robowidgets.maps.packing import _GRID, pack_grid, pack_layers, unpack_layers
+from robowidgets.maps.placing import EAST_NORTH, Placed
+from robowidgets.messages.map_grid import to_map_grid
+from robowidgets.messages.map_item import to_map_item
+from robowidgets.poses.local_plane import LocalPlane
+from robowidgets.samples import Pose
+from robowidgets.samples.map_item import Scatter
+
+from .. import map_scene as scene
+
+
+def shown(path: PathWidget) -> dict[str, Placed]:
+    """What each layer shows, by its name, as the page gets it."""
+    path.send_newest()
+    names = {layer["number"]: layer["name"] for layer in path.get_state()["_map"]["layers"]}
+    frame = path.get_state()["_frame"]
+    return {names[one.number]: one for one in unpack_layers(bytes(frame)[64:])}
+
+
+def missing(path: PathWidget) -> dict[str, str]:
+    path.send_newest()
+    found: dict[str, str] = path.get_state()["_about"].get("missing", {})
+    return found
+
+
+def stamped(frame: str, x: float, y: float, yaw: float, seconds: float = 1.0) -> Any:
+    return SimpleNamespace(header=scene.header(frame, seconds), pose=scene.pose(x, y, yaw))
+
+
+class TestItems:
+    def test_poses_of_all_types_have_their_place_their_frame_and_how_sure_they_are(self) -> None:
+        assert to_map_item(stamped("/map", 1.5, -2.0, 0.5)).frame_id == "map"
+        assert to_map_item(stamped("map", 1.5, -2.0, 0.5)).pose == pytest.approx((1.5, -2.0, 0.5))
+        assert to_map_item(scene.pose(1.0, 2.0, 0.0)).frame_id == ""
+        assert to_map_item({"x": 1.0, "y": 2.0, "theta": 0.25}).pose == (1.0, 2.0, 0.25)
+        amcl = to_map_item(scene.amcl(Pose(1.0, 2.0, 0.0), 3.0))
+        assert amcl.scatter == (0.03, 0.01, 0.02)
+        assert to_map_item(scene.odometry(Pose(1.0, 2.0, 0.0), 3.0)).scatter is None, "all 0 is not known"
+        assert to_map_item(scene.odometry(Pose(1.0, 2.0, 0.0), 3.0)).child_frame_id == "base_link"
+
+    def test_a_path_is_a_line_and_an_array_of_poses_has_headings(self) -> None:
+        path = to_map_item(scene.plan([(0, 0), (1, 2), (nan, 3)], 1.0))
+        assert (path.kind, path.frame_id, path.points.tolist()) == ("path", "map", [[0, 0], [1, 2]])
+        array = SimpleNamespace(header=scene.header("map", 1.0), poses=[scene.pose(1, 2, 0.5)])
+        poses = to_map_item(array)
+        assert (poses.kind, poses.points.tolist()) == ("poses", [pytest.approx([1, 2, 0.5])])
+        empty = SimpleNamespace(header=scene.header("map", 1.0), poses=[])
+        assert to_map_item(empty).points.shape == (0, 3)
+
+    def test_what_has_no_place_is_refused_with_what_is_taken(self) -> None:
+        with pytest.raises(TypeError, match=r"expected a message like nav_msgs/Odometry.*keys data"):
+            to_map_item({"data": "hello"})
+
+    def test_a_pose_that_is_not_finite_is_nowhere_and_a_covariance_that_cannot_be_is_not_known(self) -> None:
+        assert str(to_map_item(stamped("map", nan, 1.0, 0.0)).pose.x) == "nan"
+        wrong = scene.amcl(Pose(0, 0, 0), 1.0, xx=0.01, xy=5.0, yy=0.01)
+        assert to_map_item(wrong).scatter is None
+
+
+class TestFixes:
+    def fix(self, latitude: float, longitude: float, status: int = 0) -> Any:
+        return {
+            "header": {"frame_id": "gps", "stamp": {"sec": 1, "nanosec": 0}},
+            "status": {"status": status},
+            "latitude": latitude,
+            "longitude": longitude,
+            "altitude": 30.0,
+        }
+
+    @pytest.mark.parametrize("latitude", [0.0, 52.1, -33.9, 89.0])
+    def test_metres_east_and_north_are_those_of_the_radii_of_the_ellipsoid(self, latitude: float) -> None:
+        a, e2 = 6_378_137.0, 0.00669437999014
+        squared = 1 - e2 * sin(radians(latitude)) ** 2
+        across, along = a / sqrt(squared), a * (1 - e2) / squared**1.5
+        plane = LocalPlane(latitude, 4.4, 0.0)
+        step = 1e-4
+        east, _ = plane.east_north(latitude, 4.4 + step, 0.0)
+        _, north = plane.east_north(latitude + step, 4.4, 0.0)
+        assert east == pytest.approx(radians(step) * across * cos(radians(latitude)), rel=1e-6)
+        assert north == pytest.approx(radians(step) * along, rel=1e-5)
+        assert plane.east_north(latitude, 4.4, 0.0) == (0.0, 0.0)
+
+    def test_the_first_fix_is_the_origin_and_the_frame_says_so(self) -> None:
+        path = PathWidget()
+        path.put("/fix", self.fix(52.0, 4.0))
+        path.put("/fix", self.fix(52.001, 4.0))
+        assert shown(path)["/fix"].pose.y == pytest.approx(111.26, abs=0.01)
+        assert path.get_state()["_about"]["frame_id"] == EAST_NORTH == "east, north of the first fix"
+
+    def test_no_fix_is_nowhere(self) -> None:
+        assert to_map_item(self.fix(52.0, 4.0, status=-1)).fix is None
+        assert to_map_item(self.fix(nan, 4.0)).fix is None
+        with pytest.raises(ValueError, match="latitude within ±90"):
+            to_map_item(self.fix(152.0, 4.0))
+
+
+class TestGrids:
+    def message(self, **changes: Any) -> Any:
+        info = {"width": 3, "height": 2, "resolution": 0.5, "origin": {"position": {"x": -1.0, "y": 2.0}}}
+        return {"header": {"frame_id": "map"}, "info": info, "data": [0, 100, -1, 50, 0, 0], **changes}
+
+    def test_rows_lie_along_y_from_the_origin_and_minus_one_is_unknown(self) -> None:
+        grid = to_map_grid(self.message())
+        assert grid.values.tolist() == [[0, 100, -1], [50, 0, 0]]
+        assert (grid[0, 1], grid[0, 2], grid.origin, grid.frame_id) == (100, -1, (-1.0, 2.0, 0.0), "map")
+
+    def test_costs_go_to_254(self) -> None:
+        metadata = {"size_x": 2, "size_y": 1, "resolution": 0.1, "origin": {"position": {"x": 0.0, "y": 0.0}}}
+        grid = to_map_grid({"header": {"frame_id": "odom"}, "metadata": metadata, "data": [254, 255]})
+        assert (grid.values.tolist(), grid.most) == ([[254, -1]], 254)
+
+    def test_cells_that_do_not_fit_are_refused(self) -> None:
+        with pytest.raises(ValueError, match="expected 3 x 2 cells, as its info says, got 2"):
+            to_map_grid(self.message(data=[0, 1]))
+        with pytest.raises(ValueError, match="resolution: expected metres above 0"):
+            to_map_grid(self.message(info={**self.message()["info"], "resolution": 0.0}))
+
+    def test_a_thinned_grid_loses_no_obstacle(self) -> None:
+        cells = np.full((5, 7), 255, np.uint8)
+        cells[4, 6], cells[0, 0], cells[2, 3] = 100, 0, 30
+        thin, step = MapGrid(cells, 0.5).thinned(12)
+        assert (step, thin.resolution, thin.values.tolist()) == (
+            2,
+            1.0,
+            [[0, -1, -1, -1], [-1, 30, -1, -1], [-1, -1, -1, 100]],
+        )
+
+    def test_a_large_grid_is_sent_once_and_deflated(self) -> None:
+        cells = np.zeros((200, 300), np.uint8)
+        packed = pack_grid(3, 1.5, MapGrid(cells, 0.05))
+        assert _GRID.unpack_from(packed) == (3, 1.5, 200, 300, 0.05, 1, len(packed) - _GRID.size)
+        assert zlib.decompress(packed[_GRID.size :]) == cells.tobytes()
+        assert len(packed) < 300
+        path = PathWidget()
+        path.put("/map", MapGrid(cells, 0.05, frame_id="map"))
+        assert shown(path)["/map"].grid is None
+        assert path.get_state()["_grids"]
+
+    def test_a_small_grid_comes_with_its_frame(self) -> None:
+        path = PathWidget()
+        path.put("/local_costmap", MapGrid(np.array([[0, 99]], np.uint8), 0.05, Pose(1.0, 2.0, 0.0), frame_id="odom"))
+        grid = shown(path)["/local_costmap"].grid
+        assert grid is not None
+        assert (grid.values.tolist(), grid.resolution, grid.origin) == ([[0, 99]], 0.05, (1.0, 2.0, 0.0))
+
+
+class TestMapFiles:
+    def write(self, folder: Path, pixels: list[list[int]], **about: Any) -> Path:
+        rows, columns = len(pixels), len(pixels[0])
+        (folder / "map.pgm").write_bytes(
+            b"P5\n# made\n%d %d\n255\n" % (columns, rows) + bytes(value for row in pixels for value in row)
+        )
+        known = {"image": "map.pgm", "resolution": 0.05, "origin": [-1.0, -2.0, 0.0], **about}
+        (folder / "map.yaml").write_text("".join(f"{name}: {value}\n" for name, value in known.items()))
+        return folder / "map.yaml"
+
+    def test_dark_is_occupied_bright_is_free_and_gray_unknown_with_the_last_row_at_the_bottom(
+        self, tmp_path: Path
+    ) -> None:
+        grid = load_map(self.write(tmp_path, [[0, 254, 205], [254, 254, 0]]))
+        assert grid.values.tolist() == [[0, 0, 100], [100, 0, -1]]
+        assert (grid.resolution, grid.origin, grid.frame_id) == (0.05, (-1.0, -2.0, 0.0), "map")
+
+    def test_negate_turns_it_round(self, tmp_path: Path) -> None:
+        assert load_map(self.write(tmp_path, [[0, 255]], negate=1)).values.tolist() == [[0, 100]]
+
+    def test_scale_and_raw_keep_what_lies_between(self, tmp_path: Path) -> None:
+        pixels = [[0, 128, 255]]
+        assert load_map(self.write(tmp_path, pixels, mode="scale")).values.tolist() == [[100, 67, 0]]
+        assert load_map(self.write(tmp_path, [[0, 100, 101, 255]], mode="raw")).values.tolist() == [[0, 100, -1, -1]]
+
+    def test_a_png_is_read_too(self, tmp_path: Path) -> None:
+        from PIL import Image
+
+        path = self.write(tmp_path, [[0, 255]], image="map.png")
+        Image.fromarray(np.array([[0, 255]], np.uint8)).save(tmp_path / "map.png")
+        assert load_map(path).values.tolist() == [[100, 0]]
+
+    @pytest.mark.parametrize(
+        ("about", "why"),
+        [
+            ({"mode": "colour"}, "expected mode trinary, scale or raw, got 'colour'"),
+            ({"free_thresh": 0.9}, "expected free_thresh below occupied_thresh, got 0.9 and 0.65"),
+            ({"resolution": 0}, "resolution: expected metres above 0, got 0"),
+            ({"origin": "[1, 2]"}, r"origin: expected \[x, y, yaw\], got \[1, 2\]"),
+        ],
+    )
+    def test_what_a_file_says_wrong_is_named(self, tmp_path: Path, about: dict[str, Any], why: str) -> None:
+        with pytest.raises(ValueError, match=why):
+            load_map(self.write(tmp_path, [[0, 255]], **about))
+
+    def test_files_that_are_no_map_are_named(self, tmp_path: Path) -> None:
+        (tmp_path / "other.yaml").write_text("a: 1")
+        with pytest.raises(ValueError, match=r"other.yaml: expected the YAML file of a map"):
+            load_map(tmp_path / "other.yaml")
+        path = self.write(tmp_path, [[0, 255]])
+        (tmp_path / "map.pgm").write_bytes(b"P5\n9 9\n255\n\0")
+        with pytest.raises(ValueError, match="expected 9 x 9 pixels, got 1: the file is cut off"):
+            load_map(path)
+        (tmp_path / "map.pgm").write_bytes(b"GIF?")
+        with pytest.raises(ValueError, match="expected an image in PGM; map_saver writes one with --fmt pgm"):
+            load_map(path)
+
+    def test_a_map_is_the_ground_and_can_be_taken_away(self, tmp_path: Path) -> None:
+        path = PathWidget()
+        path.ground = load_map(self.write(tmp_path, [[0, 254]]))
+        assert (path.names, path.ground and path.ground.values.tolist()) == (("ground",), [[100, 0]])
+        path.ground = None
+        assert (path.names, path.ground) == ((), None)
+        with pytest.raises(TypeError, match="ground: expected a map"):
+            path.ground = stamped("map", 1, 2, 3)
+
+
+class TestFrames:
+    def test_layers_are_joined_by_the_transforms_at_their_own_stamps(self) -> None:
+        path = PathWidget()
+        path.put("/map", MapGrid(np.zeros((2, 2), np.uint8), 1.0, frame_id="map"))
+        for seconds, x in ((1.0, 0.0), (2.0, 10.0), (3.0, 20.0)):
+            path.put("/tf", scene.tf("map", "odom", (x, 0.0, pi / 2), seconds))
+        path.put("/odom", scene.odometry(Pose(1.0, 0.0, 0.25), 1.5))
+        assert shown(path)["/odom"].pose == pytest.approx((5.0, 1.0, pi / 2 + 0.25))
+        assert path.get_state()["_map"]["frames"] == ["map", "odom"]
+
+    def test_an_ellipse_turns_with_its_frame(self) -> None:
+        path = PathWidget(frame="map")
+        path.put("/tf_static", scene.tf("map", "odom", (0.0, 0.0, pi / 2), 1.0))
+        message = scene.amcl(Pose(0, 0, 0), 1.0, xx=0.04, xy=0.0, yy=0.01)
+        message.header.frame_id = "odom"
+        path.put("/pose", message)
+        assert shown(path)["/pose"].scatter == pytest.approx((0.01, 0.0, 0.04))
+
+    def test_a_layer_that_nothing_joins_is_not_drawn_and_says_so_until_another_frame_is_chosen(self) -> None:
+        path = PathWidget()
+        path.put("/odom", scene.odometry(Pose(1.0, 0.0, 0.0), 1.0))
+        path.put("/other", stamped("camera", 5.0, 6.0, 0.0))
+        assert set(shown(path)) == {"/odom"}
+        assert missing(path) == {"/other": "not drawn: no transform to odom"}
+        path.frame = "camera"
+        assert set(shown(path)) == {"/other"}
+        assert missing(path) == {"/odom": "not drawn: no transform to camera"}
+        path.join("odom", "camera", (0.0, 0.0, 0.0))
+        assert (set(shown(path)), missing(path)) == ({"/odom", "/other"}, {})
+
+    def test_odometry_joins_the_robot_where_tf_does_not(self) -> None:
+        path = PathWidget()
+        path.put("/odom", scene.odometry(Pose(2.0, 0.0, pi / 2), 1.0))
+        path.join("base_link", "laser", (0.1, 0.0, 0.0))
+        scan = SimpleNamespace(
+            header=scene.header("laser", 1.0),
+            ranges=[1.0],
+            angle_min=0.0,
+            angle_increment=0.1,
+            range_min=0.1,
+            range_max=9.0,
+        )
+        path.put("/scan", scan)
+        assert shown(path)["/scan"].points.tolist() == [pytest.approx([2.0, 1.1])]
+
+    def test_a_frame_of_tf_is_a_layer_by_its_name(self) -> None:
+        path = PathWidget()
+        path.put("map->base_link")
+        assert missing(path) == {"map->base_link": "not drawn: nothing came yet"}
+        path.put("/tf", scene.tf("odom", "base_link", (1.0, 0.0, 0.0), 1.0))
+        path.put("/tf", scene.tf("map", "odom", (0.0, 3.0, 0.0), 1.0))
+        assert shown(path)["map->base_link"].pose == pytest.approx((1.0, 3.0, 0.0))
+        with pytest.raises(TypeError, match=r"put\('/odom'\) needs a message, or a name of two frames"):
+            path.put("/odom")
+
+    def test_the_poses_that_update_took_become_a_layer_with_their_way(self) -> None:
+        path = PathWidget(title="/odom")
+        for i in range(5):
+            path.update(x=0.1 * i, y=0.0, yaw=0.0, time=float(i))
+        path.ground = MapGrid(np.zeros((2, 2), np.uint8), 1.0)
+        path.update(x=0.5, y=0.0, yaw=0.0, time=5.0)
+        assert path.names == ("/odom", "ground")
+        assert shown(path)["/odom"].pose == (0.5, 0.0, 0.0)
+        assert len(path.points) == 6
+
+    def test_shapes_lie_in_their_frame_and_move_with_it(self) -> None:
+        path = PathWidget()
+        path.put("/pose", stamped("map", 0.0, 0.0, 0.0))
+        path.draw("door", Line((0, 0), (1, 0)), frame="odom")
+        assert missing(path)["door"] == "not drawn: no transform to map"
+        path.put("/tf", scene.tf("map", "odom", (2.0, 3.0, 0.5), 1.0))
+        path.send_newest()
+        (shape,) = path.get_state()["_about"]["shapes"]
+        assert (shape["name"], shape["from"]) == ("door", pytest.approx([2.0, 3.0, 0.5]))
+
+    def test_dictionaries_of_rosbridge_join_too(self) -> None:
+        path = PathWidget(frame="map")
+        one = {"header": {"frame_id": "map", "stamp": {"sec": 1, "nanosec": 0}}, "child_frame_id": "odom"}
+        where = {"translation": {"x": 1.0, "y": 0.0, "z": 0.0}, "rotation": {"x": 0.0, "y": 0.0, "z": 0.0, "w": 1.0}}
+        path.put("/tf", {"transforms": [{**one, "transform": where}]})
+        path.put("/odom", scene.odometry(Pose(1.0, 0.0, 0.0), 1.0))
+        assert shown(path)["/odom"].pose == (2.0, 0.0, 0.0)
+
+
+class TestLayers:
+    def test_frozen_the_map_keeps_what_it_showed(self) -> None:
+        path = PathWidget()
+        path.put("/pose", stamped("map", 1.0, 2.0, 0.0))
+        path.paused = True
+        path.put("/pose", stamped("map", 5.0, 6.0, 0.0))
+        assert path.frozen is not None
+        assert [one.pose for one in path.frozen.layers or ()] == [(1.0, 2.0, 0.0)]
+
+    def test_what_is_packed_is_read_again_and_far_from_the_origin_it_is_as_exact(self) -> None:
+        points = np.array([[500_000.01, 4_000_000.02], [500_001.03, 4_000_000.05]])
+        one = Placed(2, 1.5, Pose(1.0, 2.0, nan), Scatter(0.1, 0.0, 0.2), points, 5, None)
+        (read,) = unpack_layers(pack_layers([one]))
+        assert np.abs(read.points - points).max() < 1e-6
+        assert (read.number, read.seconds, read.pose[:2], read.scatter, read.total) == (
+            2,
+            1.5,
+            (1.0, 2.0),
+            (0.1, 0.0, 0.2),
+            5,
+        )
+
+    def test_the_distance_from_a_plan_is_a_number_over_time(self) -> None:
+        path = PathWidget()
+        path.put("/odom", scene.odometry(Pose(0.0, 0.5, 0.0), 0.5), time=0.0)
+        path.put("/plan", scene.plan([(0, 0), (10, 0)], 1.0, "odom"), time=1.0)
+        path.put("/odom", scene.odometry(Pose(2.0, 0.25, 0.0), 2.0), time=2.0)
+        path.put("/plan", scene.plan([(0, 1), (10, 1)], 3.0, "odom"), time=3.0)
+        path.put("/odom", scene.odometry(Pose(4.0, 0.25, 0.0), 4.0), time=4.0)
+        seconds, metres = path.distance("/odom", "/plan")
+        assert seconds.tolist() == [0.0, 2.0, 4.0]
+        assert metres.tolist() == [pytest.approx(nan, nan_ok=True), 0.25, 0.75]
+        path.put("/amcl", stamped("odom", 4.0, 3.25, 0.0), time=4.0)
+        assert path.distance("/odom", "/amcl")[1][-1] == 3.0
+        with pytest.raises(KeyError, match="the layers are /odom, /plan, /amcl"):
+            path.distance("/odom", "/nothing")
+
+    def test_too_many_layers_and_what_has_no_place_are_refused_and_nothing_is_lost(self) -> None:
+        path = PathWidget()
+        for i in range(30):
+            path.put(f"/pose{i}", stamped("map", 1.0, 2.0, 0.0))
+        with pytest.raises(ValueError, match="expected at most 30 layers"):
+            path.put("/another", stamped("map", 1.0, 2.0, 0.0))
+        with pytest.raises(TypeError, match="expected a message like"):
+            path.put("/pose1", {"data": 1})
+        with pytest.raises(KeyError, match="the layers are /pose0"):
+            path.remove("/nothing")
+        path.remove("/pose0")
+        assert len(shown(path)) == 29
+
+    def test_a_feed_gives_each_message_the_name_of_its_topic(self) -> None:
+        path = PathWidget()
+        path.update("/odom", scene.odometry(Pose(1.0, 0.0, 0.0), 1.0))
+        assert path.pose is not None
+        assert (path.pose.x, path.names) == (1.0, ()), "one topic of poses is a path, as ever"
+        path.update("/amcl_pose", scene.amcl(Pose(1.0, 2.0, 0.0), 1.0))
+        path.update("/odom", scene.odometry(Pose(2.0, 0.0, 0.0), 2.0))
+        assert path.names == ("/odom", "/amcl_pose")
+        assert path.pose.x == 2.0
+
+
+class TestRecordings:
+    def track(self, data: Path, name: str, *topics: str) -> tuple[Any, Any]:
+        player = robowidgets.open(data / name).show(*topics, scanogram=False)
+        (view,) = [view for view in player.views if isinstance(view.widget, PathWidget)]
+        return player, view
+
+    @pytest.mark.parametrize(
+        ("name", "topic", "place"),
+        [
+            ("topics/scitos_amcl.bag", "/amcl_pose", lambda message: message.pose.pose.position),
+            ("topics/crazyflie_vicon", "/vicon/Group466CF/Group466CF/pose", lambda message: message.pose.position),
+        ],
+    )
+    @pytest.mark.slow
+    def test_places_are_those_of_rosbags_to_the_last_bit(
+        self, data: Path, name: str, topic: str, place: Callable[[Any], Any]
+    ) -> None:
+        with AnyReader([data / name]) as reader:
+            connections = [one for one in reader.connections if one.topic == topic]
+            told = [place(reader.deserialize(raw, one.msgtype)) for one, _, raw in reader.messages(connections)]
+        expected = {(one.x, one.y) for one in told}
+        player, view = self.track(data, name, topic)
+        frames = list(view.track.frames(0.0, player.duration + 1))
+        seen = {one.pose[:2] for timed in frames for one in unpack_layers(timed.frame[64:])}
+        player.close()
+        assert seen
+        assert seen <= expected
+
+    def test_two_frames_that_nothing_joins_are_each_drawn_alone(self, data: Path) -> None:
+        player, view = self.track(data, "topics/scitos_amcl.bag", "/odom", "/amcl_pose")
+        path = view.widget
+        assert [layer["name"] for layer in path._map["layers"]] == ["/odom", "/amcl_pose", "/scan"]
+        assert path._map["frames"] == ["odom", "map"]
+        (*_, last) = view.track.frames(30.0, 31.0)
+        assert last.about["missing"]["/amcl_pose"] == "not drawn: no transform to odom"
+        player.close()
+
+    def test_tf_draws_the_scan_where_the_robot_was(self, data: Path) -> None:
+        player, view = self.track(data, "good/neato_fsm", "/odom", "/tf")
+        names = [layer["name"] for layer in view.widget._map["layers"]]
+        assert names == ["/odom", "/scan", "/stable_scan", "odom->base_link"]
+        (*_, last) = view.track.frames(10.0, 11.0)
+        assert "missing" not in last.about
+        player.close()
+
+    def test_fixes_are_metres_from_the_first_one(self, data: Path) -> None:
+        player, view = self.track(data, "topics/car_gps", "/ins/nav_sat_fix")
+        first = next(iter(player.recording.messages("/ins/nav_sat_fix"))).message
+        (*_, last) = view.track.frames(60.0, 61.0)
+        (place,) = unpack_layers(last.frame[64:])
+        message = player.recording.message_at("/ins/nav_sat_fix", place.seconds).message
+        east = radians(message.longitude - first.longitude) * 6_378_137 * cos(radians(first.latitude))
+        assert place.pose.x == pytest.approx(east, rel=0.01, abs=0.05)
+        assert abs(degrees(radians(message.latitude))) > 0
+        player.close()
