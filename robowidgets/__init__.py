@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     from .recording import Recording
     from .recording import open as open
     from .recordings import RecordingError
+    from .wires_widget import WiresWidget
 
 __version__ = "0.1.0"
 
@@ -71,6 +72,7 @@ __all__ = [
     "TouchState",
     "TouchWidget",
     "Validity",
+    "WiresWidget",
     "conditions",
     "feeds",
     "lessons",
@@ -90,6 +92,7 @@ _LATER = {
     "ProgramWidget": ".program_widget",
     "Recording": ".recording",
     "RecordingError": ".recordings",
+    "WiresWidget": ".wires_widget",
     "open": ".recording",
     "plot": "._plot",
 }

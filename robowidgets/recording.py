@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from .in_rerun.widget import RerunWidget
     from .player.player import Player
     from .scanogram_widget import ScanogramWidget
+    from .wires_widget import WiresWidget
 
 
 def open(path: str | os.PathLike[str]) -> Recording:  # noqa: A001  # the name that users expect: robowidgets.open()
@@ -141,6 +142,30 @@ class Recording(RecordingData):
         except BaseException:
             again.close()
             raise
+
+    def wires(self, **options: Any) -> WiresWidget:
+        """The topics as a graph, with the nodes that published them, as far as the file names any: see `WiresWidget`.
+
+        A bag of ROS 1 names them; in others, the log on /rosout names the nodes that wrote to it.
+
+        Args:
+            **options: keywords of `WiresWidget`.
+
+        Raises:
+            TypeError: an unknown keyword.
+            RecordingError: the recording is closed.
+
+        Example:
+            >>> import robowidgets
+            >>> robowidgets.open(robowidgets.SAMPLE).wires()
+            <WiresWidget sample.mcap: 5 topics, 0 parts of the notebook>
+        """
+        # Imported lazily: reading samples needs no widget.
+        from .player.wires import RecordedWires
+        from .wires_widget import WiresWidget
+
+        self._check_open()
+        return WiresWidget(RecordedWires(self), **options)
 
     def to_html(
         self,

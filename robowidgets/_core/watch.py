@@ -66,6 +66,8 @@ class Watch:
         self._count = 0
         self._error = ""
         self._ended = ""
+        self.runs = 0
+        """How often it was judged."""
 
     # -- what a person uses --------------------------------------------------------------------------------------------
 
@@ -171,6 +173,7 @@ class Watch:
             if self._since is None or verdict.value != self._verdict.value:
                 self._since = time.monotonic()
             self._verdict, self._sample = verdict, sample
+            self.runs += sample is not None
             self._notify()
 
     def end(self, reason: str) -> None:

@@ -75,6 +75,7 @@ class Program(Observed):
         waiting: why it does not step or drive now, though it runs; empty if it does.
         note: what happened to it last, other than errors, for a person.
         steps: the number of steps.
+        got: what the last step got, by parameter, without time, state and variables.
         step_time: seconds that the last step took.
         returned: the speed that the last step asked for.
         kept: whether the last step returned None, which keeps the speed.
@@ -89,6 +90,7 @@ class Program(Observed):
         self.version = Version(lambda: None, number=0)
         self.mode, self.error, self.waiting, self.note = PAUSED, "", "", ""
         self.steps, self.step_time, self.returned, self.kept = 0, 0.0, STANDSTILL, False
+        self.got: dict[str, Any] = {}
         self.prints = Prints()
         self.keeps = False
         """Whether, after its end, another run of its cell goes on with its `state` and its time."""
@@ -137,6 +139,11 @@ class Program(Observed):
     def rate(self) -> float:
         """Steps a second, measured."""
         return 0.0 if isnan(self._steps_a_second) or not self._runner.is_at_work else self._steps_a_second
+
+    @property
+    def topics(self) -> tuple[str, ...]:
+        """The topics that it gets, and the one that it steps on."""
+        return self._inputs.topics
 
     @property
     def since(self) -> float:
@@ -366,6 +373,7 @@ class Program(Observed):
             if self._runner.run is not run or self.version is not version:
                 return None
             self.steps += 1
+            self.got = {name: value for name, value in values.items() if name not in GIVEN}
         result = self._in_cell(version.function, **values)
         return drive_of(result, self.returned), result is None
 

@@ -29,6 +29,10 @@ class Inputs(Protocol):
     def take(self) -> dict[str, Any]:
         """The newest samples, by parameter. NotReadyError if one is missing or too old to drive by."""
 
+    @property
+    def topics(self) -> tuple[str, ...]:
+        """The topics of the chosen samples, as far as they are found, and the one whose messages wake."""
+
     def why_silent(self, on: str) -> str:
         """Why no message of the topic ``on`` comes."""
 

@@ -45,6 +45,7 @@ class ConnectedFunction(MayDrive):
         cell, run: the cell that connected it, and the run of that cell.
         context: that of this run: so what the function prints, and its errors, appear below the cell.
         runs: the number of calls.
+        got, gave: what it got in the last call that is over, and what it returned; None before the first.
         error: the error of the last call, with its line; empty when the call returned.
         entered: the time of the running call; None while it is not running.
         each: whether it gets each message, and not just the newest.
@@ -60,6 +61,8 @@ class ConnectedFunction(MayDrive):
         self.cell, self.run = running_cell()
         self.context = copy_context()
         self.runs = 0
+        self.got: Any = None
+        self.gave: Any = None
         self.error = ""
         self.entered: float | None = None
 
@@ -309,11 +312,12 @@ class FunctionCaller:
         function.entered, was_on = self._now(), not function.refused
         try:
             given = (sample, came.time_ns) if function.takes_time else (sample,)
-            raised = call(function.context.copy().run, function.drive_by, function.call, *given, of=function).error
+            outcome = call(function.context.copy().run, function.drive_by, function.call, *given, of=function)
         finally:  # also where it was left
             function.entered = None
             function.runs += 1
-        function.error = ""
+        function.error, function.got, function.gave = "", sample, outcome.value
+        raised = outcome.error
         if raised is not None:
             line = line_of(function.call, traceback.walk_tb(raised.__traceback__))
             function.error = f"your function `{function.name}`{line}: {type(raised).__name__}: {raised}"

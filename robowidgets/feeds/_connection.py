@@ -55,6 +55,7 @@ class Connection(Observed):
         is_forked: whether it stayed with the process that was forked.
         nobody: why nobody may be there, though it could be connected; empty if somebody is.
         unsent: why zero could not be sent when it was closed; empty if it was.
+        sent_count: the number of speeds that were sent, zero too.
         driver, watchdog, programs: what drives the robot.
     """
 
@@ -68,6 +69,7 @@ class Connection(Observed):
         self._table = SubscriptionTable(f"connecting to {middleware.where}", self.functions)
         self.adverts: tuple[Advert, ...] = ()
         self.nobody = self.unsent = ""
+        self.sent_count = 0
         self._reached = self._listed = self.is_closed = self.is_forked = False
         self._driven: str | None = None
         """The topic on which this feed publishes speeds and nobody else publishes anything."""
@@ -112,6 +114,11 @@ class Connection(Observed):
     def widgets(self) -> tuple[SampleWidget, ...]:
         """The widgets that are connected."""
         return self._table.widgets
+
+    @property
+    def connected(self) -> dict[str, tuple[Target, ...]]:
+        """What takes the messages of each topic, but for connected functions."""
+        return {topic: one.targets for topic, one in dict(self._table.by_topic).items()}
 
     def connect(self, topic: str, *targets: Any, raw: bool = False, each: bool = False) -> None:
         """See `Feed.connect`."""
@@ -356,6 +363,7 @@ class Connection(Observed):
 
     def show_sent(self, topic: str, speed: Speed) -> None:
         """Show a speed that was sent as commanded, unless the middleware reports it like those of other publishers."""
+        self.sent_count += 1
         subscription = self._table.by_topic.get(topic)
         if subscription is not None and not self.topic_of(topic).offered:
             subscription.take(speed)

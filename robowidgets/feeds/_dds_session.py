@@ -111,7 +111,7 @@ class DdsSession:
         self._offers: dict[UUID, Endpoint] = {}
         self._wants: dict[UUID, Endpoint] = {}
         self._node_names: dict[bytes, Mapping[bytes, str]] = {}
-        """For each participant, the names of the nodes of its writers, by the GUIDs of the writers."""
+        """For each participant, the names of the nodes of its writers and readers, by their GUIDs."""
         self._conditions = [ReadCondition(r, _NEW) for r in (self._publications, self._subscriptions)]
         for condition in self._conditions:
             self._waitset.attach(condition)
@@ -316,11 +316,16 @@ class DdsSession:
 
     def _adverts(self) -> list[Advert]:
         names = {key: name for nodes in self._node_names.values() for key, name in nodes.items()}
-        offered: dict[tuple[str, str], set[str]] = {}
-        for key, offer in self._offers.items():
-            offered.setdefault((offer.topic, offer.type), set()).add(names.get(key.bytes, ""))
-        wanted = {(want.topic, want.type) for want in self._wants.values()}
+        offered, wanted = (_by_topic(endpoints, names) for endpoints in (self._offers, self._wants))
         return [advert for advert in adverts_of(offered, wanted) if advert.name != NODES]
+
+
+def _by_topic(endpoints: Mapping[UUID, Endpoint], names: Mapping[bytes, str]) -> dict[tuple[str, str], set[str]]:
+    """The names of the nodes of endpoints, by topic and type; empty where a name is unknown."""
+    found: dict[tuple[str, str], set[str]] = {}
+    for key, endpoint in endpoints.items():
+        found.setdefault((endpoint.topic, endpoint.type), set()).add(names.get(key.bytes, ""))
+    return found
 
 
 def _policy(status: Any) -> str:
@@ -336,11 +341,11 @@ def _endpoint(topic: str, kind: str, sample: Any) -> Endpoint:
 
 
 def _node_names(entities: Any) -> dict[bytes, str]:
-    """The names of the nodes in a ``ParticipantEntitiesInfo``, by the GUIDs of their writers."""
+    """The names of the nodes in a ``ParticipantEntitiesInfo``, by the GUIDs of their writers and readers."""
     return {
         _guid(gid): f"{node.node_namespace.rstrip('/')}/{node.node_name}"
         for node in entities.node_entities_info_seq
-        for gid in node.writer_gid_seq
+        for gid in (*node.writer_gid_seq, *node.reader_gid_seq)
     }
 
 

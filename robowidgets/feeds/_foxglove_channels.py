@@ -99,14 +99,11 @@ class Graph:
         if self.known:
             more = dict.fromkeys((*self._publishers, *self._subscribers))
             found.update({(name, ""): None for name in more if name not in names})
-        return [
-            Advert(
-                topic, kind, bool(nodes := self._publishers.get(topic, ())), bool(self._subscribers.get(topic)), nodes
-            )
-            if self.known
-            else Advert(topic, kind)
-            for topic, kind in found
-        ]
+        return [self._advert(topic, kind) if self.known else Advert(topic, kind) for topic, kind in found]
+
+    def _advert(self, topic: str, kind: str) -> Advert:
+        publishers, subscribers = (nodes.get(topic, ()) for nodes in (self._publishers, self._subscribers))
+        return Advert(topic, kind, bool(publishers), bool(subscribers), publishers, subscribers)
 
 
 def _list(value: Any) -> list[Any]:

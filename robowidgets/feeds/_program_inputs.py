@@ -183,6 +183,12 @@ class FeedInputs:
                         return why
         return ""
 
+    @property
+    def topics(self) -> tuple[str, ...]:
+        """See `Inputs`."""
+        chosen = chain.from_iterable(dict(self._chosen).values())
+        return tuple(dict.fromkeys((*chosen, *([self._on] if self._on else []))))
+
     def why_silent(self, on: str) -> str:
         """See `Inputs`."""
         return self._connection.status_of(on) or f"waiting for {on}"

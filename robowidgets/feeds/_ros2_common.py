@@ -42,13 +42,19 @@ def checked_domain(name: str, domain: object) -> int:
 
 
 def adverts_of(
-    publishers: Mapping[tuple[str, str], Collection[str]], subscribed: Collection[tuple[str, str]]
+    publishers: Mapping[tuple[str, str], Collection[str]], subscribers: Mapping[tuple[str, str], Collection[str]]
 ) -> list[Advert]:
-    """Adverts of topics, by topic and type: the nodes that publish them (empty: unnamed), and those subscribed to."""
+    """Adverts of topics, by topic and type: the nodes that publish them, and those that subscribe (empty: unnamed)."""
     return [
-        Advert(*key, key in publishers, key in subscribed, tuple(sorted(filter(None, publishers.get(key, ())))))
-        for key in sorted({*publishers, *subscribed})
+        Advert(
+            *key, key in publishers, key in subscribers, *(_names(nodes, key) for nodes in (publishers, subscribers))
+        )
+        for key in sorted({*publishers, *subscribers})
     ]
+
+
+def _names(nodes: Mapping[tuple[str, str], Collection[str]], key: tuple[str, str]) -> tuple[str, ...]:
+    return tuple(sorted(filter(None, nodes.get(key, ()))))
 
 
 def is_alone(adverts: Iterable[Advert]) -> bool:

@@ -127,7 +127,7 @@ class Ros2Session:
 
         self._offers.clear()
         offered: dict[tuple[str, str], set[str]] = {}
-        wanted: set[tuple[str, str]] = set()
+        wanted: dict[tuple[str, str], set[str]] = {}
         for topic, _ in self._node.get_topic_names_and_types():
             try:
                 offers = self._others(self._node.get_publishers_info_by_topic(topic))
@@ -137,7 +137,8 @@ class Ros2Session:
             self._offers[topic] = offers
             for info in offers:
                 offered.setdefault((topic, info.topic_type), set()).add(_full_name(info))
-            wanted.update((topic, info.topic_type) for info in self._others(wants))
+            for info in self._others(wants):
+                wanted.setdefault((topic, info.topic_type), set()).add(_full_name(info))
             if topic in self._unheard and self._all_matched(topic, wants):
                 self._unheard.discard(topic)
                 self._listener.on_unheard(topic, "")

@@ -51,6 +51,7 @@ class ThreadedMiddleware(ABC):
         self._wanted: frozenset[str] = frozenset()
         self._each: frozenset[str] = frozenset()
         """The wanted topics of which each message is passed on."""
+        self._asks_for_nodes = False
         self._backoff = Backoff()
         """Reset by a session that has reached the robot."""
         self._thread: threading.Thread | None = None
@@ -63,6 +64,10 @@ class ThreadedMiddleware(ABC):
             if (topics, each) != (self._wanted, self._each):
                 self._wanted, self._each = topics, each
                 self._wake()
+
+    def ask_for_nodes(self, wanted: bool) -> None:
+        """See `Middleware`."""
+        self._asks_for_nodes = wanted
 
     def close(self) -> None:
         """See `Middleware`."""

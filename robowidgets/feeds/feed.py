@@ -26,6 +26,7 @@ from .middleware import FeedError, Middleware
 
 if TYPE_CHECKING:
     from ..behaviors.program import Program
+    from ..wires_widget import WiresWidget
     from ._feed_view import FeedView
     from ._feed_watch import FeedWatch
     from ._recorder import Recorder
@@ -196,6 +197,25 @@ class Feed:
     def room_view(self) -> Any:
         """A widget that shows the room of a simulated robot from above; None for any other robot."""
         return None
+
+    def wires(self, **options: Any) -> WiresWidget:
+        """The nodes and topics of the robot as a graph, with what the notebook does with them: see `WiresWidget`.
+
+        Args:
+            **options: keywords of `WiresWidget`.
+
+        Raises:
+            TypeError: an unknown keyword.
+            FeedError: the feed is closed.
+
+        Example:
+            >>> feed.wires()  # doctest: +SKIP
+        """
+        from ..wires_widget import WiresWidget
+        from ._wires import FeedWires
+
+        self.connection.check_open()
+        return WiresWidget(FeedWires(self.connection), **options)
 
     def record(self, path: str | os.PathLike[str], *topics: str) -> Recorder:
         """Write what the robot sends into an MCAP file, until the result is closed, as a context manager or by `close`.

@@ -34,7 +34,8 @@ class Advert(NamedTuple):
     ``type`` is written as ``sensor_msgs/msg/LaserScan``, also for ROS 1; empty when it is unknown. ``offered`` is True
     if another node publishes it, ``wanted`` if another node subscribes to it (None: unknown). ``publishers`` are the
     names of the other nodes that publish it, as far as the middleware reports them; None where nobody else drives by
-    it: of a recording, and of the simulated robot itself.
+    it: of a recording, and of the simulated robot itself. ``subscribers`` are the names of the other nodes that
+    subscribe to it, as far as they are reported; None where it is not known who they are.
     """
 
     name: str
@@ -42,6 +43,7 @@ class Advert(NamedTuple):
     offered: bool = True
     wanted: bool | None = None
     publishers: tuple[str, ...] | None = ()
+    subscribers: tuple[str, ...] | None = None
 
 
 class Listener(Protocol):
@@ -99,6 +101,12 @@ class Middleware(Protocol):
 
         Of the topics in ``each``, every message is passed on, in order, as far as `MOST_UNREAD` reaches; of others the
         newest is enough.
+        """
+
+    def ask_for_nodes(self, wanted: bool) -> None:
+        """Have `Listener.on_topics` name the nodes of all topics, or no longer; also after reconnecting.
+
+        A middleware that is told who they are does nothing here. One that has to ask the robot does so slowly.
         """
 
     def publish(self, topic: str, message_type: str, message: Mapping[str, Any]) -> None:

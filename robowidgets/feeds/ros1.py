@@ -232,8 +232,8 @@ class Ros1(ThreadedMiddleware):
             publishers, subscribers = state.publishers.get(topic, ()), state.subscribers.get(topic, ())
             offered = any(node != me or topic not in self._publications for node in publishers)
             wanted = any(node != me or topic not in self._subscriptions for node in subscribers)
-            others = tuple(sorted({*publishers} - {me}))
-            adverts.append(Advert(topic, kind.replace("/", "/msg/"), offered, wanted, others))
+            others = (tuple(sorted({*nodes} - {me})) for nodes in (publishers, subscribers))
+            adverts.append(Advert(topic, kind.replace("/", "/msg/"), offered, wanted, *others))
         return adverts
 
     def _receive(self, message: Any, topic: str) -> None:

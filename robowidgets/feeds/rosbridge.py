@@ -25,6 +25,9 @@ from .middleware import EVENTS, MOST_UNREAD, Advert
 _POLL = 3.0
 """Seconds between two requests for the topics."""
 
+_NODES_AT_ONCE = 16
+"""Topics about whose nodes each request for the topics is followed by questions, where all nodes are asked for."""
+
 _THROTTLE_MS = 16
 _SUBSCRIBE = "subscribe:"
 _OURS = "rosbridge_websocket"
@@ -74,6 +77,12 @@ class Rosbridge(Bridge):
             return frame
 
         self._publish(topic, advertised, confirm=zero)
+
+    def ask_for_nodes(self, wanted: bool) -> None:
+        """See `Middleware`."""
+        super().ask_for_nodes(wanted)
+        if wanted and self._socket is not None:
+            self._socket.call_soon(self._ask_about_some)
 
     async def finish(self) -> None:
         """See `Bridge`."""
@@ -125,6 +134,8 @@ class Rosbridge(Bridge):
     def _begin(self) -> None:
         self._types: dict[str, str] = {}
         self._nodes: dict[tuple[str, str], tuple[str, ...]] = {}
+        self._asked_about: deque[str] = deque()
+        """The topics whose nodes are still to be asked for, in this round of all."""
         self._subscribed_as: dict[str, str] = {}
         self._with_null: set[str] = set()
         self._advertised: set[tuple[str, str]] = set()
@@ -227,6 +238,23 @@ class Rosbridge(Bridge):
                     self._stop(topic)
                 self._start(topic)
 
+        if self._asks_for_nodes:
+            self._ask_about_some()
+
+    def _ask_about_some(self) -> None:
+        """Ask who publishes and subscribes to some topics, so that all of many have their turn, new ones first.
+
+        Not by ``/rosapi/node_details``, which takes fewer questions: of ROS 2, asked about a node that has just ended,
+        it raises, and rosapi may end.
+        """
+        new = [topic for topic in self._types if (_SUBSCRIBERS, topic) not in self._nodes]
+        if not self._asked_about:
+            self._asked_about.extend(self._types)
+        turn = [self._asked_about.popleft() for _ in range(min(_NODES_AT_ONCE, len(self._asked_about)))]
+        for topic in [*new, *(topic for topic in turn if topic in self._types and topic not in new)][:_NODES_AT_ONCE]:
+            self._call(_PUBLISHERS, topic)
+            self._call(_SUBSCRIBERS, topic)
+
     def _as_written(self, kind: str) -> str:
         return short_type(kind) if self._is_ros1 else kind
 
@@ -235,7 +263,8 @@ class Rosbridge(Bridge):
         for name, kind in self._types.items():
             publishers, subscribers = (self._nodes.get((service, name)) for service in (_PUBLISHERS, _SUBSCRIBERS))
             wanted = None if subscribers is None else bool(subscribers)
-            adverts.append(Advert(name, kind, publishers is None or bool(publishers), wanted, publishers or ()))
+            offered = publishers is None or bool(publishers)
+            adverts.append(Advert(name, kind, offered, wanted, publishers or (), subscribers))
         self._listener.on_topics(adverts)
 
     def _without_rosapi(self) -> None:

@@ -21,6 +21,9 @@ from ._threaded import ThreadedMiddleware
 from .feed import Feed
 from .middleware import Advert, FeedError, Listener, NotConnectedYetError
 
+_SELF = ("/simulated_robot",)
+"""The name of the node that it would be."""
+
 
 class Simulated(ThreadedMiddleware):
     """A simulated robot as a `Middleware`: it runs in real time, in a thread of its own.
@@ -36,7 +39,12 @@ class Simulated(ThreadedMiddleware):
         self._robot = robot
         offers: list[MakeOffers] = [load(kind.simulated) for kind in KINDS.values() if kind.simulated]
         self._topics = [
-            Advert(offer.topic, offer.type, wanted=offer.obeyed, publishers=None if offer.obeyed else ())
+            Advert(
+                *(offer.topic, offer.type),
+                wanted=offer.obeyed,
+                publishers=None if offer.obeyed else _SELF,
+                subscribers=_SELF if offer.obeyed else (),
+            )
             for make in offers
             for offer in make(robot)
         ]

@@ -13,7 +13,7 @@ class Channel(NamedTuple):
     too. ``encoding`` is ``"ros1"`` or ``"cdr"``; messages in any other encoding are listed but cannot be read.
     ``definition`` is the text of the message definition in ROS's ``.msg`` syntax with its dependencies after lines of
     80 ``=``; or in IDL, after such a line and ``IDL: `` with the type; empty when the file holds none. ``count`` is the
-    number of messages.
+    number of messages. ``callers`` are the names of the nodes that published them, as far as the file holds any.
     """
 
     id: int
@@ -22,6 +22,7 @@ class Channel(NamedTuple):
     encoding: str
     definition: str
     count: int  # type: ignore[assignment]  # hides tuple.count, which nobody asks of a channel
+    callers: tuple[str, ...] = ()
 
 
 def merged(files: Iterable[Iterable[Channel]]) -> tuple[tuple[Channel, ...], list[dict[int, int]]]:
@@ -35,9 +36,10 @@ def merged(files: Iterable[Iterable[Channel]]) -> tuple[tuple[Channel, ...], lis
     for channels in files:
         ids.append({})
         for channel in channels:
-            same = channel._replace(id=0, count=0)
+            same = channel._replace(id=0, count=0, callers=())
             one = found.get(same) or same._replace(id=len(found))
-            found[same] = one._replace(count=one.count + channel.count)
+            callers = tuple(dict.fromkeys((*one.callers, *channel.callers)))
+            found[same] = one._replace(count=one.count + channel.count, callers=callers)
             ids[-1][channel.id] = one.id
     return tuple(found.values()), ids
 

@@ -133,6 +133,14 @@ class Messages:
         own = {channel.id: decoders[channel.id] for channel in alike if not isinstance(decoders[channel.id], str)}
         return Fields(Store(self._source, alike, own, memory, self._note, self._stop), self.start_ns or 0)  # type: ignore[arg-type]
 
+    @property
+    def publishers(self) -> dict[str, tuple[str, ...]]:
+        """The names of the nodes that published each topic, as far as the file holds any."""
+        found: defaultdict[str, dict[str, None]] = defaultdict(dict)
+        for channel in self._source.channels:
+            found[channel.topic].update(dict.fromkeys(channel.callers))
+        return {topic: tuple(sorted(names)) for topic, names in found.items()}
+
     def why_unreadable(self, topic: str) -> str:
         """Why no message of a topic can be read, whether it has a widget or not; empty if they can."""
         channels = [channel for channel in self._source.channels if channel.topic == topic]

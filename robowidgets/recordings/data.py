@@ -83,6 +83,11 @@ class RecordingData:
         return self._messages.topics
 
     @property
+    def publishers(self) -> dict[str, tuple[str, ...]]:
+        """The names of the nodes that published each topic: bags of ROS 1 hold them, other files do not."""
+        return self._messages.publishers
+
+    @property
     def start_ns(self) -> int | None:
         """Time of the first message in nanoseconds since the epoch; None if there is no message."""
         return self._messages.start_ns

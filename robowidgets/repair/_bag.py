@@ -147,6 +147,7 @@ class _Reader(RecordReader):
             encoding="ros1",
             definition=_text(fields.get("message_definition", b"")),
             count=0,
+            callers=(_text(caller),) if (caller := fields.get("callerid")) else (),
         )
         self.by_id.setdefault(channel.id, channel)
 

@@ -1,6 +1,6 @@
-import dagre from "@dagrejs/dagre";
-import type { Box } from "../shared/box.ts";
-import { route } from "./route.ts";
+import type { Box, Size } from "../shared/box.ts";
+import { type Arrow, arrange } from "../shared/graph/arrange.ts";
+import { route } from "../shared/graph/route.ts";
 import { labelOf } from "./step.ts";
 import type { MachineOutline, MoveOutline, StateOutline } from "./traits.ts";
 
@@ -56,6 +56,7 @@ const BESIDE_LOOP = 18;
 const NUMBERS_WIDTH = 104;
 const DOT_WIDTH = 16;
 const DEEPEST = 3;
+const GAPS = { rankdir: "TB", nodesep: 18, edgesep: 14, ranksep: 44 } as const;
 
 /** Places machines that run side by side, with all within. Moves never leave their machine: each is laid out alone. */
 export function place(machines: MachineOutline[], setting: Setting, depth = 1): Placed {
@@ -84,8 +85,7 @@ export function isTimed(machine: MachineOutline, state: StateOutline): boolean {
 }
 
 function placeMachine(machine: MachineOutline, setting: Setting, depth: number): Placed {
-  const graph = new dagre.graphlib.Graph({ multigraph: true });
-  graph.setGraph({ rankdir: "TB", nodesep: 18, edgesep: 14, ranksep: 44 });
+  const sizes = new Map<string, Size>();
   const inner = new Map<string, Placed>();
   for (const [i, state] of machine.states.entries()) {
     const timed = isTimed(machine, state);
@@ -97,25 +97,21 @@ function placeMachine(machine: MachineOutline, setting: Setting, depth: number):
       size.width = Math.max(size.width, within.width + 2 * PADDING);
       size.height = HEAD + within.height + PADDING + (timed ? TIMED_HEIGHT - STATE_HEIGHT : 0);
     } else if (state.machines.length) size.height = TIMED_HEIGHT;
-    graph.setNode(state.name, { width: size.width + (i ? 0 : 2 * START), height: size.height });
+    sizes.set(state.name, { width: size.width + (i ? 0 : 2 * START), height: size.height });
   }
-  if (machine.moves.some(({ source }) => source === ANY)) graph.setNode(ANY, { width: 76, height: 22 });
-  for (const [i, move] of machine.moves.entries()) {
-    const isLoop = move.source === move.target;
+  if (machine.moves.some(({ source }) => source === ANY)) sizes.set(ANY, { width: 76, height: 22 });
+  const arrows = machine.moves.map((move): Arrow => {
+    const { source, target } = move;
+    const isLoop = source === target;
     const words = setting.measure(labelOf(move)) + (move.event ? DOT_WIDTH : 0);
     const width = Math.max(words, move.compares ? NUMBERS_WIDTH : 0) + (isLoop ? BESIDE_LOOP : 0);
-    const label = { width, height: move.compares ? 32 : 18, labelpos: isLoop ? "c" : "r", labeloffset: 7 };
-    graph.setEdge(move.source, move.target, label, String(i));
-  }
-  dagre.layout(graph);
-  const { width = 0, height = 0 } = graph.graph();
+    const height = move.compares ? 32 : 18;
+    return { source, target, width, height, labelpos: isLoop ? "c" : "r", labeloffset: 7 };
+  });
+  const { width, height, boxes, edges } = arrange(sizes, arrows, GAPS);
   const placed: Placed = { width, height, states: [], moves: [], any: [], lanes: [] };
-  const boxes = new Map<string, Box>();
-  for (const name of graph.nodes()) {
-    const { x, y, width, height } = graph.node(name);
-    const margin = name === machine.states[0]?.name ? START : 0;
-    boxes.set(name, { x: x - width / 2 + margin, y: y - height / 2, width: width - 2 * margin, height });
-  }
+  const first = boxes.get(machine.states[0]?.name ?? "");
+  if (first) Object.assign(first, { x: first.x + START, width: first.width - 2 * START });
   for (const [i, state] of machine.states.entries()) {
     const box = boxes.get(state.name) as Box;
     const within = inner.get(state.name);
@@ -127,22 +123,16 @@ function placeMachine(machine: MachineOutline, setting: Setting, depth: number):
   if (any) placed.any.push(any);
   /** Where the words of the last loop of a state end; the room that dagre leaves for them may begin far from it. */
   const loops = new Map<string, number>();
-  const edges = graph.edges().map((edge) => {
-    const { v, w, name } = edge;
-    const { points = [], x = 0, y = 0, width = 0, height = 0 } = graph.edge(edge);
-    const isLoop = v === w;
-    const label = { x: x - width / 2, y: y - height / 2, width, height };
-    if (isLoop) {
-      const box = boxes.get(v) as Box;
-      label.x = (loops.get(v) ?? box.x + box.width) + BESIDE_LOOP;
-      label.width -= BESIDE_LOOP;
-      loops.set(v, label.x + label.width);
-    }
-    const via = isLoop ? [] : points.slice(1, -1);
-    return { source: v, target: w, via, label, move: machine.moves[Number(name)] as MoveOutline };
-  });
+  for (const { source, target, label } of edges) {
+    if (source !== target) continue;
+    const box = boxes.get(source) as Box;
+    label.x = (loops.get(source) ?? box.x + box.width) + BESIDE_LOOP;
+    label.width -= BESIDE_LOOP;
+    loops.set(source, label.x + label.width);
+  }
   const routes = route(boxes, edges);
-  for (const [i, { label, move }] of edges.entries()) {
+  for (const [i, move] of machine.moves.entries()) {
+    const { label } = edges[i] as { label: Box };
     placed.moves.push({ machine, move, label, points: routes[i] ?? [] });
   }
   return fit(placed);

@@ -140,6 +140,7 @@ def _channel(connection: Connection) -> Channel:
         encoding=getattr(connection.ext, "serialization_format", "ros1"),
         definition=_text(connection.msgdef, connection.msgtype),
         count=connection.msgcount,
+        callers=(caller,) if (caller := getattr(connection.ext, "callerid", None)) else (),
     )
 
 

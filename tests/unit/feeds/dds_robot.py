@@ -247,9 +247,10 @@ class Robot:
             held.pop((topic, kind), None)
 
     def name(self, topic: str, kind: str, namespace: str, name: str) -> None:
-        """Say which node publishes a topic, as ROS 2 does."""
+        """Say which node publishes a topic, and has all readers that are kept, as ROS 2 does."""
         own, key = (Gid(list(one.guid.bytes)) for one in (self.participant, self.writer(topic, kind)))
-        info = ParticipantEntitiesInfo(own, [NodeEntitiesInfo(namespace, name, [], [key])])
+        readers = [Gid(list(reader.guid.bytes)) for reader in self.readers.values()]
+        info = ParticipantEntitiesInfo(own, [NodeEntitiesInfo(namespace, name, readers, [key])])
         self.names = DataWriter(self.participant, Topic(self.participant, NODES, ParticipantEntitiesInfo), Qos(*KEPT))
         self.names.write(info)
 

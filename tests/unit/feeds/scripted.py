@@ -26,6 +26,7 @@ class Scripted:
         self._followed: frozenset[str] = frozenset()
         self.sent: list[tuple[str, str, Mapping[str, Any]]] = []
         self.closed = 0
+        self.asks_for_nodes = False
         self.broken = ""
         self.deaf = False
         self.unheard = 0
@@ -44,6 +45,9 @@ class Scripted:
         self.asked += [("subscribe", topic) for topic in topics - self._followed]
         self.asked += [("unsubscribe", topic) for topic in self._followed - topics]
         self._followed = topics
+
+    def ask_for_nodes(self, wanted: bool) -> None:
+        self.asks_for_nodes = wanted
 
     def publish(self, topic: str, message_type: str, message: Mapping[str, Any]) -> None:
         if self.broken or not self.reachable:

@@ -161,7 +161,7 @@ def test_a_scan_comes_with_its_topic_and_type(dds: Dds, heard: Ears, robot: Robo
     publish_until(robot, lambda: heard.messages, "a scan came", "/scan", "LaserScan", [1.0, 2.5], 0.5)
     topic, message = heard.messages[0]
     assert (topic, list(message.ranges), message.header.frame_id) == ("/scan", [1.0, 2.5], "laser")
-    assert heard.topics == [Advert("/scan", SCAN, offered=True, wanted=False)]
+    assert heard.topics == [Advert("/scan", SCAN, offered=True, wanted=False, subscribers=())]
     assert (heard.connected, heard.lost, heard.troubles) == (1, [], {})
 
 
@@ -304,7 +304,7 @@ def test_the_robot_hears_the_speed_that_it_listens_to(
 ) -> None:
     robot.hear("/cmd_vel", kind)
     wait_for(lambda: heard.topics, "the topic is known")
-    assert heard.topics == [Advert("/cmd_vel", name, offered=False, wanted=True)]
+    assert heard.topics == [Advert("/cmd_vel", name, offered=False, wanted=True, subscribers=())]
     twist = {"linear": {"x": 0.25}, "angular": {"z": -0.5}}
     dds.publish("/cmd_vel", name, twist if kind == "Twist" else {"header": {"frame_id": "base"}, "twist": twist})
     got = robot.heard()
@@ -432,7 +432,9 @@ def test_stop_does_not_wait_until_a_subscriber_of_another_type_matches(
         feed.drive(0.25)
         assert robot.heard()["linear"]["x"] == 0.25
         other.hear("/retyped", "TwistStamped")
-        wait_for(lambda: Advert("/retyped", STAMPED, False, True) in feed.connection.adverts, "the other is known")
+        wait_for(
+            lambda: Advert("/retyped", STAMPED, False, True, (), ()) in feed.connection.adverts, "the other is known"
+        )
         for wait in ("_MATCHING", "_SETTLING"):  # what waits from now on, waits for too long
             monkeypatch.setattr(_dds_session, wait, 1000.0)
         feed.drive(0.25)
@@ -571,10 +573,21 @@ def test_our_readers_say_the_hash_of_their_type_as_ros_expects(dds: Dds, heard: 
 def test_a_publisher_is_told_by_the_name_of_its_node(dds: Dds, heard: Ears, robot: Robot) -> None:
     robot.do("write", "/cmd_vel", "Twist", 0.0)
     robot.do("name", "/cmd_vel", "Twist", "/arena", "planner")
-    named = Advert("/cmd_vel", TWIST, offered=True, wanted=False, publishers=("/arena/planner",))
+    named = Advert("/cmd_vel", TWIST, offered=True, wanted=False, publishers=("/arena/planner",), subscribers=())
     wait_for(lambda: heard.topics == [named], "its name is known")
     robot.do("stop", "/cmd_vel", "Twist")
     wait_for(lambda: heard.topics == [], "it is gone")
+
+
+def test_a_node_is_told_with_what_it_publishes_and_what_it_subscribes_to(dds: Dds, heard: Ears, robot: Robot) -> None:
+    robot.do("want_kept", "/cmd_vel", "Twist")
+    robot.do("write", "/odom", "String", "here")
+    robot.do("name", "/odom", "String", "/", "base")
+    told = [
+        Advert("/cmd_vel", TWIST, offered=False, wanted=True, subscribers=("/base",)),
+        Advert("/odom", "std_msgs/msg/String", offered=True, wanted=False, publishers=("/base",), subscribers=()),
+    ]
+    wait_for(lambda: heard.topics == told, "its name is known on both")
 
 
 @pytest.mark.parametrize("length", [16, 24])
@@ -597,7 +610,7 @@ def test_node_names_are_understood_from_any_distribution_and_other_messages_igno
         session.messages(wish)
     session._readers.clear()
     session.look()
-    assert heard.topics == [Advert("/cmd_vel", TWIST, offered=True, wanted=False, publishers=("/nav",))]
+    assert heard.topics == [Advert("/cmd_vel", TWIST, offered=True, wanted=False, publishers=("/nav",), subscribers=())]
     assert heard.messages == []
 
 

@@ -187,7 +187,10 @@ def test_who_publishes_and_who_listens_is_told_without_counting_the_bridge(ears:
         graph.set_published_topic("/scan", ["/lidar", "/r1/foxglove_bridge"])
         graph.set_subscribed_topic("/scan", ["/foxglove_bridge"])
         graph.set_subscribed_topic("/cmd_vel", ["/base"])
-        told = [Advert("/scan", SCAN, True, False, ("/lidar",)), Advert("/cmd_vel", "", False, True)]
+        told = [
+            Advert("/scan", SCAN, True, False, ("/lidar",), ()),
+            Advert("/cmd_vel", "", False, True, (), ("/base",)),
+        ]
         wait_for(lambda: real.server.publish_connection_graph(graph) or ears.topics == told, "it was told")
     finally:
         middleware.close()

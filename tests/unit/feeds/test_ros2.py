@@ -152,7 +152,10 @@ def test_topics_tell_what_others_publish_and_listen_to(ros2: Ros2, graph: Graph,
     offer(graph, "/scan", SCAN)
     subscribed(ros2, graph, "/scan")
     ros2.publish("/cmd_vel", TWIST, FORWARD)
-    expected = [Advert("/cmd_vel", TWIST, False, True), Advert("/scan", SCAN, True, False, ("/robot",))]
+    expected = [
+        Advert("/cmd_vel", TWIST, False, True, (), ("/robot/base",)),
+        Advert("/scan", SCAN, True, False, ("/robot",), ()),
+    ]
     wait_for(lambda: heard.topics == expected, "the topics are told")
     assert graph.contexts[0].domain_id == 7
     assert ros2.where == "ROS 2, domain 7"
@@ -194,7 +197,7 @@ def test_other_nodes_that_publish_are_named_as_far_as_their_names_are_known(
         get_message(TWIST), "/cmd_vel", 1
     )
     ros2.publish("/cmd_vel", TWIST, ZERO)
-    expected = [Advert("/cmd_vel", TWIST, True, False, ("/hand/teleop", "/nav"))]
+    expected = [Advert("/cmd_vel", TWIST, True, False, ("/hand/teleop", "/nav"), ())]
     wait_for(lambda: heard.topics == expected, "they are named")
 
 
@@ -205,7 +208,7 @@ def test_a_topic_that_nobody_publishes_any_more_is_not_offered(ros2: Ros2, graph
         subscribed(ros2, graph, topic)
     lonely.node.destroy_node()
     shared.node.destroy_node()
-    wait_for(lambda: heard.topics == [Advert("/shared", SCAN, False, True)], "it is told")
+    wait_for(lambda: heard.topics == [Advert("/shared", SCAN, False, True, (), ("/viewer",))], "it is told")
     assert heard.lost == []
 
 
@@ -465,7 +468,7 @@ def test_stop_of_a_feed_arrives_whatever_becomes_of_the_node(graph: Graph, robot
 def test_no_message_waits_for_a_subscriber_of_another_type_after_the_first(
     ros2: Ros2, graph: Graph, robot: Robot, heard: Ears, monkeypatch: pytest.MonkeyPatch, both_at_first: bool
 ) -> None:
-    stamped = Advert("/cmd_vel", STAMPED, offered=False, wanted=True)
+    stamped = Advert("/cmd_vel", STAMPED, offered=False, wanted=True, subscribers=("/robot/base",))
     if not both_at_first:
         ros2.publish("/cmd_vel", TWIST, FORWARD)
     with Robot(graph, STAMPED) as other:

@@ -90,7 +90,7 @@ def test_a_scan_comes(ros2: Ros2, heard: Ears, robot: Any, qos: Any) -> None:
     ros2.follow(frozenset({"/scan"}))
     publish_until(publisher, scan(), lambda: heard.messages, "a scan came")
     assert isinstance(heard.messages[0][1].ranges, array)
-    assert Advert("/scan", SCAN, True, False) in heard.topics
+    assert Advert("/scan", SCAN, True, False, ("/robot",), ()) in heard.topics
     assert heard.said == []
 
 
@@ -106,7 +106,9 @@ def test_the_robot_hears_a_speed(ros2: Ros2, heard: Ears, robot: Any, kind: Any)
     got: list[Any] = []
     robot.create_subscription(kind, "/cmd_vel", got.append, 1)
     name = f"geometry_msgs/msg/{kind.__name__}"
-    wait_for(lambda: Advert("/cmd_vel", name, False, True) in (heard.topics or ()), "the topic is known")
+    wait_for(
+        lambda: Advert("/cmd_vel", name, False, True, (), ("/robot",)) in (heard.topics or ()), "the topic is known"
+    )
     twist = {"linear": {"x": 0.25}}
     message = twist if kind is Twist else {"header": {"frame_id": "base"}, "twist": twist}
 
@@ -144,7 +146,7 @@ def test_a_listener_that_refuses_our_quality_of_service_is_told(ros2: Ros2, hear
 
 def test_another_publisher_is_named(ros2: Ros2, heard: Ears, robot: Any) -> None:
     robot.create_publisher(Twist, "/cmd_vel", 1)
-    expected = Advert("/cmd_vel", "geometry_msgs/msg/Twist", True, False, ("/robot",))
+    expected = Advert("/cmd_vel", "geometry_msgs/msg/Twist", True, False, ("/robot",), ())
     wait_for(lambda: expected in (heard.topics or ()), "it is named")
 
 

@@ -131,8 +131,8 @@ def test_who_listens_and_who_publishes_is_told_without_counting_the_bridge(ears:
         server.publishers = {"/cmd_vel": ["/teleop", "/r1/rosbridge_websocket", "/nav"], "/drive": [], "/scan": []}
         middleware = opened(server.address, ears, "/scan")
         told = [
-            Advert("/cmd_vel", STAMPED, True, True, ("/nav", "/teleop")),
-            Advert("/drive", TWIST, False, False),
+            Advert("/cmd_vel", STAMPED, True, True, ("/nav", "/teleop"), ("/base",)),
+            Advert("/drive", TWIST, False, False, (), ()),
             Advert("/scan", SCAN, False, None),
         ]
         wait_for(lambda: ears.topics == told, "it was told")
@@ -153,6 +153,33 @@ def test_questions_are_asked_one_at_a_time_for_a_speed_waits_for_what_came_befor
         wait_for(lambda: len(waiting) > 20, "it asked about all topics twice")
         middleware.close()
         assert set(waiting) == {1}
+
+
+def test_while_all_nodes_are_asked_for_each_topic_has_its_turn_and_no_node_is_asked_about(
+    ears: Ears, quick: None, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(sys.modules["robowidgets.feeds.rosbridge"], "_NODES_AT_ONCE", 2)
+    names = [f"/topic_{i}" for i in range(5)]
+    with Server(dict.fromkeys(names, SCAN)) as server:
+        server.publishers = {name: [f"/from{name}"] for name in names}
+        server.listeners = {name: [f"/to{name}", "/rosbridge_websocket"] for name in names}
+        middleware = opened(server.address, ears)
+        wait_for(lambda: ears.topics == [Advert(name, SCAN) for name in names], "the topics are told without nodes")
+        middleware.ask_for_nodes(True)
+        named = [Advert(name, SCAN, True, True, (f"/from{name}",), (f"/to{name}",)) for name in names]
+        wait_for(lambda: ears.topics == named, "all nodes are told")
+        server.listeners["/topic_4"] = []
+        wait_for(lambda: ears.topics and ears.topics[4].subscribers == (), "a change is told in the next round")
+        middleware.ask_for_nodes(False)
+        wait_for(lambda: not middleware._requests, "what was asked is answered")
+        services = [said["service"] for said in server.heard_op("call_service")]
+        asked = services.count("/rosapi/publishers")
+        wait_for(lambda: len(server.heard_op("call_service")) > len(services) + 1, "it goes on asking for topics")
+        after = [said["service"] for said in server.heard_op("call_service")]
+        assert after.count("/rosapi/publishers") == asked
+        # Asked about a node that has just ended, rosapi of ROS 2 raises.
+        assert set(after) == {"/rosapi/topics", "/rosapi/publishers", "/rosapi/subscribers"}
+        middleware.close()
 
 
 @pytest.mark.parametrize(

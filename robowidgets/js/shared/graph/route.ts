@@ -1,7 +1,7 @@
-import type { Box, Point } from "../shared/box.ts";
+import type { Box, Point } from "../box.ts";
 
 /** An arrow between two boxes, with the places that dagre left free for it, one in each row that it passes. */
-interface Edge {
+export interface Edge {
   source: string;
   target: string;
   via: Point[];

@@ -1,0 +1,117 @@
+"""What a message says, in one short line for a person."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import fields, is_dataclass
+from math import isfinite
+from numbers import Real
+from typing import Any
+
+import numpy as np
+
+from ..samples import Scan, Speed, Touch
+
+MOST = 60
+"""Characters of a line."""
+
+_FEW = 4
+"""Numbers of an array that are all said."""
+
+_DEEPEST = 6
+_SKIPPED = frozenset({"header", "stamp", "child_frame_id"})
+_TIME = ({"sec", "nanosec"}, {"secs", "nsecs"})
+MINUS = "\N{MINUS SIGN}"
+
+
+def brief(value: Any) -> str:
+    """A sample or a message of any kind in a line of at most 60 characters: ``linear.x 0.2, angular.z −0.5``.
+
+    Numbers that are 0 come last, stamps and frames are left out, and of long arrays only the length is said.
+    """
+    if isinstance(value, Scan):
+        near = value.nearest()
+        return (f"nearest {number(near.range)} m" if near else "no reading") + f", {len(value):,} rays"
+    if isinstance(value, Speed):
+        x, y, yaw = value.linear[0], value.linear[1], value.angular[2]
+        return ", ".join([f"{number(x)} m/s", *([f"{number(y)} m/s left"] if y else []), f"{number(yaw)} rad/s"])
+    if isinstance(value, Touch):
+        return ", ".join(name for name, touched in value.touched.items() if touched)[:MOST] or "nothing touched"
+    if value is None or isinstance(value, (str, Real, np.generic)) or _is_array(value):
+        return _cut(_leaf(value))
+    leaves = list(_leaves(value, ""))
+    if not leaves:
+        return _cut(" ".join(repr(value).split()))
+    said = [(name, _leaf(leaf)) for name, leaf in leaves]
+    said.sort(key=lambda one: one[1] in ("0", "false", '""', "[0]"))
+    if len(said) == 1:
+        return _cut(said[0][1])
+    text = ""
+    for name, leaf in said:
+        more = f"{text}, {name} {leaf}" if text else f"{name} {leaf}"
+        if len(more) > MOST - 3:
+            return f"{text}, \N{HORIZONTAL ELLIPSIS}" if text else _cut(more)
+        text = more
+    return text
+
+
+def number(value: Any) -> str:
+    """A number with at most three decimals, or in powers of ten where that would hide it; NaN is not measured."""
+    real = float(value)
+    if not isfinite(real):
+        return "NaN" if real != real else f"{'' if real > 0 else MINUS}inf"
+    text = f"{real:.3f}".rstrip("0").rstrip(".") if 0.001 <= abs(real) < 1e6 or real == 0 else f"{real:.3g}"
+    return ("0" if text in ("-0", "") else text).replace("-", MINUS)
+
+
+def _leaf(value: Any) -> str:
+    if isinstance(value, (bool, np.bool_)):
+        return "true" if value else "false"
+    if isinstance(value, (bytes, bytearray)):
+        return f"[{len(value):,}]"
+    if isinstance(value, str):
+        return '"' + " ".join(value[: MOST + 1].split()) + '"'
+    if isinstance(value, Real):
+        return number(value)
+    if _is_array(value):
+        items = list(value[: _FEW + 1])
+        if items and len(items) <= _FEW and all(isinstance(item, Real) for item in items):
+            return f"[{', '.join(map(_leaf, items))}]"
+        return f"[{len(value):,}]"
+    return _cut(" ".join(repr(value)[:MOST].split()))
+
+
+def _leaves(message: Any, prefix: str, depth: int = 0) -> Iterator[tuple[str, Any]]:
+    """The fields of a message that hold no messages, with their paths."""
+    for name, value in _items(message):
+        path = f"{prefix}{name}"
+        if name in _SKIPPED:
+            continue
+        if depth < _DEEPEST and not _is_array(value) and (inner := dict(_items(value))):
+            if inner.keys() not in _TIME:
+                yield from _leaves(value, f"{path}.", depth + 1)
+        else:
+            yield path, value
+
+
+def _items(message: Any) -> Iterator[tuple[str, Any]]:
+    """The fields of a message, whatever made it; none of what is no message."""
+    if isinstance(message, Mapping):
+        yield from ((str(name), value) for name, value in message.items())
+    elif is_dataclass(message) and not isinstance(message, type):
+        for field in fields(message):
+            if not field.name.startswith("_"):
+                yield field.name, getattr(message, field.name)
+    elif hasattr(type(message), "__slots__") and not isinstance(message, (str, bytes, Real, tuple, np.ndarray)):
+        for slot in type(message).__slots__:
+            name = slot.lstrip("_")  # rclpy has properties on slots with an underscore
+            if name != "check_fields" and hasattr(message, name):
+                yield name, getattr(message, name)
+
+
+def _is_array(value: Any) -> bool:
+    return hasattr(value, "__len__") and hasattr(value, "__getitem__") and not isinstance(value, (str, Mapping))
+
+
+def _cut(text: str) -> str:
+    return text if len(text) <= MOST else text[: MOST - 1] + "\N{HORIZONTAL ELLIPSIS}"

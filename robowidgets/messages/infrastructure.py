@@ -1,0 +1,21 @@
+"""Topics that every node has, and types whose messages are large."""
+
+from __future__ import annotations
+
+import re
+
+_EVERY_NODE = re.compile(
+    r"/(?:rosout|rosout_agg|parameter_events|client_count|connected_clients|bond|_.*"
+    r"|.*/(?:_\w+|_action/.*|transition_event|bond|parameter_descriptions|parameter_updates))"
+)
+_LARGE = re.compile("Image|PointCloud|LaserEcho|Grid|Costmap|Map$|Mesh|Voxel|Video|Packet|Disparity|Chunk|Tile")
+
+
+def is_infrastructure(topic: str) -> bool:
+    """Whether a topic is one that every node has, or one beside an action or a set of parameters."""
+    return _EVERY_NODE.fullmatch(topic) is not None
+
+
+def is_large(type_name: str) -> bool:
+    """Whether the messages of a type are large as a rule: pictures, clouds, maps."""
+    return _LARGE.search(type_name) is not None

@@ -1,0 +1,90 @@
+"""What a message says, in one line."""
+
+from __future__ import annotations
+
+from array import array
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import pytest
+
+from robowidgets.messages.brief import MOST, brief, number
+from robowidgets.samples import Speed, Touch
+
+
+@dataclass
+class Header:
+    stamp: Any
+    frame_id: str
+
+
+@dataclass
+class Imu:
+    header: Header
+    rates: Any
+    covariance: Any
+    __msgtype__ = "sensor_msgs/msg/Imu"
+
+
+class Slotted:
+    """As a message of rclpy, whose slots have an underscore, and properties without."""
+
+    __slots__ = ("_check_fields", "_data")
+
+    def __init__(self, data: Any) -> None:
+        self._data = data
+
+    @property
+    def data(self) -> Any:
+        return self._data
+
+
+@pytest.mark.parametrize(
+    ("value", "text"),
+    [
+        ({"data": 1.5}, "1.5"),
+        ({"data": "hello\nthere"}, '"hello there"'),
+        ({"data": True}, "true"),
+        (Slotted(array("f", [1, 2])), "[1, 2]"),
+        (Slotted(array("f", [1] * 360)), "[360]"),
+        (
+            Imu(Header({"sec": 1, "nanosec": 2}, "imu"), {"x": 0.0, "y": 0.0, "z": -0.5}, np.zeros(9)),
+            "rates.z \N{MINUS SIGN}0.5, covariance [9], rates.x 0, rates.y 0",
+        ),
+        ({"joints": [{"name": "a"}]}, "[1]"),
+        (Speed((0.2, 0.0, 0.0), (0.0, 0.0, -0.5)), "0.2 m/s, \N{MINUS SIGN}0.5 rad/s"),
+        (Touch({"left": True, "right": False}), "left"),
+        (Touch({"left": False}), "nothing touched"),
+        (None, "None"),
+        (float("nan"), "NaN"),
+        ([], "[0]"),
+        ({}, "{}"),
+        (object, "<class 'object'>"),
+    ],
+)
+def test_a_message_of_any_kind_is_one_line(value: Any, text: str) -> None:
+    assert brief(value) == text
+
+
+def test_a_line_is_never_long_whatever_comes() -> None:
+    deep: Any = {"x": 1}
+    for _ in range(100):
+        deep = {"inner": deep}
+    for value in (
+        {"data": "a" * 1_000_000},
+        {f"field_{i}": i + 0.123456 for i in range(2000)},
+        {"a" * 500: 1},
+        deep,
+        ["x" * 1000] * 3,
+        bytes(1_000_000),
+    ):
+        assert len(brief(value)) <= MOST
+        assert "\n" not in brief(value)
+
+
+@pytest.mark.parametrize(
+    ("value", "text"), [(0.0, "0"), (-0.0, "0"), (10.0, "10"), (1e-9, "1e\N{MINUS SIGN}09"), (1234567.0, "1.23e+06")]
+)
+def test_a_number_keeps_what_matters(value: float, text: str) -> None:
+    assert number(value) == text
