@@ -11,12 +11,13 @@ from ._core.renamed import renamed
 from ._core.short_traceback import shorten_tracebacks
 from ._together import together
 from .drive_widget import DriveWidget
+from .events_widget import EventsWidget
 from .laser.footprint import Footprint
 from .laser_widget import LaserWidget
 from .messages.map_grid import load_map
 from .path_widget import PathWidget
 from .plot_widget import PlotWidget
-from .samples import MapGrid, Range, Ranges, Ray, Scan, Sector, Speed, Touch, TouchMode, TouchState, Validity, spread
+from .samples import Event, MapGrid, Range, Ranges, Ray, Scan, Sector, Speed, Touch, TouchMode, TouchState, Validity, spread
 from .scanogram_widget import ScanogramWidget
 from .shapes import Arc, Arrow, Line, Points, Polygon, Text
 from .sonar_widget import SonarWidget
@@ -45,6 +46,8 @@ __all__ = [
     "Arc",
     "Arrow",
     "DriveWidget",
+    "Event",
+    "EventsWidget",
     "Footprint",
     "LaserWidget",
     "Line",

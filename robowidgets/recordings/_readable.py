@@ -10,6 +10,7 @@ from .columns._fields import Fields
 from .columns.scans import Scans
 from .columns.speeds import Speeds
 from .columns.touches import Touches
+from .events import Events
 from .topics import Moment, TimedMessage, Topic
 
 
@@ -39,6 +40,16 @@ class ReadableRecording(Protocol):
 
     def messages(self, topic: str, start: float | None = None, end: float | None = None) -> Iterator[TimedMessage]:
         """The messages of a topic, one by one."""
+
+    def events(
+        self,
+        *topics: str,
+        level: str | int | None = None,
+        text: str | None = None,
+        start: float | None = None,
+        end: float | None = None,
+    ) -> Events:
+        """What happened, as a table."""
 
     def scans(self, topic: str | None = None) -> Scans:
         """The scans of a topic as columns."""

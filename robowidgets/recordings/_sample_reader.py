@@ -15,6 +15,7 @@ from ..messages.standard import ODOMETRY
 from ..poses.transforms import TRANSFORMS, Transform, transforms_of
 from ..repair import Message, RecordingError, Source
 from ..samples import Problem
+from ..samples.event import Event
 from ..samples.staleness import OPEN_END
 from .columns._decoders import Decoder
 from .columns._fields import Fields
@@ -22,6 +23,7 @@ from .columns._memory import Memory
 from .columns._messages import MessageDecoder
 from .columns._store import Store
 from .columns.series import Series
+from .events import read_events
 from .program_log import TEXT
 from .topics import Moment, TimedMessage, Topic
 
@@ -107,13 +109,18 @@ class Messages:
             self._stop(error)
         yield from self._moments(batch)
 
-    def messages(self, topic: str, start_ns: int | None, stop_ns: int | None) -> Iterator[TimedMessage]:
-        """The messages of a topic, of any type, from ``start_ns`` up to, not including, ``stop_ns``."""
+    def messages(self, topics: Collection[str], start_ns: int | None, stop_ns: int | None) -> Iterator[TimedMessage]:
+        """The messages of topics, of any type, from ``start_ns`` up to, not including, ``stop_ns``."""
+        channels = [channel for topic in topics for channel in self._readable(topic)]
         try:
-            for message in self._source.messages(self._readable(topic), start_ns, stop_ns):
+            for message in self._source.messages(channels, start_ns, stop_ns):
                 yield from self._as_messages([message])
         except RecordingError as error:
             self._stop(error)
+
+    def events(self, topics: Collection[str], stop_ns: int | None) -> Iterator[tuple[int, Event]]:
+        """The events on topics up to, not including, a time, about in the order of their times, which each has."""
+        return read_events(self.messages(topics, None, stop_ns), self._note_left_out)
 
     def fields(self, topic: str, memory: Memory) -> Fields:
         """The messages of a topic as columns of their fields.
@@ -362,9 +369,12 @@ class Messages:
         return f"its messages are encoded as {channel.encoding!r}: expected {' or '.join(ENCODINGS)}"
 
     def _note(self, channel: Channel, time_ns: int, error: Exception) -> None:
-        if channel.topic not in self._left_out:
-            self._left_out[channel.topic] = (
-                f"{channel.topic}: messages that cannot be shown are left out, the first at "
+        self._note_left_out(channel.topic, time_ns, error)
+
+    def _note_left_out(self, topic: str, time_ns: int, error: Exception) -> None:
+        if topic not in self._left_out:
+            self._left_out[topic] = (
+                f"{topic}: messages that cannot be shown are left out, the first at "
                 f"{self._seconds(time_ns):.2f} s: {one_line(error)}"
             )
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from datetime import datetime
 from pathlib import Path
 from types import TracebackType
@@ -12,11 +12,13 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import numpy as np
 
 from .._core.tables import Table
+from .._core.text import megabytes
 from ..kinds import KINDS, LASER, SPEED, TOUCH, Kind
 from ..poses.places import WITHIN, Places, to_place
 from ..repair import RecordingError
 from ..samples import Problem
 from ..samples.checks import not_negative
+from ..samples.event import Event, holds, to_level, to_words
 from ..samples.state_span import StateSpan
 from ._info import heading, table_of
 from ._sample_reader import Messages
@@ -27,6 +29,7 @@ from .columns.scans import Scans
 from .columns.series import Series
 from .columns.speeds import Speeds
 from .columns.touches import Touches
+from .events import Events, RecordedEvent, has_events
 from .files import open_source
 from .odometry import places_of
 from .program_log import PROGRAM, STATES, ProgramVersion, spans_of, version_of
@@ -38,6 +41,9 @@ if TYPE_CHECKING:
     from typing_extensions import Self
 
     from ..poses.transforms import Transform
+
+_EVENT_BYTES = 500
+"""About what an event takes in memory, without its text."""
 
 _NOTHING = "record again; did any node publish, in the same ROS domain?"
 _NO_WIDGET = "record laser scans, odometry, speeds or bumpers too"
@@ -170,7 +176,7 @@ class RecordingData:
             ...     print(moment.seconds, moment.message.linear_acceleration.x)
         """
         self._check_readable(topic)
-        return self._messages.messages(topic, *span_ns(self.start_ns, start, end))
+        return self._messages.messages([topic], *span_ns(self.start_ns, start, end))
 
     def message_at(self, topic: str, seconds: float) -> TimedMessage | None:
         """The last message of a topic of any type, at a time or before it; None if there is none yet.
@@ -185,6 +191,77 @@ class RecordingData:
         self._check_readable(topic)
         found = self._messages.last(topic, to_ns(self.start_ns, "seconds", seconds), as_messages=True)
         return found if isinstance(found, TimedMessage) else None
+
+    def events(
+        self,
+        *topics: str,
+        level: str | int | None = None,
+        text: str | None = None,
+        start: float | None = None,
+        end: float | None = None,
+    ) -> Events:
+        """What happened, as a table: lines of logs, changes of status, texts, buttons, touches, states of programs.
+
+        Of DiagnosticArray, Joy and touch sensors each change is an event, of rosout and String each message. States and
+        versions of programs are in recordings that `Feed.record` wrote.
+
+        Args:
+            *topics: names of topics; none: all that tell of events.
+            level: only those of a level or a higher one: ``"DEBUG"``, ``"INFO"``, ``"WARN"``, ``"ERROR"``, ``"FATAL"``.
+            text: only those with these words in their text or their source, in any case.
+            start: seconds from the start of the recording; None: its start.
+            end: seconds from the start, not included; None: the end of the recording, included.
+
+        Raises:
+            UnknownTopicError: the recording has no such topic, or it tells of no events; the text says which do.
+            TypeError, ValueError: no level, no text, or no time.
+            RecordingError: the recording is closed, or the events would take more than `memory`.
+
+        Example:
+            >>> recording.events("/rosout", level="WARN").to_pandas()  # doctest: +SKIP
+        """
+        least, words = None if level is None else to_level("level", level), to_words("text", text)
+        first_ns, stop_ns = span_ns(self.start_ns, start, end)
+        found, size = [], 0
+        for time_ns, event in self.timed_events(topics, stop_ns):
+            if not holds(event, least, words) or (first_ns is not None and time_ns < first_ns):
+                continue
+            size += _EVENT_BYTES + len(event.text)
+            if size > self.memory:
+                raise RecordingError(
+                    f"{self.path.name}: its events up to {self._seconds(time_ns):.1f} s take more than the "
+                    f"{megabytes(self.memory)} of recording.memory: take a span of them (start=, end=), those of a "
+                    "level, or those with some words; or set it higher, in bytes"
+                )
+            found.append(
+                RecordedEvent(
+                    self._seconds(time_ns),
+                    event.level,
+                    event.source,
+                    event.text,
+                    event.topic,
+                    time_ns,
+                    event.stamp_ns or 0,
+                )
+            )
+        what = (f" of {least.name} or more" if least else "") + (f" with {words!r}" if words else "")
+        return Events(sorted(found, key=lambda one: one.time_ns), what)
+
+    def timed_events(self, topics: Collection[str] = (), stop_ns: int | None = None) -> Iterator[tuple[int, Event]]:
+        """The events on topics, or on all that tell of any, about in the order of their times in nanoseconds."""
+        self._check_open()
+        telling = [topic.name for topic in self.topics if has_events(topic)]
+        for name in topics:
+            self._check_readable(name)
+            if name not in telling:
+                there = ", ".join(telling) or "none"
+                raise UnknownTopicError(f"{self.path.name}: {name!r} tells of no events: those that do are {there}")
+        end_ns = stop_ns if stop_ns is not None else (self.end_ns or 0) + 1
+        found = self._messages.events(list(topics) or telling, stop_ns)
+        return ((time_ns, event) for time_ns, event in found if time_ns < end_ns)
+
+    def _seconds(self, time_ns: int) -> float:
+        return (time_ns - (self.start_ns or 0)) / 1e9
 
     def seconds_at(self, when: datetime | str) -> float:
         """Seconds from the start of the recording at a date and time of day, as `at` and a player's `seek` take them.

@@ -11,6 +11,7 @@ from .columns._fields import Fields
 from .columns.scans import Scans
 from .columns.speeds import Speeds
 from .columns.touches import Touches
+from .events import Events
 from .span import Span
 from .times import span_ns
 from .topics import Moment, TimedMessage, Topic
@@ -77,6 +78,10 @@ class TimeSlice:
     def messages(self, topic: str) -> Iterator[TimedMessage]:
         """The messages of a topic of any type in the span, as in `Recording.messages`."""
         return self._recording.messages(topic, self.start, self.end)
+
+    def events(self, *topics: str, level: str | int | None = None, text: str | None = None) -> Events:
+        """The events in the span as a table, as in `Recording.events`."""
+        return self._recording.events(*topics, level=level, text=text, start=self.start, end=self.end)
 
     @property
     def topics(self) -> tuple[Topic, ...]:

@@ -5,6 +5,7 @@ counter-clockwise). It knows neither ROS nor a page.
 """
 
 from .age import HasAge
+from .event import Event, Level
 from .map_grid import MapGrid
 from .pose import Pose, yaw_of
 from .problem import Problem
@@ -19,7 +20,9 @@ from .touch import Touch, TouchMode, TouchState
 
 __all__ = [
     "AXES",
+    "Event",
     "HasAge",
+    "Level",
     "MapGrid",
     "Pose",
     "Problem",

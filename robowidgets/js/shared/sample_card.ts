@@ -67,7 +67,7 @@ export class SampleCard extends Card {
   waiting(noun: string): string {
     if (this.#stream.since) return `frozen before the first ${noun}`;
     if (lacksKernel(this.#model)) return NO_KERNEL;
-    return this.#model.get("_source").status || `waiting for a ${noun}`;
+    return this.#model.get("_source").status || `waiting for ${/^[aeiou]/.test(noun) ? "an" : "a"} ${noun}`;
   }
 
   /**

@@ -1,0 +1,304 @@
+"""The events of a robot: what was logged, which statuses changed, what was pressed, as a list over time."""
+
+from __future__ import annotations
+
+import json
+import struct
+import time
+from collections.abc import Iterable, Sequence
+from math import inf
+from typing import Any, ClassVar
+
+import traitlets
+
+from ._core.base_widget import refuse_unnamed
+from ._core.front_end import bundle
+from ._core.pacer import pacer
+from ._core.robot_widget import RobotWidget
+from ._core.text import many
+from ._core.timed_frame import FRAME_HEADER
+from ._core.traits import bytes_trait
+from .messages.event import EventReader
+from .messages.fields import MISSING
+from .samples.age import note_arrival
+from .samples.checks import finite
+from .samples.event import Event, Level, to_level
+from .samples.event_log import EventLog, EventRow
+from .samples.staleness import LIVE
+
+MOST_ROWS = 2000
+"""Rows of a live list that are kept; the oldest are forgotten."""
+
+MOST_TEXT = 2000
+"""Characters of a text that the page gets."""
+
+MOST_CHARACTERS = 400_000
+"""Characters of all texts that the page gets."""
+
+_FRAME = struct.Struct("<dd")
+"""After the head: seconds of the moment on show, and the number of rows up to it (infinity: those up to the time)."""
+
+_SPACING = 1.0
+"""Seconds between two times that all rows are sent, at least; new ones are sent with each frame."""
+
+_FEW = 50
+"""New rows that are sent again and again before all are sent."""
+
+_BY_NAME = 'update("/rosout", message), update(message), or add("it hit the wall", level="WARN")'
+
+
+class EventsWidget(RobotWidget[Event]):
+    """What happened to a robot, as a list over one axis of time: log lines, changed statuses, texts, buttons, touches.
+
+    Each row says when, how much it matters by a sign and a word, who says it, and its text in one line that unfolds.
+    Equal rows that follow each other are one, with how often it came. The list is filtered by level and by words;
+    in the player of a recording a click goes to the moment. Space freezes. None of it needs the kernel. A message that
+    cannot be understood leaves the list as it is and says why above it.
+
+    Live, the newest 2,000 rows are kept, of each text the first 2,000 characters; the list says what it left out.
+
+    Args:
+        title: what is shown, for the header; usually the topics.
+        level: the least level on show, one of "DEBUG", "INFO", "WARN", "ERROR", "FATAL". The view writes it too.
+        words: only rows that have these words in text, source or topic are on show; empty: all. The view writes it too.
+        time: the time cursor, in seconds; None: the newest row. A player and the view write it.
+        paused: whether the picture is frozen.
+        history: seconds for which the page keeps samples to step back through while frozen, 0 (none) to 600.
+        header, footer: whether they are there.
+
+    Raises:
+        TypeError: an unknown keyword.
+        traitlets.TraitError: a value out of its range.
+
+    Source: rcl_interfaces/Log, rosgraph_msgs/Log, diagnostic_msgs/DiagnosticArray, sensor_msgs/Joy, std_msgs/String.
+
+    Example:
+        >>> events = EventsWidget(title="robot")
+        >>> events.add("lost the line", level="WARN", source="follower")
+        >>> events.update("/chatter", {"data": "hello"})
+        >>> [row.text for row in events.rows]
+        ['lost the line', 'hello']
+    """
+
+    _esm, _css = bundle("events_widget")
+    _meant: ClassVar = {"filter": "words", "text": "words", "levels": "level", "search": "words"}
+    _instead: ClassVar = {"events": "widget.rows", "log": "widget.rows", "append": "widget.add(text)"}
+
+    column = "narrow"
+    sample_name = "event"
+    goes_stale = False
+    beats = True
+    send_interval = 0.2
+
+    level = traitlets.Enum(
+        list(Level.__members__), "DEBUG", help="The least level on show. Python and the view write it."
+    ).tag(sync=True)
+    words = traitlets.Unicode(help="Words that rows on show have; empty: all. Python and the view write it.").tag(
+        sync=True
+    )
+    time = traitlets.Float(
+        None, allow_none=True, help="The time cursor in seconds. A player and the view write it."
+    ).tag(sync=True)
+
+    _old = bytes_trait(echo_update=False)
+    _new = bytes_trait(echo_update=False)
+    _span = traitlets.List(
+        traitlets.Float(), help="Start and end of the recording in seconds; empty: live, up to the newest row."
+    ).tag(sync=True, echo_update=False)
+    _start = traitlets.Float(
+        None, allow_none=True, help="Seconds since the epoch at second 0; None: times are seconds."
+    ).tag(sync=True, echo_update=False)
+
+    def __init__(self, **kwargs: Any) -> None:
+        self._log = EventLog(MOST_ROWS, MOST_TEXT, MOST_CHARACTERS)
+        self._readers: dict[str, EventReader] = {}
+        self._began: float | None = None
+        self._missed = 0
+        self._packed_until = 0
+        """The number of the first row that is not among those that are sent seldom."""
+        self._all_due = 0.0
+        self._is_new = False
+        self._notes: tuple[str, ...] = ()
+        """What is said of a recording's events, at each moment of it."""
+        super().__init__(**kwargs)
+
+    def update(self, topic: Any = None, message: Any = MISSING, *unnamed: Any) -> None:
+        """Add the events in a message to the list.
+
+        It only stores, and may be called from any thread at any rate. Of DiagnosticArray, Joy and touch sensors each
+        change is an event, by topic.
+
+        Args:
+            topic: the name of the topic; or, alone, the message.
+            message: text, a std_msgs/String, rcl_interfaces/Log, rosgraph_msgs/Log, diagnostic_msgs/DiagnosticArray,
+                sensor_msgs/Joy or a message of touch sensors, of rclpy, rospy, rosbags or rosbridge; a moment of a
+                recording; or an `Event`.
+            *unnamed: refused, with the calls that there are.
+
+        Raises:
+            TypeError: no such message. ValueError: a number in it is none. In a callback (another thread; a task, timer
+                or button of a notebook) nothing is raised; widget and log say it.
+        """
+        try:
+            refuse_unnamed("update", unnamed, _BY_NAME)
+            if message is MISSING:
+                topic, message = "", topic
+            if not isinstance(topic, str) or message is None:
+                raise TypeError(f"update() takes a message, after the name of its topic if it has one: {_BY_NAME}")
+            seconds = None
+            if hasattr(message, "time_ns") and hasattr(message, "sample"):
+                topic, seconds, message = message.topic, float(message.seconds), message.sample
+            with self._newest.lock:
+                reader = self._readers.get(topic) or self._readers.setdefault(topic, EventReader(topic))
+                now = time.monotonic_ns()
+                for at, event in reader.read(message, now if seconds is None else round(1e9 * seconds)):
+                    self._put(event, self._seconds(at) if seconds is None else at / 1e9)
+        except (TypeError, ValueError) as error:
+            self._refuse(error)
+
+    def add(self, text: str, *, level: str | int = "INFO", source: str = "", time: float | None = None) -> None:
+        """Add an event by hand.
+
+        Args:
+            text: what happened.
+            level: how much it matters: "DEBUG", "INFO", "WARN", "ERROR" or "FATAL".
+            source: who says it.
+            time: seconds, not before those of the last event; None: now.
+
+        Raises:
+            TypeError, ValueError: no text, no level, or no time. In a callback nothing is raised; widget and log say
+                it.
+        """
+        try:
+            if not isinstance(text, str) or not isinstance(source, str):
+                raise TypeError(f"add(): expected text, got {text if not isinstance(text, str) else source!r}")
+            event = Event(text, to_level("level", level), source)
+            with self._newest.lock:
+                self._put(event, self._seconds(_now_ns()) if time is None else finite("time", time, "seconds"))
+        except (TypeError, ValueError) as error:
+            self._refuse(error)
+
+    def clear(self) -> None:
+        """Empty the list."""
+        with self._newest.lock:
+            self._log.clear()
+            self._missed = self._packed_until = 0
+            self._is_new, self._all_due = True, 0.0
+        pacer.mark(self)
+
+    @property
+    def rows(self) -> tuple[EventRow, ...]:
+        """The rows of the list, whatever the filter: equal events that follow each other are one; frozen while paused.
+
+        In the player of a recording they are those of all of it.
+        """
+        stop = inf
+        if self.paused and self._frozen_frame:
+            _, stop = _FRAME.unpack_from(self._frozen_frame, FRAME_HEADER.size)
+        with self._newest.lock:
+            return tuple(row for row in self._log.rows if row.number < stop)
+
+    @property
+    def frozen(self) -> tuple[EventRow, ...] | None:
+        """The rows on show while frozen; None while live."""
+        return self.rows if self.paused else None
+
+    def miss(self, count: int) -> None:
+        """Say that so many messages came too fast, and are not in the list."""
+        with self._newest.lock:
+            self._missed += count
+        self._say_more()
+
+    def show_whole(self, log: EventLog, end: float, notes: Sequence[str] = ()) -> None:
+        """Show the events of a recording of so many seconds, of which a player then shows one moment."""
+        self._log, self._span, self._notes = log, [0.0, end], tuple(notes)
+        self._old = _packed(log.rows)
+
+    def within(self, start: float, end: float) -> dict[str, Any]:
+        """See `RobotWidget`."""
+        rows = [row for row in self._log.rows if row.until >= start and row.seconds <= end]
+        return {"_old": _packed(rows), "_span": [start, end]}
+
+    def frame_at(self, seconds: float) -> tuple[dict[str, Any], bytes]:
+        """What a player shows at a time: the text on it, and its frame without the header."""
+        return ({"notes": [*self._notes]} if self._notes else {}), _FRAME.pack(seconds, inf)
+
+    # -- for the base --------------------------------------------------------------------------------------------------
+
+    def _put(self, event: Event, seconds: float) -> None:
+        """Called with the lock of the samples."""
+        rows = self._log.rows
+        if rows and seconds < rows[-1].until:
+            seconds = rows[-1].until  # of two topics, or of a clock that was set
+        self._log.add(event, seconds)
+        self._is_new = True
+        self._show(event)
+
+    def _seconds(self, at_ns: int) -> float:
+        """Seconds of a time by the monotonic clock; the first event came at 0."""
+        if self._began is None:
+            self._began = at_ns / 1e9
+            self._start = time.time()
+        return max(0.0, at_ns / 1e9 - self._began)
+
+    def _describe(self) -> str:
+        rows = self.rows
+        if not rows:
+            return ""
+        last = rows[-1]
+        return f"{many(sum(row.count for row in rows), 'event')}, the last: {last.level.name} {last.text[:60]}"
+
+    def _longest_silence(self) -> float:
+        """Events come when something happens, not at a rate."""
+        return LIVE.longest
+
+    def _pack(self, sample: Event) -> bytes:  # noqa: ARG002  # the list contains it
+        rows = self._log.rows
+        return _FRAME.pack(rows[-1].until if rows else 0.0, self._log.stop)
+
+    def _unpack(self, frame: bytes) -> Event:
+        _, _, stamp_ns, arrived = FRAME_HEADER.unpack_from(frame)
+        rows = self.rows
+        last = rows[-1] if rows else None
+        event = (
+            Event(last.text, last.level, last.source, last.topic, stamp_ns or None) if last is not None else Event("")
+        )
+        note_arrival(event, arrived)
+        return event
+
+    def _texts_now(self) -> dict[str, Any]:
+        said: dict[str, Any] = {"older": self._log.first} if self._log.first else {}
+        if self._missed:
+            said["notes"] = [f"{many(self._missed, 'message')} came too fast, and are not in the list"]
+        return said
+
+    def _bring_up_to_date(self) -> None:
+        """Have new rows sent with the newest frame, and now and then all of them."""
+        super()._bring_up_to_date()
+        with self._newest.lock:
+            if not self._is_new or self.driven_by_player:
+                return
+            self._is_new = False
+            rows = self._log.rows
+            now = time.monotonic()
+            values = self._trait_values
+            if self._log.stop - self._packed_until > _FEW and now >= self._all_due:
+                # All but the last, which may come again.
+                self._packed_until, self._all_due = max(0, self._log.stop - 1), now + _SPACING
+                values["_old"] = _packed(row for row in rows if row.number < self._packed_until)
+                self._unsent.add("_old")
+            elif not rows:
+                values["_old"] = b""
+                self._unsent.add("_old")
+            values["_new"] = _packed(row for row in rows if row.number >= self._packed_until)
+            self._unsent.add("_new")
+
+
+def _now_ns() -> int:
+    """Where an argument is called time."""
+    return time.monotonic_ns()
+
+
+def _packed(rows: Iterable[EventRow]) -> bytes:
+    """Rows as JSON, for the page."""
+    return json.dumps([(*row,) for row in rows]).encode()

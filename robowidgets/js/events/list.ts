@@ -1,0 +1,200 @@
+import { make, setHidden, setText } from "../shared/dom.ts";
+import { on } from "../shared/events.ts";
+import { levelOf, type Row } from "./rows.ts";
+import { describeRow, type Times, toLine, toTimes, toTimeText } from "./text.ts";
+
+export const ROW = 24;
+
+/** What the list shows. */
+export interface Listing {
+  rows: Row[];
+  times: Times;
+  /** Index of the row at the cursor; -1: none. */
+  current: number;
+  /** Number of the row that is unfolded; null: none. */
+  open: number | null;
+}
+
+interface Line {
+  root: HTMLElement;
+  time: HTMLElement;
+  sign: HTMLElement;
+  word: HTMLElement;
+  source: HTMLElement;
+  text: HTMLElement;
+  count: HTMLElement;
+  more: HTMLElement;
+  facts: HTMLElement;
+  whole: HTMLElement;
+  shown: Row | null;
+}
+
+/**
+ * Rows of which only those in view are in the page. What is in view sticks to the top of what scrolls, so that a picture
+ * of the card, which knows of no scrolling, shows the same.
+ */
+export class List {
+  readonly root = make("div", "rw-events-list");
+  readonly #sizer = make("div", "rw-events-sizer");
+  readonly #window = make("div", "rw-events-window");
+  readonly #lines: Line[] = [];
+  #listing: Listing = { rows: [], times: { span: [], start: null }, current: -1, open: null };
+  /** Pixels by which the open row is higher than the others. */
+  #extra = 0;
+  #isPointedAt = false;
+  /** Whether it stays at its end, where rows come. */
+  #follows = true;
+
+  /**
+   * @param onPick called with a row that is clicked
+   * @param onPoint called with the row under the pointer; null: none
+   */
+  constructor(onPick: (row: Row) => void, onPoint: (row: Row | null) => void, signal: AbortSignal) {
+    this.#sizer.append(this.#window);
+    this.root.append(this.#sizer);
+    on(this.root, "scroll", () => this.#onScroll(), signal);
+    const rowOf = ({ target }: Event) => {
+      const line = this.#lines.find(({ root }) => target instanceof Node && root.contains(target));
+      return line?.shown ?? null;
+    };
+    on(this.root, "pointerenter", () => this.#setPointed(true), signal);
+    on(this.root, "pointermove", (event) => event.pointerType !== "touch" && onPoint(rowOf(event)), signal);
+    on(
+      this.root,
+      "pointerleave",
+      () => {
+        this.#setPointed(false);
+        onPoint(null);
+      },
+      signal,
+    );
+    on(
+      this.root,
+      "click",
+      (event) => {
+        const row = rowOf(event);
+        const isReading = event.target instanceof Element && event.target.closest(".rw-event-more") !== null;
+        if (row && !isReading) onPick(row);
+      },
+      signal,
+    );
+  }
+
+  /** Whether rows may not move below the pointer. */
+  get isPointedAt(): boolean {
+    return this.#isPointedAt;
+  }
+
+  #setPointed(isPointedAt: boolean): void {
+    this.#isPointedAt = isPointedAt;
+  }
+
+  /** @param isLive whether rows come at the end, where it stays, unless a person has scrolled away */
+  update(listing: Listing, isLive: boolean): void {
+    const before = this.#listing;
+    this.#listing = listing;
+    if (listing.open === null) this.#extra = 0;
+    this.#layOut();
+    if (this.#isPointedAt) return;
+    if (isLive && listing.current < 0) {
+      if (this.#follows) this.root.scrollTop = this.root.scrollHeight;
+    } else if (listing.current !== before.current || listing.rows !== before.rows) this.reveal(listing.current);
+  }
+
+  /** Scrolls as far as it must to have a row in view. */
+  reveal(index: number): void {
+    if (index < 0) return;
+    const { scrollTop, clientHeight } = this.root;
+    const top = this.#topOf(index);
+    const height = ROW + (this.#openIndex === index ? this.#extra : 0);
+    if (top < scrollTop) this.root.scrollTop = top;
+    else if (top + height > scrollTop + clientHeight)
+      this.root.scrollTop = top + Math.min(height, clientHeight) - clientHeight;
+    this.#layOut();
+  }
+
+  get #openIndex(): number {
+    const { rows, open } = this.#listing;
+    return open === null ? -1 : rows.findIndex(({ number }) => number === open);
+  }
+
+  #topOf(index: number): number {
+    const open = this.#openIndex;
+    return index * ROW + (open >= 0 && index > open ? this.#extra : 0);
+  }
+
+  #onScroll(): void {
+    const { scrollTop, clientHeight, scrollHeight } = this.root;
+    this.#follows = scrollTop + clientHeight >= scrollHeight - ROW / 2;
+    this.#layOut();
+  }
+
+  #layOut(): void {
+    const { rows } = this.#listing;
+    const open = this.#openIndex;
+    const { scrollTop, clientHeight } = this.root;
+    const openTop = open < 0 ? Infinity : open * ROW;
+    const above = scrollTop > openTop + ROW + this.#extra ? this.#extra : 0;
+    const first = scrollTop > openTop && !above ? open : Math.max(0, Math.floor((scrollTop - above) / ROW));
+    const offset = this.#topOf(first) - scrollTop;
+    const count = Math.max(0, Math.min(rows.length - first, Math.ceil((clientHeight - offset) / ROW) + 1));
+    while (this.#lines.length < count) this.#lines.push(this.#makeLine());
+    for (const [i, line] of this.#lines.entries()) {
+      const row = i < count ? rows[first + i] : undefined;
+      setHidden(line.root, !row);
+      this.#fill(line, row ?? null, first + i);
+    }
+    this.#window.style.transform = `translateY(${Math.round(offset)}px)`;
+    const line = this.#lines[open - first];
+    const extra = open >= first && line ? line.more.offsetHeight : this.#extra;
+    this.#sizer.style.height = `${rows.length * ROW + (open < 0 ? 0 : extra)}px`;
+    if (open >= 0 && extra !== this.#extra) {
+      this.#extra = extra;
+      this.#layOut();
+    }
+  }
+
+  #fill(line: Line, row: Row | null, index: number): void {
+    const { times, current, open } = this.#listing;
+    line.shown = row;
+    if (!row) return;
+    const level = levelOf(row);
+    line.root.dataset.level = level.word;
+    line.root.ariaCurrent = String(index === current);
+    setText(line.time, toTimeText(row.seconds, times));
+    setText(line.sign, level.sign);
+    setText(line.word, level.word);
+    setText(line.source, row.source || row.topic);
+    setText(line.text, toLine(row));
+    setText(line.count, toTimes(row));
+    const isOpen = row.number === open;
+    setHidden(line.more, !isOpen);
+    setText(line.facts, isOpen ? describeRow(row, times) : "");
+    setText(line.whole, isOpen ? row.text : "");
+  }
+
+  #makeLine(): Line {
+    const part = (name: string) => make("span", `rw-event-${name}`);
+    const [root, head, more] = [make("div", "rw-event"), make("div", "rw-event-line"), make("div", "rw-event-more")];
+    const level = part("level");
+    const line: Line = {
+      root,
+      more,
+      time: part("time"),
+      sign: part("sign"),
+      word: part("word"),
+      source: part("source"),
+      text: part("text"),
+      count: part("count"),
+      facts: make("div", "rw-event-facts"),
+      whole: make("div", "rw-event-whole"),
+      shown: null,
+    };
+    level.append(line.sign, line.word);
+    head.append(line.time, level, line.source, line.text, line.count);
+    more.append(line.facts, line.whole);
+    root.append(head, more);
+    this.#window.append(root);
+    return line;
+  }
+}

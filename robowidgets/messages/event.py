@@ -1,0 +1,196 @@
+"""Messages that tell of something that happened, to events."""
+
+from __future__ import annotations
+
+import reprlib
+from base64 import b64decode
+from collections.abc import Callable, Sequence
+from typing import Any, NamedTuple
+
+from ..samples import TouchState
+from ..samples.event import Event, Level
+from ..samples.touch_tracker import TouchTracker
+from .fields import describe, get, has, stamp_ns, unwrap
+from .touch import TOUCH_TYPES, to_touch
+
+TEXT_TYPE = "std_msgs/msg/String"
+
+Timed = tuple[int, Event]
+"""An event with its time in nanoseconds."""
+
+_ROS1_LEVELS = {1: Level.DEBUG, 2: Level.INFO, 4: Level.WARN, 8: Level.ERROR, 16: Level.FATAL}
+_STATUS_LEVELS = {0: Level.INFO, 1: Level.WARN, 2: Level.ERROR, 3: Level.WARN}
+_STALE = 3
+
+_RANGE = "sensor_msgs/msg/Range"
+"""Of these only some are of touch sensors, and a distance is no event."""
+
+
+def _with(*names: str, of: type = object) -> Callable[[Any], bool]:
+    """Whether a message has fields, of which the first holds a value of some type."""
+    return lambda message: has(message, *names) and isinstance(get(message, names[0]), of)
+
+
+class _Dialect(NamedTuple):
+    """Messages of some types, and whether a message is one of them, by its fields."""
+
+    types: tuple[str, ...]
+    fits: Callable[[Any], bool]
+
+
+_LINE = _Dialect(("rcl_interfaces/msg/Log", "rosgraph_msgs/msg/Log"), _with("msg", "level", "name"))
+_STATUSES = _Dialect(("diagnostic_msgs/msg/DiagnosticArray",), _with("status", of=Sequence))
+_STATUS = _Dialect(("diagnostic_msgs/msg/DiagnosticStatus",), _with("message", "level", "name"))
+_JOY = _Dialect(("sensor_msgs/msg/Joy",), _with("buttons", "axes"))
+_TEXT = _Dialect((TEXT_TYPE,), _with("data", of=str))
+_DIALECTS = (_LINE, _STATUSES, _STATUS, _JOY, _TEXT)
+
+SAID_TYPES: frozenset[str] = frozenset(name for dialect in _DIALECTS for name in dialect.types)
+"""The message types of which an `EventReader` reads what they say."""
+
+EVENT_TYPES: frozenset[str] = SAID_TYPES | (TOUCH_TYPES - {_RANGE})
+"""All message types that an `EventReader` reads, as recordings name them."""
+
+
+class EventReader:
+    """Reads the events in the messages of one topic, in their order.
+
+    Of a status, a button and a touch sensor only a change is an event, so it keeps what was said before.
+
+    Args:
+        topic: the name of the topic, for its events.
+    """
+
+    def __init__(self, topic: str = "") -> None:
+        self._topic = topic
+        self._reads: dict[_Dialect, Callable[[Any], list[Event]]] = {
+            _LINE: self._line,
+            _STATUSES: self._diagnostics,
+            _STATUS: self._status,
+            _JOY: self._joy,
+            _TEXT: self._text,
+        }
+        self._statuses: dict[str, tuple[Level, str]] = {}
+        self._buttons: dict[int, bool] = {}
+        self._tracker = TouchTracker()
+        self._seen_ns = 0
+        """The time up to which changes of touches were told."""
+        self._touched: dict[str, TouchState] = {}
+
+    def read(self, message: Any, time_ns: int = 0) -> list[Timed]:
+        """The events in a message, each with its time; none where nothing changed.
+
+        A touch that a message lists no more ended before it.
+
+        Args:
+            message: an object or dictionary like std_msgs/String, rcl_interfaces/Log or rosgraph_msgs/Log,
+                diagnostic_msgs/DiagnosticArray or DiagnosticStatus, sensor_msgs/Joy, or one that `to_touch` reads;
+                text; or an `Event`.
+            time_ns: when it came, in nanoseconds of any clock that does not go back.
+
+        Raises:
+            TypeError: it is none of these; the text says what came and what was expected.
+            ValueError: a number in it is none.
+        """
+        message = unwrap(message)
+        if isinstance(message, Event):
+            return [(time_ns, message)]
+        if isinstance(message, str):
+            return [(time_ns, Event(message, topic=self._topic))]
+        dialect = next((one for one in _DIALECTS if one.fits(message)), None)
+        if dialect is not None:
+            return [(time_ns, event) for event in self._reads[dialect](message)]
+        try:
+            touch = to_touch(message)
+        except TypeError:
+            known = ", ".join(one.types[0].replace("/msg/", "/") for one in _DIALECTS)
+            raise TypeError(
+                f"expected text, a message like one of {known}, or one of touch sensors; got {describe(message)}"
+            ) from None
+        found = self.due(time_ns)
+        self._tracker.apply(touch, time_ns)
+        return [*found, *self._touch_changes(time_ns, touch.stamp_ns)]
+
+    def due(self, until_ns: float) -> list[Timed]:
+        """The ends of touches before a time, which no message tells."""
+        found: list[Timed] = []
+        while (at := self.next_due_ns) is not None and at < until_ns:
+            found += self._touch_changes(at, None)
+        return found
+
+    @property
+    def next_due_ns(self) -> int | None:
+        """The time of the next end of a touch, if no message comes before; None if there is none."""
+        return self._tracker.next_change_ns(self._seen_ns)
+
+    def _text(self, message: Any) -> list[Event]:
+        return [Event(get(message, "data"), topic=self._topic)]
+
+    def _line(self, message: Any) -> list[Event]:
+        level, stamp = get(message, "level"), stamp_ns(message)
+        # ROS 1 names the topics of the node, and has a header; its levels are bits.
+        if has(message, "topics"):
+            found = _ROS1_LEVELS.get(_whole("level", level), Level.INFO)
+        else:
+            found = Level.at_most(_whole("level", level))
+            stamp = stamp_ns({"header": {"stamp": get(message, "stamp", None)}})
+        return [Event(str(get(message, "msg")), found, str(get(message, "name")), self._topic, stamp)]
+
+    def _diagnostics(self, message: Any) -> list[Event]:
+        stamp = stamp_ns(message)
+        found: list[Event] = []
+        for status in get(message, "status"):
+            found += self._status(status, stamp)
+        return found
+
+    def _status(self, status: Any, stamp: int | None = None) -> list[Event]:
+        name, code = str(get(status, "name")), _whole("level", get(status, "level"))
+        said = str(get(status, "message"))
+        level = _STATUS_LEVELS.get(code, Level.ERROR)
+        word = "stale" if code == _STALE else ("OK" if level is Level.INFO else "")
+        text = ": ".join(filter(None, (word if word.lower() != said.lower() else "", said))) or word or f"level {code}"
+        if self._statuses.get(name) == (level, text):
+            return []
+        self._statuses[name] = level, text
+        return [Event(text, level, name, self._topic, stamp)]
+
+    def _joy(self, message: Any) -> list[Event]:
+        stamp, found = stamp_ns(message), []
+        for index, value in enumerate(get(message, "buttons")):
+            pressed = bool(value)
+            if self._buttons.get(index, False) != pressed:
+                found.append(
+                    Event(f"button {index} {'pressed' if pressed else 'released'}", topic=self._topic, stamp_ns=stamp)
+                )
+            self._buttons[index] = pressed
+        return found
+
+    def _touch_changes(self, time_ns: int, stamp: int | None) -> list[Timed]:
+        self._seen_ns = time_ns
+        found = []
+        for sensor, one in self._tracker.states(time_ns).items():
+            before = self._touched.get(sensor, TouchState.UNKNOWN)
+            self._touched[sensor] = one.state
+            # That a sensor was never touched is no news.
+            is_news = one.state is TouchState.TOUCHED or (one.state is TouchState.FREE and before)
+            if is_news and one.state is not before:
+                found.append((time_ns, Event(touch_text(sensor, one.state), topic=self._topic, stamp_ns=stamp)))
+        return found
+
+
+def touch_text(sensor: str, state: TouchState) -> str:
+    """What is said of a sensor that was touched or released."""
+    words = "touched" if state is TouchState.TOUCHED else "released"
+    return words if sensor == "touch" else f"{sensor} {words}"
+
+
+def _whole(name: str, value: Any) -> int:
+    """A level; rclpy has a byte as bytes, and rosbridge those in base64."""
+    try:
+        if isinstance(value, str) and not value.isdecimal():
+            value = b64decode(value, validate=True)
+        if isinstance(value, (bytes, bytearray, list)):
+            (value,) = value
+        return int(value)
+    except (TypeError, ValueError, OverflowError):
+        raise ValueError(f"{name}: expected a whole number, got {reprlib.repr(value)}") from None

@@ -1,0 +1,95 @@
+"""Events as rows of a list: equal ones that follow each other are one row, and the oldest are forgotten."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Sequence
+from typing import NamedTuple
+
+from .event import Event, Level
+
+
+_LONGEST_NAME = 200
+"""Characters of the names of sources and topics that are kept."""
+
+
+class EventRow(NamedTuple):
+    """A row of a list: an event, from its first time to its last, in seconds, and how often it came.
+
+    ``number`` counts rows from 0 on. ``length`` is that of the whole text, of which ``text`` may be the beginning.
+    """
+
+    number: int
+    seconds: float
+    until: float
+    level: Level
+    source: str
+    text: str
+    topic: str
+    count: int  # type: ignore[assignment]  # hides tuple.count, which a row does not need
+    length: int
+
+
+class EventLog:
+    """The newest events, as rows.
+
+    Args:
+        most_rows: rows that are kept; older ones are forgotten.
+        most_text: characters of a text that are kept.
+        most_characters: characters of all texts that are kept.
+
+    Attributes:
+        count: the number of events so far.
+        first: the number of the first row that is kept.
+    """
+
+    def __init__(self, most_rows: int, most_text: int, most_characters: int) -> None:
+        self._most_text, self._most_characters = most_text, most_characters
+        self._rows: deque[EventRow] = deque(maxlen=most_rows)
+        self.count = 0
+        self._made = self._characters = 0
+
+    @property
+    def first(self) -> int:
+        """The number of the first row that is kept: so many were forgotten."""
+        return self._made - len(self._rows)
+
+    @property
+    def rows(self) -> Sequence[EventRow]:
+        """The rows, oldest first."""
+        return self._rows
+
+    @property
+    def stop(self) -> int:
+        """The number that the next row will have."""
+        return self._made
+
+    def add(self, event: Event, seconds: float) -> None:
+        """Add an event; one that repeats the last row makes that longer."""
+        self.count += 1
+        text, source, topic = event.text[: self._most_text], event.source[:_LONGEST_NAME], event.topic[:_LONGEST_NAME]
+        said = (event.level, source, text, topic)
+        last = self._rows[-1] if self._rows else None
+        if (
+            last is not None
+            and (last.level, last.source, last.text, last.topic) == said
+            and last.length == len(event.text)
+        ):
+            self._rows[-1] = last._replace(until=seconds, count=last.count + 1)
+            return
+        row = EventRow(self._made, seconds, seconds, *said, 1, len(event.text))
+        if len(self._rows) == self._rows.maxlen:
+            self._forget()
+        self._rows.append(row)
+        self._made += 1
+        self._characters += len(text)
+        while self._characters > self._most_characters and len(self._rows) > 1:
+            self._forget()
+
+    def clear(self) -> None:
+        """Forget all rows; their numbers go on."""
+        self._rows.clear()
+        self._characters = 0
+
+    def _forget(self) -> None:
+        self._characters -= len(self._rows.popleft().text)
