@@ -6,6 +6,7 @@ import json
 import struct
 import time
 from collections.abc import Iterable, Sequence
+from dataclasses import replace
 from math import inf
 from typing import Any, ClassVar
 
@@ -118,6 +119,8 @@ class EventsWidget(RobotWidget[Event]):
         """The number of the first row that is not among those that are sent seldom."""
         self._all_due = 0.0
         self._is_new = False
+        self._whole: tuple[EventRow, ...] = ()
+        """Those of a recording."""
         self._notes: tuple[str, ...] = ()
         """What is said of a recording's events, at each moment of it."""
         super().__init__(**kwargs)
@@ -192,6 +195,8 @@ class EventsWidget(RobotWidget[Event]):
 
         In the player of a recording they are those of all of it.
         """
+        if self.shows_whole:
+            return self._whole
         stop = inf
         if self.paused and self._frozen_frame:
             _, stop = _FRAME.unpack_from(self._frozen_frame, FRAME_HEADER.size)
@@ -209,14 +214,25 @@ class EventsWidget(RobotWidget[Event]):
             self._missed += count
         self._say_more()
 
-    def show_whole(self, log: EventLog, end: float, notes: Sequence[str] = ()) -> None:
+    @property
+    def shows_whole(self) -> bool:
+        """Whether it shows the events of a recording, in a player."""
+        return bool(self._span)
+
+    def show_whole(self, rows: Sequence[EventRow], end: float, notes: Sequence[str] = ()) -> None:
         """Show the events of a recording of so many seconds, of which a player then shows one moment."""
-        self._log, self._span, self._notes = log, [0.0, end], tuple(notes)
-        self._old = _packed(log.rows)
+        self._whole, self._span, self._notes = tuple(rows), [0.0, end], tuple(notes)
+        self._old = _packed(rows)
+
+    def show_moment(self, seconds: float) -> None:
+        """Have `wait` return the last event up to a time of a recording."""
+        rows = [row for row in self._whole if row.seconds <= seconds]
+        if rows:
+            self._show(_event_of(rows[-1]))
 
     def within(self, start: float, end: float) -> dict[str, Any]:
         """See `RobotWidget`."""
-        rows = [row for row in self._log.rows if row.until >= start and row.seconds <= end]
+        rows = [row for row in self._whole if row.until >= start and row.seconds <= end]
         return {"_old": _packed(rows), "_span": [start, end]}
 
     def frame_at(self, seconds: float) -> tuple[dict[str, Any], bytes]:
@@ -259,10 +275,7 @@ class EventsWidget(RobotWidget[Event]):
     def _unpack(self, frame: bytes) -> Event:
         _, _, stamp_ns, arrived = FRAME_HEADER.unpack_from(frame)
         rows = self.rows
-        last = rows[-1] if rows else None
-        event = (
-            Event(last.text, last.level, last.source, last.topic, stamp_ns or None) if last is not None else Event("")
-        )
+        event = replace(_event_of(rows[-1]), stamp_ns=stamp_ns or None) if rows else Event("")
         note_arrival(event, arrived)
         return event
 
@@ -297,6 +310,10 @@ class EventsWidget(RobotWidget[Event]):
 def _now_ns() -> int:
     """Where an argument is called time."""
     return time.monotonic_ns()
+
+
+def _event_of(row: EventRow) -> Event:
+    return Event(row.text, row.level, row.source, row.topic)
 
 
 def _packed(rows: Iterable[EventRow]) -> bytes:

@@ -16,6 +16,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from .messages import to_range, to_scan, to_speed, to_touch
+from .messages.event import SAID_TYPES
 from .messages.fields import MessageShape, unwrap
 from .messages.standard import ContactMessages, ToMessage, range_message, scan_message, speed_message
 from .messages.touch import TOUCH_TYPES
@@ -309,7 +310,16 @@ SONAR = Kind(
 KINDS: dict[str, Kind] = {kind.name: kind for kind in (LASER, SPEED, TOUCH, SONAR)}
 """By name, in the order in which widgets stand on a page. `add` appends another."""
 
-ASKED: dict[str, Asked] = {PATH.name: PATH}
+EVENTS = Asked(
+    name="events",
+    types=SAID_TYPES,
+    widget="robowidgets.events_widget:EventsWidget",
+    frames="robowidgets.player._event_frames:EventFrames",
+    gathers=True,
+    every_message=True,
+    goes_stale=False,
+)
+ASKED: dict[str, Asked] = {row.name: row for row in (PATH, EVENTS)}
 """By name, the most useful first: widgets that topics have where they are asked for. `add` appends another."""
 
 _RESERVED = ("time_ns", "seconds", "topic")

@@ -187,10 +187,9 @@ def touch_text(sensor: str, state: TouchState) -> str:
 def _whole(name: str, value: Any) -> int:
     """A level; rclpy has a byte as bytes, and rosbridge those in base64."""
     try:
-        if isinstance(value, str) and not value.isdecimal():
-            value = b64decode(value, validate=True)
-        if isinstance(value, (bytes, bytearray, list)):
-            (value,) = value
-        return int(value)
+        inner = b64decode(value, validate=True) if isinstance(value, str) and not value.isdecimal() else value
+        if isinstance(inner, (bytes, bytearray, list)):
+            (inner,) = inner
+        return int(inner)
     except (TypeError, ValueError, OverflowError):
         raise ValueError(f"{name}: expected a whole number, got {reprlib.repr(value)}") from None

@@ -24,6 +24,12 @@ class PlayerView(NamedTuple):
     track: Track
 
 
+def followers(views: Sequence[PlayerView], scanogram: ScanogramWidget | None) -> list[str]:
+    """The names of the models that show the time itself, and let a person choose it."""
+    own = [view.widget.model_id for view in views if view.widget.has_trait("time")]
+    return [*([scanogram.model_id] if scanogram else []), *own]
+
+
 class LeadingPlayer(Protocol):
     """A player that another one follows."""
 

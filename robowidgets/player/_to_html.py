@@ -26,7 +26,7 @@ from ..scanogram_widget import ScanogramWidget
 from ..speed_widget import SpeedWidget
 from ._frames import Track
 from ._overview import is_planar, whole_drive
-from ._parts import PagedPlayer
+from ._parts import PagedPlayer, followers
 
 SEGMENT_BYTES = 400_000
 """About as many bytes of frames make a segment of a page: few enough to unpack between two pictures."""
@@ -165,6 +165,8 @@ def _models(
         changed: dict[str, Any] = {"_frame": b"", "_about": {}, "_source": {}, "_silence": 0.0}
         if picture and not player.scanogram and isinstance(view.widget, SpeedWidget):
             changed["planar"] = view.widget.planar or is_planar(recording, view.choice.topics)
+        if view.widget.has_trait("time"):
+            changed["time"] = time
         models.add(view.widget, changed | view.widget.within(*span))
     shown_at = {"time": time, "marks": marks}
     selection = _clipped(bar.selection, span)
@@ -179,7 +181,7 @@ def _models(
             "duration": span[1],
             "_begin": span[0],
             "_segment": seconds,
-            "_followers": [picture.model_id] if picture else [],
+            "_followers": followers(player.views, picture),
             "_first": [],
             "_leader": {},
             "_status": "",

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 
+from .._core.text import listed
 from ..recordings import RecordingData
 from .scanogram import touched
 
@@ -11,7 +12,10 @@ MOST_READ = 20_000
 """Messages of touches that are read at most: they take a moment. With more, a player begins without marks."""
 
 MOST = 200
-"""Marks at most; of more touches, the closest are joined."""
+"""Marks at most; of more, the closest are joined."""
+
+_MOST_NAMES = 6
+"""Names in the text of a mark; of more their number is told."""
 
 _APART = 0.5
 """Seconds between two marks: what touches again sooner is the same bump."""
@@ -28,11 +32,15 @@ def touch_marks(recording: RecordingData, topics: Sequence[str]) -> list[Mark]:
     """
     if sum(topic.count for topic in recording.topics if topic.name in topics) > MOST_READ:
         return []
-    spans = sorted(span for topic in topics for span in touched(recording.touches(topic), recording.duration))
-    apart = _APART
-    while len(marks := list(_bumps(spans, apart))) > MOST:
+    return joined(span for topic in topics for span in touched(recording.touches(topic), recording.duration))
+
+
+def joined(marks: Iterable[Mark]) -> list[Mark]:
+    """Marks of which those are one that follow each other closely."""
+    spans, apart = sorted(marks), _APART
+    while len(found := list(_bumps(spans, apart))) > MOST:
         apart *= 2
-    return marks
+    return found
 
 
 def _bumps(spans: Sequence[Mark], apart: float) -> Iterator[Mark]:
@@ -41,9 +49,9 @@ def _bumps(spans: Sequence[Mark], apart: float) -> Iterator[Mark]:
     names: dict[str, None] = {}
     for first, last, name in spans:
         if names and first - end > apart:
-            yield start, end, ", ".join(names)
+            yield start, end, listed(list(names), _MOST_NAMES)
             names = {}
         start, end = (start, max(end, last)) if names else (first, last)
         names[name] = None
     if names:
-        yield start, end, ", ".join(names)
+        yield start, end, listed(list(names), _MOST_NAMES)

@@ -35,10 +35,11 @@ from ..recordings.topics import UnknownTopicError, wanted
 from ..samples.state_span import rows_of
 from ..scanogram_widget import ScanogramWidget
 from ..speed_widget import SpeedWidget
+from ._event_frames import event_marks, marks_of
 from ._frames import LOOKED_AT, Track, moment_at, moments_of, silent_after
 from ._leader import Leader
 from ._overview import is_planar, whole_drive
-from ._parts import LeadingPlayer, PlayerView
+from ._parts import LeadingPlayer, PlayerView, followers
 from ._prefetcher import SEGMENT, Prefetcher, segment
 from ._to_html import Wanted, page_of
 from ._touch_marks import touch_marks
@@ -81,7 +82,7 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
     speed = traitlets.Float(1.0, min=0.1, max=10.0, help="Seconds of the recording per second. Settable.")
     loop = Flag(False, help="Whether it starts again at the end, or at the end of the selection. Settable.")
     selection = TimeSpan(help="The span that is looped: (start, end) in seconds from the start, or None. Settable.")
-    marks = Marks(help="Marks on slider and scanogram: (start, end, text), in seconds. Touches; settable.")
+    marks = Marks(help="Marks on slider and scanogram: (start, end, text), in seconds. Touches, errors; settable.")
 
     _prefetcher: Prefetcher | None = None
     _leader: Leader | None = None
@@ -256,10 +257,10 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
             _segment=SEGMENT,
             _targets=[view.widget.model_id for view in self.views],
             _pauses=[_pause(self.recording, view.choice) for view in self.views],
-            _followers=[self.scanogram.model_id] if self.scanogram else [],
+            _followers=followers(self.views, self.scanogram),
             _start=start_ns / 1e9 if has_date(start_ns) else None,
             _note=note,
-            marks=touch_marks(self.recording, touching),
+            marks=marks_of(touch_marks(self.recording, touching), event_marks(self.recording)),
             # The scanogram shows all rows.
             states=rows_of(self.recording.states)[: 1 if self.scanogram else None],
             _first=list(self._first_segments(int(seconds // SEGMENT))),

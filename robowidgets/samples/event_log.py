@@ -8,7 +8,6 @@ from typing import NamedTuple
 
 from .event import Event, Level
 
-
 _LONGEST_NAME = 200
 """Characters of the names of sources and topics that are kept."""
 
@@ -34,7 +33,7 @@ class EventLog:
     """The newest events, as rows.
 
     Args:
-        most_rows: rows that are kept; older ones are forgotten.
+        most_rows: rows that are kept; older ones are forgotten. None: all.
         most_text: characters of a text that are kept.
         most_characters: characters of all texts that are kept.
 
@@ -43,7 +42,7 @@ class EventLog:
         first: the number of the first row that is kept.
     """
 
-    def __init__(self, most_rows: int, most_text: int, most_characters: int) -> None:
+    def __init__(self, most_rows: int | None, most_text: int, most_characters: int) -> None:
         self._most_text, self._most_characters = most_text, most_characters
         self._rows: deque[EventRow] = deque(maxlen=most_rows)
         self.count = 0
@@ -93,3 +92,21 @@ class EventLog:
 
     def _forget(self) -> None:
         self._characters -= len(self._rows.popleft().text)
+
+
+def thinned(rows: Sequence[EventRow], most: int) -> list[EventRow]:
+    """At most so many rows, those that matter most; of a level of which not all have room some, evenly chosen."""
+    kept: list[EventRow] = []
+    for level in sorted(Level, reverse=True):
+        own = [row for row in rows if row.level == level]
+        left = most - len(kept)
+        kept += own if len(own) <= left else [own[i * len(own) // left] for i in range(left)]
+    return sorted(kept)
+
+
+def shortened(rows: Sequence[EventRow], most_characters: int) -> list[EventRow]:
+    """The rows with texts so short that together they have at most so many characters."""
+    most = max((len(row.text) for row in rows), default=0)
+    while sum(min(most, len(row.text)) for row in rows) > most_characters:
+        most //= 2
+    return [row._replace(text=row.text[:most]) for row in rows]

@@ -1,0 +1,104 @@
+"""The events of a recording in its player: all of them at once, and what is marked of them."""
+
+from __future__ import annotations
+
+import time
+from bisect import bisect_right
+from collections.abc import Iterable, Iterator, Sequence
+from math import nan
+
+from .._core.progress import without_bars
+from .._core.text import many
+from .._core.timed_frame import FRAME_HEADER, TimedFrame
+from .._widget_choice import WidgetChoice
+from ..events_widget import MOST_CHARACTERS, MOST_TEXT, EventsWidget
+from ..kinds import TOUCH
+from ..messages.event import SAID_TYPES
+from ..recordings import RecordingData
+from ..recordings.events import mark_text
+from ..recordings.program_log import PROGRAM, STATES
+from ..samples.event import Event, Level
+from ..samples.event_log import EventLog, EventRow, shortened, thinned
+from ._touch_marks import Mark, joined
+
+LONGEST = 2.0
+"""Seconds for which the events of a recording are read before it is shown."""
+
+MOST_ROWS = 5000
+"""Rows of a recording that the page gets."""
+
+MOST_READ = 20_000
+"""Messages that are read at most for marks: they take a moment. With more, a player begins without marks of events."""
+
+MARKED = Level.WARN
+"""The least level that is marked when a player begins: the bar stays readable."""
+
+
+class EventFrames:
+    """A `Track` of the events of a recording, of which the page has all rows: each frame tells a time alone.
+
+    Beside the topics that the widget was asked for it has what touched the robot, and what its program did.
+    """
+
+    def __init__(self, recording: RecordingData, choice: WidgetChoice, widget: EventsWidget) -> None:
+        self._widget = widget
+        if not widget.shows_whole:
+            rows, notes = _rows_of(recording, choice.topics)
+            widget.show_whole(rows, recording.duration, notes)
+        self._times = [row.seconds for row in widget.rows]
+
+    def frames(self, start: float, end: float) -> Iterator[TimedFrame]:
+        """See `Track`."""
+        first, stop = bisect_right(self._times, start), bisect_right(self._times, end)
+        for seconds in (start, *self._times[first:stop]):
+            about, frame = self._widget.frame_at(seconds)
+            yield TimedFrame(seconds, about, FRAME_HEADER.pack(0.0, nan, 0, 0.0) + frame)
+
+    def seek(self, seconds: float) -> None:
+        """See `Track`."""
+        self._widget.show_moment(seconds)
+
+
+def event_marks(recording: RecordingData) -> list[Mark]:
+    """Start, end and text of the errors and warnings, in seconds from the start."""
+    topics = [topic.name for topic in recording.topics if topic.type in SAID_TYPES and not topic.problem]
+    if not topics or sum(topic.count for topic in recording.topics if topic.name in topics) > MOST_READ:
+        return []
+    with without_bars():
+        found = [(at, event) for at, event in recording.timed_events(topics) if event.level >= MARKED]
+    start_ns = recording.start_ns or 0
+    seconds = ((at - start_ns) / 1e9 for at, _ in found)
+    return joined([(at, at, _text_of(event)) for at, (_, event) in zip(seconds, found, strict=True)])
+
+
+def _text_of(event: Event) -> str:
+    return mark_text(event.level, event.source, event.text)
+
+
+def _rows_of(recording: RecordingData, topics: Sequence[str]) -> tuple[Sequence[EventRow], list[str]]:
+    """The rows for the page, and what is said of those that are left out."""
+    also = [topic.name for topic in recording.topics if topic.widget == TOUCH.name or _is_of_program(topic.name)]
+    log, notes, began = EventLog(None, MOST_TEXT, 50 * MOST_CHARACTERS), [], time.monotonic()
+    start_ns = recording.start_ns or 0
+    with without_bars():
+        for at_ns, event in recording.timed_events(dict.fromkeys((*topics, *also))):
+            seconds = (at_ns - start_ns) / 1e9
+            log.add(event, seconds)
+            if time.monotonic() - began > LONGEST:
+                notes.append(f"no events after {seconds:.0f} s: reading all takes long; recording.events() has them")
+                break
+    rows = sorted(log.rows, key=lambda row: row.seconds)
+    kept = thinned(rows, MOST_ROWS)
+    if len(kept) < len(rows):
+        left = f"{len(kept):,} of {many(len(rows), 'row')}: errors and warnings first, of others every so many"
+        notes.append(f"{left}; recording.events() has all")
+    return shortened(kept, 2 * MOST_CHARACTERS), notes
+
+
+def _is_of_program(topic: str) -> bool:
+    return topic == PROGRAM or topic.startswith(STATES)
+
+
+def marks_of(*kinds: Iterable[Mark]) -> list[Mark]:
+    """Marks of several kinds in the order of time."""
+    return sorted(mark for marks in kinds for mark in marks)
