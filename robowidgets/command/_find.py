@@ -39,6 +39,8 @@ _USED_BY = {
     "sector": "nearest_below",
     "axis": "speed_above",
     "silent": "gap",
+    "level": "event",
+    "text": "event",
     **{kind.sample_name: condition for condition, kind in _LOOKS_AT.items()},
 }
 """The condition that an option belongs to."""
@@ -50,6 +52,7 @@ _GIVES = {
     "--speed-above": "limit",
     "--axis": "axis",
     "--gap": "seconds",
+    "--level": "level",
     "--field": "field",
 }
 """The argument of a condition that an option gives."""
@@ -84,6 +87,15 @@ def add_find(parser: argparse.ArgumentParser) -> None:
         help="a field of any topic compares so, as '/imu.linear_acceleration.x > 12', by <, <=, >, >=, == or !=, to a "
         "number, true, false or a text; abs(/imu.angular_velocity.z) is its size; may be given again for another",
     )
+    asked.add_argument(
+        "--event",
+        nargs="?",
+        const="",
+        action="append",
+        default=[],
+        metavar="TOPIC",
+        help="something was logged, changed its status, or was pressed; no topic named: on any that tells of events",
+    )
     asked.add_argument("--any", action="store_true", help="one of the conditions is enough")
     how = parser.add_argument_group("where to look")
     how.add_argument(
@@ -94,6 +106,8 @@ def add_find(parser: argparse.ArgumentParser) -> None:
         help="only rays between these angles, counter-clockwise: radians, or degrees as in -30deg 30deg; or one word: "
         f"{', '.join(SECTORS)} (default: all)",
     )
+    how.add_argument("--level", help="of the event, at least: DEBUG, INFO, WARN, ERROR or FATAL (default: any)")
+    how.add_argument("--text", metavar="WORDS", help="in the text or the source of the event, in any case")
     how.add_argument("--axis", help="of the speed (default: linear.x; angular.z is yaw)")
     for name in (kind.sample_name for kind in _LOOKS_AT.values()):
         how.add_argument(f"--{name}", metavar="TOPIC", help=f"the topic of the {name} (default: the only one)")
@@ -107,12 +121,16 @@ def readable(words: Iterable[str]) -> list[str]:
     """The words of a command, as argparse can read them.
 
     It takes ``-30deg`` for an option unless a space stands before it, wants two words after ``--sector``, and takes a
-    file after ``--touched`` for a sensor.
+    file after ``--touched`` for a sensor, and after ``--event`` for a topic.
     """
     read: list[str] = []
     given = list(words)
     for word, after in zip(given, [*given[1:], ""], strict=False):
-        if read[-1:] == ["--touched"] and Path(word).exists() and not any(Path(one).exists() for one in read[1:]):
+        if (
+            read[-1:] in (["--touched"], ["--event"])
+            and Path(word).exists()
+            and not any(Path(one).exists() for one in read[1:])
+        ):
             read.insert(1, word)
             continue
         if read[-1:] == ["--sector"] and word.isalpha() and not DEGREES.fullmatch(after):
@@ -154,8 +172,11 @@ def condition(arguments: argparse.Namespace) -> Condition:
     if arguments.gap is not None:
         asked.append(conditions.gap(arguments.gap, arguments.silent))
     asked += map(_compared, arguments.field)
+    asked += (conditions.event(topic or None, arguments.level, arguments.text) for topic in arguments.event)
     if not asked:
-        raise CommandError("find: expected a condition: --touched, --nearest-below, --speed-above, --gap or --field")
+        raise CommandError(
+            "find: expected a condition: --touched, --nearest-below, --speed-above, --gap, --field or --event"
+        )
     _check_used(arguments)
     return reduce(or_ if arguments.any else and_, asked)
 

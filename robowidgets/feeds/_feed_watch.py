@@ -50,6 +50,8 @@ class FeedWatch(Watch):
 
     def __init__(self, connection: Connection, given: Any, name: str, topics: Mapping[str, str]) -> None:
         super().__init__(name, _condition(given, topics), "moment", self._why_unknown)
+        if "event" in self.condition.reads:
+            raise TypeError(f"{self.condition}: an EventsWidget that is connected watches it: events.watch(condition)")
         self.connection, self._topics = connection, topics
         self._inputs: dict[str, FeedInputs] = {}
         """By the name under which they are read."""

@@ -28,6 +28,7 @@ from ..samples.distances import distances, inside, ray_distances
 from ..samples.sector import ALL_ROUND, Asked, to_sector
 from ..samples.traced_numbers import fact
 from ..samples.verdict import Verdict
+from ._events import EventCondition
 from ._fields import Field
 from ._steps import NO, UNKNOWN, YES, Steps, combined, steps
 from .base import VALUES, Condition, FunctionCondition
@@ -37,7 +38,7 @@ if TYPE_CHECKING:
     from ..recordings import RecordingData
     from ._search import Search
 
-__all__ = ["Condition", "field", "gap", "nearest_below", "speed_above", "touched", "when"]
+__all__ = ["Condition", "event", "field", "gap", "nearest_below", "speed_above", "touched", "when"]
 
 
 def touched(label: str | None = None, topic: str | None = None) -> Condition:
@@ -96,6 +97,28 @@ def gap(seconds: float, topic: str | None = None) -> Condition:
         UnknownTopicError: raised by `Recording.find` if no topic is named and none has such samples.
     """
     return _Gap(seconds, topic)
+
+
+def event(topic: str | None = None, level: str | int | None = None, text: str | None = None) -> Condition:
+    """Something happened: a line was logged, a status changed, a button was pressed; see `Recording.events`.
+
+    It is true at that moment alone, so that each event is a span of 0 seconds; joined by ``&`` it picks the moments at
+    which something else is true. A watch of an `EventsWidget` judges it on the newest event.
+
+    Args:
+        topic: the topic that tells it; None: any that tells of events.
+        level: the least level: ``"DEBUG"``, ``"INFO"``, ``"WARN"``, ``"ERROR"`` or ``"FATAL"``; None: any.
+        text: words in its text or its source, in any case; None: any.
+
+    Raises:
+        TypeError, ValueError: no name, no level or no text.
+
+    Example:
+        >>> from robowidgets import conditions
+        >>> print(conditions.event("/rosout", level="WARN", text="lost"))
+        WARN or more with 'lost' on /rosout
+    """
+    return EventCondition(topic, level, text)
 
 
 def field(name: str) -> Field:

@@ -155,6 +155,6 @@ def test_its_filter_takes_levels_that_there_are_alone(events: EventsWidget) -> N
 
 
 def test_a_repr_says_how_many_and_the_last(events: EventsWidget) -> None:
-    assert repr(events) == "<EventsWidget robot>"
+    assert repr(events) == "<EventsWidget robot: nothing yet>"
     events.update(Event("over current", Level.ERROR, "motor"))
     assert repr(events) == "<EventsWidget robot: 1 event, the last: ERROR over current>"
