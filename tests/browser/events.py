@@ -40,3 +40,27 @@ hostile.add("<img src=x onerror=alert(1)>", level="ERROR", source="<b>node</b>")
 hostile.add("\\u202ertl \\u0000 \\ud800 end\\n" + "x" * 3_000_000, source="n" * 500)
 hostile
 """
+RECORDING = """
+import tempfile
+from pathlib import Path
+import robowidgets
+from tests.unit.recordings import recorded
+from tests.unit.recordings.sweeps import START_NS, TYPE, scan
+_line = lambda text, level=20, name="node": {"level": level, "name": name, "msg": text}
+_status = lambda level, text: {"status": [{"level": level, "name": "motor", "message": text, "values": []}]}
+_messages = [
+    *((i / 10, "/scan", scan(START_NS, [1.0 + i % 20 / 10] * 61)) for i in range(101)),
+    (0.0, "/rosout", _line("started")),
+    (0.5, "/diagnostics", _status(0, "fine")),
+    (2.0, "/rosout", _line("lost the line", 30, "follower")),
+    *((3.0 + i / 5, "/rosout", _line("no new map", 20, "amcl")) for i in range(5)),
+    (5.0, "/diagnostics", _status(2, "over current")),
+    (7.0, "/rosout", _line("lost the map", 40, "amcl")),
+    (9.0, "/rosout", _line("found it again", 20, "amcl")),
+]
+_types = {"/scan": TYPE, "/rosout": "rcl_interfaces/msg/Log", "/diagnostics": "diagnostic_msgs/msg/DiagnosticArray"}
+_folder = Path(tempfile.mkdtemp()) / "drive"
+recording = robowidgets.open(recorded.write(_folder, _types, sorted(_messages, key=lambda one: one[0])))
+player = recording.show("/scan", "/rosout", "/diagnostics", scanogram=True)
+player
+"""

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from pathlib import Path
 
 import pytest
-from playwright.sync_api import Locator, expect
+from playwright.sync_api import Locator, Page, expect
 
 from .chromium import LOOKS, shoot
-from .events import EMPTY, HOSTILE, MANY, ROBOT
+from .events import EMPTY, HOSTILE, MANY, RECORDING, ROBOT
 from .laser import eventually
 from .plain_page import PlainPage
 
@@ -140,3 +141,49 @@ def test_hostile_texts_stay_texts_and_long_ones_are_cut_and_told(plain_page: Cal
     )
     shoot(card, "events-hostile")
     assert nb.python("print(len(hostile.get_state()['_new']) < 20_000)") == "True\n"
+
+
+def test_in_a_player_a_click_goes_there_pointing_shows_that_moment_and_the_row_of_the_cursor_is_ink(
+    plain_page: Callable[..., PlainPage],
+) -> None:
+    nb = plain_page([RECORDING])
+    nb.resize(1240, 720)
+    output = nb.output(0)
+    card = output.locator(".rw-events")
+    now = output.locator(".rw-play-now")
+    expect(row(card, "over current")).to_be_visible()
+    shoot(output.locator(".rw-recording"), "events-player")
+    row(card, "over current").click()
+    expect(now).to_have_text("5.00")
+    expect(card.locator('[aria-current="true"]')).to_contain_text("over current")
+    eventually(lambda: nb.python("print(player.time)").strip(), "5.0")
+    row(card, "lost the map").hover()
+    expect(now).to_have_text("7.00")
+    nb.page.mouse.move(0, 0)
+    expect(now).to_have_text("5.00")
+    card.locator(".rw-picture").focus()
+    nb.page.keyboard.press("ArrowUp")
+    expect(now).to_have_text("3.00")
+    expect(card.locator(".rw-event:visible .rw-event-count").filter(has_text="× 5")).to_have_count(1)
+    card.get_by_label("Only rows with these words (/)").fill("lost the")
+    nb.page.keyboard.press("Enter")
+    nb.page.keyboard.press("ArrowDown")
+    expect(now).to_have_text("7.00")
+    assert nb.python("print([mark[0] for mark in player.marks])").strip() == "[2.0, 5.0, 7.0]"
+    nb.python("player.time = 9.5")
+    expect(card.locator('[aria-current="true"]')).to_contain_text("lost the map")
+
+
+def test_an_exported_page_has_the_list_which_leads_it(
+    plain_page: Callable[..., PlainPage], static_page: Callable[[Path], Page], tmp_path: Path
+) -> None:
+    nb = plain_page([RECORDING])
+    file = tmp_path / "page.html"
+    nb.python(f"player.to_html({str(file)!r}, start=1, end=8)")
+    page = static_page(file)
+    card = page.locator(".rw-events")
+    expect(rows(card)).to_have_count(4)
+    row(card, "lost the map").click()
+    expect(page.locator(".rw-play-now")).to_have_text("7.00")
+    expect(card.locator('[aria-current="true"]')).to_contain_text("lost the map")
+    shoot(page.locator("main"), "events-page")
