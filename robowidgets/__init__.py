@@ -17,7 +17,21 @@ from .laser_widget import LaserWidget
 from .messages.map_grid import load_map
 from .path_widget import PathWidget
 from .plot_widget import PlotWidget
-from .samples import Event, MapGrid, Range, Ranges, Ray, Scan, Sector, Speed, Touch, TouchMode, TouchState, Validity, spread
+from .samples import (
+    Event,
+    MapGrid,
+    Range,
+    Ranges,
+    Ray,
+    Scan,
+    Sector,
+    Speed,
+    Touch,
+    TouchMode,
+    TouchState,
+    Validity,
+    spread,
+)
 from .scanogram_widget import ScanogramWidget
 from .shapes import Arc, Arrow, Line, Points, Polygon, Text
 from .sonar_widget import SonarWidget
