@@ -14,6 +14,7 @@ from .drive_widget import DriveWidget
 from .events_widget import EventsWidget
 from .laser.footprint import Footprint
 from .laser_widget import LaserWidget
+from .message_widget import MessageWidget
 from .messages.map_grid import load_map
 from .path_widget import PathWidget
 from .plot_widget import PlotWidget
@@ -67,6 +68,7 @@ __all__ = [
     "Line",
     "MachineWidget",
     "MapGrid",
+    "MessageWidget",
     "PathWidget",
     "PlotWidget",
     "Points",

@@ -319,7 +319,14 @@ EVENTS = Asked(
     every_message=True,
     goes_stale=False,
 )
-ASKED: dict[str, Asked] = {row.name: row for row in (PATH, EVENTS)}
+MESSAGE = Asked(
+    name="message",
+    widget="robowidgets.message_widget:MessageWidget",
+    frames="robowidgets.player._frames:TreeFrames",
+)
+"""Of any type: what is left has at least this."""
+
+ASKED: dict[str, Asked] = {row.name: row for row in (PATH, EVENTS, MESSAGE)}
 """By name, the most useful first: widgets that topics have where they are asked for. `add` appends another."""
 
 _RESERVED = ("time_ns", "seconds", "topic")

@@ -21,6 +21,7 @@ import robowidgets
 from robowidgets import (
     LaserWidget,
     MapGrid,
+    MessageWidget,
     PathWidget,
     PlotWidget,
     Range,
@@ -66,6 +67,7 @@ def make() -> dict[str, Any]:
             "speed": _speed(),
             "touch": _touch(),
             "sonar": _sonar(),
+            "message": _message(),
             "plot": _plot(),
             "map": _map(),
             **_scanogram(),
@@ -302,6 +304,16 @@ def _map() -> tuple[bytes, dict[str, Any]]:
     keys = ("number", "time", "x", "y", "yaw", "scatter", "points", "total", "cells")
     reads = {"sequence": 3, "rate": 30.0, "arrived": 12.5, "time": 2.0, "x": nan, "y": nan, "yaw": nan}
     return frame, {**reads, "layers": [dict(zip(keys, row, strict=True)) for row in layers]}
+
+
+def _message() -> tuple[bytes, dict[str, Any]]:
+    widget = MessageWidget()
+    ids = np.array([-3, 2**60 + 1], np.int64)
+    widget.update({"speed": 0.1, "nan": nan, "big": 2**60 + 1, "in": {"text": "\u00e9"}, "ids": ids, "on": True})
+    frame = widget.get_state()["_frame"]
+    widget.close()
+    values = [0.1, "nan", str(2**60 + 1), ["\u00e9"], [2, -3, str(2**60 + 1), 0, 0, 0], True]
+    return frame, {"sequence": 1, "rate": 30.0, "arrived": 12.5, "values": values, "ids": [-3, str(2**60 + 1)]}
 
 
 def _scanogram() -> dict[str, tuple[bytes, dict[str, Any]]]:

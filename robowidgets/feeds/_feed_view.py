@@ -140,7 +140,11 @@ class FeedView(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no type
 
     def _choose(self) -> tuple[WidgetChoice, ...]:
         """The widgets for the topics. Those that have no kind wait until it is known that no other topic has one."""
-        return choose_widgets(list(self._known.values()), self._names, lambda _: self._connection.is_settled)
+
+        def can_show(topic: str) -> bool:
+            return self._connection.is_settled and not self._probes.waits_for(topic)
+
+        return choose_widgets(list(self._known.values()), self._names, can_show)
 
     def _named(self, topics: Iterable[FeedTopic]) -> list[tuple[str, str]]:
         """The topics and fields that are to be shown."""

@@ -21,11 +21,16 @@ class Probes:
     def __init__(self, connection: TopicLink) -> None:
         self._connection = connection
         self._targets: dict[str, Target] = {}
+        self._decided: set[str] = set()
 
     @property
     def topics(self) -> frozenset[str]:
         """The names of the topics that were or are looked at."""
         return frozenset(self._targets)
+
+    def waits_for(self, topic: str) -> bool:
+        """Whether a message is still to decide the widget of a topic."""
+        return topic in self._targets and topic not in self._decided
 
     def add(self, topics: Iterable[FeedTopic]) -> None:
         """Look at those of some topics that are open, each once."""
@@ -43,5 +48,6 @@ class Probes:
 
     def _decide(self, topic: FeedTopic, message: Any) -> None:
         if target := self._targets.get(topic.name):  # else it was closed meanwhile
+            self._decided.add(topic.name)
             self._connection.detach(topic.name, target)
             self._connection.decide(topic, message)

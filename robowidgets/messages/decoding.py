@@ -9,6 +9,7 @@ import re
 from collections.abc import Callable, Iterator
 from functools import lru_cache
 from typing import Any
+from weakref import WeakKeyDictionary
 
 from rosbags.interfaces import Nodetype
 from rosbags.typesys import Stores, get_types_from_idl, get_types_from_msg, get_typestore
@@ -68,6 +69,7 @@ def decoder_of(channel: Channel) -> Decode:
             message.
     """
     store, type_name, encoding = store_of(channel), channel.type, channel.encoding
+    _read_from[store.types[type_name]] = channel
     read = store.deserialize_ros1 if encoding == "ros1" else store.deserialize_cdr
 
     def decode(raw: bytes) -> Any:
@@ -77,6 +79,15 @@ def decoder_of(channel: Channel) -> Decode:
             raise DecodeError(f"{len(raw)} bytes that are no {type_name}: {one_line(error)}") from error
 
     return decode
+
+
+_read_from: WeakKeyDictionary[type, Channel] = WeakKeyDictionary()
+"""The classes of messages that were decoded, each with a channel that has them."""
+
+
+def channel_of(message: Any) -> Channel | None:
+    """A channel of the type and the definition from which a message was decoded; None for any other object."""
+    return _read_from.get(type(message))
 
 
 def definition_of(channel: Channel) -> str:

@@ -31,7 +31,7 @@ _DTYPES: dict[str, np.dtype[Any]] = {
     "duration": _TIME,
 }
 _NAMED_TIMES = {"builtin_interfaces/msg/Time": "time", "builtin_interfaces/msg/Duration": "duration"}
-_NO_FIELD = "structure_needs_at_least_one_member"
+NO_FIELD = "structure_needs_at_least_one_member"
 """Of an empty message: one byte in CDR, none in ROS 1."""
 _MOST_LEAVES = 10_000
 _MOST_KEPT = 64
@@ -256,7 +256,7 @@ class Layouts:
 
     def _compile(self, type_name: str, prefix: str, arrays: tuple[int, ...]) -> Iterator[_Node]:
         for name, (kind, what) in self._types[type_name][1]:
-            if name == _NO_FIELD:
+            if name == NO_FIELD:
                 if self._is_cdr:
                     yield _Node(None, False, 1, 1, 1)
                 continue

@@ -110,6 +110,17 @@ class MessageFrames:
         return TimedFrame(seconds, about, FRAME_HEADER.pack(0.0, nan, stamp or 0, 0.0) + frame)
 
 
+class TreeFrames(MessageFrames):
+    """A `Track` of the fields of messages, which can be copied as the code that reads them; see `MessageFrames`."""
+
+    def _shown(self, seconds: float, now: Mapping[str, Moment | None]) -> TimedFrame:
+        timed = super()._shown(seconds, now)
+        sequence, rate, stamp, _ = FRAME_HEADER.unpack_from(timed.frame)
+        head = FRAME_HEADER.pack(sequence, rate, stamp, seconds)
+        about = {**timed.about, "recorded": self._choice.topic}
+        return TimedFrame(seconds, about, head + timed.frame[FRAME_HEADER.size :])
+
+
 class SampleFrames:
     """A `Track` of the last sample of each topic of a widget at each time.
 

@@ -1,5 +1,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
+import { decodeMessage } from "../../robowidgets/js/message/frame.ts";
+import { elementsOf, toFields } from "../../robowidgets/js/message/tree.ts";
 import { decodeFrames } from "../../robowidgets/js/player/segments.ts";
 import { decodePlot } from "../../robowidgets/js/plot/frame.ts";
 import { decodeDetail, decodeWhole } from "../../robowidgets/js/scanogram/data.ts";
@@ -24,6 +26,15 @@ const FRAMES: Record<string, (bytes: DataView) => Record<string, unknown>> = {
   speed: (bytes) => ({ ...decodeSpeeds(bytes) }),
   touch: (bytes) => ({ ...decodeTouch(bytes) }),
   sonar: (bytes) => ({ ...decodeRing(bytes) }),
+  message(bytes) {
+    const packed = decodeMessage(bytes);
+    const node = { name: "ids", kind: "numbers", type: "int64" } as const;
+    const [ids] = toFields([node], { ...packed, values: [packed.values[4] ?? null] });
+    const { sequence, rate, arrived } = packed;
+    // In the table, the text is a NaN.
+    const values = packed.values.map((value) => (value === "nan" ? NaN : value));
+    return { sequence, rate, arrived, values, ids: ids && elementsOf(ids, 0, 2).map(({ value }) => value) };
+  },
   plot(bytes) {
     const frame = decodePlot(bytes);
     const lines = frame?.lines.map((rows) => pick(rows, rows));

@@ -27,7 +27,7 @@ LAYERS = (
     "recordings",
     "*_widget _widget_choice _layout _together",
     "behaviors lessons",
-    "driving laser maps plotting scanogram",
+    "driving laser maps message_tree plotting scanogram",
     "kinds poses shapes simulator",
     "repair",
     "_core",

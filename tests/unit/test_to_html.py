@@ -208,9 +208,9 @@ def test_a_page_of_what_a_player_shows_has_its_settings(path: Path, tmp_path: Pa
     assert b'"_begin":0.5' in page
 
 
-def test_a_recording_that_no_widget_shows_makes_no_page(data: Path, tmp_path: Path) -> None:
-    text = "jazzy_mcap_no_laser: no topic for a page: no widget shows any"
-    with robowidgets.open(data / "odd" / "jazzy_mcap_no_laser") as recording, pytest.raises(RecordingError, match=text):
+def test_a_recording_without_a_message_makes_no_page(data: Path, tmp_path: Path) -> None:
+    text = "empty_bag: no topic for a page: no widget shows any"
+    with robowidgets.open(data / "odd" / "empty_bag") as recording, pytest.raises(RecordingError, match=text):
         recording.to_html(tmp_path / "a.html")
     assert list(tmp_path.iterdir()) == []
 

@@ -74,7 +74,7 @@ export class CopyCode<F extends string = string> {
 }
 
 /** Copies text; resolves to whether the browser allowed it. */
-async function copyText(text: string): Promise<boolean> {
+export async function copyText(text: string): Promise<boolean> {
   try {
     await navigator.clipboard.writeText(text);
     return true;

@@ -8,13 +8,21 @@ export const SECONDS = 10;
 /** Part of the scale that is left free above and below a line. */
 const ROOM = 0.1;
 
-/** The numbers that a program plotted in the last seconds, those of today's names; each sample has at most one. */
-export function toNumberLines(samples: Pick<Moment, "about" | "at">[]): TimeLine[] {
+/**
+ * The numbers that a program plotted in the last seconds, those of today's names; each sample has at most one.
+ * @param also gives more numbers of a sample
+ */
+export function toNumberLines<M extends Pick<Moment, "about" | "at">>(
+  samples: M[],
+  also: ((moment: M) => Record<string, number | null>) | null = null,
+): TimeLine[] {
   const last = samples.at(-1);
-  const recent = samples.filter(({ at }) => last && last.at - at <= 1000 * SECONDS);
-  return Object.keys(last?.about.numbers ?? {}).map((name) => {
-    const measured = recent.flatMap(({ about, at }): Point[] => {
-      const value = about.numbers?.[name] ?? null;
+  const recent = samples
+    .filter(({ at }) => last && last.at - at <= 1000 * SECONDS)
+    .map((moment) => ({ at: moment.at, numbers: { ...moment.about.numbers, ...also?.(moment) } }));
+  return Object.keys(recent.at(-1)?.numbers ?? {}).map((name) => {
+    const measured = recent.flatMap(({ numbers, at }): Point[] => {
+      const value = numbers[name] ?? null;
       return value === null ? [] : [{ at: at - (last?.at ?? 0), value }];
     });
     return {
@@ -33,7 +41,9 @@ export function toNumberLines(samples: Pick<Moment, "about" | "at">[]): TimeLine
 const LONGEST = 14;
 
 function short(name: string): string {
-  return name.length > LONGEST ? `${name.slice(0, LONGEST - 1)}\u2026` : name;
+  if (name.length <= LONGEST) return name;
+  // Of a path the end tells most.
+  return name.includes(".") ? `\u2026${name.slice(1 - LONGEST)}` : `${name.slice(0, LONGEST - 1)}\u2026`;
 }
 
 function scaleOf(points: Point[]): Pick<TimeLine, "low" | "high" | "showsEnds" | "decimals"> {

@@ -10,7 +10,7 @@ import { offerPng } from "./png.ts";
 import { Pulse } from "./pulse.ts";
 import type { Frame, Stream } from "./stream.ts";
 import { TimeLinesView } from "./time_lines_view.ts";
-import type { SampleTraits } from "./traits.ts";
+import type { Moment, SampleTraits } from "./traits.ts";
 
 const STEPS: Record<string, number> = { ",": -1, ".": 1 };
 
@@ -18,6 +18,8 @@ const STEPS: Record<string, number> = { ",": -1, ".": 1 };
 export class SampleCard extends Card {
   readonly lamps: Lamps;
   readonly pulse: Pulse<SampleTraits>;
+  /** Numbers of a sample that are drawn over the last seconds, besides those of the program; null: there are none. */
+  alsoNumbers: ((moment: Moment) => Record<string, number | null>) | null = null;
   readonly #model: Model<SampleTraits>;
   readonly #stream: Stream<Frame>;
   readonly #freeze: HTMLButtonElement;
@@ -124,7 +126,8 @@ export class SampleCard extends Card {
   /** Draws the numbers that the program plots, up to the sample on show. */
   #drawNumbers(): void {
     const { about, paused } = this.#stream;
-    const lines = about.numbers ? toNumberLines(this.#stream.last(Infinity)) : null;
+    const also = this.alsoNumbers;
+    const lines = about.numbers || also ? toNumberLines(this.#stream.last(Infinity), also) : null;
     this.#numbers.draw(lines, SECONDS, paused ? "frozen" : "now", this.theme, this.size.ratio);
   }
 
@@ -152,7 +155,8 @@ export class SampleCard extends Card {
     if (event.key !== " " || event.target instanceof HTMLButtonElement) return;
     event.preventDefault();
     // The bar is hidden when the picture is released. Focus must not leave the card with it.
-    this.picture.focus({ preventScroll: true });
+    const isInPicture = event.target !== this.picture && this.picture.contains(event.target as Element);
+    if (!isInPicture) this.picture.focus({ preventScroll: true });
     this.#stream.toggle();
   }
 }

@@ -1,0 +1,111 @@
+import { toCount, toDegrees } from "../shared/format.ts";
+import { yawOf } from "./text.ts";
+import { canUnfold, elementsOf, type Field, summaryOf, textsOf } from "./tree.ts";
+
+/** Rows up to which messages within the message are unfolded unless a person says otherwise. */
+const ROOM = 40;
+/** Elements of an array that stand together. */
+const PAGE = 32;
+
+/** A row of the tree: a field, a part of a long array, or words on what is missing. */
+export interface Row {
+  /** Its name among all rows. */
+  key: string;
+  depth: number;
+  field: Field | null;
+  /** Name of a row without a field of its own. */
+  label: string;
+  /** Null: there is nothing to unfold. */
+  isOpen: boolean | null;
+  /** What is worked out of other fields; empty: it is in the message. */
+  derived: string;
+  /** The path that Python is asked for when the row is chosen; empty: none. */
+  asks: string;
+}
+
+/** The rows on show, from top to bottom. @param folds what a person unfolded or folded, by key */
+export function toRows(fields: readonly Field[], folds: Record<string, boolean>): Row[] {
+  const open = openAtFirst(fields);
+  const rows: Row[] = [];
+  const isOpen = (key: string) => folds[key] ?? open.has(key);
+  const add = (field: Field, depth: number) => {
+    const { path, node } = field;
+    const unfolds = canUnfold(field);
+    rows.push({ ...PLAIN, key: path, depth, field, isOpen: unfolds ? isOpen(path) : null });
+    if (!unfolds || !isOpen(path)) return;
+    if (node.kind === "numbers")
+      addPages(path, depth + 1, summaryOf(field).count, (from, to) => elementsOf(field, from, to));
+    else if (node.kind === "texts") addTexts(field, depth + 1);
+    else if (!field.children) rows.push(missing(path, depth + 1, "loading \u2026"));
+    else {
+      addAll(field.children, depth + 1, path, node.more ?? 0);
+      const turn = yawOf(field.children);
+      for (const label of turn ? (["roll", "pitch"] as const) : []) {
+        const derived = toDegrees(turn?.[label] ?? NaN);
+        rows.push({ ...PLAIN, key: `${path} ${label}`, depth: depth + 1, label, derived });
+      }
+    }
+  };
+  const addAll = (children: readonly Field[], depth: number, path: string, more: number) => {
+    addPages(path, depth, children.length, (from, to) => children.slice(from, to), 3 * PAGE);
+    if (more) rows.push({ ...missing(path, depth, `${toCount(more)} more`), asks: path });
+  };
+  const addPages = (
+    path: string,
+    depth: number,
+    count: number,
+    slice: (from: number, to: number) => readonly Field[],
+    most = PAGE,
+  ) => {
+    if (count <= most) {
+      const shown = slice(0, count);
+      for (const field of shown) add(field, depth);
+      if (shown.length < count) rows.push(missing(path, depth, `more than the page gets: ${path} in Python has all`));
+      return;
+    }
+    const shown = slice(0, count);
+    if (!shown.length) {
+      rows.push(missing(path, depth, `more than the page gets: ${path} in Python has all`));
+      return;
+    }
+    for (let from = 0; from < count; from += PAGE) {
+      const to = Math.min(from + PAGE, count);
+      const key = `${path}[${from}:${to}]`;
+      rows.push({ ...PLAIN, key, depth, label: `[${from}:${to}]`, isOpen: isOpen(key) });
+      if (isOpen(key)) for (const field of shown.slice(from, to)) add(field, depth + 1);
+    }
+  };
+  const addTexts = (field: Field, depth: number) => {
+    const texts = textsOf(field);
+    for (const text of texts) add(text, depth);
+    const left = (field.value as [number])[0] - texts.length;
+    if (left > 0) rows.push(missing(field.path, depth, `${toCount(left)} more, in Python`));
+  };
+  for (const field of fields) add(field, 0);
+  return rows;
+}
+
+const PLAIN = { field: null, label: "", isOpen: null, derived: "", asks: "" };
+
+function missing(path: string, depth: number, label: string): Row {
+  return { ...PLAIN, key: `${path} \u2026`, depth, label };
+}
+
+/** The paths that are unfolded at first: what is nearest to the root, as long as there is room. */
+function openAtFirst(fields: readonly Field[]): Set<string> {
+  const open = new Set<string>();
+  let room = ROOM - fields.length;
+  let level = fields;
+  while (level.length) {
+    const next: Field[] = [];
+    for (const field of level) {
+      const { children, node } = field;
+      if (!children?.length || (node.more ?? 0) > 0 || children.length > room) continue;
+      room -= children.length;
+      open.add(field.path);
+      next.push(...children);
+    }
+    level = next;
+  }
+  return open;
+}

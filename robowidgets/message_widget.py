@@ -1,0 +1,273 @@
+"""The message view: any message as a tree of its fields, with their values live."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Mapping, Sequence
+from typing import Any, ClassVar, NamedTuple
+
+import traitlets
+
+from ._core.front_end import bundle
+from ._core.robot_widget import RobotWidget
+from ._core.timed_frame import FRAME_HEADER
+from ._core.traits import Flag
+from .message_tree import Tree, pack, read
+from .messages.any_message import names_in, value_at, why_no_value
+from .messages.fields import stamp_ns, type_name, unwrap
+
+MOST_FIELDS = 32
+"""Fields that are shown alone, or over time."""
+
+_MOST_KEPT, _MOST_KEPT_BYTES = 600, 32_000_000
+"""Messages that were sent, and about their bytes, of which one may be stepped back to."""
+
+
+class Received(NamedTuple):
+    """A message with what is known of it: its type and its definition, and the stamp in its header."""
+
+    message: Any
+    type: str
+    schema: Any
+    stamp_ns: int | None
+
+
+_NONE = Received(None, "", None, None)
+"""Before the first message of a recording."""
+
+
+class MessageWidget(RobotWidget[Received]):
+    """Any message, live: a tree of its fields, or some of them alone and large.
+
+    The reader sees each field under its name in the program, with its value and its unit, as far as its definition or
+    REP-103 tell it. A number that has a name in the definition is shown by it, ``OK 0``; what changed since the message
+    before has a bar at its left; an array is folded to its length, its least and its greatest value, and those that are
+    not measured (NaN), which are never a 0. The joints of a JointState, the cells of a BatteryState and the parts of a
+    DiagnosticArray are rows with bars. Each field can be copied as the code that reads it, and watched over the last
+    seconds. Space freezes; none of it needs the kernel. Of a large message the page has only a part, and gets the rest
+    when it is unfolded. What cannot be understood leaves the last picture and says why above it.
+
+    Args:
+        title: what is shown, for the header; usually the name of the topic.
+        fields: paths of the fields to show alone, such as ``"pose.pose.position.x"`` or ``"ranges[0]"``; empty: all.
+        over_time: paths of numbers that are drawn over the last seconds, too. The view writes it, too.
+        rows: whether joints, cells and diagnostics are rows with bars, not a tree. The view writes it, too.
+        type: the type of messages that do not tell theirs, such as ``"sensor_msgs/msg/Imu"`` for dictionaries.
+        folds: path of a message or an array to whether it is unfolded; others are, as far as that takes little room.
+            The view writes it, too.
+        changes: whether what changed since the message before is marked. The view writes it, too.
+        paused: whether the picture is frozen.
+        history: seconds for which the page keeps messages to step back through while frozen, 0 (none) to 600.
+        header, footer: whether they are there.
+
+    Raises:
+        TypeError: an unknown keyword.
+        traitlets.TraitError: a value out of its range.
+
+    Source: REP-103, and the definition of the message.
+
+    Example:
+        >>> battery = MessageWidget(title="battery", fields=["percentage", "voltage"])
+        >>> battery.update({"voltage": 16.21, "percentage": 0.867})
+        >>> battery["voltage"]
+        16.21
+    """
+
+    _esm, _css = bundle("message_widget")
+    _meant: ClassVar = {"field": "fields", "topic": "title", "watch_fields": "over_time", "tree": "rows"}
+    _instead: ClassVar = {"values": 'widget["pose.position.x"]', "msg": "widget.message"}
+    column = "wide"
+    sample_name = "message"
+    frame_traits = ("fields", "_wanted")
+
+    fields = traitlets.List(traitlets.Unicode(), help="Paths of the fields that are shown alone; empty: all.").tag(
+        sync=True
+    )
+    over_time = traitlets.List(
+        traitlets.Unicode(), help="Paths of numbers drawn over the last seconds. Python and the view write it."
+    ).tag(sync=True)
+    rows = Flag(True, help="Whether joints, cells and diagnostics are rows. Python and the view write it.").tag(
+        sync=True
+    )
+    type = traitlets.Unicode(help="Type of messages that do not tell theirs: sensor_msgs/msg/Imu.").tag(sync=True)
+    folds = traitlets.Dict(
+        key_trait=traitlets.Unicode(),
+        value_trait=Flag(),
+        help="Path of a part to whether it is unfolded. Python and the view write it.",
+    ).tag(sync=True)
+    changes = Flag(True, help="Whether what changed is marked. Python and the view write it.").tag(sync=True)
+
+    _wanted = traitlets.List(traitlets.Unicode(), help="Paths of large parts that the page asks for.").tag(
+        sync=True, echo_update=False
+    )
+
+    def __init__(self, **kwargs: Any) -> None:
+        self._schemas: dict[Any, Any] = {}
+        self._nodes: list[dict[str, Any]] = []
+        """Those of the last tree: most messages have the same, which is sent once."""
+        self._tree: tuple[Received, Tree] | None = None
+        self._kept: deque[tuple[bytes, Received, int]] = deque()
+        """What was packed last, with the message of each, and about its bytes."""
+        self._kept_bytes = 0
+        super().__init__(**kwargs)
+
+    def update(self, message: Any) -> None:
+        """Show a message in the next animation frame.
+
+        It only stores, and may be called from any thread at any rate. The message is not copied: do not change it
+        afterwards, unless it is a dictionary.
+
+        Args:
+            message: of any type: of rclpy, rospy, rosbags or rosbridge, a dictionary, a dataclass, or another object
+                with fields; a sample of robowidgets; or a moment of a recording.
+
+        Raises:
+            TypeError: no message. ValueError: it has none of the `fields`. In a callback (another thread; a task,
+                timer or button of a notebook) nothing is raised; widget and log say it.
+        """
+        if message is None and self.driven_by_player:
+            self._show(_NONE)
+            return
+        try:
+            received = self._received(message)
+            missing = self._wrong_fields(received.message)
+        except (TypeError, ValueError) as error:
+            self._refuse(error)
+            return
+        self._show(received, {"notes": [missing]} if missing else {})
+
+    @property
+    def message(self) -> Any:
+        """The message on show, the frozen one while paused; None before the first.
+
+        While paused it is also None where the page has stepped back to a message that is no longer kept here: about the
+        last 32 MB are.
+        """
+        shown = self._sample_on_show()
+        return shown.message if shown else None
+
+    @property
+    def frozen(self) -> Any:
+        """The message on show while frozen, which may be stepped back to; None while live."""
+        return self.message if self.paused else None
+
+    def __getitem__(self, path: str) -> Any:
+        """The value of a field of the message on show.
+
+        Raises:
+            KeyError: no message has come, or it has no such field; the text has the nearest names.
+        """
+        message = self.message
+        if message is None:
+            raise KeyError(f"{path!r}: no message came")
+        try:
+            return value_at(message, path)
+        except ValueError as error:
+            raise KeyError(str(error)) from None
+
+    def frame_of(self, sample: Any) -> tuple[dict[str, Any], bytes]:
+        """See `RobotWidget`: of a message."""
+        if sample is None:
+            return {}, pack(Tree([], [], b"", 0))
+        received = sample if isinstance(sample, Received) else self._received(sample)
+        tree = self._read(received)
+        return self._about_tree(received, tree), pack(tree)
+
+    def _received(self, message: Any) -> Received:
+        """A message with what is known of it; TypeError where it is none."""
+        message = unwrap(message)
+        if isinstance(message, tuple) and hasattr(message, "time_ns") and hasattr(message, "sample"):
+            message = message.sample  # a moment of a recording
+        if isinstance(message, Mapping):
+            message = dict(message)
+        if not names_in(message) and isinstance(message, (type(None), str, int, float, bytes, Sequence, Mapping)):
+            raise TypeError(f"expected a message with fields, such as {{'speed': 0.3}}, got {message!r:.80}")
+        hint = self.type or str(self._source.get("type", ""))
+        return Received(message, self._name(message, hint), self._schema(message, hint), stamp_ns(message))
+
+    def _name(self, message: Any, hint: str) -> str:
+        return hint.replace("/msg/", "/") if isinstance(message, dict) else type_name(message)
+
+    def _schema(self, message: Any, hint: str) -> Any:
+        """What is known of a type of messages, found once for each."""
+        kind = type(message)
+        is_ros = not hint and not hasattr(kind, "__msgtype__") and not hasattr(kind, "_full_text")
+        if is_ros and "msg" not in kind.__module__.split("."):
+            return None
+        key = (kind, hint)
+        if key not in self._schemas:
+            # Imported lazily: rosbags takes longer to import than everything else.
+            from .messages.schema import schema_of
+
+            self._schemas[key] = schema_of(message, hint)
+        return self._schemas[key]
+
+    def _wrong_fields(self, message: Any) -> str:
+        """What is wrong with the fields that are shown alone; ValueError where the message has none of them."""
+        wrong = [why for path in self.fields if (why := why_no_value(message, path))]
+        if wrong and len(wrong) == len(self.fields):
+            raise ValueError(wrong[0])
+        return wrong[0] if wrong else ""
+
+    def _read(self, received: Received) -> Tree:
+        tree = read(received.message, received.schema, self._asked_for(), self.fields)
+        if tree.nodes == self._nodes:
+            return tree._replace(nodes=self._nodes)
+        self._nodes = tree.nodes
+        return tree
+
+    def _asked_for(self) -> set[str]:
+        """Paths of what is read although it is large."""
+        return {*self._wanted, *(path for path, is_unfolded in self.folds.items() if is_unfolded)}
+
+    def _about_tree(self, received: Received, tree: Tree) -> dict[str, Any]:
+        about = {"tree": tree.nodes, "type": received.type, "keyed": isinstance(received.message, dict)}
+        frame_id = getattr(getattr(received.message, "header", None), "frame_id", None)
+        return {**about, "frame_id": frame_id} if isinstance(frame_id, str) and len(frame_id) < 100 else about
+
+    def _about_sample(self, sample: Received) -> dict[str, Any]:
+        self._tree = sample, self._read(sample)
+        return self._about_tree(*self._tree) if sample.message is not None else {}
+
+    def _pack(self, sample: Received) -> bytes:
+        known, self._tree = self._tree, None
+        tree = known[1] if known and known[0] is sample else self._read(sample)
+        packed = pack(tree)
+        if not self.driven_by_player:
+            self._keep(packed, sample, tree.size + len(packed))
+        return packed
+
+    def _keep(self, packed: bytes, sample: Received, size: int) -> None:
+        self._kept.append((packed, sample, size))
+        self._kept_bytes += size
+        while len(self._kept) > _MOST_KEPT or (len(self._kept) > 1 and self._kept_bytes > _MOST_KEPT_BYTES):
+            self._kept_bytes -= self._kept.popleft()[2]
+
+    def _unpack(self, frame: bytes) -> Received | None:  # type: ignore[override]  # it may be gone
+        packed = frame[FRAME_HEADER.size :]
+        return next((received for raw, received, _ in reversed(self._kept) if raw == packed), None)
+
+    def _describe(self) -> str:
+        newest = self._newest.sample
+        return f"{newest.type}, {len(names_in(newest.message))} fields" if newest else ""
+
+    def _newest_measured(self) -> Any:
+        newest = self._newest.sample
+        return None if newest is None else newest.message
+
+    def _to_judge(self, shown: Any) -> Any:
+        return None if shown is None else shown.message
+
+    @traitlets.observe("fields", "folds", "_wanted")
+    def _read_again(self, _change: Any) -> None:
+        if self.driven_by_player:
+            self._renew_frames()
+        else:
+            self._say_more()
+
+    @traitlets.validate("fields", "over_time")
+    def _few(self, proposal: Any) -> Any:
+        name, paths = proposal["trait"].name, list(dict.fromkeys(proposal["value"]))
+        if len(paths) > MOST_FIELDS:
+            raise traitlets.TraitError(f"{name}: expected the paths of at most {MOST_FIELDS} fields, got {len(paths)}")
+        return paths

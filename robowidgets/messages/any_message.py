@@ -1,0 +1,127 @@
+"""Any message as names and values, whoever made it: rosbags, rclpy, rospy, rosbridge, a dataclass or a dict."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import fields, is_dataclass
+from difflib import get_close_matches
+from functools import lru_cache
+from typing import Any
+
+from .fields import MISSING, describe
+
+_INDEX = re.compile(r"\[(\d+)\]")
+_NEAREST = 3
+_CLASSES = 512
+_SHORT = 100
+_LISTED = 30
+_SCALARS = (str, bytes, bytearray, memoryview, bool, int, float, complex)
+_TIMES = (("sec", "nanosec"), ("secs", "nsecs"))
+
+
+def names_in(value: Any) -> tuple[str, ...]:
+    """The names of the fields of a message, in order; none for what is no message."""
+    if isinstance(value, Mapping):
+        return tuple(map(str, value))
+    if value is None or isinstance(value, _SCALARS) or hasattr(value, "__array__"):
+        return ()
+    kind: Any = type(value)
+    named = _names_of(kind)
+    return tuple(name for name in vars(value) if not name.startswith("_")) if named is None else named
+
+
+@lru_cache(_CLASSES)
+def _names_of(kind: Any) -> tuple[str, ...] | None:
+    """The names of the fields of a class of messages; None where each object has its own."""
+    if hasattr(kind, "_fields"):  # of a named tuple
+        named: Iterable[str] = kind._fields
+    elif issubclass(kind, (Sequence, set, frozenset, type)):
+        return ()
+    elif callable(getattr(kind, "get_fields_and_field_types", None)):  # rclpy
+        named = kind.get_fields_and_field_types()
+    elif is_dataclass(kind):
+        named = [field.name for field in fields(kind)]
+    elif hasattr(kind, "__slots__"):
+        named = [kind.__slots__] if isinstance(kind.__slots__, str) else kind.__slots__
+    else:
+        return None if "__dict__" in dir(kind) and kind.__module__ != "builtins" else ()
+    return tuple(name for name in named if not name.startswith("_"))
+
+
+def get_any(value: Any, name: str) -> Any:
+    """The value of a field, whose name may have points in a dict; MISSING where there is none."""
+    if isinstance(value, Mapping):
+        return value.get(name, MISSING)
+    return getattr(value, name, MISSING)
+
+
+def time_in(value: Any) -> tuple[int, int] | None:
+    """Seconds and nanoseconds of a time or a duration; None for anything else."""
+    names = names_in(value)
+    if len(names) == 2 and names in _TIMES:
+        parts = [get_any(value, name) for name in names]
+        if all(isinstance(part, int) and not isinstance(part, bool) for part in parts):
+            return parts[0], parts[1]
+    return None
+
+
+def value_at(message: Any, path: str) -> Any:
+    """The value of a field by its path: ``pose.pose.position.x``, ``transforms[0].header.frame_id``.
+
+    Raises:
+        ValueError: the message has no such field; the text has the nearest names, and those that there are.
+    """
+    value, done = message, ""
+    for part in path.split("."):
+        name, indices = part.partition("[")[0], _INDEX.findall(part)
+        if not (name or indices) or name + "".join(f"[{i}]" for i in indices) != part:
+            raise ValueError(f"expected the path of a field, such as 'pose.position.x' or 'ranges[0]', got {path!r}")
+        if name:
+            inner = get_any(value, name) if name in names_in(value) else MISSING
+            if inner is MISSING:
+                raise ValueError(_no_field(message, value, path, done))
+            value, done = inner, f"{done}.{name}" if done else name
+        for index in map(int, indices):
+            size = len(value) if hasattr(value, "__len__") and not isinstance(value, (str, Mapping)) else None
+            if size is None or index >= size:
+                has = "no array" if size is None else f"an array of {size:,}"
+                raise ValueError(f"no field {path!r}: {done or 'the message'} is {has}")
+            value, done = value[index], f"{done}[{index}]"
+    return value
+
+
+def why_no_value(message: Any, path: str) -> str:
+    """Why a message has no field of this path; empty if it has one."""
+    try:
+        value_at(message, path)
+    except ValueError as error:
+        return str(error)
+    return ""
+
+
+def _no_field(message: Any, value: Any, path: str, done: str) -> str:
+    there = list(paths_in(value, 3))
+    every = [f"{done}.{name}" if done else name for name in there]
+    last = path.rpartition(".")[2]
+    near = [one for one in paths_in(message, 5) if one.rpartition(".")[2] == last]
+    near = get_close_matches(path[:_SHORT], [*every, *near], _NEAREST) or near[:_NEAREST]
+    hint = f"; did you mean {' or '.join(map(repr, near))}?" if near else ""
+    names = names_in(value)
+    listed = ", ".join(names[:_LISTED]) + (f" and {len(names) - _LISTED:,} more" if len(names) > _LISTED else "")
+    has = f"the fields of {done or 'the message'} are {listed}" if names else f"{done} is {describe(value)}"
+    return (
+        f"no field {path[:_SHORT]!r}{hint} {has[0].upper()}{has[1:]}" if near else f"no field {path[:_SHORT]!r}: {has}"
+    )
+
+
+def paths_in(value: Any, depth: int) -> Iterable[str]:
+    """The paths of the fields in a message, also in messages within it up to a depth, the nearest first."""
+    level: list[tuple[str, Any]] = [("", value)]
+    for _ in range(depth):
+        deeper: list[tuple[str, Any]] = []
+        for prefix, one in level:
+            for name in names_in(one):
+                yield f"{prefix}{name}"
+                deeper.append((f"{prefix}{name}.", get_any(one, name)))
+        level = deeper[: 10 * _SHORT]

@@ -1,0 +1,297 @@
+import assert from "node:assert/strict";
+import { test } from "node:test";
+import { decodeMessage, type Packed, type Value } from "../../robowidgets/js/message/frame.ts";
+import { toRows } from "../../robowidgets/js/message/rows.ts";
+import { Seen, toTable } from "../../robowidgets/js/message/table.ts";
+import {
+  nameOf,
+  noteOf,
+  toCode,
+  toExact,
+  toReadable,
+  toSaid,
+  toSpoken,
+  toWhole,
+} from "../../robowidgets/js/message/text.ts";
+import type { Node } from "../../robowidgets/js/message/traits.ts";
+import {
+  elementsOf,
+  type Field,
+  find,
+  isSame,
+  summaryOf,
+  toFields,
+  toNumber,
+} from "../../robowidgets/js/message/tree.ts";
+import { frameOf } from "./vectors.ts";
+
+const NOTHING = new DataView(new ArrayBuffer(0));
+
+function number(name: string, type = "float64", more: Partial<Node> = {}): Node {
+  return { name, kind: "number", type, ...more };
+}
+
+function fieldsOf(nodes: Node[], values: Value[], numbers: DataView = NOTHING): Field[] {
+  return toFields(nodes, { values, numbers } as Packed);
+}
+
+/** An array of float32 as Python packs it. */
+function array(name: string, values: number[], more: Partial<Node> = {}): Field {
+  const numbers = new DataView(new Float32Array(values).buffer);
+  const finite = values.filter(Number.isFinite).map(Math.fround);
+  const nans = values.filter(Number.isNaN).length;
+  const summary = [
+    values.length,
+    ...(finite.length ? [Math.min(...finite), Math.max(...finite)] : [null, null]),
+    nans,
+    values.length - finite.length - nans,
+    0,
+  ];
+  const node: Node = { name, kind: "numbers", type: "float32", ...more };
+  return fieldsOf([node], [summary], numbers)[0] as Field;
+}
+
+const QUATERNION: Node = {
+  name: "orientation",
+  kind: "message",
+  type: "geometry_msgs/msg/Quaternion",
+  children: ["x", "y", "z", "w"].map((name) => number(name)),
+};
+
+test("a number has the digits of its type: the fewest that are this float32 or float64", () => {
+  assert.equal(toExact(Math.fround(0.1), "float32"), "0.1");
+  assert.equal(toExact(Math.fround(0.1), "float64"), "0.10000000149011612");
+  assert.equal(toExact(Math.fround(16777217.5), "float32"), "16777218");
+  assert.equal(toExact(Math.fround(1.2345678), "float32"), "1.2345678");
+  assert.equal(toExact(-0.5, "float64"), "\u22120.5");
+  assert.equal(toExact("1152921504606846977", "int64"), "1152921504606846977");
+  assert.equal(toExact("-1152921504606846977", "int64"), "\u22121152921504606846977");
+  assert.equal(toExact("-inf", "float64"), "\u2212inf");
+});
+
+test("each float32 is read back from its digits", () => {
+  for (let i = 0; i < 2000; i++) {
+    const value = Math.fround((Math.sin(i * 12.9898) * 43758.5453) % 1) * 10 ** ((i % 40) - 20);
+    const text = toExact(Math.fround(value), "float32").replace("\u2212", "-");
+    assert.equal(Math.fround(Number(text)), Math.fround(value));
+  }
+});
+
+test("a long number is read with seven digits, and told with all of them", () => {
+  const [field] = fieldsOf([number("z", "float64", { unit: "m/s\u00b2" })], [9.824123456789012]);
+  assert.equal(toReadable(9.824123456789012, "float64"), "9.824123");
+  assert.equal(toWhole(field as Field), "9.824123456789012 m/s\u00b2");
+});
+
+test("what was not measured is no number, and never a zero", () => {
+  const said = toSaid(fieldsOf([number("charge", "float32", { unit: "Ah" })], ["nan"])[0] as Field);
+  assert.deepEqual([said.text, said.unit, said.isNone], ["not measured (NaN)", "", true]);
+  assert.equal(toSaid(fieldsOf([number("x")], [null])[0] as Field).text, "no value");
+  assert.equal(toNumber("nan"), NaN);
+  assert.equal(toNumber("-inf"), -Infinity);
+  assert.equal(toNumber(null), NaN);
+});
+
+test("a number with a name is shown by it, with the number beside it; bits by all of theirs", () => {
+  const names = { "0": "OK", "2": "ERROR" };
+  const said = toSaid(fieldsOf([number("level", "uint8", { names })], [2])[0] as Field);
+  assert.deepEqual([said.text, said.more], ["ERROR", "2"]);
+  const services = { "1": "GPS", "2": "GLONASS", "4": "COMPASS" };
+  assert.equal(nameOf(3, services), "GPS + GLONASS");
+  assert.equal(nameOf(9, services), "");
+  assert.equal(nameOf(3, names), "");
+  assert.equal(nameOf(5, undefined), "");
+});
+
+test("an array says how long it is, from where to where it goes, and what was not measured", () => {
+  assert.equal(
+    toSaid(array("ranges", [0.5, NaN, 5.25, Infinity, NaN])).text,
+    "[5] 0.5 to 5.25, 2 not measured, 1 infinite",
+  );
+  assert.equal(toSaid(array("ranges", [1, 1])).text, "[2] all 1");
+  assert.equal(toSaid(array("ranges", [NaN])).text, "[1] 1 not measured");
+  const [empty] = fieldsOf([{ name: "a", kind: "numbers", type: "float32" }], [[0, null, null, 0, 0, 0]]);
+  assert.equal(toSaid(empty as Field).text, "[0]");
+});
+
+test("a covariance of zeros is not known, and one of -1 was not measured", () => {
+  const zeros = array("orientation_covariance", [0, 0, 0]);
+  assert.equal(toSaid(zeros).text, "all 0: not known");
+  assert.match(noteOf(zeros), /by the definition the covariance is not known, not zero/);
+  assert.equal(toSaid(array("covariance", [-1, 0, 0])).text, "\u22121: not measured");
+  assert.equal(noteOf(array("ranges", [0, 0])), "");
+});
+
+test("a quaternion says its yaw, and one that was never set nothing", () => {
+  const [field] = fieldsOf([QUATERNION], [[0, 0, Math.SQRT1_2, Math.SQRT1_2]]);
+  assert.equal(toSaid(field as Field).text, "90.0\u00b0 yaw");
+  const rows = toRows([field as Field], {});
+  assert.deepEqual(
+    rows.slice(-2).map(({ label, derived }) => [label, derived]),
+    [
+      ["roll", "0.0\u00b0"],
+      ["pitch", "0.0\u00b0"],
+    ],
+  );
+  assert.equal(toSaid(fieldsOf([QUATERNION], [[0, 0, 0, 0]])[0] as Field).text, "");
+});
+
+test("a vector says its length, and a place none", () => {
+  const parts = (unit: string) => ["x", "y", "z"].map((name) => number(name, "float64", { unit }));
+  const vector = (unit: string, type: string): Node => ({ name: "v", kind: "message", type, children: parts(unit) });
+  const said = (node: Node) => toSaid(fieldsOf([node], [[3, 4, 0]])[0] as Field);
+  assert.equal(said(vector("m/s", "geometry_msgs/msg/Vector3")).text, "5");
+  assert.equal(said(vector("m", "geometry_msgs/msg/Point")).text, "");
+});
+
+test("a stamp is a time of day, a short time seconds", () => {
+  const time = (value: number[]) =>
+    toSaid(fieldsOf([{ name: "stamp", kind: "time", type: "time", unit: "s" }], [value])[0] as Field);
+  assert.deepEqual([time([1750000033, 197000000]).text, time([1750000033, 197000000]).unit], ["15:07:13.197", "UTC"]);
+  assert.equal(time([33, 5_000_000]).text, "33.005");
+  assert.equal(time([-1, 500_000_000]).text, "\u22120.500");
+  assert.equal(time([0, 0]).text, "0");
+});
+
+test("code reads a field as its program does, whatever its name", () => {
+  const inner: Node = { name: "a", kind: "message", type: "", children: [number("b c"), number("x")] };
+  const [field] = fieldsOf([inner], [[1, 2]]);
+  const [odd, plain] = field?.children ?? [];
+  assert.equal(toCode(plain as Field, false), "message.a.x");
+  assert.equal(toCode(plain as Field, true), 'message["a"]["x"]');
+  assert.equal(toCode(odd as Field, false), 'message.a["b c"]');
+  assert.equal(toCode(elementsOf(array("ranges", [1, 2]), 1, 2)[0] as Field, false), "message.ranges[1]");
+  const [alone] = fieldsOf([number("pose.position[2].x")], [1]);
+  assert.equal(toCode(alone as Field, false), "message.pose.position[2].x");
+  assert.equal(toCode(alone as Field, true), 'message["pose"]["position"][2]["x"]');
+});
+
+test("fields that are near to the root are unfolded as long as there is room, and as a person says", () => {
+  const children = Array.from({ length: 50 }, (_, i) => number(`f${i}`));
+  const nodes: Node[] = [
+    { name: "header", kind: "message", type: "", children: [number("seq")] },
+    { name: "many", kind: "message", type: "", children },
+    { name: "folded", kind: "message", type: "", folded: 2000 },
+  ];
+  const fields = fieldsOf(nodes, [[1], children.map(() => 0), []]);
+  const keys = (folds = {}) => toRows(fields, folds).map(({ key }) => key);
+  assert.deepEqual(keys(), ["header", "header.seq", "many", "folded"]);
+  assert.deepEqual(keys({ header: false }), ["header", "many", "folded"]);
+  assert.equal(keys({ many: true }).length, 54);
+  assert.equal(toRows(fields, { folded: true }).at(-1)?.label, "loading \u2026");
+});
+
+test("a long array unfolds in parts of 32, of which those that were not sent say where they are", () => {
+  const long = array(
+    "ranges",
+    Array.from({ length: 70 }, (_, i) => i),
+  );
+  const rows = toRows([long], { ranges: true, "ranges[64:70]": true });
+  assert.deepEqual(
+    rows.map(({ key }) => key),
+    [
+      "ranges",
+      "ranges[0:32]",
+      "ranges[32:64]",
+      "ranges[64:70]",
+      ...[64, 65, 66, 67, 68, 69].map((i) => `ranges[${i}]`),
+    ],
+  );
+  const [far] = fieldsOf([{ name: "data", kind: "numbers", type: "uint8" }], [[307200, 0, 9, 0, 0, -1]]);
+  assert.match(toRows([far as Field], { data: true }).at(-1)?.label ?? "", /data in Python has all/);
+});
+
+test("fields are found by their path, also in arrays", () => {
+  const [message] = fieldsOf([QUATERNION], [[1, 2, 3, 4]]);
+  assert.equal(find([message as Field], "orientation.z")?.value, 3);
+  assert.equal(find([array("ranges", [5, 6])], "ranges[1]")?.value, 6);
+  assert.equal(find([message as Field], "orientation.q"), undefined);
+  assert.equal(find([array("ranges", [5, 6])], "ranges[7]"), undefined);
+});
+
+test("what changed is told to the last bit, also in arrays, and NaN is the same as NaN", () => {
+  const one = (value: Value) => fieldsOf([number("x")], [value])[0] as Field;
+  assert.ok(isSame(one(1), one(1)));
+  assert.ok(!isSame(one(1), one(1.0000000000000002)));
+  assert.ok(isSame(one("nan"), one("nan")));
+  assert.ok(!isSame(array("a", [0, 1, 5]), array("a", [0, 2, 5])));
+  assert.ok(isSame(array("a", [0, NaN, 5]), array("a", [0, NaN, 5])));
+  const [before] = fieldsOf([QUATERNION], [[0, 0, 0, 1]]);
+  assert.ok(!isSame(before as Field, fieldsOf([QUATERNION], [[0, 0, 0.1, 1]])[0]));
+  assert.ok(!isSame(one(1), undefined));
+});
+
+test("a screen reader hears the path, the value and its unit in words, and what changed", () => {
+  const node: Node = {
+    name: "angular_velocity",
+    kind: "message",
+    type: "",
+    children: [number("z", "float64", { unit: "rad/s" })],
+  };
+  const [z] = fieldsOf([node], [[-0.47]])[0]?.children ?? [];
+  assert.equal(toSpoken(z as Field, true), "angular velocity, z, \u22120.47 radians per second, changed");
+});
+
+function joints(position: number[]): Field[] {
+  const names = fieldsOf([{ name: "name", kind: "texts", type: "string" }], [[2, ["wheel", "pan"]]])[0] as Field;
+  return [names, array("position", position), array("velocity", [1, NaN]), array("effort", [])];
+}
+
+test("joints are rows: what was not sent or not measured is a dash, a wheel counts turns", () => {
+  const seen = new Seen();
+  toTable(joints([0, -0.5]), seen);
+  const table = toTable(joints([62.5, 0.5]), seen);
+  const [wheel, pan] = table?.rows ?? [];
+  assert.deepEqual(
+    [wheel?.name, wheel?.index, wheel?.cells[0]?.text, wheel?.cells[0]?.more],
+    ["wheel", "[0]", "62.5", "9.9 turns"],
+  );
+  assert.deepEqual(
+    pan?.cells.map(({ text }) => text),
+    ["0.5", "\u2014", "\u2014"],
+  );
+  assert.deepEqual(pan?.cells[0]?.bar, { low: -0.5, high: 0.5, value: 0.5, from: 0, ends: ["", ""] });
+  assert.equal(pan?.cells[1]?.bar, null);
+});
+
+test("a battery shows per cent, its cells, and no bar where nobody knows the ends", () => {
+  const names = { "2": "DISCHARGING" };
+  const fields = fieldsOf(
+    [
+      number("voltage", "float32"),
+      number("percentage", "float32"),
+      number("charge"),
+      number("power_supply_status", "uint8", { names }),
+    ],
+    [Math.fround(16.21), Math.fround(0.867), "nan", 2],
+  );
+  const rows = toTable([...fields, array("cell_voltage", [4, 3])], new Seen())?.rows ?? [];
+  const by = Object.fromEntries(rows.map((row) => [row.key, row.cells[0]]));
+  assert.deepEqual(
+    [by.percentage?.text, by.percentage?.unit, by.percentage?.more],
+    ["86.7", "%", "0.867 in the message"],
+  );
+  assert.equal(by.voltage?.bar, null);
+  assert.equal(by.charge?.text, "not measured (NaN)");
+  assert.equal(by.power_supply_status?.text, "DISCHARGING");
+  assert.equal(by["cell_voltage[1]"]?.bar?.value, 3);
+});
+
+test("other messages have no rows", () => {
+  assert.equal(toTable(fieldsOf([QUATERNION], [[0, 0, 0, 1]]), new Seen()), null);
+  assert.equal(toTable(fieldsOf([number("status")], [1]), new Seen()), null);
+});
+
+test("a frame holds the numbers of arrays, whole numbers to the last digit", () => {
+  const packed = decodeMessage(frameOf("message"));
+  const [field] = fieldsOf(
+    [{ name: "ids", kind: "numbers", type: "int64" }],
+    [packed.values[4] as Value],
+    packed.numbers,
+  );
+  assert.deepEqual(
+    elementsOf(field as Field, 0, 2).map(({ value }) => value),
+    [-3, "1152921504606846977"],
+  );
+  assert.equal(summaryOf(field as Field).most, "1152921504606846977");
+});
