@@ -2,26 +2,36 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 import numpy as np
 
 from .feeds.feed import Feed
-from .kinds import topic_and_field
-from .messages.fields import FieldOf
+from .find.base import Condition
+from .find.search import find
+from .kinds import is_command, topic_and_field
 from .plot_widget import MOST_LINES, PlotWidget
-from .plotting.line import Floats, slope
-from .plotting.units import unit_of
+from .plotting.line import Floats, held, slope
+from .poses.places import WITHIN, to_place
 from .recordings.data import RecordingData
+from .recordings.field_lines import FieldLine, choices, field_lines
+from .recordings.odometry import places_of
 from .recordings.time_slice import TimeSlice
+from .samples.state_span import rows_of
 
 _EXAMPLE = 'plot(recording, "/odom.twist.twist.linear.x")'
-_NUMBERS = ("int", "uint", "float", "bool")
+_BY = ("time", "place")
 
 
 def plot(
-    source: RecordingData | TimeSlice | Feed, *fields: str, derivative: bool = False, **options: Any
+    source: RecordingData | TimeSlice | Feed,
+    *fields: str,
+    derivative: bool = False,
+    beside: RecordingData | None = None,
+    by: str = "time",
+    origin: Sequence[Any] = (0, 0, 0),
+    **options: Any,
 ) -> PlotWidget:
     """Fields of a recording, or of a running robot, over time: any number of any topic, each under its name.
 
@@ -33,13 +43,19 @@ def plot(
             the topic may appear later.
         derivative: of a recording, whether the change per second of each is shown, too, as
             ``"d/dt /odom.twist.twist.linear.x"``.
-        **options: keywords of `PlotWidget`. Units that they name hold instead of those of the definition.
+        beside: another recording, whose same fields are drawn in gray; ``shift=`` moves them by seconds.
+        by: "time", or "place": the other one's values are those from when its robot was where this one was, by
+            odometry, as in `Player.follow`.
+        origin: for "place", x and y in metres and yaw in radians, or as "20deg", at which the odometry of the other
+            recording starts in that of this one.
+        **options: keywords of `PlotWidget`. Units that they name hold instead of those of the definition; ``marks`` may
+            be a condition, whose spans in the recording are marked.
 
     Raises:
-        UnknownTopicError: the recording has no such topic, or its messages cannot be read.
+        UnknownTopicError: the recording has no such topic, or its messages cannot be read; by place, no odometry.
         KeyError: the messages have no such field; the text names the nearest ones.
         TypeError: neither a recording nor a feed, no field, or a field that is no number.
-        ValueError: more than eight numbers.
+        ValueError: more than eight numbers; or no place of one recording is near one of the other.
 
     Example:
         >>> import robowidgets
@@ -54,103 +70,106 @@ def plot(
     for field in fields:
         if not isinstance(field, str):
             raise TypeError(f"plot(): expected a topic with a field, like '/odom.twist.twist.linear.x', got {field!r}")
+    if beside is not None and not isinstance(beside, RecordingData):
+        raise TypeError(f"beside: expected another recording, got {beside!r}")
+    if by not in _BY:
+        raise ValueError(f"by: expected {' or '.join(map(repr, _BY))}, got {by!r}")
     if isinstance(source, Feed):
-        if derivative:
-            raise TypeError("plot(): derivative is for recordings; plot.update() takes what a function works out")
+        if derivative or beside is not None:
+            raise TypeError("plot(): derivative and beside are for recordings; plot.update() takes any number")
         return _live(source, fields, options)
-    columns = {name: column for field in fields for name, column in _columns(source, field)}
-    if len(columns) * (1 + derivative) > MOST_LINES:
-        raise ValueError(f"plot(): expected at most {MOST_LINES} lines, got {', '.join(columns)}")
-    units = {name: unit for name, (_, _, unit) in columns.items() if unit}
-    lines = {name: (seconds, values) for name, (seconds, values, _) in columns.items()}
+    lines = [line for field in fields for line in _lines(source, field)]
     if derivative:
-        units |= {f"d/dt {name}": _per_second(unit) for name, unit in units.items()}
-        lines |= {f"d/dt {name}": (seconds, slope(seconds, values)) for name, (seconds, values) in lines.items()}
-    widget = _widget(fields, units, options)
-    for name, (seconds, values) in lines.items():
+        lines += [
+            FieldLine(f"d/dt {name}", seconds, slope(seconds, values), _per_second(unit) if unit else "")
+            for name, seconds, values, unit in lines
+        ]
+    ghosts = list(_ghosts(source, beside, fields, by, origin)) if beside is not None else []
+    if len(lines) + len(ghosts) > MOST_LINES:
+        raise ValueError(f"plot(): expected at most {MOST_LINES} lines, got {', '.join(n for n, *_ in lines + ghosts)}")
+    return _of_recording(source, fields, lines, ghosts, options)
+
+
+def _of_recording(
+    source: RecordingData | TimeSlice,
+    fields: Sequence[str],
+    lines: Sequence[FieldLine],
+    ghosts: Sequence[FieldLine],
+    options: dict[str, Any],
+) -> PlotWidget:
+    whole = _whole(source)
+    if isinstance(options.get("marks"), Condition):
+        options = {**options, "marks": find(whole, options["marks"], None)}
+    given = {
+        "title": ", ".join(dict.fromkeys(field.partition(".")[0] for field in fields)),
+        "states": rows_of(whole.states),
+        "steps": [line.name for line in (*lines, *ghosts) if is_command(line.name)],
+        "ghosts": [line.name for line in ghosts],
+        **options,
+        "units": {line.name: line.unit for line in (*lines, *ghosts) if line.unit} | options.get("units", {}),
+    }
+    widget = PlotWidget(**given)
+    for name, seconds, values, _ in (*lines, *ghosts):
         widget.set_line(name, seconds, values)
+
+    def add(field: str) -> None:
+        for name, seconds, values, unit in _lines(source, field):
+            widget.units = {**widget.units, **({name: unit} if unit else {})}
+            widget.set_line(name, seconds, values)
+
+    widget.offer(choices(source), add)
     return widget
 
 
-def _columns(source: RecordingData | TimeSlice, field: str) -> Iterable[tuple[str, tuple[Floats, Floats, str]]]:
-    """Name, times, values and unit of each number in a field of a topic."""
-    topic, inner = topic_and_field(field, [one.name for one in source.topics])
-    part = source.fields(topic)
-    if inner:
-        part = part[[inner]]
-    types = part.types
-    numbers = [
-        name
-        for name in part.names
-        if types[name].startswith(_NUMBERS) and (name.endswith("]") or not types[name].endswith("]"))
-    ]
-    if not numbers or (not inner and len(numbers) > MOST_LINES):
-        has = ", ".join(f"{topic}.{name}" for name in numbers) or ", ".join(f"{n} ({t})" for n, t in types.items())
-        raise TypeError(f"plot(): {field!r} is not one number; there are {has}")
-    kind = next(one.type for one in source.topics if one.name == topic)
-    table = part[numbers].to_numpy()
-    seconds = np.asarray(table["seconds"], np.float64)
-    for name in numbers:
-        values = table.get(name, table.get(f"{name}_"))
-        yield f"{topic}.{name}", (seconds, np.ma.filled(np.ma.asarray(values, np.float64), np.nan), unit_of(kind, name))
+def _whole(source: RecordingData | TimeSlice) -> Any:
+    return source.recording if isinstance(source, TimeSlice) else source
+
+
+def _lines(source: RecordingData | TimeSlice, field: str) -> list[FieldLine]:
+    try:
+        return field_lines(source, field, MOST_LINES)
+    except TypeError as error:
+        raise TypeError(f"plot(): {error}") from None
+
+
+def _ghosts(
+    source: RecordingData | TimeSlice, other: RecordingData, fields: Sequence[str], by: str, origin: Sequence[Any]
+) -> Iterator[FieldLine]:
+    """The lines of another recording, at its own times, or at those at which the robot of this one was there."""
+    name = other.path.name
+    times: tuple[Floats, Floats] | None = None
+    if by == "place":
+        whole = _whole(source)
+        here, there = places_of(whole), places_of(other).seen_from(to_place("origin", origin))
+        seconds, apart = there.nearest(here)
+        if not (apart <= WITHIN).any():
+            raise ValueError(
+                f"plot(): {name} has no place within {WITHIN:g} m of one of {whole.path.name}; odometry starts where a "
+                "robot is switched on: give origin=(x, y, yaw), the place in this one's odometry where the other starts"
+            )
+        times = here.seconds, np.where(apart <= WITHIN, seconds, np.nan)
+    for field in fields:
+        for line in _lines(other, field):
+            at, values = line.seconds, line.values
+            if times is not None:
+                at, values = times[0], held(line.seconds, line.values, times[1])
+            yield FieldLine(f"{line.name} ({name})", at, values, line.unit)
 
 
 def _live(feed: Feed, fields: Sequence[str], options: dict[str, Any]) -> PlotWidget:
     """A plot to which each message adds its numbers."""
     known = [topic.name for topic in feed.topics]
-    paths: dict[str, dict[str, str]] = {}
-    for field in fields:
-        topic, inner = topic_and_field(field, known)
+    split = {field: topic_and_field(field, known) for field in dict.fromkeys(fields)}
+    for field, (topic, inner) in split.items():
         if not inner:
             raise TypeError(f"plot(): expected a field of {topic}, like '/odom.twist.twist.linear.x', got {field!r}")
-        paths.setdefault(topic, {})[field] = inner
-    if len(set(fields)) > MOST_LINES:
+    if len(split) > MOST_LINES:
         raise ValueError(f"plot(): expected at most {MOST_LINES} lines, got {', '.join(fields)}")
-    units = {name: unit for inner in paths.values() for name, path in inner.items() if (unit := unit_of("", path))}
-    widget = _widget(fields, units, options)
-    start = _Start()
-    for topic, names in paths.items():
-        feed.connect(topic, _Adder(feed, widget, topic, names, start), raw=True, each=True)
+    topics = list(dict.fromkeys(topic for topic, _ in split.values()))
+    widget = PlotWidget(*split, **{"title": ", ".join(topics), **options})
+    for topic in topics:
+        feed.connect(topic, widget)
     return widget
-
-
-class _Start:
-    """The time of the first message of any topic, in nanoseconds since the epoch."""
-
-    time_ns: int | None = None
-
-
-class _Adder:
-    """Adds the numbers in each message of a topic to a plot, until that is closed."""
-
-    def __init__(self, feed: Feed, plot: PlotWidget, topic: str, paths: dict[str, str], start: _Start) -> None:
-        self._feed, self._plot, self._topic, self._start = feed, plot, topic, start
-        self._fields = {name: FieldOf(path, name) for name, path in paths.items()}
-
-    def __call__(self, message: Any, time_ns: int) -> None:
-        if self._plot.comm is None:
-            self._feed.disconnect(self._topic, self)
-            return
-        if self._start.time_ns is None:
-            self._start.time_ns = time_ns
-        seconds = max(0.0, (time_ns - self._start.time_ns) / 1e9)
-        try:
-            numbers = {name: read(message) for name, read in self._fields.items()}
-        except (TypeError, ValueError) as error:
-            self._plot.refuse(error, self._fields)
-        else:
-            self._plot.update(numbers, time=seconds)
-
-
-def _widget(fields: Iterable[str], units: dict[str, str], options: dict[str, Any]) -> PlotWidget:
-    """A plot with the units of its fields, and the title and units that were given."""
-    title = ", ".join(dict.fromkeys(map(_short, fields)))
-    return PlotWidget(**{"title": title, **options, "units": units | options.get("units", {})})
-
-
-def _short(field: str) -> str:
-    """The topic of a field."""
-    return field.partition(".")[0]
 
 
 def _per_second(unit: str) -> str:

@@ -326,7 +326,17 @@ MESSAGE = Asked(
 )
 """Of any type: what is left has at least this."""
 
-ASKED: dict[str, Asked] = {row.name: row for row in (PATH, EVENTS, MESSAGE)}
+PLOT = Asked(
+    name="plot",
+    widget="robowidgets.plot_widget:PlotWidget",
+    frames="robowidgets.player._plot_frames:PlotFrames",
+    gathers=True,
+    of_fields=True,
+    goes_stale=False,
+    every_message=True,
+)
+
+ASKED: dict[str, Asked] = {row.name: row for row in (PATH, EVENTS, MESSAGE, PLOT)}
 """By name, the most useful first: widgets that topics have where they are asked for. `add` appends another."""
 
 _RESERVED = ("time_ns", "seconds", "topic")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import threading
 import time as clock
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from importlib import import_module
 from math import inf, isfinite, nan
 from numbers import Real
@@ -15,18 +15,21 @@ from typing import Any, ClassVar
 import traitlets
 from numpy.typing import ArrayLike
 
-from ._core.base_widget import NamedWidget, refuse_unnamed
+from ._core.base_widget import refuse_unnamed
 from ._core.error_routing import called_from_cell
 from ._core.front_end import bundle
 from ._core.output_file import checked_output
 from ._core.pacer import pacer
 from ._core.png import Png, Saving
 from ._core.robot_widget import PAGES
-from ._core.time_traits import Marks, TimeSpan
-from ._core.timed_frame import TimedFrame
+from ._core.text import many
+from ._core.time_traits import Marks, States, TimeSpan
 from ._core.traits import Flag, bytes_trait
+from .kinds import is_command
+from .plotting.card import PlotCard
 from .plotting.frame import Lines, ends, pack
 from .plotting.line import GrowingLine, checked
+from .plotting.units import unit_of
 from .samples.checks import finite
 
 MOST_LINES = 8
@@ -44,10 +47,11 @@ _OVERVIEW = 1.0
 _SHARE = 20.0
 """All of a plot is sent again after so many times the time that this took."""
 
+_FIELD = '"/odom.twist.twist.linear.x"'
 _BY_NAME = 'update(v=0.3, time=1.2), or update({"/odom.v": 0.3}, time=1.2)'
 
 
-class PlotWidget(NamedWidget):
+class PlotWidget(PlotCard):
     """Numbers over time: up to eight lines, in a graph for each unit, over one axis of time.
 
     The reader sees lines in ink, told apart by their dashes, and beside them the exact value at the pointer or the time
@@ -57,6 +61,8 @@ class PlotWidget(NamedWidget):
     it is free: of many values, the page has the first, last, least and greatest of each column of pixels.
 
     Args:
+        *fields: up to eight fields of topics, such as ``"/odom.twist.twist.linear.x"``, whose numbers `update` takes
+            from messages, as `Feed.connect` hands them over. Their units are known by their names.
         title: what is shown, for the header.
         units: name of a line to its unit, such as "m/s". Lines of one unit share a graph.
         view: (start, end) in seconds, the time on show; None: all of it, or live the last `window`. The view writes it
@@ -64,6 +70,15 @@ class PlotWidget(NamedWidget):
         window: seconds that are on show while values come; None: all of them. The view writes it too.
         time: the time cursor, in seconds; None: there is none. The view writes it too.
         marks: (start, end, text) in seconds, of what is marked behind the lines, or what `Recording.find` gives.
+        states: rows of (start, end, path), the states of a program below the lines, outer machines first; the path is
+            such as "Walker.avoid.turn".
+        steps: names of lines that hold each value until the next, as a command does, and are drawn so. Fields of topics
+            whose names say that they are commands are there.
+        off: names of lines that are not drawn. The view writes it too.
+        ghosts: names of lines that are drawn in gray, to compare the others with.
+        shift: seconds by which ghosts are moved. The view writes it too.
+        x_over_y: names of two lines of which one is drawn over the other, in place of time; None: over time. The view
+            writes it too.
         paused: whether the picture is frozen. Values are taken all the same.
         header, footer: whether they are there.
 
@@ -88,7 +103,10 @@ class PlotWidget(NamedWidget):
         "lines": "plot.names",
     }
 
-    column = "wide"
+    fields: tuple[str, ...] = ()
+    """The fields of topics whose numbers it takes from messages."""
+
+    _unnamed = 1000
     send_interval = 0.05
 
     units = traitlets.Dict(
@@ -102,19 +120,41 @@ class PlotWidget(NamedWidget):
         sync=True
     )
     marks = Marks(help="What is marked behind the lines: (start, end, text), in seconds.").tag(sync=True)
+    states = States(help="Rows of states below the lines, outer machines first: (start, end, path), in seconds.").tag(
+        sync=True
+    )
+    steps = traitlets.List(traitlets.Unicode(), help="Names of lines that hold each value until the next.").tag(
+        sync=True
+    )
+    off = traitlets.List(traitlets.Unicode(), help="Names of lines that are not drawn; the view writes it too.").tag(
+        sync=True
+    )
+    ghosts = traitlets.List(traitlets.Unicode(), help="Names of lines that are drawn in gray.").tag(sync=True)
+    shift = traitlets.Float(0.0, help="Seconds by which ghosts are moved; the view writes it too.").tag(sync=True)
+    x_over_y = traitlets.Tuple(
+        traitlets.Unicode(),
+        traitlets.Unicode(),
+        default_value=None,
+        allow_none=True,
+        help="Two lines of which the second is drawn over the first; None: all over time. The view writes it too.",
+    ).tag(sync=True)
     paused = Flag(False, help="Whether the picture is frozen. Python and the view write it.").tag(sync=True)
     footer = Flag(True, help="Whether facts stand below the picture.").tag(sync=True)
 
     _frozen_at = traitlets.Float(None, allow_none=True, help="The last time on show while frozen.").tag(sync=True)
-    _frame = bytes_trait(echo_update=False)
+    _lines = bytes_trait(echo_update=False)
     _detail = bytes_trait(echo_update=False)
-    _about = traitlets.Dict().tag(sync=True, echo_update=False)
+    _facts = traitlets.Dict().tag(sync=True, echo_update=False)
+    _choices = traitlets.List(traitlets.Unicode(), help="Fields of which lines can be made.").tag(
+        sync=True, echo_update=False
+    )
     _wanted = traitlets.List(traitlets.Float(), help="Start, end and columns that the page looks at.").tag(
         sync=True, echo_update=False
     )
 
-    def __init__(self, **kwargs: Any) -> None:
-        self._lines: dict[str, GrowingLine] = {}
+    def __init__(self, *fields: str, **kwargs: Any) -> None:
+        self._add_line: Callable[[str], object] | None = None
+        self._by_name: dict[str, GrowingLine] = {}
         self._lock, self._send_lock = threading.Lock(), threading.RLock()
         self._began: float | None = None
         self._is_live = self._is_new = False
@@ -124,7 +164,15 @@ class PlotWidget(NamedWidget):
         self._refused: set[Any] = set()
         """The names of the lines that the error is about."""
         self._png = Png(self, self._set_png_error)
+        for name in fields:
+            if not isinstance(name, str) or "." not in name.strip("."):
+                raise TypeError(f"PlotWidget(): expected a topic with a field, as {_FIELD}, got {name!r}")
+        self.fields = tuple(dict.fromkeys(fields))
+        units = {name: unit for name in fields if (unit := unit_of("", name))}
+        kwargs = {"steps": list(filter(is_command, fields)), **kwargs, "units": units | kwargs.get("units", {})}
         super().__init__(**kwargs)
+        self._room_for(fields)
+        self.on_msg(self._on_page)
 
     def set_line(self, name: str, seconds: ArrayLike, values: ArrayLike) -> None:
         """Show an array as a line, in place of the one of this name.
@@ -141,21 +189,22 @@ class PlotWidget(NamedWidget):
         line = GrowingLine(*checked(_name(name), seconds, values))
         with self._lock:
             self._room_for((name,))
-            self._lines[name] = line
+            self._by_name[name] = line
             self._edition += 1
             self._is_new = True
         pacer.mark(self)
 
     def update(
-        self, values: Mapping[str, float] | None = None, *unnamed: Any, time: float | None = None, **named: float
+        self, values: Mapping[str, float] | str | None = None, *unnamed: Any, time: float | None = None, **named: float
     ) -> None:
         """Add a value to each of some lines, all at one time.
 
         It only stores, and may be called from any thread at any rate.
 
         Args:
-            values: name of a line to its number or flag; NaN and infinities are gaps.
-            *unnamed: refused, with the call that takes numbers by name.
+            values: name of a line to its number or flag; NaN and infinities are gaps. Or the name of a topic, with a
+                message of it after it: its `fields` are added.
+            *unnamed: a message; else refused, with the call that takes numbers by name.
             time: seconds, not before the last value of these lines; None: since the first value came.
             **named: instead, numbers by the names of their lines.
 
@@ -164,11 +213,18 @@ class PlotWidget(NamedWidget):
                 then. In a callback (another thread; a task, timer or button of a notebook) nothing is raised; widget
                 and log say it.
         """
+        own: Iterable[str] = ()
         try:
+            if isinstance(values, str) and len(unnamed) == 1:
+                own = [name for name in self.fields if name.startswith(f"{values}.")]
+                if unnamed[0] is not None and own:
+                    self._add(self._numbers_in(values, unnamed[0], own), time)
+                return
             refuse_unnamed("update", unnamed, _BY_NAME)
+            own = {**(values if isinstance(values, Mapping) else {}), **named}
             self._add({**_mapping(values), **named}, time)
         except (TypeError, ValueError) as error:
-            self.refuse(error, {**(values if isinstance(values, Mapping) else {}), **named})
+            self.refuse(error, own)
 
     def refuse(self, error: Exception, names: Iterable[Any] = ()) -> None:
         """Show why a value could not be shown, until one of these lines gets another, or any line where there are none.
@@ -189,27 +245,36 @@ class PlotWidget(NamedWidget):
             KeyError: there is no line of that name.
         """
         with self._lock:
-            for name in names or tuple(self._lines):
-                if name not in self._lines:
-                    raise KeyError(f"clear({name!r}): the lines are {', '.join(self._lines) or 'none'}")
-                del self._lines[name]
+            for name in names or tuple(self._by_name):
+                if name not in self._by_name:
+                    raise KeyError(f"clear({name!r}): the lines are {', '.join(self._by_name) or 'none'}")
+                del self._by_name[name]
             self._edition += 1
             self._is_new = True
-            if not self._lines:
+            if not self._by_name:
                 self._began, self._is_live = None, False
                 self._error, self._refused = "", set()
         pacer.mark(self)
+
+    def offer(self, fields: Iterable[str], add: Callable[[str], object]) -> None:
+        """Let a person add lines on the page, whose button shows these fields.
+
+        Args:
+            fields: names of which a line can be made.
+            add: called with the name that was chosen; what it raises is shown.
+        """
+        self._add_line, self._choices = add, list(fields)
 
     @property
     def names(self) -> tuple[str, ...]:
         """The names of the lines, in the order in which they came."""
         with self._lock:
-            return tuple(self._lines)
+            return tuple(self._by_name)
 
     def __getitem__(self, name: str) -> Any:
         """The times and the values of a line: arrays of shape (N,), float64."""
         with self._lock:
-            line = self._lines[name]
+            line = self._by_name[name]
             return line.times.copy(), line.values.copy()
 
     def save_png(self, path: str | os.PathLike[str]) -> Saving:
@@ -229,14 +294,6 @@ class PlotWidget(NamedWidget):
             self._is_new = True
         return written
 
-    def sent_frames(self) -> list[TimedFrame]:
-        """No frames, since all of its history is on show: what `to_html` plays."""
-        return []
-
-    def arrays_of(self, frame: bytes) -> tuple[int, int]:
-        """The place and the number of arrays in a frame, of which there is none; see `sent_frames`."""
-        return len(frame), 0
-
     def close(self) -> None:
         """Remove the widget from the page."""
         with self._send_lock:
@@ -253,7 +310,7 @@ class PlotWidget(NamedWidget):
             names = self._compose()
             if names:
                 super().send_state(names)
-            return sum(len(self._trait_values[name]) for name in names if name != "_about")
+            return sum(len(self._trait_values[name]) for name in names if name != "_facts")
 
     def get_state(self, key: str | Iterable[str] | None = None, drop_defaults: bool = False) -> dict[str, Any]:
         """The synced traits, with the newest values: what a new view, a reload and a saved notebook get."""
@@ -268,16 +325,21 @@ class PlotWidget(NamedWidget):
         """Bring the traits for the page up to date, without sending them; returns the names of those that changed."""
         now = clock.monotonic()
         with self._lock:
-            lines: Lines = [(line.times, line.values) for line in self._lines.values()]
+            lines: Lines = [
+                (line.times + self.shift if name in self.ghosts else line.times, line.values)
+                for name, line in self._by_name.items()
+            ]
             is_long = any(len(times) > _EXACT for times, _ in lines)
             is_new, is_due = self._is_new, not is_long or now >= self._due
             self._is_new = is_new and not is_due  # before the frame is made: meanwhile another value may come
             edition = self._edition
-            about = {"names": list(self._lines), "live": self._is_live, "error": self._png_error or self._error}
-        values: dict[str, Any] = {"_about": about}
+            error = self._png_error or self._error or self._status
+            missed = f"{many(self._missed, 'message')} did not come" if self._missed else ""
+            facts = {"names": list(self._by_name), "live": self._is_live, "error": error, "missed": missed}
+        values: dict[str, Any] = {"_facts": facts}
         first, last = ends(lines)
         if is_new and is_due:
-            values["_frame"] = pack(edition, lines, (first, last), columns)
+            values["_lines"] = pack(edition, lines, (first, last), columns)
             if is_long:
                 self._due = clock.monotonic() + max(_OVERVIEW, _SHARE * (clock.monotonic() - now))
         elif is_new:
@@ -314,21 +376,21 @@ class PlotWidget(NamedWidget):
                 self._began = now
             seconds = now - self._began if given is None else given
             for name in numbers:
-                times = self._lines.get(name, GrowingLine()).times
+                times = self._by_name.get(name, GrowingLine()).times
                 if times.size and times[-1] > seconds:
                     raise ValueError(
                         f"time: {seconds:g} s is before the last value of {name!r}, at {times[-1]:g} s; "
                         "clear() starts anew"
                     )
             for name, number in numbers.items():
-                self._lines.setdefault(name, GrowingLine()).append(seconds, number)
+                self._by_name.setdefault(name, GrowingLine()).append(seconds, number)
             self._is_live = self._is_new = True
             if not self._refused or self._refused & numbers.keys():
                 self._error, self._refused = "", set()
         pacer.mark(self)
 
     def _room_for(self, names: Iterable[str]) -> None:
-        count = len({*self._lines, *names})
+        count = len({*self._by_name, *names})
         if count > MOST_LINES:
             raise ValueError(f"expected at most {MOST_LINES} lines, got {count}; clear(name) removes one")
 
@@ -338,8 +400,25 @@ class PlotWidget(NamedWidget):
 
     def _summary(self) -> str:
         with self._lock:
-            counts = [f"{name} ({len(line.times):,})" for name, line in self._lines.items()]
+            counts = [f"{name} ({len(line.times):,})" for name, line in self._by_name.items()]
         return ", ".join(counts) or "nothing yet"
+
+    def _on_page(self, _widget: Any, content: dict[str, Any], _buffers: Any) -> None:
+        """A line that a person adds on the page, or takes out."""
+        if (name := content.get("take_out")) in self.names:
+            self.clear(name)
+        elif (name := content.get("add")) and self._add_line is not None and name not in self.names:
+            try:
+                self._add_line(str(name))
+            except Exception as error:  # whatever the source of the line says of a name that somebody typed
+                self.refuse(error)
+
+    @traitlets.observe("ghosts", "shift")
+    def _on_ghosts(self, _change: Any) -> None:
+        with self._lock:
+            self._edition += 1
+            self._is_new = True
+        pacer.mark(self)
 
     @traitlets.observe("_wanted", "view", "window")
     def _on_look(self, _change: Any) -> None:
@@ -351,7 +430,7 @@ class PlotWidget(NamedWidget):
             self._frozen_at = None
         elif self._frozen_at is None:  # else the page has frozen it, at the time that it shows
             with self._lock:
-                self._frozen_at = ends([(line.times, line.values) for line in self._lines.values()])[1]
+                self._frozen_at = ends([(line.times, line.values) for line in self._by_name.values()])[1]
 
     @traitlets.validate("window")
     def _is_span(self, proposal: Any) -> Any:

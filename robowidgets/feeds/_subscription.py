@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Callable, Sequence
 from functools import update_wrapper
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeGuard
 
 from .._core.log_once import LogOnce, log_in_thread
 from .._core.robot_widget import RobotWidget
@@ -78,19 +78,24 @@ class Target(NamedTuple):
 
 def _target_of(topic: str, given: Any) -> Target | Callable[[Any], object]:
     """The target for a widget, or for a method of one (`SpeedWidget.command`); a function as it is."""
-    if isinstance(given, RobotWidget):
+    if _is_widget(given):
         update = getattr(given, "update", None)
         if callable(update):
             return _of_widget(topic, update, given)
     elif callable(given) and not isinstance(given, type):
         owner = getattr(given, "__self__", None)
-        return _of_widget(topic, given, owner) if isinstance(owner, RobotWidget) else given
+        return _of_widget(topic, given, owner) if _is_widget(owner) else given
     hint = f"; make one of it: {given.__name__}()" if isinstance(given, type) else ""
     if isinstance(given, DriveWidget):
         hint = "; a pad that drives is connected to a feed: pad.connect(feed)"
     raise TypeError(
         f"expected a widget, a method of one like speed.command, or a function of a message; got {given!r}{hint}"
     )
+
+
+def _is_widget(given: Any) -> TypeGuard[SampleWidget]:
+    """Whether it shows the messages of topics: as a kind of sensor, or where it is asked for."""
+    return isinstance(given, RobotWidget) or asked_of_widget(type(given)) is not None
 
 
 def _of_widget(topic: str, method: Callable[..., object], widget: SampleWidget) -> Target:

@@ -94,3 +94,11 @@ def slope(times: Floats, values: Floats) -> Floats:
     changes = np.diff(values, prepend=np.nan)
     slopes: Floats = np.divide(changes, steps, out=np.full(len(times), np.nan), where=steps > 0)
     return slopes
+
+
+def held(times: Floats, values: Floats, at: Floats) -> Floats:
+    """The last value up to each of some times; NaN before the first, and where the time is NaN."""
+    rows = np.searchsorted(times, at, "right") - 1
+    is_known = np.isfinite(at) & (rows >= 0)
+    found: Floats = np.where(is_known, values[np.where(is_known, rows, 0)] if len(values) else np.nan, np.nan)
+    return found

@@ -59,6 +59,11 @@ class TimeSlice:
             raise TypeError(f"recording[...]: expected seconds, as [2:5], a selection or a span; got {which!r}")
         self.end = None if end >= recording.duration else end
 
+    @property
+    def recording(self) -> ReadableRecording:
+        """All of the recording."""
+        return self._recording
+
     def samples(self, topics: str | Iterable[str] | None = None) -> Iterator[Moment]:
         """The samples in the span, as in `Recording.samples`."""
         return self._recording.samples(topics, self.start, self.end)

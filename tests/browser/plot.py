@@ -41,3 +41,22 @@ from robowidgets import PlotWidget
 plot = PlotWidget(title="nothing yet")
 plot
 """
+
+FULL = """
+import numpy as np
+import robowidgets
+recording = robowidgets.open(robowidgets.SAMPLE)
+plot = robowidgets.plot(
+    recording, "/odom.twist.twist.linear.x", "/cmd_vel.twist.linear.x", "/odom.twist.twist.angular.z",
+    marks=robowidgets.conditions.nearest_below(0.3), title="run",
+    states=[[(0, 12.9, "Walker.forward"), (12.9, 14.6, "Walker.back"), (14.6, 15.9, "Walker.turn"),
+        (15.9, 30, "Walker.forward"), (30, 33, "Walker.back"), (33, 58, "Walker.forward")]],
+)
+plot
+"""
+GHOST = """
+import robowidgets
+recording = robowidgets.open(robowidgets.SAMPLE)
+plot = robowidgets.plot(recording, "/odom.twist.twist.angular.z", beside=recording, shift=1.5)
+plot
+"""

@@ -14,7 +14,7 @@ from robowidgets import PlotWidget
 from .chromium import LOOKS, shoot
 from .laser import eventually
 from .plain_page import PlainPage
-from .plot import ARRAYS, EMPTY, FAST, LIVE, RECORDED
+from .plot import ARRAYS, EMPTY, FAST, FULL, GHOST, LIVE, RECORDED
 
 HOSTILE = "<img src=x onerror=alert(1)>"
 
@@ -58,19 +58,20 @@ def ink(card: Locator) -> int:
 def test_lines_and_values_are_readable_at_every_width(
     plain_page: Callable[..., PlainPage], theme: str, scale: int
 ) -> None:
-    nb = plain_page([RECORDED, ARRAYS, FAST, LIVE, EMPTY], run=False, scale=scale, theme=theme)
+    nb = plain_page([RECORDED, ARRAYS, FAST, LIVE, EMPTY, FULL, GHOST], run=False, scale=scale, theme=theme)
     nb.run_all()
     for width in (320, 560, 1000):
         nb.resize(width)
-        for i, name in enumerate(("recorded", "arrays", "fast", "live", "empty")):
+        for i, name in enumerate(("recorded", "arrays", "fast", "live", "empty", "full", "ghost")):
             card = nb.widget(i).locator(".rw-card")
             card.scroll_into_view_if_needed()
             shoot(card, f"plot-{name}-{theme}-{width}")
             assert card.evaluate("(card) => card.scrollWidth <= card.clientWidth")
     recorded = nb.widget(0).locator(".rw-card")
     expect(recorded.locator(".rw-plot-graph")).to_have_count(2)
-    expect(recorded.locator(".rw-plot-name")).to_have_text(
-        ["/odom.twist.twist.linear.x", "/cmd_vel.twist.linear.x", "/odom.twist.twist.angular.z"]
+    expect(recorded.locator(".rw-plot-switch b")).to_have_text(["odom", "cmd_vel", "odom"])
+    expect(recorded.locator(".rw-plot-switch .rw-index")).to_have_text(
+        ["twist.twist.linear.x", "twist.linear.x", "twist.twist.angular.z"]
     )
     expect(recorded.locator(".rw-facts")).to_contain_text("3 lines")
     assert measures(nb.widget(2).locator(".rw-card"), 0)[2] == "9"
@@ -222,3 +223,106 @@ def test_a_png_has_the_lines(plain_page: Callable[..., PlainPage], tmp_path: Pat
     eventually(lambda: nb.python("print(saving)"), f"<{path}: written>\n")
     url = "data:image/png;base64," + base64.b64encode(path.read_bytes()).decode()
     assert nb.page.evaluate(dark, url) > 200
+
+
+def test_what_two_lines_differ_by_and_what_holds_at_the_pointer_stand_beside_them(
+    plain_page: Callable[..., PlainPage],
+) -> None:
+    nb = plain_page([FULL])
+    card = nb.widget(0).locator(".rw-card")
+    nb.page.mouse.move(*x_of(card, 13.0 / 58.0))
+    expect(card.locator(".rw-plot-difference .rw-plot-name")).to_have_text("odom \u2212 cmd_vel")
+    shown = [card.locator(".rw-plot-value b").nth(i).inner_text().replace("\u2212", "-") for i in range(3)]
+    assert float(shown[2]) == pytest.approx(float(shown[0]) - float(shown[1]), abs=1e-3)
+    expect(card.locator(".rw-plot-state .rw-plot-name")).to_have_text("back")
+    expect(card.locator(".rw-plot-mark")).to_have_class("rw-plot-mark rw-on")
+    expect(card.locator(".rw-plot-mark .rw-plot-at")).to_have_text("8 times, 12.40 s")
+    nb.page.mouse.move(*x_of(card, 5.0 / 58.0))
+    expect(card.locator(".rw-plot-state .rw-plot-name")).to_have_text("forward")
+    expect(card.locator(".rw-plot-mark")).to_have_class("rw-plot-mark")
+    band = card.locator(".rw-plot-states").bounding_box()
+    assert band
+    nb.page.mouse.click(band["x"] + 60 + (band["width"] - 60) * 0.5, band["y"] + 7)
+    eventually(lambda: round(float(nb.python("print(plot.time)")), 0), 29.0)
+
+
+def test_a_click_leaves_a_line_out_while_a_cell_runs_and_keys_pick_one(plain_page: Callable[..., PlainPage]) -> None:
+    nb = plain_page([ARRAYS])
+    card = nb.widget(0).locator(".rw-card")
+    with nb.busy():
+        card.get_by_role("button", name="a", exact=True).click()
+        expect(card.locator(".rw-plot-off .rw-plot-left")).to_have_text("not drawn")
+        expect(card.locator(".rw-plot-difference")).to_have_count(0)
+        card.get_by_role("button", name="a", exact=True).click()
+        expect(card.locator(".rw-plot-off")).to_have_count(0)
+        card.locator(".rw-picture").focus()
+        nb.page.keyboard.press("]")
+        expect(card.locator(".rw-live")).to_have_text("a")
+        nb.page.keyboard.press("]")
+        expect(card.locator(".rw-live")).to_have_text("b")
+        nb.page.keyboard.press("Delete")
+    eventually(lambda: nb.python("print(plot.names, plot.off)"), "('a',) []\n")
+
+
+def test_one_line_is_drawn_over_the_other(plain_page: Callable[..., PlainPage]) -> None:
+    nb = plain_page([ARRAYS])
+    card = nb.widget(0).locator(".rw-card")
+    with nb.busy():
+        card.get_by_role("button", name="Draw the second line over the first").click()
+        expect(card.locator(".rw-plot-graphs")).to_be_hidden()
+        picture = card.locator(".rw-picture").bounding_box()
+        assert picture
+        nb.page.mouse.click(picture["x"] + picture["width"] / 2, picture["y"] + picture["height"] / 2)
+        shoot(card, "plot-over")
+    eventually(lambda: nb.python("print(plot.x_over_y)"), "('a', 'b')\n")
+    nb.python("plot.x_over_y = None")
+    expect(card.locator(".rw-plot-graphs")).to_be_visible()
+
+
+def test_a_line_is_added_from_a_list_by_words_and_keys(plain_page: Callable[..., PlainPage]) -> None:
+    nb = plain_page([FULL])
+    card = nb.widget(0).locator(".rw-card")
+    card.get_by_role("button", name="Add a line").click()
+    card.get_by_role("searchbox").fill("pose position y")
+    expect(card.locator(".rw-plot-choice")).to_have_text(["/odom.pose.pose.position.y"])
+    shoot(card, "plot-adder")
+    nb.page.keyboard.press("Enter")
+    expect(card.locator(".rw-plot-switch b")).to_have_text(["odom", "cmd_vel", "odom", "odom"])
+    expect(card.locator(".rw-plot-adder")).to_be_hidden()
+    assert nb.python("print(plot.units[plot.names[-1]])") == "m\n"
+
+
+def test_ghosts_are_moved_by_seconds_that_are_typed(plain_page: Callable[..., PlainPage]) -> None:
+    nb = plain_page([GHOST])
+    card = nb.widget(0).locator(".rw-card")
+    expect(card.locator(".rw-footer")).to_contain_text("seen 0.00 s to 59.50 s")
+    card.get_by_label("shift").fill("4")
+    nb.page.keyboard.press("Enter")
+    expect(card.locator(".rw-footer")).to_contain_text("seen 0:00.00 to 1:02.00")
+    assert nb.python("print(plot.shift)") == "4.0\n"
+
+
+PLAYED = """
+import robowidgets
+player = robowidgets.open(robowidgets.SAMPLE).show("/scan", "/odom.twist.twist.linear.x", "/cmd_vel.twist.linear.x")
+player
+"""
+
+
+def test_a_plot_in_a_player_shows_and_sets_the_time_of_all_widgets_while_a_cell_runs(
+    plain_page: Callable[..., PlainPage],
+) -> None:
+    nb = plain_page([PLAYED])
+    card = nb.page.locator(".rw-plot")
+    expect(card.locator(".rw-plot-switch b")).to_have_text(["odom", "cmd_vel"])
+    laser = nb.page.locator(".rw-laser .rw-footer")
+    before = laser.inner_text()
+    with nb.busy():
+        nb.page.mouse.move(*x_of(card, 0.01))
+        nb.page.mouse.click(*x_of(card, 0.02))
+        nb.page.mouse.move(0, 0)
+    eventually(lambda: 0.5 < float(nb.python("print(player.time)")) < 2.0, True)
+    eventually(lambda: laser.inner_text() != before, True)
+    nb.python("player.time = 14.0")
+    expect(card.locator(".rw-plot-at").first).to_contain_text("at 14.000 s")
+    shoot(nb.page.locator("body"), "plot-player")

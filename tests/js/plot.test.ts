@@ -3,8 +3,10 @@ import { test } from "node:test";
 import { PlotData } from "../../robowidgets/js/plot/data.ts";
 import { decodePlot, type Rows } from "../../robowidgets/js/plot/frame.ts";
 import { toDigits, toGroups } from "../../robowidgets/js/plot/groups.ts";
+import { holding, spread, toLabels } from "../../robowidgets/js/plot/names.ts";
 import { measure, merged, readingAt, timeBeside } from "../../robowidgets/js/plot/rows.ts";
 import { follows, type Looking, seen, wholeOf } from "../../robowidgets/js/plot/span.ts";
+import { toPairs } from "../../robowidgets/js/plot/xy.ts";
 import { FakeModel } from "./models.ts";
 
 function rowsOf(times: number[], values: number[], counts = values.map((v) => Number(!Number.isNaN(v)))): Rows {
@@ -69,7 +71,7 @@ test("the newest seconds are on show while values come, until a person looks at 
 });
 
 test("lines of one unit share a graph, told apart by their pens, whatever their names", () => {
-  const groups = toGroups(["a", "toString", "b", "c"], { a: "m", b: "m", c: "s" });
+  const groups = toGroups(["a", "toString", "b", "c"], { units: { a: "m", b: "m", c: "s" } });
   assert.deepEqual(
     groups.map(({ unit, entries }) => [unit, entries.map(({ index }) => index)]),
     [
@@ -78,8 +80,59 @@ test("lines of one unit share a graph, told apart by their pens, whatever their 
       ["s", [3]],
     ],
   );
-  const pens = toGroups([..."abcdefgh"], {})[0]?.entries.map(({ pen }) => pen.dash.join());
-  assert.equal(new Set(pens).size, 8);
+  const entries = toGroups([..."abcdef"], { units: {}, off: ["b"], ghosts: ["f"] })[0]?.entries ?? [];
+  assert.deepEqual(
+    entries.map(({ left }) => left),
+    ["", "off", "", "", "", ""],
+  );
+  assert.equal(new Set(entries.filter(({ left }) => !left).map(({ pen }) => pen.dash.join())).size, 4);
+  assert.deepEqual(entries.at(-1)?.pen, entries[0]?.pen);
+});
+
+test("a graph has four lines at most and a plot three graphs, and what is switched off makes room", () => {
+  const left = (off: string[]) =>
+    toGroups([..."abcdef"], { units: {}, off }).flatMap(({ entries }) => entries.map((entry) => entry.left));
+  assert.deepEqual(left([]), ["", "", "", "", "crowded", "crowded"]);
+  assert.deepEqual(left(["a"]), ["off", "", "", "", "", "crowded"]);
+  const units = { a: "m", b: "s", c: "V", d: "A", e: "m" };
+  const groups = toGroups([..."abcde"], { units }).map(({ entries }) => entries.map((entry) => entry.left));
+  assert.deepEqual(groups, [["", ""], [""], [""], ["crowded"]]);
+});
+
+test("a line is named by what tells it apart", () => {
+  assert.deepEqual(toLabels(["/odom.twist.twist.angular.z", "/imu.angular_velocity.z"]), ["odom", "imu"]);
+  assert.deepEqual(toLabels(["/odom.twist.twist.linear.x", "/odom.twist.twist.linear.y"]), ["x", "y"]);
+  assert.deepEqual(toLabels(["/odom.twist.linear.x", "/odom.pose.position.x"]), ["linear.x", "position.x"]);
+  assert.deepEqual(toLabels(["v", "set"]), ["v", "set"]);
+  const odom = "/odom.twist.twist.linear.x";
+  assert.deepEqual(toLabels([odom, `d/dt ${odom}`, `${odom} (b.mcap)`]), ["odom", "d/dt odom", "odom (b.mcap)"]);
+});
+
+test("names at the ends of lines stand apart, in the order of the lines, and within the graph", () => {
+  assert.deepEqual(spread([50, 20], 15, 0, 100), [50, 20]);
+  assert.deepEqual(spread([50, 52, 51], 15, 0, 100), [50, 80, 65]);
+  assert.deepEqual(spread([98, 99], 15, 0, 100), [85, 100]);
+});
+
+test("two lines over each other hold each value until the next", () => {
+  const { times, xs, ys } = toPairs(rowsOf([0, 2, 4], [1, 2, 3]), rowsOf([1, 2], [7, 8]), [1, 4]);
+  assert.deepEqual([...times], [1, 2, 4]);
+  assert.deepEqual([...xs], [1, 2, 3]);
+  assert.deepEqual([...ys], [7, 8, 8]);
+});
+
+test("a condition says how often and how long it holds of what is seen", () => {
+  assert.deepEqual(
+    holding(
+      [
+        [0, 2, ""],
+        [5, 6, ""],
+        [9, 9, ""],
+      ],
+      [1, 8],
+    ),
+    [2, 2],
+  );
 });
 
 test("a number has a real minus sign, and no digits of rounding", () => {
@@ -89,17 +142,17 @@ test("a number has a real minus sign, and no digits of rounding", () => {
 });
 
 test("a part is asked for only where all of the line does not show each value, and one of other lines is not taken", () => {
-  const model = new FakeModel({ _frame: packed(1, [0, 100], 10, 3, rowsOf([0, 50, 100], [1, 2, 3])) });
+  const model = new FakeModel({ _lines: packed(1, [0, 100], 10, 3, rowsOf([0, 50, 100], [1, 2, 3])) });
   const data = new PlotData(model.model, new AbortController().signal);
   assert.equal(data.lacks([0, 1], 500), false);
-  model.receive({ _frame: packed(1, [0, 100], 10, 9999, rowsOf([0, 50, 100], [1, 2, 3])) });
+  model.receive({ _lines: packed(1, [0, 100], 10, 9999, rowsOf([0, 50, 100], [1, 2, 3])) });
   assert.equal(data.lacks([0, 100], 10), false);
   assert.equal(data.lacks([0, 10], 10), true);
   model.receive({ _detail: packed(1, [0, 10], 10, 9999, rowsOf([0, 5], [7, 8])) });
   assert.equal(data.lacks([0, 10], 10), false);
   assert.equal(data.lacks([0, 10], 20), true);
   assert.deepEqual([...(data.lines[0]?.values ?? [])], [7, 8, 2, 3]);
-  model.receive({ _frame: packed(2, [0, 100], 10, 9999, rowsOf([0, 50, 100], [1, 2, 3])) });
+  model.receive({ _lines: packed(2, [0, 100], 10, 9999, rowsOf([0, 50, 100], [1, 2, 3])) });
   assert.deepEqual([...(data.lines[0]?.values ?? [])], [1, 2, 3]);
 });
 

@@ -43,7 +43,7 @@ def rows_of(frame: bytes) -> list[tuple[int, ThinRows]]:
 
 def sent(plot: PlotWidget) -> list[tuple[int, ThinRows]]:
     """What a new page gets of all lines."""
-    return rows_of(plot.get_state()["_frame"])
+    return rows_of(plot.get_state()["_lines"])
 
 
 # What is shown
@@ -68,7 +68,7 @@ def test_values_that_come_one_by_one_are_added_to_their_lines(plot: PlotWidget) 
     plot.update(time=10.0, w=np.float32(0.5), up=True)
     assert plot.names == ("/odom.v", "w", "up")
     assert [(total, rows.values[-1]) for total, rows in sent(plot)] == [(1000, 99.9), (1, 0.5), (1, 1.0)]
-    assert plot.get_state()["_about"]["live"] is True
+    assert plot.get_state()["_facts"]["live"] is True
     assert repr(plot) == "<PlotWidget run: /odom.v (1,000), w (1), up (1)>"
 
 
@@ -103,7 +103,7 @@ def test_a_line_is_replaced_cleared_and_begun_anew(plot: PlotWidget) -> None:
     assert [(total, rows.values.tolist()) for total, rows in sent(plot)] == [(1, [5.0])]
     plot.clear("v")
     assert plot.names == ()
-    assert plot.get_state()["_about"]["live"] is False
+    assert plot.get_state()["_facts"]["live"] is False
     plot.update(v=1.0, time=0.5)
     with pytest.raises(KeyError, match=r"clear\('w'\): the lines are v"):
         plot.clear("w")
@@ -267,9 +267,9 @@ def test_a_value_that_is_none_is_refused_with_the_reason_and_nothing_is_added(
     with pytest.raises(kind, match=text):
         call(plot)
     assert (plot.names, len(plot["w"][0])) == (("w",), 1)
-    assert plot.get_state()["_about"]["error"]
+    assert plot.get_state()["_facts"]["error"]
     plot.clear()
-    assert plot.get_state()["_about"]["error"] == ""
+    assert plot.get_state()["_facts"]["error"] == ""
 
 
 def test_an_error_stays_until_its_line_gets_a_value(plot: PlotWidget) -> None:
@@ -277,14 +277,14 @@ def test_an_error_stays_until_its_line_gets_a_value(plot: PlotWidget) -> None:
         with pytest.raises(TypeError):
             plot.update(v="fast")  # type: ignore[arg-type]
         plot.update({name: 1.0}, time=6.0)
-        assert bool(plot.get_state()["_about"]["error"]) is error
+        assert bool(plot.get_state()["_facts"]["error"]) is error
 
 
 def test_in_another_thread_the_widget_says_what_was_wrong(plot: PlotWidget, caplog: pytest.LogCaptureFixture) -> None:
     thread = threading.Thread(target=lambda: plot.update(v="fast"))  # type: ignore[arg-type]
     thread.start()
     thread.join()
-    assert plot.get_state()["_about"]["error"] == "v: expected a number, got 'fast'."
+    assert plot.get_state()["_facts"]["error"] == "v: expected a number, got 'fast'."
     assert "a value could not be shown: v: expected a number, got 'fast'" in caplog.text
 
 
@@ -382,7 +382,7 @@ def test_a_page_of_a_long_line_that_is_on_show_has_its_finer_columns(
     plot.set_line("v", np.arange(100_000) / 1000, np.random.default_rng(3).normal(size=100_000))
     ((_, coarse),) = sent(plot)
     written: list[bytes] = []
-    monkeypatch.setattr("robowidgets.export.widget_page.write", lambda widget, *_: written.append(widget._frame))
+    monkeypatch.setattr("robowidgets.export.widget_page.write", lambda widget, *_: written.append(widget._lines))
     plot.to_html(tmp_path / "plot.html")
     ((total, rows),) = rows_of(written[0])
     assert total == 100_000

@@ -273,6 +273,8 @@ export class Playback {
     this.#showRay();
     for (const follower of this.#followers) {
       if (follower.get("time") !== this.#time) follower.set_state({ time: this.#time });
+      const moment = this.#pointed && !follower.get("_pointed") ? time : null;
+      if ((follower.get("_moment") ?? null) !== moment) follower.set("_moment", moment);
     }
     // For players that follow this one; Python gets it with the next time.
     this.#model.set("_shown", this.#frozenAt ?? time);

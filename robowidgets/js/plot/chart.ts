@@ -5,7 +5,7 @@ import { type Theme, textFont } from "../shared/theme.ts";
 import type { Span } from "../shared/time_axis.ts";
 import { timeTicks } from "../shared/time_span.ts";
 import type { Rows } from "./frame.ts";
-import type { Group } from "./groups.ts";
+import type { Entry, Group } from "./groups.ts";
 import uPlot from "./uplot.ts";
 
 /** Pixels for the numbers at the left, and for the times below. */
@@ -16,6 +16,8 @@ const TOP = 22;
 const TIME_WIDTH = 75;
 /** Height of the bar above a mark, and the least width of what is marked. */
 const BAR = 3;
+/** Width of a line that is pointed at. */
+const LIT = 2.5;
 
 /** What a chart shows. */
 export interface Shown {
@@ -38,13 +40,14 @@ export class Chart {
   readonly #plot: uPlot;
   readonly #isFirst: boolean;
   #shown: Shown;
+  /** The line that is pointed at in the legend; null: none. */
+  #lit: string | null = null;
 
   constructor(parent: HTMLElement, group: Group, isFirst: boolean, isLast: boolean, shown: Shown) {
     this.group = group;
     this.#isFirst = isFirst;
     this.#shown = shown;
     parent.append(this.root);
-    const ink = () => this.#shown.theme.ink;
     const axis: uPlot.Axis = {
       stroke: () => this.#shown.theme.muted,
       grid: { stroke: () => this.#shown.theme.line, width: 1 },
@@ -56,7 +59,7 @@ export class Chart {
       {
         width: shown.width,
         height: shown.height,
-        padding: [TOP, shown.right, isLast ? 0 : 6, 0],
+        padding: [TOP, () => this.#shown.right, isLast ? 0 : 6, 0],
         legend: { show: false },
         cursor: { show: false },
         scales: { x: { time: false, range: () => this.#shown.span } },
@@ -78,14 +81,16 @@ export class Chart {
         ],
         series: [
           {},
-          ...group.entries.map(
-            ({ pen }): uPlot.Series => ({
+          ...group.entries.map((entry): uPlot.Series => {
+            const ink = () => this.#inkOf(entry);
+            return {
               stroke: ink,
-              width: pen.width,
-              dash: pen.dash,
+              width: entry.pen.width,
+              dash: entry.pen.dash,
               points: { size: 4, width: 1, stroke: ink, fill: ink },
-            }),
-          ),
+              ...(entry.isStepped && uPlot.paths.stepped && { paths: uPlot.paths.stepped({ align: 1 }) }),
+            };
+          }),
         ],
         hooks: { drawClear: [() => this.#drawMarks()] },
       },
@@ -102,6 +107,25 @@ export class Chart {
       if (shown.width !== width || shown.height !== height) this.#plot.setSize(shown);
       this.#plot.setData(this.#data());
     });
+  }
+
+  /** Draws a line that is pointed at wider, and the others in gray; null: all as ever. */
+  light(name: string | null): void {
+    const isIn = this.group.entries.some((entry) => entry.name === name);
+    const lit = isIn ? name : null;
+    if (lit === this.#lit) return;
+    this.#lit = lit;
+    for (const [i, { name: own, pen }] of this.group.entries.entries()) {
+      const series = this.#plot.series[i + 1];
+      if (series) series.width = own === lit ? LIT : pen.width;
+    }
+    this.#plot.redraw(false);
+  }
+
+  #inkOf({ name, isGhost }: Entry): string {
+    const { theme } = this.#shown;
+    if (this.#lit !== null && this.#lit !== name) return theme.guide;
+    return isGhost ? theme.ghost : theme.ink;
   }
 
   /** Where the graph stands, in pixels of the picture. */

@@ -12,11 +12,11 @@ export class PlotData {
 
   constructor(model: Model<PlotTraits>, signal: AbortSignal) {
     const take = () => {
-      this.#frame = decodePlot(model.get("_frame"));
+      this.#frame = decodePlot(model.get("_lines"));
       this.#detail = decodePlot(model.get("_detail"));
       this.#lines = null;
     };
-    onChange(model, ["_frame", "_detail"], take, signal);
+    onChange(model, ["_lines", "_detail"], take, signal);
     take();
   }
 

@@ -1,3 +1,5 @@
+import { toLabels } from "./names.ts";
+
 /** How a line is drawn. */
 export interface Pen {
   width: number;
@@ -10,17 +12,22 @@ const PENS: Pen[] = [
   { width: 1.25, dash: [2.5, 2] },
   { width: 1.25, dash: [7, 4] },
   { width: 1.25, dash: [8, 3, 2, 3] },
-  { width: 1.25, dash: [14, 3] },
-  { width: 1.25, dash: [3, 5] },
-  { width: 1.25, dash: [10, 3, 2, 3, 2, 3] },
-  { width: 2.5, dash: [2, 3] },
 ];
 
-/** A line: its name, its place among all, and its pen. */
+export const MOST_GRAPHS = 3;
+
+/** A line: its name and a short one, its place among all, and its pen. */
 export interface Entry {
   name: string;
+  label: string;
   index: number;
   pen: Pen;
+  /** Whether it is drawn in gray, to be compared with. */
+  isGhost: boolean;
+  /** Whether it holds each value until the next. */
+  isStepped: boolean;
+  /** Why it is not drawn; empty: it is. */
+  left: "" | "off" | "crowded";
 }
 
 /** The lines of one unit, which share a graph. */
@@ -29,16 +36,47 @@ export interface Group {
   entries: Entry[];
 }
 
-/** Groups of lines by unit, in the order in which the lines came. */
-export function toGroups(names: string[], units: Record<string, string>): Group[] {
+/** What is said of lines. */
+export interface Wanted {
+  units: Record<string, string>;
+  off?: string[];
+  ghosts?: string[];
+  steps?: string[];
+}
+
+/**
+ * Groups of lines by unit, in the order in which the lines came. Of a graph the first four are drawn, so that their pens
+ * differ, and of graphs the first three; a person may switch lines off, and has room for others.
+ */
+export function toGroups(names: string[], { units, off = [], ghosts = [], steps = [] }: Wanted): Group[] {
   const groups = new Map<string, Group>();
+  const labels = new Map<string, string>();
+  for (const unit of new Set(names.map((name) => unitOf(units, name)))) {
+    const own = names.filter((name) => unitOf(units, name) === unit);
+    for (const [i, label] of toLabels(own).entries()) labels.set(own[i] as string, label);
+  }
   for (const [index, name] of names.entries()) {
-    const unit = Object.hasOwn(units, name) ? (units[name] as string) : "";
+    const unit = unitOf(units, name);
     const group = groups.get(unit) ?? { unit, entries: [] };
-    const pen = PENS[group.entries.length % PENS.length] as Pen;
-    groups.set(unit, { unit, entries: [...group.entries, { name, index, pen }] });
+    groups.set(unit, group);
+    const isGhost = ghosts.includes(name);
+    const before = group.entries.filter((entry) => entry.isGhost === isGhost && !entry.left).length;
+    const drawn = [...groups.values()].filter(isDrawn).length;
+    const isCrowded = before >= PENS.length || (!isDrawn(group) && drawn >= MOST_GRAPHS);
+    const left = off.includes(name) ? "off" : isCrowded ? "crowded" : "";
+    const pen = PENS[before % PENS.length] as Pen;
+    const label = labels.get(name) ?? name;
+    group.entries.push({ name, label, index, pen, isGhost, isStepped: steps.includes(name), left });
   }
   return [...groups.values()];
+}
+
+export function isDrawn({ entries }: Group): boolean {
+  return entries.some(({ left }) => !left);
+}
+
+function unitOf(units: Record<string, string>, name: string): string {
+  return Object.hasOwn(units, name) ? (units[name] as string) : "";
 }
 
 /** A number of at most so many digits, with a real minus sign: "0.3", "−12.5", "1.2e+9". */

@@ -1,43 +1,62 @@
 import type { Point } from "../shared/box.ts";
-import { Canvas, circle, fill, line, stroke, write } from "../shared/canvas.ts";
+import { Canvas, type Context, circle, fill, line, stroke, write } from "../shared/canvas.ts";
 import { Card } from "../shared/card.ts";
-import { make, makeButton, makeIcon, PAUSE, PLAY, setLabel, setText } from "../shared/dom.ts";
+import { make, makeButton, makeIcon, PAUSE, PLAY, setHidden, setLabel, setText } from "../shared/dom.ts";
 import { isPlain, on, onAbort } from "../shared/events.ts";
-import { toMany } from "../shared/format.ts";
+import { toFixed, toMany } from "../shared/format.ts";
 import { describeMark, markBeside } from "../shared/marks.ts";
 import { lacksKernel, type Model, NO_KERNEL, onChange, setTraits } from "../shared/model.ts";
 import { offerPng } from "../shared/png.ts";
 import { perAnimationFrame } from "../shared/schedule.ts";
+import { StateBand } from "../shared/states/band.ts";
+import { cutName, nameOf, statesAt } from "../shared/states/states.ts";
 import { textFont } from "../shared/theme.ts";
 import { type Span, type TimeAxis, toTime, toX } from "../shared/time_axis.ts";
 import { watchGestures } from "../shared/time_gestures.ts";
 import { moved, toMoment, zoomed } from "../shared/time_span.ts";
+import type { Pointing } from "../shared/traits.ts";
+import { Adder } from "./adder.ts";
 import { Chart, SCALE, type Shown, TIMES } from "./chart.ts";
 import type { PlotData } from "./data.ts";
-import { type Group, toGroups } from "./groups.ts";
-import { Legend, toValue, type Values } from "./legend.ts";
+import { type Entry, type Group, isDrawn, toGroups } from "./groups.ts";
+import { Legend, type More, toValue, type Values } from "./legend.ts";
+import type { PlotMember } from "./member.ts";
+import { holding, spread } from "./names.ts";
 import { measure, readingAt, timeBeside } from "./rows.ts";
 import { follows, type Looking, seen, wholeOf } from "./span.ts";
 import type { PlotTraits } from "./traits.ts";
+import { type Axis, drawPairs, drawRing, type Pairs, Projection, timeNear, toPairs } from "./xy.ts";
 
 /** Width of a card from which the legend stands beside the graphs. */
 const WIDE = 640;
 const [LEAST_GRAPH, ONE_GRAPH, GRAPH] = [110, 230, 160];
-const RIGHT = 14;
+/** Pixels right of the lines: for their names, where there is room. */
+const [RIGHT, NAMES] = [14, 96];
+/** Width of a picture from which names stand at the ends of its lines. */
+const NAMED = 440;
+const ONE_OVER_OTHER = 320;
 /** Seconds that are looked at, at least. */
 const SHORTEST = 1e-4;
 const LATE = "finer detail when the kernel is free";
 const HINT = "least, mean and most are of this";
+/** Conditions that are listed below the lines. */
+const MOST_MARKS = 3;
 const NEVER = `no finer detail: ${NO_KERNEL}`;
 
 /** One view of a plot: it wires the card, the graphs, the legend and the gestures together. */
 export class PlotView {
-  readonly #model: Model<PlotTraits>;
+  readonly #model: Model<PlotTraits & Pointing>;
+  readonly #member: PlotMember;
   readonly #data: PlotData;
   readonly #card: Card;
   readonly #graphs = make("div", "rw-plot-graphs");
   readonly #top: Canvas;
-  readonly #legend = new Legend();
+  readonly #legend: Legend;
+  readonly #states: StateBand;
+  readonly #adder: Adder;
+  readonly #over: HTMLButtonElement;
+  readonly #shift = make("label", "rw-plot-shift");
+  readonly #seconds = make("input", "");
   readonly #empty = make("div", "rw-empty");
   readonly #span = make("span", "");
   readonly #fact = make("span", "");
@@ -46,13 +65,27 @@ export class PlotView {
   readonly #all: HTMLButtonElement;
   readonly #redrawTop: () => void;
   #charts: Chart[] = [];
+  #groups: Group[] = [];
   #built = "";
+  /** The line that keys picked; null: none. */
+  #picked: string | null = null;
+  /** The time at which a person points on the states; null: at none. */
+  #onStates: number | null = null;
+  #pairs: { key: unknown[]; pairs: Pairs } | null = null;
+  #projection: Projection | null = null;
   #pointer: Point | null = null;
   #draft: Span | null = null;
 
-  constructor(model: Model<PlotTraits>, element: HTMLElement, data: PlotData, signal: AbortSignal) {
+  constructor(
+    model: Model<PlotTraits & Pointing>,
+    element: HTMLElement,
+    data: PlotData,
+    member: PlotMember,
+    signal: AbortSignal,
+  ) {
     this.#model = model;
     this.#data = data;
+    this.#member = member;
     this.#redrawTop = perAnimationFrame(() => this.#drawTop(), signal);
     this.#card = new Card(element, "plot", model, () => this.#draw(), signal);
     const { picture, controls, footer, root } = this.#card;
@@ -61,23 +94,52 @@ export class PlotView {
     picture.append(this.#graphs);
     this.#top = new Canvas(picture);
     picture.append(this.#empty);
-    picture.after(this.#legend.root);
+    this.#legend = new Legend(
+      { onPoint: (name) => this.#light(name ?? this.#picked), onSwitch: (name) => this.#switch(name) },
+      signal,
+    );
+    const onPick = (time: number) => setTraits(model, { time });
+    const onPoint = (time: number | null) => {
+      this.#onStates = time;
+      this.#tellPointed(time);
+      this.#redrawTop();
+    };
+    this.#states = new StateBand("rw-plot-states", SCALE, { onPick, onPoint }, () => this.#drawTop(), signal);
+    this.#adder = new Adder((add) => model.send({ add }), signal);
+    picture.after(this.#states.root, this.#legend.root);
+    this.#card.header.after(this.#adder.panel);
     footer.append(this.#span, this.#fact);
     const closer = makeButton("rw-zoom", "Zoom in (+)", () => this.onZoom(0.5, null), signal, "+");
     const farther = makeButton("rw-zoom", "Zoom out (\u2212)", () => this.onZoom(2, null), signal, "\u2212");
     this.#all = makeButton("", "Show all of it (0, double click)", () => this.onReset(), signal, "All");
     const toNewest = () => setTraits(model, { view: null, window: model.get("window") ?? 30 });
     this.#follow = makeButton("", "Follow the newest values", toNewest, signal, "Newest");
-    this.#freeze = makeButton("rw-plot-freeze", "", () => this.#toggle(), signal);
-    controls.append(this.#follow, farther, closer, this.#all, this.#freeze);
+    this.#freeze = makeButton("rw-plot-freeze", "", () => member.toggle(), signal);
+    this.#over = makeButton("rw-plot-over", "", () => this.#toggleOver(), signal, "x over y");
+    this.#seconds.type = "number";
+    this.#seconds.step = "0.1";
+    this.#shift.append("shift", this.#seconds, "s");
+    on(this.#seconds, "change", () => setTraits(model, { shift: Number(this.#seconds.value) || 0 }), signal);
+    on(this.#seconds, "keydown", (event) => event.stopPropagation(), signal);
+    controls.append(
+      this.#shift,
+      this.#adder.button,
+      this.#over,
+      this.#follow,
+      farther,
+      closer,
+      this.#all,
+      this.#freeze,
+    );
     offerPng(this.#card, model, signal);
     onChange(
       model,
-      ["_frame", "_detail", "_about", "units", "view", "window", "marks", "paused", "_frozen_at"],
+      ["_lines", "_detail", "_facts", "units", "view", "window", "marks", "states", "steps", "off", "ghosts", "shift"],
       this.#card.redraw,
       signal,
     );
-    onChange(model, ["time"], this.#redrawTop, signal);
+    onChange(model, ["x_over_y", "_choices", "paused", "_frozen_at"], this.#card.redraw, signal);
+    onChange(model, ["time", "_moment"], this.#redrawTop, signal);
     watchGestures(picture, this, signal);
     on(root, "keydown", (event) => this.#onKey(event), signal);
     onAbort(signal, () => this.#close());
@@ -85,18 +147,20 @@ export class PlotView {
 
   onHover(point: Point | null): void {
     this.#pointer = point;
+    this.#tellPointed(point && this.#timeAt(point));
     this.#redrawTop();
   }
 
   onPress(): void {}
 
   onPick(point: Point): void {
-    if (this.#axis) setTraits(this.#model, { time: toTime(this.#axis, point.x) });
+    const time = this.#timeAt(point);
+    if (time !== null) setTraits(this.#model, { time });
   }
 
   onSelect(from: Point, to: Point, _rays: boolean, done: boolean): void {
     const axis = this.#axis;
-    if (!axis) return;
+    if (!axis || this.#projection) return;
     const times = [from, to].map(({ x }) => toTime(axis, x));
     this.#draft = done ? null : [Math.min(...times), Math.max(...times)];
     const [start, end] = [Math.min(...times), Math.max(...times)];
@@ -132,7 +196,8 @@ export class PlotView {
     }
     const time = this.#model.get("time") ?? NaN;
     const middle = time >= axis.span[0] && time <= axis.span[1] ? time : (axis.span[0] + axis.span[1]) / 2;
-    this.#look(zoomed(axis.span, factor, point ? toTime(axis, point.x) : middle, whole, SHORTEST));
+    const around = point && !this.#projection ? toTime(axis, point.x) : middle;
+    this.#look(zoomed(axis.span, factor, around, whole, SHORTEST));
   }
 
   onReset(): void {
@@ -153,7 +218,9 @@ export class PlotView {
       return;
     }
     const from = this.#model.get("time") ?? seen(looking)[by > 0 ? 0 : 1];
-    const times = this.#data.lines.flatMap((rows) => timeBeside(rows, from, by) ?? []).filter((time) => time <= last);
+    const picked = this.#entries.find(({ name }) => name === this.#picked);
+    const lines = picked ? [this.#data.lines[picked.index] ?? []].flat() : this.#data.lines;
+    const times = lines.flatMap((rows) => timeBeside(rows, from, by) ?? []).filter((time) => time <= last);
     if (times.length) this.#goTo(by > 0 ? Math.min(...times) : Math.max(...times));
   }
 
@@ -168,7 +235,7 @@ export class PlotView {
     const whole = this.#data.whole;
     const model = this.#model;
     const frozenAt = model.get("paused") ? model.get("_frozen_at") : null;
-    const live = model.get("_about").live ?? false;
+    const live = model.get("_facts").live ?? false;
     return whole && { whole, view: model.get("view"), live, window: model.get("window"), frozenAt };
   }
 
@@ -192,36 +259,100 @@ export class PlotView {
     setTraits(this.#model, { time });
     const span = seen(looking);
     if (time < span[0] || time > span[1]) this.#look(moved(span, time - (span[0] + span[1]) / 2, wholeOf(looking)));
-    const { names = [] } = this.#model.get("_about");
     const units = this.#model.get("units");
-    const values = this.#data.lines.map((rows, i) => {
-      const reading = readingAt(rows, time);
-      return `${names[i]} ${reading ? toValue(reading.value) : "no value"} ${units[names[i] ?? ""] ?? ""}`.trim();
+    const values = this.#entries.map(({ name, label, index }) => {
+      const rows = this.#data.lines[index];
+      const reading = rows ? readingAt(rows, time) : null;
+      return `${label} ${reading ? toValue(reading.value) : "no value"} ${units[name] ?? ""}`.trim();
     });
     const mark = this.#model.get("marks").length ? describeMark(this.#model.get("marks"), time).label : "";
-    this.#card.say([`${time.toFixed(3)} s`, ...values, mark]);
-  }
-
-  #toggle(): void {
-    const paused = !this.#model.get("paused");
-    const frozenAt = paused ? (this.#data.whole?.[1] ?? null) : null;
-    setTraits(this.#model, { paused, _frozen_at: frozenAt });
+    const states = statesAt(this.#model.get("states"), time).map(([, , path]) => nameOf(path));
+    this.#card.say([`${time.toFixed(3)} s`, ...values, mark, ...states]);
   }
 
   #onKey(event: KeyboardEvent): void {
-    if (!isPlain(event) || event.key !== " " || event.target instanceof HTMLButtonElement) return;
+    if (!isPlain(event) || event.target instanceof HTMLButtonElement || event.target instanceof HTMLInputElement)
+      return;
+    const names = this.#entries.map(({ name }) => name);
+    const at = names.indexOf(this.#picked ?? "");
+    if (event.key === " ") this.#member.toggle();
+    else if (event.key === "[" || event.key === "]") {
+      // After the last comes none, which stands for all.
+      const next = at + (event.key === "]" ? 1 : -1);
+      this.#pick(names[next < -1 ? names.length - 1 : next] ?? null);
+    } else if (event.key === "Delete" && this.#picked !== null) {
+      const name = this.#picked;
+      this.#pick(null);
+      if (lacksKernel(this.#model)) this.#switch(name);
+      else this.#model.send({ take_out: name });
+    } else return;
     event.preventDefault();
-    this.#toggle();
+  }
+
+  /** Picks a line, by whose values arrow keys go; null: those of all. */
+  #pick(name: string | null): void {
+    this.#picked = name;
+    this.#light(name);
+    this.#card.say([name ?? "all lines"]);
+  }
+
+  #light(name: string | null): void {
+    for (const chart of this.#charts) chart.light(name);
+  }
+
+  /** Leaves a line out, or draws it again. */
+  #switch(name: string): void {
+    const off = this.#model.get("off");
+    setTraits(this.#model, { off: off.includes(name) ? off.filter((one) => one !== name) : [...off, name] });
+  }
+
+  /** The second line over the first, or over the one that is picked; or all over time again. */
+  #toggleOver(): void {
+    const names = this.#entries.map(({ name }) => name);
+    const first = names.includes(this.#picked ?? "") ? (this.#picked as string) : names[0];
+    const second = names.find((name) => name !== first);
+    const isOver = this.#model.get("x_over_y") !== null;
+    setTraits(this.#model, { x_over_y: isOver || !first || !second ? null : [first, second] });
+  }
+
+  /** Publishes the time at which a person points, which a player shows in all its widgets. */
+  #tellPointed(time: number | null): void {
+    const before = this.#model.get("_pointed");
+    if (before?.time !== time && (before || time !== null)) {
+      this.#model.set("_pointed", time === null ? null : { time, ray: null });
+    }
+  }
+
+  /** The time at a place of the picture; null where there is none. */
+  #timeAt(point: Point): number | null {
+    const axis = this.#axis;
+    if (this.#projection && this.#pairs) return timeNear(this.#pairs.pairs, this.#projection, point);
+    return axis && point.x >= axis.left ? toTime(axis, point.x) : null;
+  }
+
+  /** The lines that are drawn. */
+  get #entries(): Entry[] {
+    return this.#groups.flatMap(({ entries }) => entries.filter(({ left }) => !left));
   }
 
   #draw(): void {
-    const { names = [], error = "", live = false } = this.#model.get("_about");
-    const groups = toGroups(names, this.#model.get("units"));
+    const { names = [], error = "", missed = "", live = false } = this.#model.get("_facts");
+    const [units, off, ghosts, steps] = [
+      this.#model.get("units"),
+      this.#model.get("off"),
+      this.#model.get("ghosts"),
+      this.#model.get("steps"),
+    ];
+    const groups = toGroups(names, { units, off, ghosts, steps });
     const { lines } = this.#data;
     this.#card.updateFrame(error ? [error] : [], "error");
     const count = lines.reduce((sum, { total }) => sum + total, 0);
-    this.#card.updateFacts(names.length ? [toMany(names.length, "line"), toMany(count, "value")] : []);
+    const facts = names.length ? [toMany(names.length, "line"), toMany(count, "value"), missed] : [missed];
+    this.#card.updateFacts(facts.filter(Boolean));
     this.#updateButtons(live);
+    this.#adder.update(lacksKernel(this.#model) ? [] : this.#model.get("_choices"), names);
+    setHidden(this.#shift, !ghosts.length || lacksKernel(this.#model));
+    if (document.activeElement !== this.#seconds) this.#seconds.value = String(this.#model.get("shift"));
     const looking = this.#looking;
     setText(this.#empty, lacksKernel(this.#model) ? NO_KERNEL : "waiting for values");
     this.#empty.hidden = looking !== null;
@@ -243,18 +374,30 @@ export class PlotView {
       this.#freeze.replaceChildren(makeIcon(paused ? PLAY : PAUSE), make("span", "", paused ? "Frozen" : "Freeze"));
     }
     this.#follow.hidden = !live || (view === null && this.#model.get("window") !== null);
+    const isOver = this.#model.get("x_over_y") !== null;
+    setHidden(this.#over, !isOver && this.#entries.length < 2);
+    this.#over.ariaPressed = String(isOver);
+    setLabel(this.#over, isOver ? "Draw all lines over time again" : "Draw the second line over the first");
     this.#all.disabled = view === null && (!live || this.#model.get("window") === null);
     this.#card.root.classList.toggle("rw-frozen", paused);
   }
 
   #drawGraphs(groups: Group[], looking: Looking | null): void {
     const { size, theme, picture, noticeHeight } = this.#card;
-    const count = Math.max(1, groups.length);
+    this.#groups = groups;
+    const drawn = groups
+      .map(({ unit, entries }) => ({ unit, entries: entries.filter(({ left }) => !left) }))
+      .filter(isDrawn);
+    const over = this.#axes;
+    this.#graphs.hidden = over !== null;
+    const count = Math.max(1, drawn.length);
     const graph = count === 1 ? ONE_GRAPH : GRAPH;
-    picture.style.setProperty("--rw-plot-height", `${count * graph + TIMES + noticeHeight}px`);
+    const wanted = over ? ONE_OVER_OTHER : count * graph + TIMES;
+    picture.style.setProperty("--rw-plot-height", `${wanted + noticeHeight}px`);
     this.#graphs.style.top = `${noticeHeight}px`;
     const height = Math.max(LEAST_GRAPH * count, size.height - noticeHeight);
     const key = JSON.stringify([groups, theme.font]);
+    const right = this.#right;
     const toShown = ({ entries }: Group, i: number): Shown => ({
       rows: entries.flatMap(({ index }) => this.#data.lines[index] ?? []),
       span: looking ? seen(looking) : [0, 1],
@@ -263,25 +406,40 @@ export class PlotView {
       theme,
       width: size.width,
       height: Math.floor((height - TIMES) / count) + (i === count - 1 ? TIMES : 0),
-      right: RIGHT,
+      right,
     });
     if (key !== this.#built) {
       this.#built = key;
       this.#close();
       this.#legend.build(groups);
-      this.#charts = groups.map(
-        (group, i) => new Chart(this.#graphs, group, i === 0, i === groups.length - 1, toShown(group, i)),
+      this.#charts = drawn.map(
+        (group, i) => new Chart(this.#graphs, group, i === 0, i === drawn.length - 1, toShown(group, i)),
       );
+      this.#light(this.#picked);
     }
+    this.#states.root.style.marginRight = `${right}px`;
     this.#legend.root.hidden = !groups.length;
     for (const [i, chart] of this.#charts.entries()) chart.draw(toShown(chart.group, i));
     if (looking && groups.length) this.#askFor(looking);
   }
 
+  /** Pixels right of the lines. */
+  get #right(): number {
+    return this.#card.size.width >= NAMED ? NAMES : RIGHT;
+  }
+
+  /** The two lines of which one is drawn over the other, if there are such; else null. */
+  get #axes(): [Axis, Axis] | null {
+    const wanted = this.#model.get("x_over_y") ?? [];
+    const all = this.#groups.flatMap(({ unit, entries }) => entries.map((entry) => ({ ...entry, unit })));
+    const [one, other] = wanted.map((name) => all.find((entry) => entry.name === name));
+    return one && other ? [one, other] : null;
+  }
+
   /** Asks Python for what the page lacks of the span on show. */
   #askFor(looking: Looking): void {
     const span = seen(looking);
-    const columns = Math.max(1, Math.round((this.#card.size.width - SCALE - RIGHT) * devicePixelRatio));
+    const columns = Math.max(1, Math.round((this.#card.size.width - SCALE - this.#right) * devicePixelRatio));
     const isFine = !this.#data.lacks(span, columns);
     const wanted = follows(looking) ? [] : [...span, columns];
     const isAlone = lacksKernel(this.#model);
@@ -297,19 +455,30 @@ export class PlotView {
     const { size, theme, noticeHeight } = this.#card;
     const context = this.#top.begin(size);
     const { axis, looking } = { axis: this.#axis, looking: this.#looking };
-    if (!axis || !looking || !this.#charts.length) return;
+    this.#projection = null;
+    if (!axis || !looking || !this.#groups.length) return;
+    const over = this.#axes;
+    if (over) this.#drawOver(context, over, axis.span);
     const [first, last] = wholeOf(looking);
-    const pointed = this.#pointer && this.#pointer.x >= axis.left ? toTime(axis, this.#pointer.x) : null;
-    const picked = this.#model.get("time");
+    const pointed = this.#pointer ? this.#timeAt(this.#pointer) : this.#onStates;
+    const picked = this.#model.get("_moment") ?? this.#model.get("time");
     const time = pointed ?? picked ?? Math.min(last, axis.span[1]);
     const isShown = (pointed ?? picked) !== null && time >= axis.span[0] && time <= axis.span[1];
     const { lines } = this.#data;
+    this.#states.update(this.#model.get("states"), axis.span, (pointed ?? picked) === null ? NaN : time, theme);
+    this.#updateMore(time, axis.span, (pointed ?? picked) !== null);
     const values: Values[] = lines.map((rows) => ({
       reading: readingAt(rows, time),
       measures: measure(rows, [Math.max(first, axis.span[0]), Math.min(last, axis.span[1])]),
     }));
     this.#legend.update(values);
     const font = textFont(theme);
+    if (over) {
+      if (isShown) this.#drawMoment(context, over, values, toMoment(time, last, 3));
+      const [from, to] = axis.span.map((one) => toMoment(one, last));
+      setText(this.#span, `seen ${from} to ${to}`);
+      return;
+    }
     for (const chart of this.#charts) {
       const { left, top, height } = chart.box;
       write(context, chart.group.unit, left, top - 11, theme.muted, font, "left");
@@ -320,6 +489,7 @@ export class PlotView {
         context.fillRect(from, top, to - from, height);
         context.globalAlpha = 1;
       }
+      if (this.#right === NAMES) this.#drawNames(context, chart, values, looking, axis);
       if (!isShown) continue;
       const x = toX(axis, time);
       context.beginPath();
@@ -341,6 +511,85 @@ export class PlotView {
     }
     const [from, to] = axis.span.map((one) => toMoment(one, last));
     setText(this.#span, `seen ${from} to ${to}`);
+  }
+
+  /** The names of lines at their ends, apart from each other. */
+  #drawNames(context: Context, chart: Chart, values: Values[], looking: Looking, axis: TimeAxis): void {
+    const { theme } = this.#card;
+    const { top, height } = chart.box;
+    const end = Math.min(wholeOf(looking)[1], axis.span[1]);
+    const entries = chart.group.entries.flatMap((entry) => {
+      const rows = this.#data.lines[entry.index];
+      const reading = rows && values[entry.index] ? readingAt(rows, end) : null;
+      return reading && !Number.isNaN(reading.value) ? [{ entry, y: chart.toY(reading.value) }] : [];
+    });
+    const heights = entries.map(({ y }) => y);
+    const places = spread(heights, 15, top + 6, top + height - 6);
+    const left = axis.left + axis.width;
+    const font = textFont(theme);
+    for (const [i, { entry, y }] of entries.entries()) {
+      const place = places[i] as number;
+      const from = Math.min(left, toX(axis, end));
+      context.beginPath();
+      line(context, { x: from + 2, y }, { x: left + 10, y: place });
+      stroke(context, theme.guide, 1);
+      const label = cutName(context, entry.label, NAMES - 18, theme);
+      write(
+        context,
+        label,
+        left + 13,
+        place,
+        entry.isGhost ? theme.muted : theme.ink,
+        i ? font : `600 ${font}`,
+        "left",
+      );
+    }
+  }
+
+  /** One line over the other. */
+  #drawOver(context: Context, over: [Axis, Axis], span: Span): void {
+    const { size, theme, noticeHeight } = this.#card;
+    const rows = over.map(({ index }) => this.#data.lines[index]);
+    const [one, other] = rows;
+    if (!one || !other) return;
+    const key = [one, other, ...span];
+    if (!this.#pairs || this.#pairs.key.some((part, i) => part !== key[i])) {
+      this.#pairs = { key, pairs: toPairs(one, other, span) };
+    }
+    const isEqual = over[0].unit !== "" && over[0].unit === over[1].unit;
+    const projection = new Projection(this.#pairs.pairs, size.width, size.height, noticeHeight, isEqual);
+    drawPairs(context, this.#pairs.pairs, projection, over, theme);
+    this.#projection = projection;
+  }
+
+  /** The cursor on one line over the other. */
+  #drawMoment(context: Context, over: [Axis, Axis], values: Values[], text: string): void {
+    const { theme } = this.#card;
+    const [x, y] = over.map(({ index }) => values[index]?.reading?.value ?? NaN) as [number, number];
+    if (!this.#projection || Number.isNaN(x) || Number.isNaN(y)) return;
+    const place = this.#projection.place(x, y);
+    drawRing(context, place, theme);
+    const font = `600 ${textFont(theme)}`;
+    const isRight = place.x > this.#card.size.width / 2;
+    const align = isRight ? "right" : "left";
+    write(context, text, place.x + (isRight ? -10 : 10), place.y - 12, theme.ink, font, align, theme.background);
+  }
+
+  /** The states and the conditions of a moment, below the lines of the legend. */
+  #updateMore(time: number, span: Span, isPicked: boolean): void {
+    const marks = this.#model.get("marks");
+    const more: More[] = statesAt(this.#model.get("states"), isPicked ? time : NaN).map(([start, , path]) => {
+      return { kind: "state", name: nameOf(path), text: `for ${toFixed(time - start, 2)} s`, isOn: true };
+    });
+    const names = [...new Set(marks.map(([, , text]) => text.split(":")[0] ?? ""))];
+    for (const name of names.slice(0, MOST_MARKS)) {
+      const own = marks.filter(([, , text]) => (text.split(":")[0] ?? "") === name);
+      const isOn = isPicked && own.some(([start, end]) => time >= start && time <= end);
+      const [count, seconds] = holding(own, span);
+      const often = count === 1 ? "once" : `${count} times`;
+      more.push({ kind: "mark", name: name || "marked", text: `${often}, ${toFixed(seconds, 2)} s`, isOn });
+    }
+    this.#legend.updateMore(more);
   }
 
   #close(): void {

@@ -147,4 +147,6 @@ export interface Pointing {
   _pointed: { time: number; ray: number | null } | null;
   /** Index of a ray at which a person points on another widget. */
   _ray: number | null;
+  /** The time at which a person points on another widget; null: at none. */
+  _moment?: number | null;
 }

@@ -47,11 +47,11 @@ def test_each_message_adds_its_numbers_whatever_the_middleware_hands_over(feed: 
 def test_a_field_that_is_not_there_is_named_on_the_plot_while_other_topics_go_on(feed: Feed, script: Scripted) -> None:
     plot = robowidgets.plot(feed, "/imu.angular_velocity.w", SPEED)
     script.listener.on_message("/imu", {"angular_velocity": {"z": 0.1}})
-    wait_for(lambda: plot.get_state()["_about"]["error"] != "", "the plot says so")
+    wait_for(lambda: plot.get_state()["_facts"]["error"] != "", "the plot says so")
     script.listener.on_message("/odom", {"twist": {"twist": {"linear": {"x": 0.2}}}})
     wait_for(lambda: plot.names == (SPEED,), "the other one has come")
     expected = "no field 'w'; angular_velocity is a dict with the keys z."
-    assert plot.get_state()["_about"]["error"] == f"/imu.angular_velocity.w: {expected}"
+    assert plot.get_state()["_facts"]["error"] == f"/imu.angular_velocity.w: {expected}"
 
 
 def test_a_closed_plot_gets_no_more_messages(feed: Feed, script: Scripted) -> None:
@@ -84,4 +84,4 @@ def test_the_speed_of_the_simulated_robot_is_plotted_as_it_drives() -> None:
         plot = robowidgets.plot(robot, speed)
         wait_for(lambda: plot.names == (speed,) and plot[speed][1].max() > 0, "it drives")
         assert plot.units == {speed: "m/s"}
-        assert plot.get_state()["_about"]["error"] == ""
+        assert plot.get_state()["_facts"]["error"] == ""

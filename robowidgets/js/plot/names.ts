@@ -1,0 +1,67 @@
+import { firstWhere } from "../shared/search.ts";
+
+/** The topic of a line, and its field; all of a name that is none of a topic is the topic. */
+export function split(name: string): [string, string] {
+  const at = name.startsWith("/") ? name.indexOf(".") : -1;
+  return at < 0 ? [name, ""] : [name.slice(0, at), name.slice(at + 1)];
+}
+
+const PARTS = /^(d\/dt )?(.*?)( \(.*\))?$/;
+
+/**
+ * The shortest names that tell lines apart: the end of the topic, "odom"; of several fields of a topic the end of the
+ * field, "linear.x"; else the whole name. A derivative, and a line of another recording, is named after its own line.
+ */
+export function toLabels(names: string[]): string[] {
+  const parts = names.map((name) => (PARTS.exec(name) ?? []).slice(1).map((part) => part ?? ""));
+  const own = [...new Set(parts.map(([, base = ""]) => base))];
+  const short = shortest(own);
+  return parts.map(([before = "", base = "", after = ""]) => `${before}${short[own.indexOf(base)]}${after}`);
+}
+
+/** The field of a line; empty where its name is none of a topic. */
+export function fieldOf(name: string): string {
+  return split(PARTS.exec(name)?.[2] ?? "")[1];
+}
+
+function shortest(names: string[]): string[] {
+  const ways = [
+    (name: string) => split(name)[0].split("/").filter(Boolean).at(-1) ?? name,
+    (name: string) => lastOf(split(name)[1], 1) || name,
+    (name: string) => lastOf(split(name)[1], 2) || name,
+    (name: string) => `${split(name)[0].split("/").at(-1)} ${lastOf(split(name)[1], 2)}`.trim(),
+  ];
+  for (const way of ways) {
+    const labels = names.map(way);
+    if (new Set(labels).size === names.length) return labels;
+  }
+  return names;
+}
+
+function lastOf(field: string, count: number): string {
+  return field.split(".").slice(-count).join(".");
+}
+
+/** Heights at which labels stand: near those that are wanted, in their order, and so far apart that each is readable. */
+export function spread(wanted: number[], apart: number, top: number, bottom: number): number[] {
+  const order = wanted.map((_, i) => i).sort((a, b) => (wanted[a] as number) - (wanted[b] as number));
+  const places = order.map((i) => wanted[i] as number);
+  for (let i = 0; i < places.length; i++) {
+    const least = i ? (places[i - 1] as number) + apart : top;
+    places[i] = Math.max(places[i] as number, least);
+  }
+  for (let i = places.length - 1, most = bottom; i >= 0; i--, most = (places[i + 1] as number) - apart) {
+    places[i] = Math.min(places[i] as number, most);
+  }
+  const found: number[] = [];
+  for (const [place, i] of order.entries()) found[i] = places[place] as number;
+  return found;
+}
+
+/** How often spans hold within some time, and for how long. */
+export function holding(marks: [number, number, string][], [start, end]: [number, number]): [number, number] {
+  const last = firstWhere(marks, ([from]) => from > end);
+  const inside = marks.slice(0, last).filter(([, to]) => to >= start);
+  const seconds = inside.reduce((sum, [from, to]) => sum + Math.min(to, end) - Math.max(from, start), 0);
+  return [inside.length, seconds];
+}

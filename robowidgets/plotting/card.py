@@ -1,0 +1,102 @@
+"""What feeds and players use of a plot: it stands among other widgets, and takes the numbers in messages."""
+
+from __future__ import annotations
+
+import weakref
+from collections.abc import Iterable
+from typing import Any
+
+import traitlets
+
+from .._core.base_widget import NamedWidget
+from .._core.pacer import pacer
+from .._core.timed_frame import TimedFrame
+from ..messages.fields import FieldOf
+
+
+class PlotCard(NamedWidget):
+    """A plot among other widgets; see `SampleWidget` in `robowidgets._core.sample_widget`."""
+
+    column = "wide"
+    history = 0.0
+    has_rate = False
+    frame_traits: tuple[str, ...] = ()
+    driven_by_player = False
+    """Whether a player moves its time."""
+
+    paused: bool
+    _together = traitlets.Unicode(help="Name of the group that is frozen together; empty: alone.").tag(
+        sync=True, echo_update=False
+    )
+
+    def __init__(self, **kwargs: Any) -> None:
+        self._group: weakref.WeakSet[Any] = weakref.WeakSet()
+        self._readers: dict[str, dict[str, FieldOf]] = {}
+        """By topic, what reads its fields, by the names of their lines."""
+        self._status = ""
+        self._missed = 0
+        super().__init__(**kwargs)
+
+    def send_newest(self) -> int:
+        """Send what is new to the page; the pacer calls it."""
+        raise NotImplementedError
+
+    def follow_player(self) -> None:
+        """See `RobotWidget`."""
+        self.driven_by_player = True
+
+    def join_group(self, name: str, group: weakref.WeakSet[Any]) -> None:
+        """See `FreezableWidget`."""
+        self._group, self._together = group, name
+
+    def on_group(self) -> None:
+        """See `FreezableWidget`."""
+
+    def set_source(self, source: dict[str, Any], missing: str = "") -> None:  # noqa: ARG002
+        """Show why no message comes, or cannot be used; see `RobotWidget`."""
+        status = "; ".join(filter(None, (source.get("status", ""), source.get("error", ""))))
+        if status != self._status:
+            self._status = status
+            pacer.mark(self)
+
+    def on_source_closed(self) -> None:
+        """See `RobotWidget`: nothing works on its numbers."""
+
+    def miss(self, count: int) -> None:
+        """Note that so many messages came that it does not get."""
+        self._missed += count
+        pacer.mark(self)
+
+    def within(self, start: float, end: float) -> dict[str, Any]:
+        """What of its traits differs in a page of a stretch of a recording: it looks at the stretch."""
+        return {"view": (start, end)}
+
+    def sent_frames(self) -> list[TimedFrame]:
+        """No frames, since all of its history is on show: what `to_html` plays."""
+        return []
+
+    def frame_of(self, sample: Any) -> tuple[dict[str, Any], bytes]:  # noqa: ARG002
+        """No text and no bytes: all of a recording is in its lines."""
+        return {}, b""
+
+    def arrays_of(self, frame: bytes) -> tuple[int, int]:
+        """The place and the number of arrays in a frame, of which there is none."""
+        return len(frame), 0
+
+    def _numbers_in(self, topic: str, message: Any, fields: Iterable[str]) -> dict[str, Any]:
+        """The numbers of the lines that are fields of a topic, in a message of it.
+
+        Raises:
+            ValueError: it has no such field.
+        """
+        if topic not in self._readers:
+            own = [name for name in fields if name.startswith(f"{topic}.")]
+            self._readers[topic] = {name: FieldOf(name[len(topic) + 1 :], name) for name in own}
+        return {name: read(message) for name, read in self._readers[topic].items()}
+
+    @traitlets.observe("paused")
+    def _tell_group(self, _change: Any) -> None:
+        # A page that freezes one freezes the others itself.
+        if "paused" not in self._property_lock:
+            for other in list(self._group):
+                other.paused = self.paused
