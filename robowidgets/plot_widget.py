@@ -217,7 +217,7 @@ class PlotWidget(PlotCard):
         try:
             if isinstance(values, str) and len(unnamed) == 1:
                 own = [name for name in self.fields if name.startswith(f"{values}.")]
-                if unnamed[0] is not None and own:
+                if unnamed[0] is not None and own and self.comm is not None:
                     self._add(self._numbers_in(values, unnamed[0], own), time)
                 return
             refuse_unnamed("update", unnamed, _BY_NAME)

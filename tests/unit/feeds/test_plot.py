@@ -8,7 +8,7 @@ from types import SimpleNamespace
 import pytest
 
 import robowidgets
-from robowidgets import feeds
+from robowidgets import PlotWidget, feeds
 from robowidgets.feeds import Feed
 
 from ..waiting import wait_for
@@ -54,12 +54,37 @@ def test_a_field_that_is_not_there_is_named_on_the_plot_while_other_topics_go_on
     assert plot.get_state()["_facts"]["error"] == f"/imu.angular_velocity.w: {expected}"
 
 
-def test_a_closed_plot_gets_no_more_messages(feed: Feed, script: Scripted) -> None:
+def test_a_closed_plot_keeps_no_more_values(feed: Feed, script: Scripted) -> None:
     plot = robowidgets.plot(feed, TURN)
-    assert [function.topic for function in feed.functions] == ["/imu"]
+    script.listener.on_message("/imu", {"angular_velocity": {"z": 0.1}})
+    assert len(plot[TURN][0]) == 1
     plot.close()
     script.listener.on_message("/imu", {"angular_velocity": {"z": 0.1}})
-    wait_for(lambda: feed.functions == (), "it is disconnected")
+    assert len(plot[TURN][0]) == 1
+
+
+def test_a_plot_is_connected_as_any_widget_and_says_what_is_wrong_with_its_topic(feed: Feed, script: Scripted) -> None:
+    plot = PlotWidget(TURN, "/cmd_vel.linear.x")
+    feed.connect("/imu", plot)
+    feed.connect("/cmd_vel", plot)
+    assert (plot.title, plot.steps) == ("/", ["/cmd_vel.linear.x"])
+    assert plot.get_state()["_facts"]["error"].startswith("waiting for /imu")
+    script.listener.on_message("/imu", {"angular_velocity": {"z": 0.1}})
+    script.listener.on_message("/cmd_vel", {"linear": {"x": 0.5}})
+    assert plot[TURN][1].tolist() == [0.1]
+    assert plot["/cmd_vel.linear.x"][1].tolist() == [0.5]
+    assert plot.get_state()["_facts"]["error"] == ""
+
+
+def test_fields_that_are_asked_for_are_a_card_of_the_view(feed: Feed, script: Scripted) -> None:
+    view = feed.show(TURN, SPEED, "/odom")
+    wait_for(lambda: len(view.widgets) == 2, "both have a widget")
+    plot = view.widgets["/imu"]
+    assert isinstance(plot, PlotWidget)
+    script.listener.on_message("/imu", {"angular_velocity": {"z": 0.1}})
+    script.listener.on_missed("/imu", 3)
+    assert plot[TURN][1].tolist() == [0.1]
+    assert plot.get_state()["_facts"]["missed"] == "3 messages did not come"
 
 
 def test_two_plots_of_one_topic_both_get_it(feed: Feed, script: Scripted) -> None:
@@ -69,7 +94,7 @@ def test_two_plots_of_one_topic_both_get_it(feed: Feed, script: Scripted) -> Non
 
 
 def test_what_can_not_be_plotted_live_is_refused(feed: Feed) -> None:
-    with pytest.raises(TypeError, match="derivative is for recordings"):
+    with pytest.raises(TypeError, match="derivative and beside are for recordings"):
         robowidgets.plot(feed, TURN, derivative=True)
     with pytest.raises(TypeError, match="expected a field of /imu"):
         robowidgets.plot(feed, "/imu")
