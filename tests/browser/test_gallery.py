@@ -103,6 +103,34 @@ def test_picture_of_a_plot(plain_page: Callable[..., PlainPage], theme: Literal[
     shoot(card, f"gallery-plot-{theme}")
 
 
+WIRES = """
+from robowidgets import LaserWidget, conditions, feeds
+from robowidgets.behaviors import Drive
+
+wired = feeds.simulator(wander=False)
+front = LaserWidget()
+wired.connect("/scan", front)
+front.watch(conditions.nearest_below(0.5), "near")
+
+@wired.program(rate=10)
+def avoid(scan):
+    return Drive(0.2) if scan.distance("front") > 0.6 else Drive(0, 0.8)
+
+wired.wires()
+"""
+
+
+@every_theme
+def test_picture_of_wires(plain_page: Callable[..., PlainPage], theme: Literal["light", "dark"]) -> None:
+    nb = plain_page([WIRES], scale=2, theme=theme)
+    nb.resize(1080)
+    card = nb.widget(0).locator(".rw-card")
+    expect(card.locator("[data-key='speeds speeds 0']")).to_contain_text("0.2 m/s")
+    card.locator("[data-key='topic /scan']").hover()
+    expect(card.locator(".rw-wires-foot")).to_contain_text("here to")
+    shoot(card, f"gallery-wires-{theme}")
+
+
 FOUND = """
 import robowidgets
 from ipywidgets import VBox

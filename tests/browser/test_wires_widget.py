@@ -95,15 +95,112 @@ def test_it_shows_nodes_topics_and_the_notebooks_own_part(
     shoot(widget, f"wires-wide-{theme}")
 
 
-def test_scripted(plain_page: Callable[..., PlainPage]) -> None:
+def test_much_is_folded_unfolded_filtered_and_zoomed_while_a_cell_runs(plain_page: Callable[..., PlainPage]) -> None:
+    nb = plain_page([SCRIPTED], width=1000)
+    widget = nb.widget(0)
+    expect(box(widget, "/lidar")).to_be_visible()
+    expect(widget.locator(".rw-wires-plumbing")).to_have_text("Infrastructure 2")
+    shoot(widget, "wires-robot")
+    nb.python(MANY)
+    expect(box(widget, "/camera/\u2026")).to_contain_text("60")
+    expect(widget.locator(".rw-facts")).to_have_text("91 nodes ·\u00a0157 topics")
+    shoot(widget, "wires-many")
+    with nb.busy():
+        box(widget, "/camera/\u2026").click()
+        expect(widget.locator(".rw-wires-foot")).to_contain_text("/camera/0/image, /camera/1/image")
+        widget.get_by_role("button", name="Unfold").click()
+        expect(box(widget, "/camera/59/image")).to_have_count(1)
+        widget.locator(".rw-wires-filter").fill("IMAGE")
+        expect(box(widget, "/scan")).to_have_count(0)
+        expect(box(widget, "/detector")).to_have_count(1)
+        widget.locator(".rw-wires-filter").fill("scan")
+        expect(box(widget, "/camera/59/image")).to_have_count(0)
+        expect(widget.locator(".rw-wire-box")).to_have_count(5)
+        expect(widget.locator(".rw-wires-foot")).to_contain_text("the filter leaves out")
+        shoot(widget, "wires-filtered")
+        widget.locator(".rw-wires-filter").press("Escape")
+        expect(box(widget, "/cmd_vel")).to_have_count(1)
+        widget.locator(".rw-wires-plumbing").click()
+        expect(box(widget, "/rosout")).to_have_count(1)
+        board = widget.locator(".rw-wires-board")
+        before = board.evaluate("board => board.style.transform")
+        widget.get_by_role("button", name="Zoom in").click()
+        assert board.evaluate("board => board.style.transform") != before
+        widget.locator(".rw-wires-fit").click()
+        expect(box(widget, "/lidar")).to_be_visible()
+    wait_for(lambda: nb.python("wires.filter, wires.infrastructure, wires.unfolded") == FOLDED, "Python knows")
+
+
+FOLDED = "('', True, ['topics /camera'])"
+
+
+def test_frozen_values_stay_while_others_come_and_the_robots_widgets_freeze_too(
+    plain_page: Callable[..., PlainPage],
+) -> None:
+    nb = plain_page([OPEN, "laser"], width=760)
+    widget, laser = nb.widget(0), nb.widget(1)
+    expect(box(widget, "avoid")).to_contain_text("gave")
+    with nb.busy():
+        widget.locator(".rw-freeze").click()
+        expect(laser.locator(".rw-freeze")).to_have_attribute("aria-pressed", "true")
+        runs = box(widget, "avoid").locator(".rw-wire-fact").text_content()
+        expect(widget.locator(".rw-freeze")).not_to_contain_text("· 0 since")
+        assert box(widget, "avoid").locator(".rw-wire-fact").text_content() == runs
+        widget.locator(".rw-freeze").click()
+        expect(box(widget, "avoid").locator(".rw-wire-fact")).not_to_have_text(runs or "")
+
+
+def test_keys_walk_from_box_to_box_and_a_screen_reader_hears_what_is_picked(
+    plain_page: Callable[..., PlainPage],
+) -> None:
+    nb = plain_page([OPEN], width=1180)
+    widget = nb.widget(0)
+    expect(box(widget, "avoid")).to_contain_text("gave")
+    box(widget, "/simulated_robot").focus()
+    box(widget, "/simulated_robot").press("ArrowRight")
+    focused = widget.locator(".rw-wire-box:focus")
+    expect(focused).to_have_attribute("aria-label", re.compile("^topic /"))
+    expect(widget.locator(".rw-wire-box[tabindex='0']")).to_have_count(1)
+    box(widget, "/scan").focus()
+    box(widget, "/scan").press("Enter")
+    expect(box(widget, "/scan")).to_have_attribute("aria-pressed", "true")
+    expect(widget.locator(".rw-live")).to_contain_text("topic /scan, sensor_msgs/msg/LaserScan")
+    box(widget, "/scan").press("Escape")
+    expect(box(widget, "/scan")).to_have_attribute("aria-pressed", "false")
+    box(widget, "/scan").press("/")
+    expect(widget.locator(".rw-wires-filter")).to_be_focused()
+
+
+LOOKS_AT = "print(sorted(script._followed), script.asks_for_nodes)"
+
+
+def test_the_robot_is_asked_nothing_while_the_picture_is_out_of_view(plain_page: Callable[..., PlainPage]) -> None:
     nb = plain_page([SCRIPTED], width=760)
     widget = nb.widget(0)
     expect(box(widget, "/lidar")).to_be_visible()
-    shoot(widget, "wires-robot")
-    nb.python(MANY)
-    expect(box(widget, "/camera/…")).to_be_visible()
-    shoot(widget, "wires-many")
-    nb.python("script.listener.on_topics([advert(f'/t/{i}', []) for i in range(30)])")
-    expect(widget.locator(".rw-facts")).to_have_text("30 topics")
+    wait_for(lambda: nb.python(LOOKS_AT).strip() == "['/cmd_vel', '/nav/plan', '/odom', '/scan'] True", "it listens")
+    nb.page.evaluate("() => { document.body.style.paddingTop = '5000px'; }")
+    wait_for(lambda: nb.python(LOOKS_AT).strip() == "[] False", "it does not, below the window")
+    nb.page.evaluate("() => { document.body.style.paddingTop = ''; }")
+    wait_for(lambda: nb.python(LOOKS_AT).strip().endswith("True"), "it does again")
+    nb.python("opened = []\nwires.on_open(opened.append)")
+    box(widget, "/map").click()
+    widget.locator(".rw-wires-act", has_text="Message").click()
+    wait_for(lambda: nb.python("print(opened)").strip() == "['/map']", "it is opened")
+    nb.python("robot.close()")
+    wait_for(lambda: nb.python(LOOKS_AT).strip().endswith("False"), "a closed feed listens to nothing")
+
+
+def test_names_and_messages_are_text_and_topics_alone_stand_in_rows(plain_page: Callable[..., PlainPage]) -> None:
+    nb = plain_page([SCRIPTED], width=760)
+    widget = nb.widget(0)
+    hostile = "/<img src=x onerror=document.title='bad'>"
+    nb.python(f"more = [Advert(f'/t/{{i}}', '') for i in range(30)]\nhostile = Advert({hostile!r}, 'a/msg/<b>B</b>')")
+    nb.python("script.listener.on_topics([hostile, *more])")
+    expect(box(widget, hostile)).to_have_count(1)
+    nb.python(f"script.listener.on_message({hostile!r}, {{'data': '<b>hello</b>'}})")
+    expect(box(widget, hostile)).to_contain_text('"<b>hello</b>"')
+    expect(widget.locator(".rw-wires-foot")).to_contain_text("the robot tells no nodes: topics alone")
+    expect(widget.locator("img, b b")).to_have_count(0)
+    assert nb.page.title() != "bad"
     shoot(widget, "wires-alone")
-    assert wait_for

@@ -531,6 +531,30 @@ def test_other_publishers_of_a_topic_are_named(middleware, publish):
     assert all(name.startswith("/scan_") for name in publishers)
 
 
+def test_the_wires_name_real_nodes_with_what_they_publish_and_take(feed, publish, robot):
+    publish("/wired/scan", "scan")
+    robot("/wired/cmd_vel")
+    got = []
+    feed.connect("/wired/scan", got.append)
+    widget = feed.wires()
+
+    def wire(name):
+        return next((one for one in widget._newest.sample.wires if one.name == name), None)
+
+    wait_for(lambda: wire("/wired/scan") and wire("/wired/scan").value, "a scan came")
+    wait_for(lambda: wire("/wired/scan").rate, "its rate is known")
+    (lidar,) = wire("/wired/scan").publishers
+    assert lidar.startswith("/scan_")
+    # Our own node takes it, too, and is no node of the robot.
+    assert wire("/wired/scan").subscribers == ()
+    wait_for(lambda: wire("/wired/cmd_vel"), "the robot listens")
+    (base,) = wire("/wired/cmd_vel").subscribers
+    assert lidar in widget._newest.sample.nodes
+    assert base in widget._newest.sample.nodes
+    assert lidar in wire("/rosout").publishers
+    widget.close()
+
+
 def test_an_error_of_any_kind_is_told_and_it_is_tried_again(feed, monkeypatch):
     wait_for(lambda: not feed.status, "it is connected")
     with monkeypatch.context() as patch:

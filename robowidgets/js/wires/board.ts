@@ -40,12 +40,12 @@ export class Board {
       if (!item) continue;
       const { wire, part, name } = item;
       const [, fact, got, gave] = element.children as unknown as HTMLElement[];
-      element.ariaLabel = [item.kind === "part" ? part?.kind : item.kind, name].join(" ");
+      const words = [`${item.kind === "part" ? part?.kind : item.kind} ${name}`];
       if (wire && fact && got) {
         setText(fact, rateOf(wire));
         setText(got, sayingOf(wire));
         element.dataset.state = wire.offered === false ? "missing" : isSilent(wire) ? "silent" : "";
-        element.ariaLabel += `, ${rateOf(wire)}, ${sayingOf(wire)}`;
+        words.push(rateOf(wire), sayingOf(wire));
       }
       if (part && fact && got && gave) {
         setText(fact, runsOf(part));
@@ -53,8 +53,9 @@ export class Board {
         const says = part.kind === "speeds" ? part.got && `asked for by ${part.got}` : part.gave && `gave ${part.gave}`;
         setText(gave, part.problem || says || "");
         element.dataset.state = part.problem ? "problem" : "";
-        element.ariaLabel += `, ran ${runsOf(part)}, ${[part.problem, part.got, part.gave].filter(Boolean).join(", ")}`;
+        words.push(`ran ${runsOf(part)}`, part.problem ?? "", part.got ?? "", part.gave ?? "");
       }
+      element.ariaLabel = words.filter(Boolean).join(", ");
     }
   }
 

@@ -334,7 +334,7 @@ export class WiresView {
   /** What is to be said of all of it. */
   #about(wiring: WiringFrame | null): string[] {
     const { filtered } = this.#graph;
-    return [wiring?.note ?? "", filtered ? `the filter leaves out ${filtered}` : ""];
+    return [wiring?.note ?? "", filtered ? `the filter leaves out ${filtered}` : ""].filter(Boolean);
   }
 
   /** What the button does for what was picked; empty: nothing. */
