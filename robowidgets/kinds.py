@@ -223,10 +223,11 @@ LASER = Kind(
     # A room is much smaller than what many scanners can see.
     options={"view_range": "auto"},
 )
-_TRANSFORMS = frozenset({"tf2_msgs/msg/TFMessage", "tf/msg/tfMessage"})
+TRANSFORM_TYPES = frozenset({"tf2_msgs/msg/TFMessage", "tf/msg/tfMessage"})
+ODOMETRY_TYPES = frozenset({"nav_msgs/msg/Odometry"})
 PATH = Asked(
     name="path",
-    types=_TRANSFORMS
+    types=TRANSFORM_TYPES
     | {f"geometry_msgs/msg/Pose{suffix}" for suffix in ("", "Stamped", "WithCovariance", "Array", "2D")}
     | {"geometry_msgs/msg/PoseWithCovarianceStamped", "nav2_msgs/msg/Costmap", "sensor_msgs/msg/NavSatFix"}
     | {f"nav_msgs/msg/{name}" for name in ("Odometry", "Path", "OccupancyGrid")},
@@ -234,7 +235,9 @@ PATH = Asked(
     nothing=Speed((nan, nan, nan), (nan, nan, nan), pose=Pose(nan, nan, nan)),
     frames="robowidgets.player._map_frames:path_track",
     gathers=True,
-    along=_TRANSFORMS | {"sensor_msgs/msg/LaserScan"},
+    along=TRANSFORM_TYPES | {"sensor_msgs/msg/LaserScan"},
+    # Each message of tf may be of other frames.
+    every_message=True,
 )
 """Odometry also says where the robot is: it has a path. What else has a place is asked for, on one map."""
 _STEERED = frozenset({"ackermann_msgs/msg/AckermannDrive", "ackermann_msgs/msg/AckermannDriveStamped"})

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import struct
 import time
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from copy import deepcopy
 from dataclasses import dataclass, field, replace
 from math import inf, isfinite, nan
@@ -221,6 +221,7 @@ class PathWidget(DrawsShapes[PathPoint]):
             >>> path.put("goal", {"header": {"frame_id": "map"}, "pose": pose})
             >>> path.names
             ('goal',)
+            >>> feed.connect("/amcl_pose", path)  # doctest: +SKIP
         """
         try:
             short_text("name", name)
@@ -239,15 +240,6 @@ class PathWidget(DrawsShapes[PathPoint]):
                 self._show(replace(last, time=max(seconds, last.time) if isfinite(last.time) else seconds))
         except (TypeError, ValueError) as error:
             self._refuse(error)
-
-    def layer(self, name: str) -> Callable[[Any], None]:
-        """What a feed calls with each message of a topic, to `put` it as the layer of this name.
-
-        Example:
-            >>> feed.connect("/amcl_pose", path.layer("/amcl_pose"))  # doctest: +SKIP
-        """
-        short_text("name", name)
-        return _LayerOf(self, name)
 
     def remove(self, name: str) -> None:
         """Remove a layer; KeyError where there is none of this name."""
@@ -585,20 +577,3 @@ def _part(points: Floats, start: float, end: float) -> Floats:
     """The points of a way in a stretch of a recording, with the one before, which tells how far the robot had come."""
     first, stop = np.searchsorted(points[:, 0], (start, end), "right")
     return points[max(0, first - 1) : stop]
-
-
-class _LayerOf:
-    """A layer of a map, as what takes the messages of a topic."""
-
-    def __init__(self, path: PathWidget, name: str) -> None:
-        self.__self__, self._name = path, name
-        self.__name__ = "put"
-
-    def __call__(self, message: Any) -> None:
-        self.__self__.put(self._name, message)
-
-    def __eq__(self, other: object) -> bool:
-        return isinstance(other, _LayerOf) and (self.__self__, self._name) == (other.__self__, other._name)
-
-    def __hash__(self) -> int:
-        return hash((id(self.__self__), self._name))

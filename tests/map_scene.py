@@ -5,6 +5,7 @@ Transforms, the pose of a localisation with its covariance, a plan and a goal ar
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from math import cos, sin
 from types import SimpleNamespace
 from typing import Any
@@ -122,3 +123,58 @@ def drive(path: PathWidget, until: float = 33.2) -> None:
             time=until - 0.6,
         )
         path.put("/nav/goal", SimpleNamespace(header=header("map", 31.6), pose=pose(*goal, -1.2)), time=until)
+
+
+TYPES = {
+    "/map": "nav_msgs/msg/OccupancyGrid",
+    "/local_costmap": "nav_msgs/msg/OccupancyGrid",
+    "/tf": "tf2_msgs/msg/TFMessage",
+    "/tf_static": "tf2_msgs/msg/TFMessage",
+    "/odom": "nav_msgs/msg/Odometry",
+    "/amcl_pose": "geometry_msgs/msg/PoseWithCovarianceStamped",
+    "/particles": "geometry_msgs/msg/PoseArray",
+    "/plan": "nav_msgs/msg/Path",
+    "/scan": "sensor_msgs/msg/LaserScan",
+}
+
+
+def plain(value: Any) -> Any:
+    """A message as dictionaries and lists."""
+    if isinstance(value, SimpleNamespace):
+        return {name: plain(one) for name, one in vars(value).items()}
+    return [plain(one) for one in value] if isinstance(value, list) else value
+
+
+def messages(until: float = 20.0) -> Iterator[tuple[float, str, dict[str, Any]]]:
+    """What a robot with a map says, in the order of time: seconds, topic and fields."""
+    random = np.random.default_rng(5)
+    with robowidgets.open(robowidgets.SAMPLE) as recording:
+        end = recording.duration
+        yield 0.0, "/map", plain(occupancy(map_of()))
+        yield 0.0, "/tf_static", plain(tf("base_link", "laser", (0.0, 0.0, 0.0), 0.0))
+        i = -1
+        for moment in recording.samples(("/odom", "/scan"), 0.0, until):
+            seconds, sample = moment.seconds, moment.sample
+            if moment.topic == "/scan":
+                limits = {
+                    name: getattr(sample, name) for name in ("angle_min", "angle_increment", "range_min", "range_max")
+                }
+                ranges = np.array(sample.ranges)
+                yield seconds, "/scan", {"header": plain(header("laser", seconds)), **limits, "ranges": ranges}
+                continue
+            i += 1
+            shift, at = drift(seconds, end), sample.pose
+            where = shift.offset(*at)
+            yield seconds, "/tf", plain(tf("map", "odom", tuple(shift), seconds))
+            yield seconds, "/odom", plain(odometry(at, seconds))
+            if i % 20 == 0:
+                yield seconds, "/amcl_pose", plain(amcl(where, seconds))
+                cells = np.zeros((60, 60), np.uint8)
+                cells[20:40, 30:44], cells[26:34, 34:40] = 40, 100
+                costs = MapGrid(cells, RESOLUTION, Pose(at.x - 1.5, at.y - 1.5, 0.0))
+                yield seconds, "/local_costmap", plain(occupancy(costs, "odom"))
+                spots = [pose(*(where + random.normal(0, 0.1, 3))) for _ in range(40)]
+                yield seconds, "/particles", plain(SimpleNamespace(header=header("map", seconds), poses=spots))
+            if i % 100 == 0:
+                line = [(where.x, where.y), (where.x + 1.0, where.y + 0.5), (where.x + 2.5, where.y + 1.2)]
+                yield seconds, "/plan", plain(plan(line, seconds))

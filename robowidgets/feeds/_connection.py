@@ -28,6 +28,7 @@ from ._program_inputs import FeedInputs
 from ._subscription import Target, sorted_targets
 from ._subscription_table import SubscriptionTable
 from ._topics import FeedTopic, check_name, decided, topics_of, unlisted
+from ._trail_poses import TrailPoses
 from .middleware import Advert, FeedError, Middleware
 
 log = logging.getLogger("robowidgets")
@@ -80,6 +81,7 @@ class Connection(Observed):
         self.driver = Driver(self, middleware)
         self.watchdog = self.driver.watchdog
         self.programs = Programs(_robot_of(self, is_deleted))
+        self._trail_poses = TrailPoses(self)
 
     def open(self) -> None:
         """Connect, and close what an earlier run of the same cell opened. FeedError if it can never work."""
@@ -134,6 +136,7 @@ class Connection(Observed):
             self.functions.connect(topic, functions, raw, each)
             self._table.prune()
         self._subscribe()
+        self._trail_poses.look()
 
     def disconnect(self, topic: str, *targets: Any) -> None:
         """See `Feed.disconnect`."""
@@ -144,6 +147,7 @@ class Connection(Observed):
             self._table.disconnect(topic, of_widgets if targets else None)
             self._show_status(topic)
         self._subscribe()
+        self._trail_poses.look()
 
     def install(
         self, function: Callable[..., Any], rate: float | None, on: str | None, topics: Mapping[str, str]
@@ -171,6 +175,7 @@ class Connection(Observed):
                 self.middleware.close()
             finally:
                 open_feeds.discard(self)
+                self._trail_poses.close()
                 with self._lock:
                     self._table.close()
                     self._changed.notify_all()
@@ -218,6 +223,7 @@ class Connection(Observed):
             self.adverts, self._listed = tuple(topics), True
             self._list_topics()
             self._changed.notify_all()
+        self._trail_poses.look()
         self._call_observers()
 
     def on_message(self, topic: str, message: Any, *, newest: bool = True, each: bool = True) -> None:

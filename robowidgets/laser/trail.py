@@ -2,13 +2,25 @@
 
 from __future__ import annotations
 
+import time
+from contextlib import suppress
 from typing import Any
 
+import numpy as np
 import traitlets
 
 from .._core.robot_widget import RobotWidget
-from ..samples import Pose, Scan
+from ..messages import to_pose
+from ..messages.fields import get, stamp_ns, unwrap
+from ..poses.live_frames import Frames, LiveFrames
+from ..poses.recent import RecentPoses
+from ..poses.transforms import transforms_in
+from ..samples import Pose, Scan, yaw_of
+from ..samples.age import arrival_of
 from .footprint import HasFootprint
+
+ODOM = "odom"
+"""The frame in which a robot moves without jumps (REP-105)."""
 
 MOST_SCANS = 100
 
@@ -22,6 +34,10 @@ class HasTrail(HasFootprint, RobotWidget[Scan]):
     spread = traitlets.Int(
         0, min=0, max=MOST_SCANS, help="Over how many scans the spread of each ray is drawn, 2 or more; 0: none."
     ).tag(sync=True)
+
+    def __init__(self, **kwargs: Any) -> None:
+        self._recent, self._frames = RecentPoses(), LiveFrames()
+        super().__init__(**kwargs)
 
     @traitlets.validate("spread")
     def _before_spread(self, proposal: Any) -> Any:
@@ -39,9 +55,50 @@ class HasTrail(HasFootprint, RobotWidget[Scan]):
         scanner = robot.offset(*self.footprint.scanner) if self.footprint else robot
         return {"pose": [round(value, 5) for value in scanner]}
 
+    @property
+    def needs_poses(self) -> bool:
+        """Whether it has a trail, and no path in its view tells where the robot is."""
+        return bool(self.trail) and not self.driven_by_player and not self._paths
+
+    def take_pose(self, message: Any) -> None:
+        """Take the newest message of odometry, or of tf, of the robot; one that says nothing is left out."""
+        inner = unwrap(message)
+        now = time.monotonic()
+        transforms = get(inner, "transforms", None)
+        with self._newest.lock, suppress(TypeError, ValueError):
+            if transforms is not None:
+                for one in transforms_in(inner, False, round(now * 1e9)):
+                    self._frames.add(one)
+            else:
+                self._recent.add(to_pose(inner), now, getattr(inner, "stamp_ns", None) or stamp_ns(inner))
+
+    @property
+    def _paths(self) -> list[Any]:
+        """The paths in its view, by their titles."""
+        return sorted((one for one in self._group if one.sample_name == "pose"), key=lambda path: str(path.title))
+
     def _placed(self, scan: Scan) -> dict[str, Any]:
-        """The pose of a live scan, by the path in the laser's view; the first by name where there are several."""
+        """The pose of a live scan, by the path in the laser's view; the first by name where there are several.
+
+        Without a path, by the odometry that a feed gives it, or by tf.
+        """
         if not self.trail or self.driven_by_player:
             return {}
-        paths = sorted((one for one in self._group if one.sample_name == "pose"), key=lambda path: str(path.title))
-        return self.scanner_at(paths[0].robot_at(scan) if paths else None)
+        paths = self._paths
+        if paths:
+            return self.scanner_at(paths[0].robot_at(scan))
+        with self._newest.lock:
+            robot = self._recent.at(arrival_of(scan), scan.stamp_ns)
+            return self.scanner_at(robot) if robot else scanner_in(self._frames, scan, round(arrival_of(scan) * 1e9))
+
+
+def scanner_in(frames: Frames, scan: Scan, time_ns: int) -> dict[str, Any]:
+    """What the page is told of a scan whose scanner has a place by tf: in the frame of odometry, else in the root's."""
+    frame = scan.frame_id.lstrip("/")
+    chain = frames.chain(frame)
+    world = next((name for name in chain if name == ODOM), chain[-1])
+    if world == frame:
+        return {}
+    at = frames.poses(frame, world, np.array([time_ns], np.int64), np.array([scan.stamp_ns or 0], np.int64))
+    (x, y, _), yaw = at.positions[0], yaw_of(*at.orientations[0])
+    return {"pose": [round(float(value), 5) for value in (x, y, yaw)]}

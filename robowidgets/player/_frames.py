@@ -17,9 +17,11 @@ from .._core.sample_widget import SampleWidget
 from .._core.timed_frame import FRAME_HEADER, TimedFrame, table_of
 from .._widget_choice import WidgetChoice
 from ..kinds import sensor_of
+from ..laser.trail import scanner_in
 from ..laser_widget import LaserWidget
 from ..messages.fields import stamp_ns
 from ..path_widget import PathPoint, PathWidget
+from ..poses.frame_tree import FrameTree
 from ..poses.mounts import mounts_of
 from ..poses.path import Path
 from ..poses.recent import FARTHEST, RecentPoses
@@ -190,13 +192,14 @@ class SampleFrames:
 
 
 class ScanFrames(SampleFrames):
-    """A `Track` of scans, each with its pose by the first topic of odometry if there is a trail; see `SampleFrames`."""
+    """A `Track` of scans; with a trail, each with its pose by the first topic of odometry, else by tf."""
 
     def __init__(self, recording: RecordingData, choice: WidgetChoice, widget: LaserWidget) -> None:
         super().__init__(recording, choice, widget)
         self._laser = widget
         self._odometry = odometry(recording.topics)
         self._poses = RecentPoses(None)
+        self._tree: FrameTree | None = None
 
     def frames(self, start: float, end: float) -> Iterator[TimedFrame]:
         """See `Track`."""
@@ -204,10 +207,16 @@ class ScanFrames(SampleFrames):
         if self._odometry and self._laser.trail:
             for moment in self._recording.samples(self._odometry, max(0.0, start - FARTHEST), end + FARTHEST):
                 self._poses.add(moment.sample.pose, moment.seconds, moment.sample.stamp_ns)
+        elif self._laser.trail and self._tree is None:
+            with without_bars():
+                self._tree = FrameTree(self._recording.transforms())
         return super().frames(start, end)
 
     def _frame(self, seconds: float, sample: Any) -> TimedFrame:
         timed = super()._frame(seconds, sample)
+        if self._tree is not None:
+            time_ns = (self._recording.start_ns or 0) + round(seconds * 1e9)
+            return timed._replace(about=timed.about | scanner_in(self._tree, sample, time_ns))
         robot = self._poses.at(seconds, sample.stamp_ns)
         return timed._replace(about=timed.about | self._laser.scanner_at(robot))
 

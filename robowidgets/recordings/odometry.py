@@ -6,7 +6,7 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from ..kinds import LASER, PATH
+from ..kinds import LASER, ODOMETRY_TYPES
 from ..poses.places import Places
 from ..poses.recent import poses_at
 from ._readable import ReadableRecording
@@ -15,7 +15,7 @@ from .topics import Topic, UnknownTopicError, named
 
 def odometry(topics: Iterable[Topic]) -> str | None:
     """The topic of odometry, of several the first by name; None without one."""
-    return min((topic.name for topic in topics if topic.widget and topic.type in PATH.types), default=None)
+    return min((topic.name for topic in topics if topic.widget and topic.type in ODOMETRY_TYPES), default=None)
 
 
 def places_of(recording: ReadableRecording) -> Places:

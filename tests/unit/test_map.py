@@ -24,6 +24,8 @@ from robowidgets.samples import Pose
 from robowidgets.samples.map_item import Scatter
 
 from .. import map_scene as scene
+from .recordings import recorded
+from .waiting import wait_for
 
 
 def shown(path: PathWidget) -> dict[str, Placed]:
@@ -375,7 +377,7 @@ class TestLayers:
 
 class TestRecordings:
     def track(self, data: Path, name: str, *topics: str) -> tuple[Any, Any]:
-        player = robowidgets.open(data / name).show(*topics, scanogram=False)
+        player = played(data / name, *topics, scanogram=False)
         (view,) = [view for view in player.views if isinstance(view.widget, PathWidget)]
         return player, view
 
@@ -427,4 +429,91 @@ class TestRecordings:
         east = radians(message.longitude - first.longitude) * 6_378_137 * cos(radians(first.latitude))
         assert place.pose.x == pytest.approx(east, rel=0.01, abs=0.05)
         assert abs(degrees(radians(message.latitude))) > 0
+        player.close()
+
+
+@pytest.fixture(scope="module")
+def drive(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A recording of a robot with a map, tf, a localisation and a plan."""
+    return recorded.write(tmp_path_factory.mktemp("map") / "drive", scene.TYPES, scene.messages(12.0))
+
+
+def played(path: Path, *topics: str, **more: Any) -> Any:
+    """The player of a recording, which opens the file itself."""
+    with robowidgets.open(path) as recording:
+        return recording.show(*topics, **more)
+
+
+def map_of(player: Any) -> Any:
+    (view,) = [view for view in player.views if isinstance(view.widget, PathWidget)]
+    return view
+
+
+class TestPlayer:
+    def test_topics_that_are_asked_for_are_on_one_map_with_scan_and_tf(self, drive: Path) -> None:
+        player = played(drive, "/map", "/odom", "/amcl_pose", "/plan", "/particles", "/local_costmap")
+        view = map_of(player)
+        names = [layer["name"] for layer in view.widget._map["layers"]]
+        assert names == ["/odom", "/map", "/amcl_pose", "/plan", "/particles", "/local_costmap", "/scan"]
+        (*_, last) = view.track.frames(8.0, 9.0)
+        placed = {names[one.number]: one for one in unpack_layers(last.frame[64:])}
+        assert placed.keys() == set(names)
+        assert ("missing" in last.about, last.about["frame_id"]) == (False, "map")
+        assert placed["/map"].grid is None, "it is in the trait, once"
+        assert placed["/local_costmap"].grid is not None
+        assert placed["/local_costmap"].pose[:2] != (0.0, 0.0)
+        player.close()
+
+    def test_odometry_and_localisation_agree_where_tf_joins_them(self, drive: Path) -> None:
+        player = played(drive, "/odom", "/amcl_pose")
+        view = map_of(player)
+        tracks = dict(view.widget._whole_tracks)
+        seconds, x, y = tracks[1][-1][:3]
+        assert [np.interp(seconds, tracks[0][:, 0], tracks[0][:, i]) for i in (1, 2)] == pytest.approx([x, y], abs=0.1)
+        player.seek(6.0)
+        wait_for(lambda: view.widget.pose is not None, "it shows a moment")
+        assert {one.number for one in view.widget.pose.layers} == {0, 1, 2}
+        player.close()
+
+    def test_another_frame_may_be_chosen(self, drive: Path) -> None:
+        player = played(drive, "/odom", "/amcl_pose")
+        view = map_of(player)
+        view.widget.frame = "odom"
+        (track,) = [track for widget, track in player.tracks_of(player.recording) if widget is view.widget]
+        (*_, last) = track.frames(8.0, 9.0)
+        assert last.about["frame_id"] == "odom"
+        at = player.recording.at("/odom", 8.99).sample.pose
+        (odom,) = [one for one in unpack_layers(last.frame[64:]) if one.number == 0]
+        assert odom.pose[:2] == at[:2]
+        player.close()
+
+    def test_a_page_has_the_layers_of_its_stretch(self, drive: Path, tmp_path: Path) -> None:
+        player = played(drive, "/map", "/odom", "/amcl_pose")
+        within = map_of(player).widget.within(2.0, 4.0)
+        assert within["_grids"] == map_of(player).widget._grids, "the map, which came before"
+        assert 0 < len(within["_tracks"]) < len(map_of(player).widget._tracks)
+        page = player.to_html(tmp_path / "map.html", start=2, end=4)
+        assert page.stat().st_size < 1_500_000
+        player.close()
+
+    def test_a_map_that_is_sent_often_is_thinned_and_says_so(self, tmp_path: Path) -> None:
+        grid = MapGrid(np.zeros((200, 200), np.uint8), 0.05)
+        told = scene.plain(scene.occupancy(grid))
+        often = ((0.5 * i, "/map", told) for i in range(50))
+        path = recorded.write(tmp_path / "often", {"/map": scene.TYPES["/map"]}, often)
+        player = played(path, "/map")
+        (layer,) = map_of(player).widget._map["layers"]
+        assert layer["note"] == "17 of 50 maps shown"
+        player.close()
+
+    def test_a_laser_without_odometry_takes_tf_for_its_trail(self, tmp_path: Path) -> None:
+        said = [one for one in scene.messages(4.0) if one[1] in ("/scan", "/tf_static")]
+        base = [(s, "/tf", scene.plain(scene.tf("odom", "base_link", (s, 2.0, 0.0), s))) for s in (0.0, 2.0, 4.0)]
+        types = {name: scene.TYPES[name] for name in ("/scan", "/tf", "/tf_static")}
+        path = recorded.write(tmp_path / "tf", types, sorted([*said, *base], key=lambda one: one[0]))
+        player = played(path, "/scan", scanogram=False)
+        (view,) = player.views
+        view.widget.trail = 5
+        (*_, last) = view.track.frames(2.0, 3.0)
+        assert last.about["pose"] == [pytest.approx(last.seconds, abs=0.02), 2.0, 0.0]
         player.close()

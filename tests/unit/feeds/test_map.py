@@ -1,0 +1,132 @@
+"""The map of a running robot: its topics on one widget, over two middlewares."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import foxglove
+import pytest
+
+from robowidgets import LaserWidget, PathWidget, feeds
+from robowidgets.maps.packing import unpack_layers
+from robowidgets.messages.encoding import encode
+
+from ... import map_scene as scene
+from ..waiting import wait_for
+from .bridge import Rosbridge
+from .fox import definition
+
+foxglove.set_log_level("CRITICAL")
+
+Publish = Callable[[str, dict[str, Any]], None]
+
+
+@pytest.fixture(params=["foxglove", "rosbridge"])
+def robot(request: pytest.FixtureRequest) -> Iterator[tuple[Any, Publish]]:
+    """A feed of a robot with a map, and what publishes on one of its topics."""
+    if request.param == "foxglove":
+        context = foxglove.Context()
+        server = foxglove.start_server(host="127.0.0.1", port=0, context=context)
+        channels = {
+            topic: foxglove.Channel(
+                topic,
+                schema=foxglove.Schema(name=kind, encoding="ros2msg", data=definition(kind).encode()),
+                message_encoding="cdr",
+                context=context,
+            )
+            for topic, kind in scene.TYPES.items()
+        }
+        with feeds.foxglove(f"ws://127.0.0.1:{server.port}") as feed:
+            yield feed, lambda topic, fields: channels[topic].log(bytes(encode("cdr", scene.TYPES[topic], fields)))
+        server.stop()
+        return
+    with Rosbridge(scene.TYPES) as bridge, feeds.rosbridge(bridge.address) as feed:
+
+        def publish(topic: str, fields: dict[str, Any]) -> None:
+            if topic in bridge.subscribed:
+                bridge.publish(topic, fields)
+
+        yield feed, publish
+
+
+def layers(path: PathWidget) -> dict[str, Any]:
+    path.send_newest()
+    state = path.get_state()
+    names = {layer["number"]: layer["name"] for layer in state["_map"].get("layers", ())}
+    return {names[one.number]: one for one in unpack_layers(bytes(state["_frame"])[64:])}
+
+
+@pytest.mark.slow
+def test_a_robot_has_its_topics_on_one_map_joined_by_tf_with_its_scan(robot: tuple[Any, Publish]) -> None:
+    feed, publish = robot
+    wait_for(lambda: len(feed.topics) == len(scene.TYPES), "its topics are listed")
+    view = feed.show("/map", "/odom", "/amcl_pose", "/plan", "/particles")
+    (path,) = {widget for topic, widget in view.widgets.items() if isinstance(widget, PathWidget)}
+    assert view.widgets["/map"] is view.widgets["/plan"] is path
+    told = {topic: fields for _, topic, fields in scene.messages(2.0)}
+    drawn: dict[str, Any] = {}
+
+    def all_drawn() -> bool:
+        for topic, fields in told.items():
+            publish(topic, fields)
+        drawn.update(layers(path))
+        return drawn.keys() >= {"/map", "/odom", "/amcl_pose", "/plan", "/particles", "/scan"}
+
+    wait_for(all_drawn, "all layers are drawn")
+    assert path.get_state()["_about"]["frame_id"] == "map"
+    shift = told["/tf"]["transforms"][0]["transform"]["translation"]
+    at = told["/odom"]["pose"]["pose"]["position"]
+    assert drawn["/odom"].pose.x == pytest.approx(shift["x"] + at["x"], abs=0.05)
+    sure = told["/amcl_pose"]["pose"]["covariance"]
+    assert drawn["/amcl_pose"].scatter == (sure[0], sure[1], sure[7])
+    assert len(drawn["/scan"].points) > 100
+    assert len(drawn["/particles"].points) == 40
+    assert path.get_state()["_grids"], "the map, once"
+
+
+@pytest.mark.slow
+def test_layers_are_connected_one_by_one_too(robot: tuple[Any, Publish]) -> None:
+    feed, publish = robot
+    path = PathWidget()
+    topics = ("/tf", "/odom", "/amcl_pose")
+    for topic in topics:
+        feed.connect(topic, path)
+    told = {topic: fields for _, topic, fields in scene.messages(1.0)}
+
+    def is_drawn() -> bool:
+        for topic in topics:
+            publish(topic, told[topic])
+        return layers(path).keys() == {"/odom", "/amcl_pose"} and path.get_state()["_about"]["frame_id"] == "map"
+
+    wait_for(is_drawn, "odometry is drawn in the frame of the map")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("source", ["/odom", "/tf"])
+def test_a_laser_with_a_trail_takes_the_odometry_of_its_robot_or_its_tf_by_itself(
+    robot: tuple[Any, Publish], source: str
+) -> None:
+    feed, publish = robot
+    laser = LaserWidget(trail=5)
+    feed.connect("/scan", laser)
+    wait_for(lambda: len(feed.topics) == len(scene.TYPES), "its topics are listed")
+    if source == "/tf":
+        feed.connection.on_topics([one for one in feed.connection.adverts if one.name != "/odom"])
+    told = {topic: fields for _, topic, fields in scene.messages(1.0)}
+    base = scene.plain(scene.tf("odom", "base_link", (1.0, 2.0, 0.0), 1.0))
+    told["/tf"] = {
+        "transforms": [one for part in (told["/tf"], base, told["/tf_static"]) for one in part["transforms"]]
+    }
+
+    def has_pose() -> bool:
+        for topic in ("/odom", "/tf", "/scan"):
+            publish(topic, told[topic])
+        laser.send_newest()
+        return "pose" in laser.get_state()["_about"]
+
+    wait_for(has_pose, "a scan has the pose of its robot")
+    if source == "/tf":
+        assert laser.get_state()["_about"]["pose"] == [1.0, 2.0, 0.0]
+    laser.trail = 0
+    assert feed.connection._table.by_topic.keys() == {"/scan"}
