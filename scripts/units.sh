@@ -32,4 +32,4 @@ if ! [ "$venv/.installed" -nt pyproject.toml ]; then
     --constraint "$venv/constraints.txt" --group unit --editable '.[lab]'
   touch "$venv/.installed"
 fi
-"$venv/bin/python" -m pytest --numprocesses 4 --dist loadfile tests/unit "$@"
+"$venv/bin/python" -m pytest --numprocesses 3 --dist loadfile tests/unit "$@"

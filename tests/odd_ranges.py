@@ -17,6 +17,9 @@ ODD = {
 }
 """What the rays of a scan say in place of what was measured, from the first on, over and over."""
 
+MET = ("nothing is met", "too close", "nothing measured", "all of it")
+"""Those of which a distance is infinite, 0 or NaN, and one with all there is: others answer as one of these."""
+
 
 def odd_ranges(values: tuple[float, ...], ranges: Any) -> Any:
     """Ranges with these values in them."""

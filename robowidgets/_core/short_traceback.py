@@ -38,12 +38,16 @@ def _shortened(error: BaseException, traceback: TracebackType | None) -> Iterato
 
 @contextmanager
 def without_our_frames(error: BaseException | None) -> Iterator[Any]:
-    """An error as a log takes it, ``exc_info=``, without our frames, and what it was raised from; None for None."""
-    if error is None:
+    """An error as a log takes it, ``exc_info=``, without our frames, and what it was raised from.
+
+    None for None, and where nothing is left: we refused what a function of the user returned, say.
+    """
+    traceback = _of_the_user(error.__traceback__) if error is not None else None
+    if error is None or traceback is None:
         yield None
         return
     with _shortened_causes(error):
-        yield type(error), error, _of_the_user(error.__traceback__)
+        yield type(error), error, traceback
 
 
 @contextmanager
@@ -70,7 +74,7 @@ def _of_the_user(traceback: TracebackType | None) -> TracebackType | None:
         traceback = traceback.tb_next
     names = [str(entry.tb_frame.f_globals.get("__name__")).partition(".")[0] for entry in entries]
     of_user = [i for i, name in enumerate(names) if name not in _NOT_THE_USER]
-    first, last = (of_user[0], of_user[-1]) if of_user else (0, len(entries) - 1)
+    first, last = (of_user[0], of_user[-1]) if of_user else (0, -1)
     if _OURS in names[last + 1 :] and names[-1] in _CHECKS and _is_raise(entries[-1]):
         del entries[last + 1 :]
     del entries[:first]

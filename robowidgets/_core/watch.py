@@ -12,6 +12,7 @@ from functools import partial
 from typing import Any, NamedTuple
 
 from ..samples.checks import not_negative
+from ..samples.ranges import NoSensorError
 from ..samples.verdict import UNKNOWN, Verdict, judged
 from .user_function import error_in
 from .waiters import Waiters
@@ -216,7 +217,10 @@ class Watch:
 
     def _judge(self, sample: Any) -> Verdict:
         judge = getattr(self.condition, "judge", None) or partial(judged, self.condition)
-        verdict: Verdict = self._context.copy().run(judge, sample)
+        try:
+            verdict: Verdict = self._context.copy().run(judge, sample)
+        except NoSensorError as error:  # it may come yet
+            return Verdict(None, error.args[0])
         return verdict
 
     def _is(self, value: bool) -> bool:
@@ -237,7 +241,7 @@ class Watch:
         if self._why_off:
             return self._why_off
         if self.value is None:
-            return ": ".join(filter(None, ("unknown", self._why_none())))
+            return ": ".join(filter(None, ("unknown", self._why_none() or self._verdict.text)))
         return f"{'true' if self.value else 'false'} for {time.monotonic() - (self._since or 0):.1f} s"
 
     def _too_late(self, seconds: float, value: bool) -> TimeoutError:

@@ -15,6 +15,10 @@ from .range import Range
 _NUMBERS = re.compile(r"(\d+)")
 
 
+class NoSensorError(KeyError):
+    """There is no sensor of that name, or it has not sent anything yet."""
+
+
 @dataclass(frozen=True, eq=False, repr=False)
 class Ranges(HasAge, Mapping[str, Range]):
     """The newest range of each sensor by its name, in the order of names: ``front_2`` comes before ``front_10``.
@@ -44,7 +48,7 @@ class Ranges(HasAge, Mapping[str, Range]):
             return self.readings[name]
         except KeyError:
             known = f"there are: {', '.join(self)}" if self.readings else "none has sent anything yet"
-            raise KeyError(f"no sensor {name!r}; {known}") from None
+            raise NoSensorError(f"no sensor {name!r}; {known}") from None
 
     def __iter__(self) -> Iterator[str]:
         return iter(self.readings)

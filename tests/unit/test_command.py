@@ -199,6 +199,8 @@ def test_the_terminal_says_what_takes_the_time_and_what_went_wrong(monkeypatch, 
     assert failed == "A cell failed."
 
 
+@pytest.mark.slow
+@pytest.mark.versions
 def test_open_writes_a_notebook_for_the_file(lab, here):
     assert main(["open", os.path.relpath(robowidgets.SAMPLE)]) == 0
     written = lab[0][0]
@@ -381,6 +383,7 @@ def test_info_prints_json(capsys):
     assert told["problems"] == []
 
 
+@pytest.mark.slow
 def test_export_writes_a_page_and_tells_its_size(tmp_path, capsys, monkeypatch):
     monkeypatch.chdir(tmp_path)
     assert main(["export", str(robowidgets.SAMPLE), "--size", "--end", "5"]) == 0

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 import re
 import threading
@@ -235,6 +236,7 @@ class Misspelt:
 class TestPrograms:
     """Answers that drive the simulated robot: functions, machines, and either of them at work on a live robot."""
 
+    @pytest.mark.slow
     @pytest.mark.parametrize(
         ("task", "answer"),
         [
@@ -248,6 +250,7 @@ class TestPrograms:
     def test_a_right_one_is_told_so(self, task: str, answer: Any) -> None:
         assert str(lessons.check(answer, task)).endswith("Well done!")
 
+    @pytest.mark.slow
     @pytest.mark.parametrize(
         ("task", "answer", "said"),
         [
@@ -286,6 +289,7 @@ class TestPrograms:
         assert not result
         assert any(said in line for line in result.wrong), result
 
+    @pytest.mark.slow
     @pytest.mark.parametrize("answer", [stop, Stop])
     def test_one_that_drives_a_live_robot_is_checked_on_another(self, answer: Any) -> None:
         with feeds.simulator(wander=False) as robot:
@@ -293,6 +297,7 @@ class TestPrograms:
             assert lessons.check(program, "stop_before_wall")
             assert program.mode == "running"
 
+    @pytest.mark.slow
     def test_a_speed_beyond_the_limits_of_a_live_robot_is_cut_as_there(self) -> None:
         def fast(scan: Scan) -> Drive:  # from 1.2 m/s, the most that the motors can, it would take 0.7 m to stop
             return Drive(9.0) if scan.distance("front") > 0.66 else Drive()
@@ -323,6 +328,15 @@ class TestPrograms:
         result = judged(slow, "stop_before_wall", stop_before_wall(), bounded)
         (line,) = result.wrong
         assert "a wall ahead: its 161 steps took 10 s, 0.062 s each. A step returns at once" in line
+
+    def test_a_busy_computer_that_holds_up_most_steps_is_no_fault_of_the_answer(self) -> None:
+        now, steps = [0.0], itertools.count()
+
+        def held_up(scan: Scan) -> Drive:
+            now[0] += 0.25 if next(steps) % 8 else 0.0
+            return stop(scan)
+
+        assert judged(held_up, "stop_before_wall", stop_before_wall(), Bounded(lambda: now[0]))
 
     def test_a_step_that_waits_is_given_up_after_half_a_second_of_the_clock_and_no_sooner(self) -> None:
         waits, ends, now = threading.Event(), threading.Event(), [0.0]

@@ -17,7 +17,7 @@ from robowidgets.samples import Pose, age
 from robowidgets.samples.staleness import LIVE
 
 from .forms import FORMS
-from .waiting import Clock
+from .waiting import Clock, wait_for
 
 
 def message(measured: object = 0.42, frame: str = "front", **changed: object) -> dict:
@@ -239,6 +239,17 @@ class TestShown:
         sonars.update("left", 0.2)
         sonars.update("front", 0.42)
         assert wall.wait(5)
+
+    def test_a_condition_on_a_sensor_that_has_not_come_yet_is_unknown_says_so_and_goes_on(
+        self, sonars: SonarWidget
+    ) -> None:
+        near = sonars.watch(lambda ring: ring["left"].distance < 0.3, name="near")
+        sonars.update(front=0.42)
+        wait_for(lambda: near.verdict.text == "no sensor 'left'; there are: front", "it is judged")
+        assert (near.value, near.error) == (None, "")
+        assert "unknown: no sensor 'left'; there are: front" in repr(near)
+        sonars.update(left=0.2)
+        assert near.wait(20.0)["left"].distance == pytest.approx(0.2)
 
     def test_the_repr_names_the_nearest(self, sonars: SonarWidget) -> None:
         assert repr(sonars) == "<SonarWidget sonars: nothing yet>"

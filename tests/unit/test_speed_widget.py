@@ -94,6 +94,7 @@ class TestUpdate:
         speed.command(TWIST)
         assert FRAME_HEADER.unpack_from(speed.get_state()["_frame"])[0] == 3
 
+    @pytest.mark.slow
     def test_a_real_recording_is_shown(self, data: Path) -> None:
         speed = SpeedWidget(linear_limits=0.2)
         greatest = 0.0

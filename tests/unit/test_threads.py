@@ -48,7 +48,8 @@ sys.path.insert(0, {str(FOLDER)!r})
 import lock_order
 lock_order.install()
 import pytest
-pytest.main(["-q", "-p", "no:cacheprovider", "-p", "no:xdist", "-m", "not slow", *{list(map(str, TESTS))!r}])
+chosen = ["-m", "not slow", "-k", "speed or not dds"]  # those of DDS wait for long, and take few locks
+pytest.main(["-q", "-p", "no:cacheprovider", "-p", "no:xdist", *chosen, *{list(map(str, TESTS))!r}])
 lock_order.write(Path({{out!r}}))
 """
 FULL = """

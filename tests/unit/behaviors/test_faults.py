@@ -16,7 +16,9 @@ from ..waiting import wait_for
 pytestmark = pytest.mark.slow
 
 OPEN = """
-over = False
+import threading
+over, gate = False, threading.Lock()
+gate.acquire()
 feed.close()
 feed = feeds.simulator(hz=20, wander=False)
 from robowidgets.behaviors import Drive
@@ -82,6 +84,7 @@ def expect_zero(kernel: Kernel, since: float, within: float = WITHIN) -> None:
         ("    return Drive(float('nan'))", "failed: line 4: ValueError: linear: expected a finite number of m/s"),
         ("    while not over: pass", "failed: line 4: a step has not returned for half a second, and was abandoned"),
         ("    while not over: feed.drive(0.3)", "failed: line 4: a step has not returned for half a second"),
+        ("    gate.acquire()", "failed: line 4: a step has not returned for half a second"),
         ("    while not over: time.sleep(0.1)", "failed: line 4: a step has not returned for half a second"),
         ("    return feed.programs.current.pause()", "paused"),
         ("    feed.stopped = True", "stop is latched"),
@@ -96,7 +99,7 @@ def test_the_robot_gets_zero_and_the_next_version_runs(kernel: Kernel, body: str
     expect_zero(kernel, began, HUNG_WITHIN if "has not returned" in words else WITHIN)
     expect(kernel, words)
     run(kernel, "    return Drive(0.1)")
-    kernel.run("allow", "feed.stopped, over = False, True")
+    kernel.run("allow", "feed.stopped, over = False, True; gate.release()")
     since = time.monotonic()
     wait_for(lambda: kernel.heard_since(since)[-3:] == [0.1] * 3, "the next version drives")
 
@@ -217,6 +220,18 @@ def test_a_robot_that_is_closed_lost_blind_or_unseen_gets_zero(kernel: Kernel, c
     since = time.monotonic()
     assert kernel.run("fault", cell)["status"] == "ok"
     expect_zero(kernel, since)
+
+
+@pytest.mark.parametrize("body", ["    gate.acquire()", "    while not over: feed.drive(0.3)"])
+def test_a_robot_that_is_closed_while_a_step_hangs_gets_zero_and_closing_returns(kernel: Kernel, body: str) -> None:
+    since = time.monotonic()
+    run(kernel, MARK + body)
+    wait_for(lambda: 9.0 in kernel.heard_since(since), "its first step begins")
+    began = next(at for at, linear, _ in kernel.heard if at >= since and linear == 9.0)
+    assert kernel.run("close", "feed.close()")["status"] == "ok"
+    expect_zero(kernel, began, HUNG_WITHIN)
+    expect(kernel, "ended")
+    kernel.run("allow", "over = True; gate.release()")
 
 
 MACHINE = """

@@ -396,6 +396,16 @@ def test_the_log_has_its_error_without_our_frames_and_no_warning_of_what_is_none
     assert caplog.text.count("Traceback") == 2
 
 
+def test_a_step_that_returns_no_drive_is_told_in_one_line_without_a_traceback_of_ours(
+    robot: Feed, caplog: pytest.LogCaptureFixture
+) -> None:
+    program = robot.program(lambda: 0.2)
+    wait_for(lambda: caplog.messages, "the error is logged")
+    (said,) = caplog.messages
+    assert said.endswith("expected a step to return Drive(linear, angular), or None to keep the speed, got 0.2")
+    assert (program.mode, caplog.records[0].exc_info) == ("failed", None)
+
+
 def test_integers_stay_integers_in_variables(robot: Feed) -> None:
     variables = robot.variables
 

@@ -448,6 +448,7 @@ def test_a_middleware_that_cannot_be_opened_leaves_nothing_behind(monkeypatch: p
     assert open_feeds == set()
 
 
+@pytest.mark.slow
 def test_a_hundred_opens_and_closes_leave_no_thread_and_no_memory() -> None:
     got: list[object] = []
     there: list[weakref.ref[Feed]] = []

@@ -103,6 +103,7 @@ def test_it_may_be_closed_at_any_time_and_in_a_callback() -> None:
     wait_for(lambda: "robowidgets-replay" not in {t.name for t in threading.enumerate()}, "its thread has ended")
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not os.path.isdir("/proc/self/fd"), reason="open files are counted in Linux's /proc")
 def test_a_hundred_opens_and_closes_leave_no_thread_and_no_file() -> None:
     def once() -> None:

@@ -54,6 +54,8 @@ def drive(recording: Recording, tmp_path_factory: pytest.TempPathFactory) -> Rea
     return Read(path)
 
 
+@pytest.mark.slow
+@pytest.mark.versions
 def test_a_point_for_each_ray_bears_its_index_and_stands_where_the_scan_has_it(
     drive: Read, recording: Recording
 ) -> None:
@@ -81,6 +83,7 @@ def test_times_are_those_of_the_recording_to_the_nanosecond(drive: Read, recordi
     assert [row[0].value for row in rows] == (scans.times_ns - recording.start_ns).tolist()
 
 
+@pytest.mark.slow
 def test_scans_land_on_the_walls_of_the_house(drive: Read) -> None:
     world = World.rooms()
     names = ("recording_time", "Points3D:positions", "Transform3D:translation", "Transform3D:quaternion")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sqlite3
 from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -72,6 +73,7 @@ ROS1 = {
 }
 
 
+@cache
 def store(base: Stores) -> Typestore:
     result = get_typestore(base)
     types = dict(get_typestore(Stores.ROS2_HUMBLE).fielddefs) if base is not Stores.ROS2_HUMBLE else {}

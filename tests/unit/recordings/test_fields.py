@@ -329,6 +329,7 @@ def test_a_closed_recording_has_no_messages(tmp_path: Path) -> None:
         recording.messages("/imu")
 
 
+@pytest.mark.slow
 def test_a_message_of_two_thousand_fields_is_read(tmp_path: Path) -> None:
     text = "\n".join(f"float32 field_{i}" for i in range(2000))
     store = get_typestore(Stores.ROS2_HUMBLE)

@@ -100,6 +100,7 @@ def test_a_carmen_log_is_read_gzipped_or_not(tmp_path: Path, name: str) -> None:
     assert read_count(path) == {"ODOM": 9}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("in_folder", [False, True])
 def test_damage_that_is_met_on_the_way_is_told_and_the_rest_is_read(
     data: Path, tmp_path: Path, in_folder: bool

@@ -173,6 +173,7 @@ def test_a_page_in_a_file_follows_nobody(show: Show, tmp_path: Path) -> None:
     assert slow.to_html(tmp_path / "slow.html").is_file()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("file", "until", "most"), [("good/turtlebot3_gazebo.bag", 46.0, 0.1), ("good/edmonton.log.gz", 450.0, 0.5)]
 )

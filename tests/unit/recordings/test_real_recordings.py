@@ -171,6 +171,7 @@ def test_the_neato_bumps_at_21_96_seconds(data: Path, name: str) -> None:
     assert {s for s, touched in bumps[0].sample.touched.items() if touched} == {"left front", "right front"}
 
 
+@pytest.mark.slow
 def test_the_same_messages_in_another_container_are_the_same_samples(data: Path) -> None:
     def all_of(name: str) -> list[object]:
         with open(data / name) as recording:

@@ -166,6 +166,7 @@ class TestAt:
         recording.at("/bumper", 10.0)
         assert decoded == [1, 1]
 
+    @pytest.mark.slow
     def test_reads_a_silence_once(self, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
         times = [*(i / 10 for i in range(200)), 5000.0, 5000.1, 9000.0]
         scans = [(time, sweeps.scan(sweeps.START_NS, [1.0])) for time in times]
@@ -283,6 +284,7 @@ class TestItsTable:
         assert html.count("&lt;script&gt;alert(&#x27;x&#x27;)&lt;/script&gt;&amp;") == 4
 
 
+@pytest.mark.slow
 def test_reading_a_recording_needs_no_page_and_importing_robowidgets_no_reader(path: Path) -> None:
     code = (
         "import sys, robowidgets; assert 'rosbags' not in sys.modules; "
