@@ -394,3 +394,114 @@ def test_the_licence_of_what_draws_the_lines_comes_with_its_code() -> None:
     script = (Path(robowidgets.__file__).parent / "static" / "plot_widget.js").read_text(encoding="utf-8")
     assert "Copyright (c) 2022 Leon Sorokin" in script
     assert "THE SOFTWARE IS PROVIDED" in script
+
+
+class TestBesideOthers:
+    def test_a_message_adds_the_fields_of_its_topic(self) -> None:
+        plot = PlotWidget("/a.v.x", "/a.w[1]", "/b.c.x", "/b.c.cmd")
+        plot.update("/a", {"v": {"x": 1.0}, "w": [2, 3]}, time=0.5)
+        plot.update("/b.c", {"x": 4, "cmd": True}, time=0.5)
+        plot.update("/other", {"x": 4})
+        plot.update("/a", None)
+        assert {name: plot[name][1].tolist() for name in plot.names} == {
+            "/a.v.x": [1.0],
+            "/a.w[1]": [3.0],
+            "/b.c.x": [4.0],
+            "/b.c.cmd": [1.0],
+        }
+        with pytest.raises(ValueError, match="no field 'w'"):
+            plot.update("/a", {"v": {"x": 1.0}})
+
+    def test_units_and_steps_are_known_by_the_names(self) -> None:
+        plot = PlotWidget(
+            "/odom.twist.twist.linear.x", "/cmd_vel.linear.x", units={"/odom.twist.twist.linear.x": "km/h"}
+        )
+        assert plot.units == {"/odom.twist.twist.linear.x": "km/h", "/cmd_vel.linear.x": "m/s"}
+        assert plot.steps == ["/cmd_vel.linear.x"]
+
+    @pytest.mark.parametrize("fields", [("/odom",), (3,), tuple(f"/a.b[{i}]" for i in range(9))])
+    def test_what_is_no_field_is_refused(self, fields: tuple[Any, ...]) -> None:
+        with pytest.raises((TypeError, ValueError), match=r"a topic with a field|at most 8 lines"):
+            PlotWidget(*fields)
+
+    def test_ghosts_are_moved(self) -> None:
+        plot = PlotWidget(ghosts=["b"], shift=1.5)
+        plot.set_line("a", [0, 1], [0, 1])
+        plot.set_line("b", [0, 1], [0, 1])
+        rows = [rows for _, rows in sent(plot)]
+        assert [row.times.tolist() for row in rows] == [[0, 1], [1.5, 2.5]]
+        plot.shift = -0.5
+        assert [row.times.tolist() for _, row in sent(plot)] == [[0, 1], [-0.5, 0.5]]
+
+    def test_a_page_adds_lines_and_takes_them_out(self) -> None:
+        plot = PlotWidget()
+        plot.set_line("a", [0, 1], [0, 1])
+        plot.offer(["b", "c"], lambda name: plot.set_line(name, [0], [1]))
+        plot._handle_custom_msg({"add": "b"}, [])
+        assert plot.names == ("a", "b")
+        plot._handle_custom_msg({"take_out": "a"}, [])
+        assert plot.names == ("b",)
+        plot._handle_custom_msg({"take_out": "a"}, [])
+        assert plot.names == ("b",)
+
+
+class TestTwoRecordings:
+    FIELD = "/odom.twist.twist.linear.x"
+
+    def test_the_same_field_of_another_is_a_ghost_by_time(self) -> None:
+        with robowidgets.open(robowidgets.SAMPLE) as recording, robowidgets.open(robowidgets.SAMPLE) as other:
+            plot = robowidgets.plot(recording, self.FIELD, beside=other, shift=2.0)
+            assert plot.names == (self.FIELD, f"{self.FIELD} (sample.mcap)")
+            assert plot.ghosts == [f"{self.FIELD} (sample.mcap)"]
+            assert plot.units[plot.ghosts[0]] == "m/s"
+
+    def test_by_place_it_has_the_values_of_when_the_robot_was_there(self) -> None:
+        with robowidgets.open(robowidgets.SAMPLE) as recording, robowidgets.open(robowidgets.SAMPLE) as other:
+            plot = robowidgets.plot(recording, self.FIELD, beside=other, by="place")
+            times, values = plot[plot.ghosts[0]]
+            own_times, own = plot[self.FIELD]
+            here = own[np.searchsorted(own_times, times, "right") - 1]
+            assert np.isfinite(values).all()
+            assert np.median(np.abs(values - here)) < 1e-6
+            with pytest.raises(ValueError, match=r"no place within 0.5 m"):
+                robowidgets.plot(recording, self.FIELD, beside=other, by="place", origin=(100, 0, 0))
+
+    def test_what_makes_no_sense_is_refused(self) -> None:
+        with robowidgets.open(robowidgets.SAMPLE) as recording:
+            with pytest.raises(TypeError, match="beside: expected another recording"):
+                robowidgets.plot(recording, self.FIELD, beside=3)  # type: ignore[arg-type]
+            with pytest.raises(ValueError, match="by: expected 'time' or 'place'"):
+                robowidgets.plot(recording, self.FIELD, beside=recording, by="here")
+
+    def test_a_condition_marks_its_spans(self) -> None:
+        with robowidgets.open(robowidgets.SAMPLE) as recording:
+            backward = robowidgets.conditions.field(self.FIELD) < 0
+            plot = robowidgets.plot(recording, self.FIELD, marks=backward)
+            assert len(plot.marks) == 6
+            assert plot.marks[0][2] == f"{self.FIELD} < 0"
+
+
+def test_a_player_has_the_fields_in_one_plot_that_follows_its_time() -> None:
+    with robowidgets.open(robowidgets.SAMPLE) as recording:
+        player = recording.show("/scan", "/odom.twist.twist.linear.x", "/cmd_vel.twist.linear.x")
+    (plot,) = (view.widget for view in player.views if isinstance(view.widget, PlotWidget))
+    assert plot.names == ("/odom.twist.twist.linear.x", "/cmd_vel.twist.linear.x")
+    assert plot.model_id in player.bar._followers
+    (view,) = (view for view in player.views if view.widget is plot)
+    times = [timed.seconds for timed in view.track.frames(10.0, 11.0)]
+    assert times[0] == 10.0
+    assert 20 <= len(times) <= 42
+    assert times == sorted(times)
+    player.close()
+
+
+def test_a_player_of_fields_alone_plays_and_a_page_has_it(tmp_path: Path) -> None:
+    with robowidgets.open(robowidgets.SAMPLE) as recording:
+        player = recording.show("/odom.twist.twist.linear.x")
+        names = [view.widget.names for view in player.views]
+        player.close()
+        assert names == [("/odom.twist.twist.linear.x",)]
+        page = recording.to_html(tmp_path / "plot.html", topics=["/odom.twist.twist.linear.x"], start=10, end=20)
+        assert page.stat().st_size < 1_000_000
+        with pytest.raises(KeyError, match=r"did you mean .twist.twist.linear.x."):
+            recording.show("/odom.twist.twist.linea.x")
