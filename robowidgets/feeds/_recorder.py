@@ -55,7 +55,7 @@ class Recorder:
         self._closed = False
         self.refresh = CoalescedCall(self._refresh)
         try:
-            self._writer = LiveWriter(self.path, on_failed=self.close)
+            self._writer = LiveWriter(self.path, self.close, connection.clock)
         except FileExistsError:
             raise FileExistsError(f"record(): {str(self.path)!r} exists; delete it, or name another file") from None
         take_the_place(self)

@@ -5,14 +5,15 @@ from __future__ import annotations
 import logging
 import threading
 import time
-from collections import Counter
+from collections import Counter, deque
 from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
-from queue import Empty, SimpleQueue
 from typing import Any
 
+from .._core.clock import Clock, Left, Threads, Ticket
 from .._core.text import many
+from .._core.waiters import Waiters
 from ..kinds import kind_of_sample
 from ..messages.channel import Channel
 from ..messages.encoding import encode
@@ -42,6 +43,7 @@ class LiveWriter:
     Args:
         path: the file, which must not exist yet.
         on_failed: called when it cannot be written any more, in the thread that writes.
+        clock: the time of messages, and that by which they are in the file.
 
     Attributes:
         written: by topic, the number of messages that were written.
@@ -50,8 +52,9 @@ class LiveWriter:
         OSError: the file exists, or cannot be written.
     """
 
-    def __init__(self, path: Path, on_failed: Callable[[], object]) -> None:
+    def __init__(self, path: Path, on_failed: Callable[[], object], clock: Clock) -> None:
         self._path, self._on_failed = path, on_failed
+        self._clock = clock
         self.written: Counter[str] = Counter()
         self._dropped: Counter[str] = Counter()
         self._unwritable: dict[str, str] = {}
@@ -61,14 +64,20 @@ class LiveWriter:
         self._mounted: set[str] = set()
         """The frames of sensors whose places are written."""
         # A clock that is set meanwhile moves no message.
-        self._epoch_ns = time.time_ns() - time.monotonic_ns()
-        self._queue: SimpleQueue[tuple[str, str, int, Any] | None] = SimpleQueue()
+        self._epoch_ns = time.time_ns() - int(self._clock.now() * 1e9)
+        self._queue: deque[tuple[str, str, int, Any]] = deque()
         self._file = path.open("xb")
-        self._thread = threading.Thread(target=self._run, name="robowidgets-recorder", daemon=True)
+        self._writer = McapWriter(self._file, {"cdr"})
+        self._flush_at: float | None = None
+        """When what was written is to be in the file; None while all of it is."""
+        self._is_closed = self._has_ended = False
+        self._ending = threading.RLock()
+        self._waiters = Waiters(self._ending, self._clock)
+        self._ticket: Ticket | None = None
 
     def start(self) -> None:
         """Begin to write."""
-        self._thread.start()
+        self._ticket = Threads(self._clock).start(self._run, "robowidgets-recorder")
 
     @property
     def problems(self) -> tuple[str, ...]:
@@ -81,45 +90,64 @@ class LiveWriter:
 
     def now_ns(self) -> int:
         """The time of a message that comes now, in nanoseconds since 1970."""
-        return self._epoch_ns + time.monotonic_ns()
+        return self._epoch_ns + int(self._clock.now() * 1e9)
 
     def add(self, topic: str, type_name: str, time_ns: int, message: Any, *, can_be_dropped: bool = True) -> None:
         """Write a message or a sample, given with the type of its topic; drop it if too many wait already."""
-        if can_be_dropped and self._queue.qsize() >= MOST_WAITING:
+        if can_be_dropped and len(self._queue) >= MOST_WAITING:
             self._dropped[topic] += 1
-        else:
-            self._queue.put((topic, type_name, time_ns, message))
+            return
+        self._queue.append((topic, type_name, time_ns, message))
+        if self._ticket is not None:
+            self._ticket.wake()
 
     def close(self) -> None:
         """Complete the file, to which nothing may be added any more. It waits for the disk for two seconds at most."""
-        self._queue.put(None)
-        if self._thread is not threading.current_thread():
-            self._thread.join(CLOSE_TIMEOUT)
-            if self._thread.is_alive():
-                log.warning("%s: the disk is slow: the file is not complete yet", self._path)
+        self._is_closed = True
+        if self._ticket is None or self._has_ended:
+            return
+        self._ticket.wake()
+        if self._waiters.wait_for(lambda: self._has_ended or None, CLOSE_TIMEOUT) is None:
+            log.warning("%s: the disk is slow: the file is not complete yet", self._path)
 
     # -- in the thread that writes -------------------------------------------------------------------------------------
 
-    def _run(self) -> None:
+    def _run(self) -> float | None:
+        """Write what waits; returns when that is to be in the file."""
         try:
-            with self._file:
-                writer, flushed = McapWriter(self._file, {"cdr"}), time.monotonic()
-                while True:
-                    with suppress(Empty):
-                        entry = self._queue.get(timeout=FLUSH)
-                        if entry is None:
-                            break
-                        self._write(writer, *entry)
-                    if time.monotonic() > flushed + FLUSH:
-                        writer.flush()
-                        flushed = time.monotonic()
-                writer.finish()
+            is_closed = self._is_closed  # nothing is added after that
+            while self._queue:
+                self._write(self._writer, *self._queue.popleft())
+                if self._flush_at is None:
+                    self._flush_at = self._clock.now() + FLUSH
+                self._flush_if_due()
+            self._flush_if_due()
+            if not is_closed:
+                return self._flush_at
+            self._writer.finish()
+            self._file.close()
         except Exception as error:  # a full disk, above all
             self._failed = f"recording has ended: {getattr(error, 'strerror', None) or error}"
             log.error("%s: %s; the robot and its program go on", self._path, self._failed)
+            with suppress(OSError):
+                self._file.close()
+            self._end()
             self._on_failed()
         if self._dropped:
             log.warning("%s: %s dropped", self._path, many(sum(self._dropped.values()), "message"))
+        self._end()
+        raise Left
+
+    def _flush_if_due(self) -> None:
+        if self._flush_at is not None and self._clock.now() >= self._flush_at:
+            self._writer.flush()
+            self._flush_at = None
+
+    def _end(self) -> None:
+        """Wake whoever closes it."""
+        with self._ending:
+            self._has_ended = True
+            self._waiters.wake()
 
     def _write(self, writer: McapWriter, topic: str, topic_type: str, time_ns: int, message: Any) -> None:
         mount = mount_message(message, time_ns)

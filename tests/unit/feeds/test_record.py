@@ -28,6 +28,7 @@ from robowidgets.recordings import live_writer
 from robowidgets.repair.write import McapWriter
 from robowidgets.samples.state_span import rows_of
 
+from ..clocks import ManualClock
 from ..waiting import threads_named, wait_for
 from .scripted import CMD_VEL, ODOM, SCAN, Scripted, scan
 
@@ -288,15 +289,16 @@ def test_a_path_that_cannot_be_written_is_refused_and_nothing_is_replaced(tmp_pa
     assert [file.name for file in tmp_path.iterdir()] == ["run.mcap"]
 
 
-def test_even_a_single_message_is_in_the_file_before_it_is_closed(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(live_writer, "FLUSH", 0.05)
-    script = Scripted(SCAN)
-    with Feed(script) as feed:
-        feed.record(tmp_path / "run.mcap")
+def test_even_a_single_message_is_in_the_file_after_a_second_and_before_it_is_closed(tmp_path: Path) -> None:
+    script, clock = Scripted(SCAN), ManualClock()
+    with Feed(script, clock=clock) as feed:
+        recorder = feed.record(tmp_path / "run.mcap")
         script.listener.on_message("/scan", scan(1.5, 2.0))
-        wait_for(lambda: (tmp_path / "run.mcap").stat().st_size > 200, "a chunk is written")
+        wait_for(lambda: recorder.written["/scan"], "it is written")
+        clock.advance(live_writer.FLUSH - 1 / 1024)
+        assert (tmp_path / "run.mcap").stat().st_size < 200
+        clock.advance(1 / 1024)
+        assert (tmp_path / "run.mcap").stat().st_size > 200
         with robowidgets.open(tmp_path / "run.mcap") as recording:
             assert [moment.sample.ranges[0] for moment in recording.samples("/scan")] == [1.5]
 

@@ -14,7 +14,7 @@ import pytest
 
 from robowidgets import feeds
 from robowidgets.feeds.simulator import Simulated
-from robowidgets.simulator import World, robot_process
+from robowidgets.simulator import Robot, World, robot_process
 from robowidgets.simulator.robot_process import MISSED, RobotProcess, _Outbox
 
 from ..waiting import wait_for
@@ -54,11 +54,9 @@ def test_it_is_driven_measured_moved_and_goes_on_while_a_call_holds_the_interpre
 
 def test_each_sample_is_recorded_while_a_call_holds_the_interpreter(tmp_path: Path) -> None:
     with feeds.simulator(room=ROOM, process=True, wander=False, hz=100) as feed:
-        seen: list[object] = []
-        feed.connection.attach("/odom", seen.append)
         with feed.record(tmp_path / "run.mcap", "/odom") as recorder:
             wait_for(lambda: recorder.written["/odom"] > 10, "it records")
-            recorded, shown, before = recorder.written["/odom"], len(seen), feed.robot.time
+            recorded, before = recorder.written["/odom"], feed.robot.time
             for length in range(20, 40):
                 began = time.monotonic()
                 re.match("(a+)+$", "a" * length + "b")  # no other thread runs until it returns
@@ -68,7 +66,29 @@ def test_each_sample_is_recorded_while_a_call_holds_the_interpreter(tmp_path: Pa
             steps = round((feed.robot.time - before) * 100)
             wait_for(lambda: recorder.written["/odom"] >= recorded + steps - 2, "all of it is")
         assert recorder.problems == ()
-        assert len(seen) - shown < recorder.written["/odom"] - recorded, "others get the newest"
+
+
+WRITES = """
+import pickle, sys
+first = [("/odom", 1), ("/scan", 2), ("/odom", 3), ("missed", ("/odom", 4))]
+for messages in (first, [("/odom", 5)]): pickle.dump(messages, sys.stdout.buffer)
+"""
+
+
+def test_of_samples_that_come_together_only_the_last_is_for_those_who_take_the_newest(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(robot_process, "SERVE", WRITES)
+    got: list[tuple[object, ...]] = []
+    process = RobotProcess(Robot(ROOM), 20, False, ())
+    told = process.run(
+        lambda *sample, newest: got.append((*sample, newest)),
+        lambda: got.append(("started",)),
+        lambda *missed: got.append(("missed", *missed)),
+    )
+    of_first = [("/odom", 1, False), ("/scan", 2, True), ("/odom", 3, True), ("missed", "/odom", 4)]
+    assert got == [("started",), *of_first, ("/odom", 5, True)]
+    assert told == "its process has ended, with code 0"
 
 
 def test_of_samples_that_wait_too_long_the_oldest_are_dropped_and_counted(monkeypatch: pytest.MonkeyPatch) -> None:
