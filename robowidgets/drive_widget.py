@@ -117,6 +117,7 @@ class DriveWidget(DrivingWidget):
         if isinstance(watchdog, CommandWatchdog):
             self._takes_lateral = True
             self._attach(watchdog, robot)
+            robot.driver.prepare()
         else:
             drive, stop = _drive_of(robot), getattr(robot, "stop", None)
             if self.lateral_limit is not None and not _takes_lateral(drive):

@@ -217,6 +217,11 @@ class CommandWatchdog(Observed):
                 self._ask_for_zero()
 
     @property
+    def expires(self) -> float:
+        """The time at which the newest speed expires; 0 when zero has replaced it."""
+        return self._expires
+
+    @property
     def busy_for(self) -> float:
         """Seconds for which the sink has not returned; 0 while it is not running."""
         entered = self._entered

@@ -41,6 +41,13 @@ class FeedDriver(Protocol):
     def topic(self) -> str:
         """The topic of its speeds."""
 
+    @property
+    def sender(self) -> str:
+        """What sends speeds, for a person; empty where that is not known yet."""
+
+    def prepare(self) -> None:
+        """Have what sends speeds start."""
+
     def page_seen(self) -> None:
         """Note that a page is there."""
 
@@ -94,8 +101,8 @@ class DrivingWidget(NamedWidget):
 
     _state = traitlets.Dict(
         help="ready: whether there is something to drive; driver: 'program', the name of a press, or nobody; speed: "
-        "(m/s, rad/s, m/s to the left) sent last; stopped: whether stop is latched; error, cause, status, topic: "
-        "texts; number: of the message."
+        "(m/s, rad/s, m/s to the left) sent last; stopped: whether stop is latched; error, cause, status, topic, "
+        "sender: texts; number: of the message."
     ).tag(sync=True, echo_update=False)
 
     def __init__(self, **kwargs: Any) -> None:
@@ -239,6 +246,7 @@ class DrivingWidget(NamedWidget):
             "cause": self._cause,
             "status": "" if feed is None else feed.drive_status,
             "topic": "" if feed is None else feed.driver.topic,
+            "sender": "" if feed is None else feed.driver.sender,
         }
 
     def send_newest(self) -> int:

@@ -153,6 +153,7 @@ class Connection(Observed):
         self, function: Callable[..., Any], rate: float | None, on: str | None, topics: Mapping[str, str]
     ) -> Program:
         """Run a function as the program; see `Feed.program`."""
+        self.driver.prepare()
         program = self.programs.install(function, rate, on, topics)
         self._call_observers()  # a view shows the program from now on
         return program

@@ -20,6 +20,7 @@ from .._core.clock import Clock, scheduler
 from ..messages.decoding import Decode, DecodeError
 from ._dds_domain import configured
 from ._dds_types import NODES, dds_topic, decoder, definition_of, opaque, ros_topic, ros_type, struct, type_hash
+from ._guard.mark import MARK
 from ._ros2_common import ALONE, adverts_of, is_alone, not_coming, not_received, queue_depth, speed_types
 from .middleware import EVENTS, MOST_UNREAD, Advert, FeedError, Listener
 
@@ -83,6 +84,7 @@ class DdsSession:
         interface: the network interface to use.
         no_robot: what is said a moment later when there is no robot, until there is one.
         clock: what its waits go by, but for those in Cyclone DDS.
+        mark: of a guard, what its publishers carry; what carries that of our guards is no other program.
 
     Raises:
         DDSException: the network cannot be used.
@@ -95,8 +97,9 @@ class DdsSession:
         interface: str | None = None,
         no_robot: str = "",
         clock: Clock = scheduler.clock,
+        mark: str = "",
     ) -> None:
-        self._clock = clock
+        self._clock, self._mark = clock, f"guard={mark};".encode() if mark else b""
         self._listener, self._no_robot = listener, no_robot
         self._alone_until: float | None = self._clock.now() + ALONE
         """The time from which it is said that no robot is there; None once one was there."""
@@ -237,7 +240,9 @@ class DdsSession:
                 if sample.sample_info.instance_state != InstanceState.Alive:
                     known.pop(sample.key, None)
                 elif topic and kind and sample.participant_key != self._own:
-                    known[sample.key] = _endpoint(topic, kind, sample)
+                    endpoint = _endpoint(topic, kind, sample)
+                    if MARK.encode() not in endpoint.user_data:
+                        known[sample.key] = endpoint
 
     def _create_reader(self, wish: Wish) -> None:
         try:
@@ -287,7 +292,7 @@ class DdsSession:
             Policy.Reliability.Reliable(duration(milliseconds=100)),
             Policy.Durability.Volatile,
             Policy.History.KeepLast(1),  # a write never blocks: it replaces what a slow subscriber has not taken
-            Policy.Userdata(type_hash(type_name)),
+            Policy.Userdata(type_hash(type_name) + self._mark),
         )
         writer = DataWriter(self._participant, Topic(self._participant, dds_topic(topic), struct(type_name)), qos)
         self._writers[topic, type_name] = writer

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import itertools
 import threading
 from collections.abc import Sequence
 from dataclasses import replace
@@ -10,19 +11,30 @@ from dataclasses import replace
 from ..driving.command_watchdog import PROGRAM, ZERO, CommandWatchdog, RefusedError, Request, Velocity
 from ..samples.staleness import PAGE_SILENCE
 from ._driving import USUAL, DriveStatus, Driving, heard_speeds, unheard
+from ._guard.guard import OFF, guard_for, release
+from ._guard.link import HasGuard
 from ._links import DriveLink
 from ._twist import TwistPublisher
-from .middleware import Advert, FeedError, Middleware, NotConnectedYetError
+from .middleware import Advert, FeedError, HasOutlet, Middleware, NotConnectedYetError
 
 CONNECT_TIMEOUT = 2.0
 """Seconds after the first `drive` on a topic, and at the end, in which a speed waits for a subscriber to connect."""
+
+START_TIMEOUT = 10.0
+"""Seconds for which the first `drive` waits for the guard to start."""
 
 RETRY_PAUSE = 0.05
 """Seconds between two such attempts."""
 
 
+_numbers = itertools.count()
+
+
 class Driver:
     """Checks speeds against limits, connection and latch, and hands them to the watchdog of a feed.
+
+    The watchdog decides which speed is sent, and when; a guard sends it, in a process of its own, and zero when it
+    hears nothing more. Where there is none, and for a zero that it cannot send, the middleware of the feed sends.
 
     Args:
         connection: that of the feed, with its topics.
@@ -45,8 +57,42 @@ class Driver:
         """The time by which a subscriber should have connected; None before the first `drive` on the topic."""
         self._page_at = float("-inf")
         self._by_hand = False
+        self._number, self._is_prepared = next(_numbers), False
+        self._outlet = middleware.outlet if isinstance(middleware, HasOutlet) and not OFF else None
+        self._guard = guard_for(self._number, self._outlet, connection.where) if self._outlet else None
+        self._link = middleware.guard if isinstance(middleware, HasGuard) else self._guard
+        """The guard, be it that of the middleware."""
+        self._guard_ends = self._guard_stops = 0
+        """How often the guard ended, and stopped the robot, as far as that was seen to."""
         self.watchdog = CommandWatchdog(self._send, not_sent=FeedError, clock=self._clock)
         self.watchdog.observe(self._after_send)
+        if self._link is not None:
+            self._link.observe(self._after_guard)
+            self._link.on_unheard[self._number] = connection.on_unheard
+
+    def prepare(self) -> None:
+        """Start the guard, where there may be one: it takes a moment until it can send a speed."""
+        self._is_prepared = True
+        if self._guard is not None:
+            self._guard.start()
+
+    def _await_guard(self) -> None:
+        """Start the guard, and wait until it can send a speed, or cannot for long."""
+        self.prepare()
+        guard, until = self._link, self._clock.now() + START_TIMEOUT
+        while guard is not None and guard.is_starting and self._clock.now() < until:
+            self._connection.wait_until(lambda: not guard.is_starting, RETRY_PAUSE)
+
+    @property
+    def sender(self) -> str:
+        """What sends speeds, and what that means, for a person; empty where nothing was driven that needs a guard."""
+        guard = self._link
+        if guard is None and not self._is_prepared:
+            return ""
+        if guard is not None and not guard.unavailable:
+            return "a guard beside the kernel sends speeds, and zero when the kernel is killed or hangs"
+        why = f" ({guard.unavailable})" if guard is not None else ""
+        return f"the kernel itself sends speeds{why}: no zero comes when it is killed or hangs"
 
     @property
     def driving(self) -> Driving:
@@ -64,6 +110,7 @@ class Driver:
                     self.watchdog.sent_in_time(self.watchdog.stop())
             self._driving, self._connected_by = driving, None
             self._status.cut = self._status.taken = ""
+        self.prepare()
         self._connection.on_driving()
 
     @property
@@ -79,6 +126,7 @@ class Driver:
     def drive(self, wanted: Velocity) -> None:
         """See `Feed.drive`."""
         velocity, stops = self._within(wanted), self.watchdog.stops
+        self._await_guard()
         self._connection.await_subscriber(self.topic)
         if self._connected_by is None:
             self._connected_by = self._clock.now() + CONNECT_TIMEOUT
@@ -109,7 +157,7 @@ class Driver:
 
     def stop(self) -> None:
         """See `Feed.stop`."""
-        self._status.cut = ""
+        self._status.cut = self._status.stalled = ""
         self._connection.await_subscriber(self.topic)
         self._connection.check_open()
         try:
@@ -138,6 +186,11 @@ class Driver:
                 if self._clock.now() > until:
                     raise
                 self._clock.sleep(RETRY_PAUSE)
+        finally:
+            if self._link is not None:
+                self._link.unobserve(self._after_guard)
+            if self._outlet is not None:
+                release(self._number, self._outlet)
 
     def page_seen(self) -> None:
         """Record that a page shows the feed or a pad of it."""
@@ -145,6 +198,8 @@ class Driver:
 
     def on_connected(self) -> None:
         """Send the overdue zeros."""
+        if self._guard is not None:
+            self._guard.hurry()
         self._twists.on_connected()
         self.watchdog.on_connected()
 
@@ -168,7 +223,8 @@ class Driver:
         try:
             self.watchdog.sent_in_time(request)
         except (FeedError, OSError) as error:
-            is_connecting = isinstance(error, NotConnectedYetError) and self._clock.now() < (self._connected_by or 0.0)
+            until = max(self._connected_by or 0.0, self._link.up_at + CONNECT_TIMEOUT if self._link else 0.0)
+            is_connecting = isinstance(error, NotConnectedYetError) and self._clock.now() < until
             if is_connecting and self.watchdog.stops == stops:
                 return False
             raise FeedError(f"cannot drive: {self._connection.status or error}") from None
@@ -209,7 +265,19 @@ class Driver:
         if velocity != ZERO:
             self._connection.check_open()
         self._choose(is_driven=False)
-        self._twists.send(self.topic, velocity, self._connection.adverts)
+        guard, topic = self._guard, self.topic
+        if guard is not None and not guard.unavailable and (velocity != ZERO or guard.is_there):
+            here = [advert for advert in self._connection.adverts if advert.name == topic]
+            try:
+                sent = guard.send(self._number, topic, velocity, self.watchdog.expires, here)
+            except (FeedError, OSError):
+                if velocity != ZERO:
+                    raise
+            else:
+                self._twists.note_moved(topic, sent.moved)
+                self._status.refused = sent.refused
+                return
+        self._twists.send(topic, velocity, self._connection.adverts)
         self._status.refused = self._twists.refused
 
     @property
@@ -245,6 +313,19 @@ class Driver:
         """Log why the robot may not move as commanded; after a speed was requested, which may be zero."""
         if not self._connection.status:
             self._status.log(self._connection.where, self.topic, self._listed)
+
+    def _after_guard(self) -> None:
+        """Stop a robot whose guard has ended, or has stopped it; the guard calls it in its thread."""
+        guard = self._link
+        if guard is None:
+            return
+        is_new = (guard.ends, guard.stops) != (self._guard_ends, self._guard_stops)
+        if guard.stops != self._guard_stops:
+            self._status.stalled = guard.told
+        self._guard_ends, self._guard_stops = guard.ends, guard.stops
+        if is_new and self.watchdog.owes_zero:
+            self.watchdog.stop()
+        self._connection.on_driving()
 
     def _after_send(self) -> None:
         watchdog = self.watchdog

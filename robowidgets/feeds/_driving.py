@@ -112,10 +112,12 @@ class DriveStatus:
         unheard: for each topic, the reason why a subscriber does not receive speeds, as the middleware reports it.
         refused: the reason why the last speed was not published for some of the subscribers; empty if it was for all.
         taken: a text for the topic that was taken in place of the usual one; empty if none was.
+        stalled: for how long the kernel was silent, so that the guard stopped the robot; empty if it was not, or since
+            the last `stop`.
     """
 
     def __init__(self) -> None:
-        self.cut = self.refused = self.taken = ""
+        self.cut = self.refused = self.taken = self.stalled = ""
         self.unheard: dict[str, str] = {}
         self._log = LogOnce(log.warning)
 
@@ -127,6 +129,7 @@ class DriveStatus:
             self.refused,
             _contested(topic, adverts or ()),
             self.cut,
+            self.stalled,
         )
         return list(filter(None, reasons))
 

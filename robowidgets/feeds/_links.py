@@ -85,5 +85,8 @@ class DriveLink(Protocol):
     def show_sent(self, topic: str, speed: Speed) -> None:
         """Show a speed that was sent."""
 
+    def on_unheard(self, topic: str, reason: str) -> None:
+        """Note why a subscriber does not receive speeds."""
+
     def on_driving(self) -> None:
         """Show other settings of driving."""

@@ -10,6 +10,7 @@ from contextlib import ExitStack, suppress
 from typing import Any, NamedTuple
 
 from .._core.clock import Clock
+from ._guard.mark import MARK
 from ._ros2_common import adverts_of, not_coming, not_received, queue_depth, speed_types
 from ._twist import fill
 from .middleware import MOST_UNREAD, SEND_TIMEOUT, Advert, Listener, NotConnectedYetError
@@ -49,6 +50,7 @@ class Ros2Session:
         is_wanted: returns whether messages of a topic are still wanted.
         matched: topics and types of which a publisher has been matched with a subscriber, also in earlier sessions.
         clock: what its waits go by, but for those in rclpy.
+        name: the name of the node; empty: one of its own.
 
     Raises:
         Exception: rclpy does not start; it has a class of its own for each reason.
@@ -61,6 +63,7 @@ class Ros2Session:
         is_wanted: Callable[[str], bool],
         matched: set[tuple[str, str]],
         clock: Clock,
+        name: str = "",
     ) -> None:
         import rclpy
         from rclpy.context import Context
@@ -69,7 +72,7 @@ class Ros2Session:
 
         self._listener, self._is_wanted, self._matched, self._clock = listener, is_wanted, matched, clock
         # Random, because processes in containers often have the same id, and rcl warns of two nodes with one name.
-        self._name = f"robowidgets_{os.getpid()}_{secrets.token_hex(3)}"
+        self._name = name or f"robowidgets_{os.getpid()}_{secrets.token_hex(3)}"
         self._opened = self._clock.now()
         self._context = Context()
         self._offers: dict[str, list[Any]] = {}
@@ -267,7 +270,7 @@ class Ros2Session:
         )
 
     def _others(self, infos: Iterable[Any]) -> list[Any]:
-        return [info for info in infos if info.node_name != self._name]
+        return [info for info in infos if info.node_name not in (self._name, MARK)]
 
     def _subscribe(self, wish: _Wish) -> None:
         from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy

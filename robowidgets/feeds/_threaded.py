@@ -55,6 +55,8 @@ class ThreadedMiddleware(ABC):
         self._backoff = Backoff()
         """Reset by a session that has reached the robot."""
         self._thread: threading.Thread | None = None
+        self._is_hurried = False
+        """Whether the next session need not wait for the end of the pause."""
         self._is_over = False
         """Whether the thread has ended, but for its last step."""
 
@@ -68,6 +70,12 @@ class ThreadedMiddleware(ABC):
     def ask_for_nodes(self, wanted: bool) -> None:
         """See `Middleware`."""
         self._asks_for_nodes = wanted
+
+    def retry(self) -> None:
+        """End the pause before the next session, because the robot can be reached again."""
+        with self._lock:
+            self._is_hurried = True
+            self._changed.notify_all()
 
     def close(self) -> None:
         """See `Middleware`."""
@@ -112,10 +120,11 @@ class ThreadedMiddleware(ABC):
                 self._pause(pause)
 
     def _pause(self, seconds: float) -> None:
-        """Wait for some seconds, or until it is closed."""
+        """Wait for some seconds, or until it is closed or hurried."""
         until = self._clock.now() + seconds
         with self._lock:
-            while not self._closed.is_set() and self._changed.wait_until(until):
+            self._is_hurried = False
+            while not (self._closed.is_set() or self._is_hurried) and self._changed.wait_until(until):
                 pass
 
     @abstractmethod

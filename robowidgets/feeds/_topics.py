@@ -92,10 +92,11 @@ def _topic(name: str, adverts: Sequence[Advert]) -> FeedTopic:
     )
 
 
-def table_of(where: str, topics: Sequence[FeedTopic], status: str) -> Table:
-    """The topics of a feed, a row for each, with the status of the connection if it has one."""
+def table_of(where: str, topics: Sequence[FeedTopic], status: str, sender: str = "") -> Table:
+    """The topics of a feed, a row for each, with the status of the connection and what sends speeds, if known."""
     heading = f"{where}: {many(len(topics), 'topic')}"
-    return Table(heading, _HEADS, [_cells(topic) for topic in topics], problems=[status] if status else ())
+    rows = [_cells(topic) for topic in topics]
+    return Table(heading, _HEADS, rows, notes=[sender] if sender else (), problems=[status] if status else ())
 
 
 def _cells(topic: FeedTopic) -> tuple[str, ...]:

@@ -4,12 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from contextlib import ExitStack
-from typing import Any
+from typing import Any, Protocol
 
 from .._core.clock import Clock
 from ..driving.command_watchdog import RECENT, ZERO, Velocity
 from ..messages.standard import TWIST, TWIST_STAMPED
-from .middleware import Advert, FeedError, Middleware
+from .middleware import Advert, FeedError
+
+
+class Publishes(Protocol):
+    """A middleware, as far as it publishes."""
+
+    def publish(self, topic: str, message_type: str, message: Mapping[str, Any]) -> None:
+        """See `Middleware`."""
 
 
 class TwistPublisher:
@@ -22,7 +29,7 @@ class TwistPublisher:
         refused: why the last message was published in one of two types only; empty if it was in each.
     """
 
-    def __init__(self, middleware: Middleware, clock: Clock) -> None:
+    def __init__(self, middleware: Publishes, clock: Clock) -> None:
         self._middleware, self._clock = middleware, clock
         self.refused = ""
         self._moved: dict[str, list[str]] = {}
@@ -35,6 +42,15 @@ class TwistPublisher:
         """Make zero overdue again: one published shortly before the loss of connection may not have arrived."""
         since = self._clock.now() - RECENT
         self._owed |= {topic for topic, at in list(self._moved_at.items()) if at > since}
+
+    def moved(self, topic: str) -> list[str]:
+        """The types in which a speed other than zero was published on a topic."""
+        return list(self._moved.get(topic, ()))
+
+    def note_moved(self, topic: str, kinds: Iterable[str]) -> None:
+        """Note that another publisher has sent speeds of these types on a topic, which may need a zero from here."""
+        there = self._moved.setdefault(topic, [])
+        there += [kind for kind in kinds if kind not in there]
 
     def send(self, topic: str, velocity: Velocity, adverts: Sequence[Advert]) -> None:
         """Publish a speed.

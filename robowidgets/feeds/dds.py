@@ -11,13 +11,14 @@ from typing import TYPE_CHECKING, Any
 from .._core.clock import Clock
 from ..messages.encoding import encode
 from ..messages.standard import TWIST_STAMPED
+from ._guard.mark import MARK
 from ._ros2_common import checked_domain, no_robot
 from ._threaded import ThreadedMiddleware
-from .feed import Feed
-from .middleware import FeedError, Listener
+from .middleware import FeedError, Listener, Outlet
 
 if TYPE_CHECKING:
     from ._dds_session import DdsSession
+    from .feed import Feed
 
 
 class Dds(ThreadedMiddleware):
@@ -25,21 +26,34 @@ class Dds(ThreadedMiddleware):
 
     A thread of its own reads; `publish` writes in the thread that calls it.
 
+    Args:
+        domain, interface: see `dds`.
+        mark: of a guard, what its publishers carry.
+        clock: what its waits go by, but for those in Cyclone DDS.
+
     Raises:
         TypeError, ValueError: no such domain, or no name of an interface.
     """
 
-    def __init__(self, domain: int = 0, *, interface: str | None = None, clock: Clock | None = None) -> None:
+    def __init__(
+        self, domain: int = 0, *, interface: str | None = None, mark: str = "", clock: Clock | None = None
+    ) -> None:
         if interface is not None and not isinstance(interface, str):
             raise TypeError(f"interface: expected the name of a network interface, such as 'eth0', got {interface!r}")
         super().__init__(clock)
         self._domain, self._interface = checked_domain("domain", domain), interface
+        self._mark = mark
         self._session: DdsSession | None = None
 
     @property
     def where(self) -> str:
         """See `Middleware`."""
         return f"DDS domain {self._domain}" + (f" on {self._interface}" if self._interface else "")
+
+    @property
+    def outlet(self) -> Outlet:
+        """See `HasOutlet`."""
+        return Outlet("dds", {"domain": self._domain, "interface": self._interface, "mark": MARK})
 
     def open(self, listener: Listener) -> None:
         """See `Middleware`."""
@@ -76,7 +90,7 @@ class Dds(ThreadedMiddleware):
         from ._dds_session import DdsSession
         from ._dds_types import struct
 
-        session = DdsSession(self._domain, listener, self._interface, self._no_robot(), self._clock)
+        session = DdsSession(self._domain, listener, self._interface, self._no_robot(), self._clock, self._mark)
         # Encoding the first message of a process takes 0.15 s, and no speed or zero should wait for it.
         encode("cdr", TWIST_STAMPED, {})
         struct(TWIST_STAMPED)
@@ -149,4 +163,6 @@ def dds(domain: int = 0, *, interface: str | None = None) -> Feed:
 
     Source: https://design.ros2.org/articles/topic_and_service_names.html
     """
+    from .feed import Feed  # a guard needs the middleware alone
+
     return Feed(Dds(domain, interface=interface))

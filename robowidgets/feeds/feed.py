@@ -419,7 +419,7 @@ class Feed:
         return "".join(table.to_html() for table in self._tables())
 
     def _tables(self) -> list[Table]:
-        tables = [table_of(self.where, self.topics, self.status)]
+        tables = [table_of(self.where, self.topics, self.status, self.driver.sender)]
         if self.functions:
             tables.append(self.connection.functions.table())
         return tables

@@ -10,7 +10,7 @@ import re
 from collections.abc import Mapping
 from functools import partial
 from struct import Struct
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from .._core.clock import Clock
 from ..messages.channel import Channel
@@ -21,8 +21,10 @@ from ._foxglove_channels import Graph, channel_of, decoder
 from ._other_bridge import FOXGLOVE, is_rosbridge
 from ._twist import is_zero
 from ._websocket import Frame, one_line
-from .feed import Feed
-from .middleware import FeedError
+from .middleware import FeedError, Outlet
+
+if TYPE_CHECKING:
+    from .feed import Feed
 
 _WRITTEN = ("cdr", "ros1", "json")
 _DATA = Struct("<BIQ")
@@ -59,6 +61,11 @@ class Foxglove(Bridge):
             "status": self._on_status,
         }
         super().__init__(address, FOXGLOVE, clock)
+
+    @property
+    def outlet(self) -> Outlet:
+        """See `HasOutlet`."""
+        return Outlet("foxglove", {"address": self.where})
 
     def publish(self, topic: str, message_type: str, message: Mapping[str, Any]) -> None:
         """See `Middleware`."""
@@ -231,4 +238,6 @@ def foxglove(address: str = "ws://127.0.0.1:8765") -> Feed:
         TypeError, ValueError: the address is invalid.
         FeedError: tornado is not installed.
     """
+    from .feed import Feed  # a guard needs the middleware alone
+
     return Feed(Foxglove(address))

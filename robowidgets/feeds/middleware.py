@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
+from typing import TYPE_CHECKING, Any, NamedTuple, Protocol, runtime_checkable
 
 from .._core.renamed import renamed
 
@@ -84,6 +84,22 @@ class Listener(Protocol):
 
         The reason may be an incompatible quality of service, or a bridge that does not answer.
         """
+
+
+class Outlet(NamedTuple):
+    """What a guard publishes by: the name of a middleware in `_guard.process.MIDDLEWARES`, and arguments in JSON."""
+
+    middleware: str
+    arguments: dict[str, Any]
+
+
+@runtime_checkable
+class HasOutlet(Protocol):
+    """A middleware whose robot a guard can drive by a connection of its own."""
+
+    @property
+    def outlet(self) -> Outlet:
+        """What the guard publishes by."""
 
 
 class Middleware(Protocol):

@@ -6,16 +6,19 @@ import logging
 import threading
 import time
 from collections.abc import Mapping
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 from urllib.parse import urlsplit
 
 from ..messages.channel import Channel
 from ..messages.decoding import Decode, DecodeError, decoder_of, one_line
+from ._guard.mark import MARK
 from ._ros1_master import Master, MasterError, SystemState
 from ._ros1_publications import SHUT_DOWN, Publications
 from ._threaded import ThreadedMiddleware
-from .feed import Feed
-from .middleware import Advert, FeedError, Listener
+from .middleware import Advert, FeedError, Listener, Outlet
+
+if TYPE_CHECKING:
+    from .feed import Feed
 
 log = logging.getLogger("robowidgets")
 
@@ -62,6 +65,11 @@ class Ros1(ThreadedMiddleware):
     def where(self) -> str:
         """See `Middleware`."""
         return f"ROS 1, {self._master.uri}" if self._master.uri else "ROS 1"
+
+    @property
+    def outlet(self) -> Outlet:
+        """See `HasOutlet`."""
+        return Outlet("ros1", {"name": MARK})
 
     def open(self, listener: Listener) -> None:
         """See `Middleware`. FeedError without rospy, or if ROS_MASTER_URI names no master."""
@@ -229,7 +237,12 @@ class Ros1(ThreadedMiddleware):
         adverts = []
         for topic in sorted({*state.publishers, *state.subscribers}):
             kind = state.types.get(topic, "")
-            publishers, subscribers = state.publishers.get(topic, ()), state.subscribers.get(topic, ())
+            publishers, subscribers = (
+                [node for node in there.get(topic, ()) if not node.startswith(f"/{MARK}")]
+                for there in (state.publishers, state.subscribers)
+            )
+            if not publishers and not subscribers:
+                continue
             offered = any(node != me or topic not in self._publications for node in publishers)
             wanted = any(node != me or topic not in self._subscriptions for node in subscribers)
             others = (tuple(sorted({*nodes} - {me})) for nodes in (publishers, subscribers))
@@ -292,4 +305,6 @@ def ros1(name: str = "robowidgets") -> Feed:
         >>> from robowidgets import feeds
         >>> feed = feeds.ros1()  # doctest: +SKIP
     """
+    from .feed import Feed  # a guard needs the middleware alone
+
     return Feed(Ros1(name))

@@ -5,14 +5,17 @@ from __future__ import annotations
 import logging
 import os
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from .._core.clock import Clock
+from ._guard.mark import MARK
 from ._ros2_common import ALONE, checked_domain, is_alone, no_robot
 from ._ros2_session import Ros2Session, one_line
 from ._threaded import ThreadedMiddleware
-from .feed import Feed
-from .middleware import SEND_TIMEOUT, Advert, FeedError, Listener
+from .middleware import SEND_TIMEOUT, Advert, FeedError, Listener, Outlet
+
+if TYPE_CHECKING:
+    from .feed import Feed
 
 log = logging.getLogger("robowidgets")
 
@@ -31,12 +34,19 @@ class Ros2(ThreadedMiddleware):
 
     A thread queries the topics and passes on messages; `publish` publishes in the thread that calls it.
 
+    Args:
+        node, domain_id: see `ros2`.
+        name: the name of its node; empty: one of its own.
+        clock: what its waits go by, but for those in rclpy.
+
     Raises:
         TypeError, ValueError: no node, no domain, or both at once.
         FeedError: the context of the node was shut down.
     """
 
-    def __init__(self, node: Any = None, *, domain_id: int | None = None, clock: Clock | None = None) -> None:
+    def __init__(
+        self, node: Any = None, *, domain_id: int | None = None, name: str = "", clock: Clock | None = None
+    ) -> None:
         if node is not None and not hasattr(node, "create_subscription"):
             raise TypeError(f"node: expected a node of rclpy, got {node!r}")
         if domain_id is not None:
@@ -45,6 +55,7 @@ class Ros2(ThreadedMiddleware):
             raise TypeError("domain_id: a node has its domain already; give a node or a domain_id, not both")
         super().__init__(clock)
         self._domain_id = domain_id if node is None else _domain_of(node)
+        self._name = name
         self._session: Ros2Session | None = None
         self._down = ""
         """The reason why there is no session until the next attempt."""
@@ -57,6 +68,11 @@ class Ros2(ThreadedMiddleware):
         """See `Middleware`."""
         domain = self._domain_id if self._domain_id is not None else os.environ.get("ROS_DOMAIN_ID") or 0
         return f"ROS 2, domain {domain}"
+
+    @property
+    def outlet(self) -> Outlet:
+        """See `HasOutlet`."""
+        return Outlet("ros2", {"domain_id": self._domain_id, "name": MARK})
 
     def open(self, listener: Listener) -> None:
         """See `Middleware`."""
@@ -115,7 +131,7 @@ class Ros2(ThreadedMiddleware):
 
     def _use_session(self, listener: Listener, one_was_shut_down: bool) -> None:
         """Run one session until it is closed, or until an interrupt shuts it down; the next one then begins at once."""
-        session = Ros2Session(self._domain_id, listener, self._is_wanted, self._matched, self._clock)
+        session = Ros2Session(self._domain_id, listener, self._is_wanted, self._matched, self._clock, self._name)
         try:
             self._spin(session, listener, one_was_shut_down)
         except Exception:
@@ -184,4 +200,6 @@ def ros2(node: Any = None, *, domain_id: int | None = None) -> Feed:
         TypeError, ValueError: no node, no domain, or both at once.
         FeedError: rclpy cannot be imported, or was shut down for this node.
     """
+    from .feed import Feed  # a guard needs the middleware alone
+
     return Feed(Ros2(node, domain_id=domain_id))

@@ -9,7 +9,7 @@ import asyncio
 import json
 from collections import deque
 from collections.abc import Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from .._core.clock import Clock
 from ..kinds import counts_every_message
@@ -19,8 +19,10 @@ from ._other_bridge import is_foxglove
 from ._rosbridge_frames import has_cbor, read, topic_of
 from ._twist import is_zero
 from ._websocket import Frame, one_line
-from .feed import Feed
-from .middleware import EVENTS, MOST_UNREAD, Advert
+from .middleware import EVENTS, MOST_UNREAD, Advert, Outlet
+
+if TYPE_CHECKING:
+    from .feed import Feed
 
 _POLL = 3.0
 """Seconds between two requests for the topics."""
@@ -60,6 +62,11 @@ class Rosbridge(Bridge):
         }
         self._is_ros1 = False  # kept over connections: a speed may be sent before a new connection has listed the types
         super().__init__(address, clock=clock)
+
+    @property
+    def outlet(self) -> Outlet:
+        """See `HasOutlet`."""
+        return Outlet("rosbridge", {"address": self.where})
 
     def publish(self, topic: str, message_type: str, message: Mapping[str, Any]) -> None:
         """See `Middleware`."""
@@ -303,4 +310,6 @@ def rosbridge(address: str = "ws://127.0.0.1:9090") -> Feed:
         TypeError, ValueError: the address is invalid.
         FeedError: tornado is not installed.
     """
+    from .feed import Feed  # a guard needs the middleware alone
+
     return Feed(Rosbridge(address))

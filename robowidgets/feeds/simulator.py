@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import os
+import socket
+import time
 from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
 from ..behaviors.program import ENDED
+from ..driving.command_watchdog import Velocity
 from ..kinds import KINDS, load
 from ..laser_widget import LaserWidget
 from ..messages import to_speed
@@ -17,12 +21,17 @@ from ..simulator.offers import MakeOffers
 from ..simulator.real_time import RealTime
 from ..simulator.robot_process import RobotProcess
 from ..simulator.view import View
+from ._guard.link import GuardLink
 from ._threaded import ThreadedMiddleware
 from .feed import Feed
 from .middleware import Advert, FeedError, Listener, NotConnectedYetError
 
 _SELF = ("/simulated_robot",)
 """The name of the node that it would be."""
+
+GUARD = "robowidgets.feeds._guard.process:guard_robot"
+HELD = 3600.0
+"""Seconds for which the process of a robot holds a speed: the kernel ends it, or is silent."""
 
 
 class Simulated(ThreadedMiddleware):
@@ -48,7 +57,15 @@ class Simulated(ThreadedMiddleware):
             for make in offers
             for offer in make(robot)
         ]
-        self._live = (RobotProcess if process else RealTime)(robot, hz, wander, offers)
+        self.guard = GuardLink(self.where) if process and os.name == "posix" else None
+        """In the process of the robot; None without one."""
+        self._live: RealTime | RobotProcess
+        if not process:
+            self._live = RealTime(robot, hz, wander, offers)
+        elif self.guard is None:
+            self._live = RobotProcess(robot, hz, wander, offers)
+        else:
+            self._live = RobotProcess(robot, hz, wander, offers, GUARD, self._listen)
 
     @property
     def where(self) -> str:
@@ -73,12 +90,22 @@ class Simulated(ThreadedMiddleware):
         if self._closed.is_set():
             raise FeedError("the simulated robot is closed")
         try:
-            self._live.drive(speed.linear[0], speed.angular[2], speed.linear[1])
+            if self.guard is None:
+                self._live.drive(speed.linear[0], speed.angular[2], speed.linear[1])
+            else:
+                velocity = Velocity(speed.linear[0], speed.angular[2], speed.linear[1])
+                self.guard.send(0, topic, velocity, time.monotonic() + HELD, ())
         except ConnectionRefusedError as error:
             raise NotConnectedYetError(str(error)) from None
         except OSError as error:
             raise FeedError(str(error)) from None
         self._listener.on_message(topic, speed)
+
+    def _listen(self, process: socket.socket) -> None:
+        """Hear the guard in the process of the robot, as long as there is one."""
+        with process:
+            if self.guard is not None:
+                self.guard.listen(process, "open", "robot", {})
 
     def _run_session(self, listener: Listener) -> str:
         if isinstance(self._live, RealTime):
@@ -93,6 +120,8 @@ class Simulated(ThreadedMiddleware):
 
     def _wake(self) -> None:
         if self._closed.is_set():
+            if self.guard is not None:
+                self.guard.close()
             self._live.end()
         else:
             self._live.want(self._wanted, self._each)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import os
 import pickle
+import socket
 import subprocess
 import sys
 import threading
@@ -12,6 +13,7 @@ import traceback
 from collections import Counter
 from collections.abc import Callable, Collection, Sequence
 from functools import partial
+from importlib import import_module
 from typing import IO, Any
 
 from .offers import MakeOffers
@@ -37,12 +39,24 @@ class RobotProcess:
 
     Args:
         robot, hz, wander, offers: as `RealTime` takes them; the functions are those of modules.
+        guard: what takes speeds in the process, ``"module:name"``: a function of a socket and of `RealTime.drive`,
+            which runs in a thread of its own. Empty: none.
+        on_guard: called in a thread of its own with the other end of that socket, for each process.
 
     Attributes:
         pid: the number of the process; 0 before the first.
     """
 
-    def __init__(self, robot: Robot, hz: float, wander: bool, offers: Sequence[MakeOffers]) -> None:
+    def __init__(
+        self,
+        robot: Robot,
+        hz: float,
+        wander: bool,
+        offers: Sequence[MakeOffers],
+        guard: str = "",
+        on_guard: Callable[[socket.socket], object] = lambda _: None,
+    ) -> None:
+        self._guard, self._on_guard = guard, on_guard
         self._robot, self._rest = robot, (hz, wander, offers)
         self._wanted: tuple[Collection[str], Collection[str]] = (), ()
         self._starting = threading.Lock()
@@ -98,16 +112,14 @@ class RobotProcess:
         with self._starting:
             if self._ended:
                 return ""
-            command = [sys.executable, "-c", SERVE.format(path=sys.path)]
-            # In a session of its own an interrupt of the kernel does not reach it.
-            process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, start_new_session=True)
+            process, guarded = self._start()
             self._process = process
         self._follower = threading.current_thread()
         assert process.stdin
         assert process.stdout
         try:
             with self._writing:
-                pickle.dump((self._robot, *self._rest, self._edits), process.stdin)
+                pickle.dump((self._robot, *self._rest, self._edits, self._guard, guarded), process.stdin)
                 # With the lock held: topics that are wanted from now on come after these, and replace them.
                 pickle.dump(("want", *self._wanted), process.stdin)
                 process.stdin.flush()
@@ -135,6 +147,24 @@ class RobotProcess:
                 process.stdout.close()
                 process.stdin.close()
         return f"its process has ended, with code {process.returncode}"
+
+    def _start(self) -> tuple[subprocess.Popen[bytes], int]:
+        """Start a process; the number of its end of the socket of its guard, or 0."""
+        ours, its = socket.socketpair() if self._guard else (None, None)
+        command = [sys.executable, "-c", SERVE.format(path=sys.path)]
+        number = its.fileno() if its else 0
+        # In a session of its own an interrupt of the kernel does not reach it.
+        process = subprocess.Popen(
+            command,
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            start_new_session=True,
+            pass_fds=[number] if its else (),
+        )
+        if ours and its:
+            its.close()
+            threading.Thread(target=self._on_guard, args=(ours,), name="robowidgets-guard", daemon=True).start()
+        return process, number
 
     def _take(self, on_sample: Callable[[str, Any], object], name: str, value: Any) -> None:
         if name == STATE:
@@ -222,11 +252,15 @@ def serve() -> None:
     given, out, parent = sys.stdin.buffer, sys.stdout.buffer, os.getppid()
     sys.stdout = sys.stderr  # what is printed must not get among the messages
     with contextlib.suppress(EOFError, OSError):
-        robot, hz, wander, offers, edits = pickle.load(given)
+        robot, hz, wander, offers, edits, guard, number = pickle.load(given)
         real_time, outbox = RealTime(robot, hz, wander, offers), _Outbox()
         robot.observe(lambda: outbox.put(STATE, (edits, robot.snapshot())))
         threading.Thread(target=outbox.write, args=(out, parent), daemon=True).start()
         threading.Thread(target=real_time.run, args=(outbox.put,), daemon=True).start()
+        if guard:
+            module, _, name = guard.partition(":")
+            take = getattr(import_module(module), name)
+            threading.Thread(target=take, args=(socket.socket(fileno=number), real_time.drive), daemon=True).start()
         while True:
             act, *rest = pickle.load(given)
             if act == "edit":

@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+import os
 import threading
 from collections.abc import Iterator
 
 import pytest
+
+# A feed publishes in this process, where a test sees and steers it. Tests of the guard have one all the same.
+os.environ.setdefault("ROBOWIDGETS_GUARD", "off")
 
 from robowidgets._core import pacer as _pacer
 from robowidgets._core.pacer import Pacer

@@ -72,6 +72,8 @@ of_program, pad = ProgramWidget(feed), DriveWidget(send=feed.drive)
 recorder = feed.record({run!r})
 player = robowidgets.open(robowidgets.SAMPLE).show()
 player.seek(5.0)
+guarded = feeds.simulator(wander=False, process=True)
+guarded.connect("/odom", lambda speed: None)
 replayed = feeds.recording(robowidgets.SAMPLE)
 of_replayed = replayed.show()
 """
@@ -95,6 +97,10 @@ laser.unwatch("wall")
 feed.stopped = True
 feed.stopped = False
 laser.wait()
+while guarded.status:
+    time.sleep(0.01)
+guarded.drive(0.1)
+guarded.close()
 recorder.close()
 player.close()
 laser.close()

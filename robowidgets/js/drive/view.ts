@@ -1,4 +1,4 @@
-import { make, makeIcon, mount, setHidden, setText } from "../shared/dom.ts";
+import { make, makeIcon, mount, setHidden, setText, setTip } from "../shared/dom.ts";
 import { StopButtons } from "../shared/driving/buttons.ts";
 import { StopControl } from "../shared/driving/control.ts";
 import { Readout } from "../shared/driving/readout.ts";
@@ -111,6 +111,7 @@ export class DriveView {
     const { text, hint, kind } = toText(stop, this.#lease, enabled);
     setText(this.#text, text);
     setText(this.#hint, hint);
+    setTip(this.#text, told.sender ?? "");
     this.#root.dataset.kind = kind;
     this.#root.classList.toggle("rw-off", !told.ready || !enabled || told.stopped);
     this.#linear.update(told.speed[0], model.get("linear_limit"));

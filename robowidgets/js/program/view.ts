@@ -1,4 +1,4 @@
-import { make, makeButton, mount, setHidden, setLabel, setText } from "../shared/dom.ts";
+import { make, makeButton, mount, setHidden, setLabel, setText, setTip } from "../shared/dom.ts";
 import { StopButtons } from "../shared/driving/buttons.ts";
 import { StopControl } from "../shared/driving/control.ts";
 import { Readout } from "../shared/driving/readout.ts";
@@ -139,6 +139,7 @@ export class ProgramView {
     const { text, hint, kind } = toDriverText(this.#control);
     setText(this.#hint, [text, hint].filter(Boolean).join(" \u00b7 "));
     this.#hint.dataset.kind = kind;
+    setTip(this.#hint, this.#control.told.sender ?? "");
   }
 
   /** What the program keeps, a row for each. */

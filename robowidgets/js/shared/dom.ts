@@ -27,6 +27,11 @@ export function setHidden(element: HTMLElement, isHidden: boolean): void {
   if (element.hidden !== isHidden) element.hidden = isHidden;
 }
 
+/** Sets what a pointer that rests on an element shows. */
+export function setTip(element: HTMLElement, tip: string): void {
+  if (element.title !== tip) element.title = tip;
+}
+
 /** Sets the label of a button, for screen readers and as its tooltip. */
 export function setLabel(button: HTMLButtonElement, label: string): void {
   button.title = label;

@@ -1,4 +1,4 @@
-import { make, mount, setText } from "../shared/dom.ts";
+import { make, mount, setText, setTip } from "../shared/dom.ts";
 import { StopButtons } from "../shared/driving/buttons.ts";
 import { StopControl } from "../shared/driving/control.ts";
 import { toDriverText } from "../shared/driving/text.ts";
@@ -46,6 +46,7 @@ export class StopView {
     this.#root.dataset.kind = kind;
     setText(this.#text, text);
     setText(this.#hint, hint);
+    setTip(this.#text, this.#control.told.sender ?? "");
     const { error, status } = this.#control.told;
     this.#hint.classList.toggle("rw-alarm", hint !== "" && hint === status);
     setText(this.#notice, error);

@@ -16,6 +16,8 @@ export interface Told {
   cause: string;
   status: string;
   topic: string;
+  /** What sends the speeds, a guard or the kernel, for a person; empty where that is not known. */
+  sender?: string;
   /** Counts the messages, so that an unchanged state is sent as well. */
   number: number;
 }

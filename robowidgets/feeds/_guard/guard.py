@@ -1,0 +1,162 @@
+"""A guard's process: starts it, and shares it among the feeds to one robot."""
+
+from __future__ import annotations
+
+import json
+import logging
+import os
+import socket
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+from contextlib import suppress
+from pathlib import Path
+from typing import NamedTuple
+
+from ..middleware import Outlet
+from .link import GuardLink
+
+log = logging.getLogger("robowidgets")
+
+OFF = os.environ.get("ROBOWIDGETS_GUARD", "").strip().lower() == "off"
+"""Whether the kernel sends all speeds by itself, as the environment asks for."""
+
+STARTS, OVER = 3, 60.0
+"""Number of times that a guard is started, at most, within so many seconds."""
+
+END = 14.0
+"""Seconds after which a guard that was told to end is killed: it may go on trying to send zero."""
+
+START = """
+import sys, types
+sys.path[:] = {path!r}
+for name, folder in {packages!r}:
+    sys.modules[name] = package = types.ModuleType(name)
+    package.__path__ = [folder]
+from robowidgets.feeds._guard.process import main
+main()
+"""
+"""Starts the process without the ``__init__`` of robowidgets and of feeds, which import widgets."""
+
+
+class Guard(GuardLink):
+    """A process that publishes the speeds of one robot, for all feeds of this process to that robot.
+
+    A thread of its own starts the process, and another one when it ends.
+
+    Args:
+        outlet: what the process publishes by.
+        where: the robot, for a person.
+
+    Attributes:
+        pid: the number of the process; 0 while there is none.
+    """
+
+    def __init__(self, outlet: Outlet, where: str) -> None:
+        super().__init__(where)
+        self._outlet = outlet
+        self.pid = 0
+        self._thread: threading.Thread | None = None
+
+    def start(self) -> None:
+        """Start it, unless that was done."""
+        with self._lock:
+            if self._thread is None and not self._is_closed:
+                self._thread = threading.Thread(target=self._run, name="robowidgets-guard", daemon=True)
+                self._thread.start()
+
+    def _run(self) -> None:
+        starts: list[float] = []
+        while not self._is_closed:
+            starts = [at for at in starts if at > time.monotonic() - OVER]
+            if len(starts) >= STARTS:
+                self._is_starting = False
+                self.down = f"{self.down}; it has ended {STARTS} times within {OVER:g} s: open the feed again"
+                self._call_observers()
+                return
+            starts.append(time.monotonic())
+            self._is_starting = True
+            try:
+                reason = self._guard_once()
+            except OSError as error:
+                self.unavailable = f"no process can be started here: {error}"
+                reason = ""
+            if self.unavailable:
+                self._is_starting = False
+                self._say(log.warning, f"the kernel sends speeds by itself: {self.unavailable}")
+                self._call_observers()
+                return
+            if reason and not self._is_closed:
+                self._say(log.error, f"{reason}; another one is started")
+
+    def _guard_once(self) -> str:
+        """Run a process until it ends; returns why, empty where it should."""
+        ours, its = socket.socketpair()
+        with ours, its, tempfile.TemporaryFile() as said:
+            # -S: what sitecustomize and .pth files of a user do is not done. In a session of its own an interrupt of a
+            # terminal, and a signal to the group of the kernel, does not reach it.
+            command = [sys.executable, "-S", "-c", START.format(path=_path(), packages=_packages())]
+            process = subprocess.Popen(command, stdin=its.fileno(), stdout=said, stderr=said, start_new_session=True)
+            its.close()
+            self.pid = process.pid
+            self.listen(ours, "open", *self._outlet)
+            reason = self.down
+            with suppress(subprocess.TimeoutExpired):
+                process.wait(0.1 if self._hangs else END)
+            process.kill()
+            code = process.wait()
+            self.pid = 0
+            said.seek(max(0, said.seek(0, os.SEEK_END) - 2000))
+            last = said.read().decode(errors="replace").strip().splitlines()[-1:]
+            self.down = f"{reason} ({'; '.join([f'code {code}', *last])})"
+            return self.down
+
+
+def _path() -> list[str]:
+    """Where the process finds modules: as here, but not in the folder of a notebook, whose files are the user's."""
+    return [entry for entry in sys.path if entry and Path(entry).absolute() != Path.cwd()]
+
+
+def _packages() -> list[tuple[str, str]]:
+    feeds = Path(__file__).parent.parent
+    return [("robowidgets", str(feeds.parent)), ("robowidgets.feeds", str(feeds))]
+
+
+class _Shared(NamedTuple):
+    guard: Guard
+    feeds: set[int]
+
+
+_shared: dict[str, _Shared] = {}
+"""The guards in use, by what they publish by."""
+_sharing = threading.Lock()
+
+
+def guard_for(feed: int, outlet: Outlet, where: str) -> Guard:
+    """The guard of a robot, for one more feed. It does not start by this."""
+    key = json.dumps(outlet)
+    with _sharing:
+        there = _shared.get(key)
+        if there is None:
+            there = _shared[key] = _Shared(Guard(outlet, where), set())
+        there.feeds.add(feed)
+        return there.guard
+
+
+def release(feed: int, outlet: Outlet) -> None:
+    """Use it no more for a feed; after the last one it ends."""
+    with _sharing:
+        there = _shared.get(json.dumps(outlet))
+        if there is None or feed not in there.feeds:
+            return
+        there.feeds.discard(feed)
+        there.guard.forget(feed)
+        if not there.feeds:
+            del _shared[json.dumps(outlet)]
+            there.guard.close()
+
+
+if hasattr(os, "register_at_fork"):
+    os.register_at_fork(after_in_child=_shared.clear)

@@ -1,0 +1,305 @@
+"""The kernel's side of the connection to a guard: hands it speeds, and hears what became of them."""
+
+from __future__ import annotations
+
+import itertools
+import logging
+import os
+import select
+import socket
+import threading
+import time
+from collections.abc import Callable, Sequence
+from contextlib import suppress
+from functools import partial
+from typing import Any, NamedTuple, Protocol, runtime_checkable
+from weakref import WeakSet
+
+from ..._core.log_once import call_in_thread
+from ..._core.observed import Observed
+from ...driving.command_watchdog import ZERO, Velocity
+from ..middleware import Advert, FeedError, NotConnectedYetError
+from .frames import FROM_GUARD, DamagedError, Frames, packed
+
+log = logging.getLogger("robowidgets")
+
+BEAT = 0.1
+"""Seconds between two signs of life while a robot moves."""
+
+ANSWER = 0.8
+"""Seconds within which a guard answers; it waits for the robot for half a second at most."""
+
+WORKS = 0.05
+"""Seconds of processor time per second by which a process works whose threads wait for the GIL."""
+
+ENDED = "the guard that sends speeds has ended"
+
+_ERRORS = {kind.__name__: kind for kind in (FeedError, NotConnectedYetError, TimeoutError, ConnectionError)}
+
+
+class Sent(NamedTuple):
+    """What became of a speed: whom it did not reach, and the types in which speeds were sent on its topic."""
+
+    refused: str
+    moved: list[str]
+
+
+class _Answer:
+    def __init__(self) -> None:
+        self.is_there = False
+        self.error: BaseException | None = None
+        self.sent = Sent("", [])
+
+
+class GuardLink(Observed):
+    """The connection to a guard, over a socket.
+
+    Any thread may call each method. A thread calls `listen`, which hears the guard and tells it that the kernel is
+    alive.
+
+    Args:
+        where: the robot, for a person.
+
+    Attributes:
+        unavailable: why no guard can be had here, so that the kernel sends speeds; empty if one can.
+        down: why no speed can be sent now; empty if one can be.
+        told: what it told last of a kernel that was silent; empty if it never was.
+        stops: number of times that it stopped the robot for that.
+        ends: number of its processes that ended, though they should not.
+        up_at: the monotonic time at which it reached the robot last.
+    """
+
+    def __init__(self, where: str) -> None:
+        super().__init__()
+        self._where = where
+        self.unavailable = self.told = ""
+        self.down = "the guard that sends speeds is starting"
+        self.stops = self.ends = 0
+        self.up_at = float("-inf")
+        self.on_unheard: dict[int, Callable[[str, str], object]] = {}
+        """By feed: called with a topic, and the reason why a subscriber does not receive it."""
+        self._lock = threading.RLock()
+        self._changed = threading.Condition(self._lock)
+        self._socket: socket.socket | None = None
+        self._is_ready = self._is_up = self._is_closed = self._hangs = False
+        self._is_starting = True
+        self._known_stops = 0
+        """Those of the process that is there now, which it has told."""
+        self._numbers = itertools.count()
+        self._answers: dict[int, _Answer] = {}
+        self._moving: set[int] = set()
+        """The feeds whose last speed was not zero."""
+        self._beat_at, self._worked, self._share = 0.0, 0.0, 0.0
+        """When the last sign of life was sent, the processor time until then, its share in the last silence."""
+        _links.add(self)
+
+    @property
+    def is_starting(self) -> bool:
+        """Whether a process is about to take speeds and to reach the robot for the first time."""
+        return self._is_starting
+
+    @property
+    def is_there(self) -> bool:
+        """Whether its process takes speeds, though the robot may not be reached."""
+        return self._is_ready
+
+    def send(self, feed: int, topic: str, velocity: Velocity, expires: float, adverts: Sequence[Advert]) -> Sent:
+        """Have a speed, or zero, sent, and return when it is.
+
+        Args:
+            feed: the number of the feed.
+            topic: where it goes.
+            velocity: the speed.
+            expires: the monotonic time at which zero is due after it.
+            adverts: the topic, as it is advertised.
+
+        Raises:
+            NotConnectedYetError: it has not started, or not reached the robot.
+            FeedError, TimeoutError, ConnectionError: as `Middleware.publish`.
+        """
+        answer, number = _Answer(), next(self._numbers)
+        there = [[advert.name, advert.type, advert.offered, advert.wanted] for advert in adverts]
+        with self._lock:
+            if not self._is_ready:
+                raise NotConnectedYetError(self.down)
+            if velocity == ZERO:
+                frame = packed("zero", feed, number, topic, there)
+            else:
+                frame = packed("drive", feed, number, topic, list(velocity), expires, self._known_stops, there)
+                self._moving.add(feed)
+            self._answers[number] = answer
+            self._write(frame)
+            until = time.monotonic() + ANSWER
+            while not answer.is_there and (left := until - time.monotonic()) > 0:
+                self._changed.wait(left)
+            del self._answers[number]
+            if not answer.is_there:
+                self._hangs = True
+                self._hang_up()
+                raise TimeoutError(f"the guard that sends speeds has not answered for {ANSWER:g} s")
+            if answer.error is not None:
+                raise answer.error
+            if velocity == ZERO:
+                self._moving.discard(feed)
+            return answer.sent
+
+    def listen(self, guard: socket.socket, *first: Any) -> None:
+        """Hear what a guard says, and tell it that the kernel is alive, until it hangs up.
+
+        Args:
+            guard: the socket.
+            first: the name of the first message to it, and its parts.
+        """
+        guard.setblocking(False)
+        with self._lock:
+            self._socket, self._hangs, self._known_stops = guard, self._is_closed, 0
+            self._write(packed(*first))
+            if self._is_closed:
+                self._hang_up()
+        reason = ENDED
+        try:
+            with suppress(OSError):  # it ended before it had read all
+                self._hear(guard)
+        except DamagedError as error:
+            reason = f"the guard that sends speeds said what makes no sense: {error}"
+            self._hangs = True
+        self._hear_no_more(reason)
+
+    def hurry(self) -> None:
+        """Have it reach the robot now, which can be reached again."""
+        with self._lock:
+            if self._is_ready and not self._is_up:
+                self._write(packed("again"))
+
+    def forget(self, feed: int) -> None:
+        """Send nothing more for a feed."""
+        with self._lock:
+            self._moving.discard(feed)
+            self.on_unheard.pop(feed, None)
+            if self._is_ready:
+                self._write(packed("close", feed))
+
+    def close(self) -> None:
+        """Have it end, with zero."""
+        with self._lock:
+            self._is_closed = True
+            self._hang_up()
+            self._changed.notify_all()
+
+    def leave(self) -> None:
+        """Leave it to the parent of this forked process."""
+        self._is_closed = True
+        if self._socket is not None:
+            self._socket.close()
+
+    # -- within --------------------------------------------------------------------------------------------------------
+
+    def _hear_no_more(self, reason: str) -> None:
+        with self._lock:
+            self._socket, self._is_ready, self._is_up, self.down = None, False, False, reason
+            self._moving.clear()
+            for answer in self._answers.values():
+                answer.is_there, answer.error = True, ConnectionError(reason)
+            self._changed.notify_all()
+        if not self._is_closed:
+            self.ends += 1
+            self._call_observers()
+
+    def _hear(self, guard: socket.socket) -> None:
+        frames, poll = Frames(FROM_GUARD), select.poll()
+        poll.register(guard, select.POLLIN)
+        while True:
+            ready = poll.poll(1000 * (BEAT if self._moving else 1.0))
+            if self._moving:
+                self._beat()
+            if not ready:
+                continue
+            data = guard.recv(1 << 16)
+            if not data:
+                return
+            for name, parts in frames.take(data):
+                getattr(self, f"_on_{name}")(*parts)
+
+    def _beat(self) -> None:
+        now, worked = time.monotonic(), time.process_time()
+        if now - self._beat_at > 4 * BEAT:
+            self._share = (worked - self._worked) / (now - self._beat_at)
+        self._beat_at, self._worked = now, worked
+        with self._lock:
+            self._write(packed("beat"))
+
+    def _write(self, frame: bytes) -> None:
+        """Send a message. Called with the lock held. It never waits: a guard that does not read is ended."""
+        try:
+            if self._socket is not None and self._socket.send(frame) != len(frame):
+                raise BlockingIOError
+        except OSError:
+            self._hang_up()
+
+    def _hang_up(self) -> None:
+        if self._socket is not None:
+            with suppress(OSError):
+                self._socket.shutdown(socket.SHUT_RDWR)
+
+    def _say(self, write: Callable[[str], object], text: str) -> None:
+        """Write a line. Not in this thread, which tells that the kernel is alive: a log may hang."""
+        call_in_thread(partial(write, f"{self._where}: {text}"))
+
+    def _on_ready(self) -> None:
+        with self._lock:
+            self._is_ready = True
+            self.down = "the guard that sends speeds has not reached the robot yet"
+
+    def _on_failed(self, reason: str) -> None:
+        self.unavailable = f"its process cannot reach the robot: {reason}"
+        self.close()
+
+    def _on_up(self) -> None:
+        self.up_at = time.monotonic()
+        self._is_up, self._is_starting, self.down = True, False, ""
+        self._call_observers()
+
+    def _on_down(self, reason: str, again_in: float) -> None:
+        self._is_up = self._is_starting = False
+        self.down = f"the guard that sends speeds cannot reach the robot, trying again in {again_in:.2g} s: {reason}"
+        self._call_observers()
+
+    def _on_unheard(self, topic: str, reason: str) -> None:
+        for call in list(self.on_unheard.values()):
+            call(topic, reason)
+
+    def _on_done(self, _feed: int, number: int, kind: str, text: str, refused: str, moved: list[str]) -> None:
+        with self._lock:
+            answer = self._answers.get(number)
+            if answer is not None:
+                answer.error = _ERRORS.get(kind, ConnectionError)(text) if kind else None
+                answer.sent, answer.is_there = Sent(refused, moved), True
+                self._changed.notify_all()
+
+    def _on_stopped(self, stops: int, seconds: float) -> None:
+        why = "code held the interpreter lock (GIL)" if self._share > WORKS else "its process stood still"
+        self.told = f"the kernel was silent for {seconds:.1f} s, because {why}: the guard stopped the robot meanwhile"
+        self._known_stops = stops
+        self.stops += 1
+        self._say(log.warning, self.told)
+        self._call_observers()
+
+
+@runtime_checkable
+class HasGuard(Protocol):
+    """A middleware that sends by a guard of its own."""
+
+    guard: GuardLink | None
+    """None: this one has none."""
+
+
+_links: WeakSet[GuardLink] = WeakSet()
+
+
+def _leave_all() -> None:
+    for link in list(_links):
+        link.leave()
+
+
+if hasattr(os, "register_at_fork"):
+    os.register_at_fork(after_in_child=_leave_all)

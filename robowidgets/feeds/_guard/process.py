@@ -1,0 +1,396 @@
+"""The process of a guard. It runs no code of a user, and imports neither Jupyter nor widgets.
+
+`robowidgets.feeds._guard.start` starts it. It ends by itself, with zero, when the kernel is gone.
+"""
+
+from __future__ import annotations
+
+import faulthandler
+import os
+import select
+import signal
+import socket
+import sys
+import threading
+import traceback
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
+from importlib import import_module
+from typing import Any
+
+from ..._core.clock import Clock, RealClock
+from ...driving.command_watchdog import HOLD, CommandWatchdog, Request, Velocity
+from .._ros2_common import ALONE
+from .._threaded import ThreadedMiddleware
+from .._twist import TwistPublisher
+from ..middleware import Advert, FeedError, Listener, Middleware, NotConnectedYetError
+from .frames import TO_GUARD, DamagedError, Frames, packed
+
+SILENCE = HOLD
+"""Seconds without a word of the kernel after which zero is sent while the robot moves."""
+
+GRACE = 0.03
+"""Seconds by which a speed holds longer here than in the kernel, whose zero comes first where the kernel is well."""
+
+DISCOVERY = ALONE + 0.6
+"""Seconds after the start in which a subscriber that the kernel knows of may not have been discovered."""
+
+LAST_ZERO = 10.0
+"""Seconds for which it goes on trying to send zero when the kernel is gone."""
+
+ALIVE = 1.0
+"""Seconds between two looks whether the kernel is there."""
+
+MIDDLEWARES = {
+    "dds": ("dds", "Dds"),
+    "foxglove": ("foxglove", "Foxglove"),
+    "ros1": ("ros1", "Ros1"),
+    "ros2": ("ros2", "Ros2"),
+    "rosbridge": ("rosbridge", "Rosbridge"),
+}
+"""The module in ``feeds`` and the class of each middleware that a guard can publish by."""
+
+Tell = Callable[..., None]
+"""Tells the kernel a message: its name and its parts."""
+
+Make = Callable[[str, dict[str, Any]], Middleware]
+
+
+class Guarding:
+    """What a guard does with the messages of its kernel. It is the listener of the middleware by which it publishes.
+
+    Args:
+        tell: tells the kernel something; any thread may call it.
+        clock: what it goes by.
+        make: makes a middleware by its name in `MIDDLEWARES` and its arguments.
+    """
+
+    def __init__(self, tell: Tell, clock: Clock, make: Make | None = None) -> None:
+        self._tell, self._clock, self._make = tell, clock, make or _made
+        self._middleware: Middleware | None = None
+        self._publishing = threading.Lock()
+        """Held while the middleware publishes: one thread at a time may."""
+        self._feeds: dict[int, _Feed] = {}
+        self._heard_at = clock.now()
+        self._stops = 0
+        self._silent_since: float | None = None
+        self._up_at: float | None = None
+        """The time at which the robot was reached first."""
+        self._wanted: frozenset[str] = frozenset()
+        """The topics to which somebody listens, as the middleware reports them."""
+
+    def take(self, name: str, parts: Sequence[Any]) -> None:
+        """Do what a message of the kernel asks for.
+
+        Raises:
+            DamagedError: a part of it makes no sense.
+        """
+        now = self._clock.now()
+        if self._silent_since is not None:
+            self._tell("stopped", self._stops, now - self._silent_since)
+            self._silent_since = None
+        self._heard_at = now
+        if name == "open":
+            self._open(*parts)
+        elif name == "drive":
+            self._drive(*parts)
+        elif name == "zero":
+            self._zero(*parts)
+        elif name == "again" and isinstance(self._middleware, ThreadedMiddleware):
+            self._middleware.retry()
+        elif name == "close":
+            feed = self._feeds.pop(parts[0], None)
+            if feed is not None:
+                feed.end()
+
+    def look(self) -> float:
+        """Send zero if the kernel has been silent for too long; returns the seconds until the next look."""
+        if self._silent_since is not None or not any(feed.moves for feed in self._feeds.values()):
+            return ALIVE
+        left = self._heard_at + SILENCE - self._clock.now()
+        if left > 0:
+            return left
+        self._silent_since = self._heard_at
+        self._stops += 1
+        for feed in self._feeds.values():
+            feed.watchdog.stop()
+        return ALIVE
+
+    def finish(self) -> None:
+        """Send zero for all that moves, and go on trying for a while; then disconnect."""
+        until = self._clock.now() + LAST_ZERO
+        there = list(self._feeds.values())
+        for feed in there:
+            if feed.watchdog.owes_zero:
+                feed.watchdog.stop()
+        while any(feed.watchdog.owes_zero for feed in there) and self._clock.now() < until:
+            self._clock.sleep(0.01)
+        if self._middleware is not None:
+            self._middleware.close()
+
+    # -- as the listener of the middleware -----------------------------------------------------------------------------
+
+    def on_connected(self) -> None:
+        """See `Listener`."""
+        if self._up_at is None:
+            self._up_at = self._clock.now()
+        self._tell("up")
+        for feed in list(self._feeds.values()):
+            feed.on_connected()
+
+    def on_lost(self, reason: str, again_in: float) -> None:
+        """See `Listener`."""
+        self._tell("down", reason, again_in)
+        for feed in list(self._feeds.values()):
+            feed.watchdog.on_lost()
+
+    def on_nobody(self, reason: str) -> None:
+        """See `Listener`. The kernel hears it of its own middleware."""
+
+    def on_topics(self, topics: Sequence[Advert]) -> None:
+        """See `Listener`."""
+        self._wanted = frozenset(advert.name for advert in topics if advert.wanted)
+
+    def on_message(self, topic: str, message: Any, *, newest: bool = True, each: bool = True) -> None:
+        """See `Listener`. A guard follows no topic."""
+
+    def on_missed(self, topic: str, count: int) -> None:
+        """See `Listener`."""
+
+    def on_trouble(self, topic: str, reason: str) -> None:
+        """See `Listener`."""
+
+    def on_unheard(self, topic: str, reason: str) -> None:
+        """See `Listener`."""
+        self._tell("unheard", topic, reason)
+
+    # -- as the middleware of its feeds --------------------------------------------------------------------------------
+
+    def publish(self, topic: str, message_type: str, message: Any) -> None:
+        """See `Middleware`."""
+        if self._middleware is None or self._up_at is None:
+            raise NotConnectedYetError("the guard that sends speeds has not reached the robot yet")
+        with self._publishing:
+            self._middleware.publish(topic, message_type, message)
+
+    def why_too_early(self, topic: str, adverts: Sequence[Advert]) -> str:
+        """Why a subscriber that the kernel knows of would miss a speed; empty if none would."""
+        is_wanted = any(advert.wanted for advert in adverts)
+        if is_wanted and topic not in self._wanted and self._clock.now() < (self._up_at or 0.0) + DISCOVERY:
+            return f"the guard that sends speeds has not discovered the subscriber of {topic} yet"
+        return ""
+
+    # -- within --------------------------------------------------------------------------------------------------------
+
+    def _open(self, kind: str, arguments: dict[str, Any]) -> None:
+        if self._middleware is not None:
+            raise DamagedError("a second middleware was opened")
+        try:
+            self._middleware = self._make(kind, arguments)
+            self._middleware.open(self)
+        except FeedError as error:
+            self._tell("failed", str(error))
+        else:
+            self._tell("ready")
+
+    def _feed(self, number: int) -> _Feed:
+        return self._feeds.setdefault(number, _Feed(number, self, self._tell, self._clock))
+
+    def _drive(
+        self, feed: int, number: int, topic: str, speed: list[Any], expires: float, stops: int, adverts: list[Any]
+    ) -> None:
+        velocity, there, left = _velocity(speed), _adverts(adverts), expires - self._clock.now()
+        why = self.why_too_early(topic, there)
+        if stops != self._stops:
+            self._tell("done", feed, number, "FeedError", "the guard has stopped the robot meanwhile", "", [])
+        elif left <= 0:
+            self._tell("done", feed, number, "FeedError", "the speed came too late", "", [])
+        elif why:
+            self._tell("done", feed, number, "NotConnectedYetError", why, "", [])
+        else:
+            self._feed(feed).drive(number, topic, there, velocity, left + GRACE)
+
+    def _zero(self, feed: int, number: int, topic: str, adverts: list[Any]) -> None:
+        self._feed(feed).zero(number, topic, _adverts(adverts))
+
+
+def _made(kind: str, arguments: dict[str, Any]) -> Middleware:
+    if kind not in MIDDLEWARES:
+        raise DamagedError(f"{kind!r:.80} cannot be opened")
+    module, name = MIDDLEWARES[kind]
+    made: Middleware = getattr(import_module(f"robowidgets.feeds.{module}"), name)(**arguments)
+    return made
+
+
+class _Feed:
+    """The speeds of one feed of the kernel: a watchdog, and what publishes for it."""
+
+    def __init__(self, number: int, guarding: Guarding, tell: Tell, clock: Clock) -> None:
+        self._number, self._tell = number, tell
+        self._topic = ""
+        self._adverts: dict[str, Sequence[Advert]] = {}
+        self._asked: list[tuple[int, Request]] = []
+        self._answering = threading.Lock()
+        self._twists = TwistPublisher(guarding, clock)
+        self.watchdog = CommandWatchdog(self._send, not_sent=FeedError, clock=clock)
+        self.watchdog.observe(self._answer)
+
+    @property
+    def moves(self) -> bool:
+        """Whether a speed other than zero was sent, or may have been, without a zero since."""
+        return self.watchdog.owes_zero
+
+    def drive(self, number: int, topic: str, adverts: Sequence[Advert], velocity: Velocity, hold: float) -> None:
+        """Send a speed, and tell when it is done."""
+        self._topic, self._adverts[topic] = topic, adverts
+        self._await(number, self.watchdog.drive(velocity, hold))
+
+    def zero(self, number: int, topic: str, adverts: Sequence[Advert]) -> None:
+        """Send zero, and tell when it is done."""
+        self._topic, self._adverts[topic] = topic, adverts
+        self._await(number, self.watchdog.stop())
+
+    def on_connected(self) -> None:
+        """Send the overdue zeros."""
+        self._twists.on_connected()
+        self.watchdog.on_connected()
+
+    def end(self) -> None:
+        """Tell nothing more."""
+        self.watchdog.unobserve(self._answer)
+
+    def _send(self, linear: float, angular: float, lateral: float) -> None:
+        """The sink of the watchdog, in its thread."""
+        there = [advert for adverts in list(self._adverts.values()) for advert in adverts]
+        self._twists.send(self._topic, Velocity(linear, angular, lateral), there)
+
+    def _await(self, number: int, request: Request) -> None:
+        with self._answering:
+            self._asked.append((number, request))
+        self._answer()
+
+    def _answer(self) -> None:
+        """Tell the kernel which of its requests are done. The watchdog calls it after each speed."""
+        with self._answering:
+            done = [(number, request.error) for number, request in self._asked if request.done]
+            self._asked = [(number, request) for number, request in self._asked if not request.done]
+        for number, error in done:
+            kind = "" if error is None else _kind_of(error)
+            text, moved = "" if error is None else str(error) or type(error).__name__, self._twists.moved(self._topic)
+            self._tell("done", self._number, number, kind, text, self._twists.refused, moved)
+
+
+def _kind_of(error: BaseException) -> str:
+    """The class of an error that a sink raises, as the kernel raises it again."""
+    kinds = (NotConnectedYetError, FeedError, TimeoutError)
+    return next((kind.__name__ for kind in kinds if isinstance(error, kind)), ConnectionError.__name__)
+
+
+def _velocity(speed: list[Any]) -> Velocity:
+    if len(speed) != 3 or not all(isinstance(part, (int, float)) for part in speed):
+        raise DamagedError(f"no speed: {speed!r:.80}")
+    return Velocity(*map(float, speed))
+
+
+def _adverts(given: list[Any]) -> list[Advert]:
+    try:
+        return [Advert(str(name), str(kind), bool(offered), wanted) for name, kind, offered, wanted in given]
+    except (TypeError, ValueError):
+        raise DamagedError(f"no topics: {given!r:.80}") from None
+
+
+def serve(kernel: socket.socket, ended: socket.socket, make: Make | None = None) -> None:
+    """Guard until the kernel is gone, says what makes no sense, or a signal is told; with zero at the end.
+
+    Args:
+        kernel: the connection to it, which does not block.
+        ended: the socket by which a signal is told.
+        make: as `Guarding` takes it.
+    """
+    parent, writing = os.getppid(), threading.Lock()
+
+    def tell(name: str, *parts: Any) -> None:
+        try:
+            with writing:
+                kernel.sendall(packed(name, *parts))
+        except OSError:  # it does not read any more: nothing can be told, and nothing must wait for it
+            with suppress(OSError):
+                kernel.shutdown(socket.SHUT_RDWR)
+
+    guarding, frames = Guarding(tell, RealClock(), make), Frames(TO_GUARD)
+    try:
+        while os.getppid() == parent:
+            ready, _, _ = select.select([kernel, ended], (), (), guarding.look())
+            if ended in ready:
+                break
+            if kernel in ready:
+                data = kernel.recv(1 << 16)
+                if not data:
+                    break
+                for name, parts in frames.take(data):
+                    guarding.take(name, parts)
+    except OSError:
+        pass  # the kernel is gone
+    finally:  # also when it said what makes no sense
+        guarding.finish()
+
+
+class _Robot:
+    """A simulated robot in this process, as a `Middleware`."""
+
+    where = "the simulated robot"
+
+    def __init__(self, drive: Callable[[float, float, float], object]) -> None:
+        self._drive = drive
+
+    def open(self, listener: Listener) -> None:
+        """See `Middleware`."""
+        listener.on_connected()
+
+    def follow(self, topics: frozenset[str], each: frozenset[str] = frozenset()) -> None:
+        """See `Middleware`."""
+
+    def ask_for_nodes(self, wanted: bool) -> None:
+        """See `Middleware`."""
+
+    def publish(self, topic: str, message_type: str, message: Mapping[str, Any]) -> None:  # noqa: ARG002
+        """See `Middleware`."""
+        self._drive(message["linear"]["x"], message["angular"]["z"], message["linear"]["y"])
+
+    def close(self) -> None:
+        """See `Middleware`."""
+
+
+def guard_robot(kernel: socket.socket, drive: Callable[[float, float, float], object]) -> None:
+    """Guard a simulated robot in its own process: it runs no code of a user either, and needs no other one."""
+    kernel.setblocking(False)
+    never, _other = socket.socketpair()
+    with kernel, never, _other:
+        serve(kernel, never, lambda *_: _Robot(drive))
+
+
+def main() -> None:
+    """Run the process: standard input is the socket to the kernel."""
+    faulthandler.enable()
+    ended, signalled = socket.socketpair()
+    signalled.setblocking(False)
+    signal.set_wakeup_fd(signalled.fileno(), warn_on_full_buffer=False)
+    for number in (signal.SIGINT, signal.SIGHUP):  # the kernel may survive them
+        signal.signal(number, signal.SIG_IGN)
+    signal.signal(signal.SIGTERM, lambda *_: None)  # `serve` is told of it
+    sys.setswitchinterval(0.0005)
+    kernel = socket.socket(fileno=os.dup(0))
+    kernel.setblocking(False)
+    code = 1
+    try:
+        serve(kernel, ended)
+        code = 0
+    except BaseException:  # the kernel tells the text
+        traceback.print_exc()
+    finally:
+        sys.stderr.flush()
+        os._exit(code)
+
+
+if __name__ == "__main__":
+    main()

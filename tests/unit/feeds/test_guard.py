@@ -1,0 +1,355 @@
+"""The guard: what it does with what the kernel says, and when it says nothing."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+from collections.abc import Iterator
+from contextlib import ExitStack
+from itertools import groupby
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from robowidgets import feeds
+from robowidgets.driving.command_watchdog import HOLD
+from robowidgets.feeds import Driving, FeedError, _driver
+from robowidgets.feeds._guard import guard as kernel_side
+from robowidgets.feeds._guard.frames import FROM_GUARD, LARGEST, TO_GUARD, DamagedError, Frames, packed
+from robowidgets.feeds._guard.process import GRACE, LAST_ZERO, SILENCE, Guarding
+
+from ..clocks import ManualClock
+from ..waiting import threads_named, wait_for
+from .bridge import Rosbridge
+from .scripted import CMD_VEL, Scripted
+
+TOPIC = [["/cmd_vel", CMD_VEL.type, False, True]]
+FORWARD = [0.3, 0.0, 0.0]
+
+
+def test_messages_come_whole_however_their_bytes_come() -> None:
+    frames = Frames(TO_GUARD)
+    data = packed("beat") + packed("drive", 1, 2, "/cmd_vel", FORWARD, 3.5, 0, TOPIC)
+    got = [message for byte in data for message in frames.take(bytes([byte]))]
+    assert got == [("beat", []), ("drive", [1, 2, "/cmd_vel", FORWARD, 3.5, 0, TOPIC])]
+
+
+@pytest.mark.parametrize(
+    "data",
+    [
+        packed("beat")[:-1] + b"?",
+        packed("beat").replace(b"\x00\x00\x00\x08", (LARGEST + 1).to_bytes(4, "big")),
+        packed("beep"),
+        packed("drive", 1, 2, "/cmd_vel", FORWARD),
+        packed("drive", 1, 2, "/cmd_vel", FORWARD, "soon", 0, TOPIC),
+        packed("close", True),
+        b"not at all a message",
+    ],
+    ids=["checksum", "length", "name", "parts", "type", "flag", "text"],
+)
+def test_a_damaged_message_is_none(data: bytes) -> None:
+    with pytest.raises(DamagedError):
+        list(Frames(TO_GUARD).take(data))
+
+
+class Guarded:
+    """A guard by a clock that is moved by hand, and what it told."""
+
+    def __init__(self) -> None:
+        self.clock = ManualClock()
+        self.robot = Scripted(CMD_VEL)
+        self.told: list[Any] = []
+        self.guarding = Guarding(lambda *told: self.told.append(told), self.clock, lambda *_: self.robot)
+        self.guarding.take("open", ["the script", {}])
+        self.stops = 0
+        self._number = 0
+
+    @property
+    def speeds(self) -> list[float]:
+        return [message["linear"]["x"] for _, _, message in self.robot.sent]
+
+    def drive(self, hold: float = HOLD, **changed: Any) -> Any:
+        """Drive forward; what was told of it."""
+        self._number += 1
+        asked = {"speed": FORWARD, "expires": self.clock.now() + hold, "stops": self.stops, **changed}
+        self.guarding.take("drive", [1, self._number, "/cmd_vel", *asked.values(), TOPIC])
+        self.clock.settle()
+        return self.told[-1]
+
+    def pass_time(self, seconds: float) -> None:
+        """Let time pass as the process does: it looks when it is due."""
+        end = self.clock.now() + seconds
+        while (left := end - self.clock.now()) > 0:
+            self.clock.advance(min(left, self.guarding.look()))
+        self.guarding.look()
+        self.clock.settle()
+
+
+@pytest.fixture
+def guarded() -> Iterator[Guarded]:
+    made = Guarded()
+    yield made
+    made.robot.broken = ""
+    for feed in made.guarding._feeds.values():
+        made.clock.beside(feed.watchdog.close)
+    made.clock.advance(LAST_ZERO)
+
+
+def test_zero_follows_a_speed_that_is_not_renewed_within_its_hold(guarded: Guarded) -> None:
+    assert guarded.drive()[3:5] == ("", "")
+    guarded.pass_time(HOLD / 2)
+    guarded.guarding.take("beat", [])
+    guarded.pass_time(HOLD / 2 + GRACE - 0.001)
+    assert guarded.speeds == [0.3]
+    guarded.pass_time(0.001)
+    assert guarded.speeds == [0.3, 0.0]
+
+
+def test_zero_comes_when_the_kernel_is_silent_and_not_before(guarded: Guarded) -> None:
+    guarded.drive(hold=60.0)
+    guarded.pass_time(SILENCE - 0.001)
+    guarded.guarding.take("beat", [])
+    guarded.pass_time(SILENCE - 0.001)
+    assert guarded.speeds == [0.3]
+    guarded.pass_time(0.001)
+    assert guarded.speeds == [0.3, 0.0]
+
+
+def test_a_kernel_that_was_silent_is_told_for_how_long_and_must_know_it_before_it_drives_on(guarded: Guarded) -> None:
+    guarded.drive(hold=60.0)
+    guarded.pass_time(10.0)
+    assert guarded.drive(hold=60.0)[3:5] == ("FeedError", "the guard has stopped the robot meanwhile")
+    assert ("stopped", 1, pytest.approx(10.0)) in guarded.told
+    assert guarded.speeds == [0.3, 0.0]
+    guarded.stops = 1
+    assert guarded.drive()[3] == ""
+    assert guarded.speeds == [0.3, 0.0, 0.3]
+
+
+def test_a_robot_at_rest_needs_no_sign_of_life(guarded: Guarded) -> None:
+    guarded.drive()
+    guarded.guarding.take("zero", [1, 7, "/cmd_vel", TOPIC])
+    guarded.pass_time(10.0)
+    assert guarded.speeds == [0.3, 0.0]
+    guarded.guarding.take("beat", [])
+    assert not [told for told in guarded.told if told[0] == "stopped"]
+
+
+def test_a_speed_that_comes_too_late_is_not_sent(guarded: Guarded) -> None:
+    assert guarded.drive(hold=0.0)[3:5] == ("FeedError", "the speed came too late")
+    assert guarded.speeds == []
+
+
+def test_a_robot_that_is_not_reached_yet_or_not_discovered_is_told() -> None:
+    guarded = Guarded()
+    guarded.robot = Scripted(CMD_VEL._replace(wanted=False))
+    guarded.guarding = Guarding(lambda *told: guarded.told.append(told), guarded.clock, lambda *_: guarded.robot)
+    assert guarded.drive()[3:5] == ("NotConnectedYetError", "the guard that sends speeds has not reached the robot yet")
+    guarded.guarding.take("open", ["the script", {}])
+    kind, text = guarded.drive()[3:5]
+    assert (kind, "has not discovered the subscriber of /cmd_vel" in text) == ("NotConnectedYetError", True)
+    guarded.clock.advance(10.0)
+    assert guarded.drive()[3] == ""
+    guarded.clock.advance(10.0)
+    assert guarded.speeds == [0.3, 0.0]
+
+
+def test_the_end_sends_zero_again_until_the_robot_has_it(guarded: Guarded) -> None:
+    guarded.drive(hold=60.0)
+    guarded.robot.broken = "the network is gone"
+    guarded.clock.beside(guarded.guarding.finish)
+    guarded.clock.advance(LAST_ZERO / 2)
+    assert (guarded.speeds, guarded.robot.closed) == ([0.3], 0)
+    guarded.robot.broken = ""
+    guarded.clock.advance(2.0)
+    assert (guarded.speeds, guarded.robot.closed) == ([0.3, 0.0], 1)
+
+
+def test_the_end_gives_up_a_robot_that_cannot_be_reached(guarded: Guarded) -> None:
+    guarded.drive(hold=60.0)
+    guarded.robot.broken = "the network is gone"
+    guarded.clock.beside(guarded.guarding.finish)
+    guarded.clock.advance(LAST_ZERO + 1.0)
+    assert guarded.robot.closed == 1
+
+
+# -- the process -------------------------------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def robot() -> Iterator[Rosbridge]:
+    with Rosbridge({"/cmd_vel": "geometry_msgs/msg/Twist"}) as server:
+        server.listeners["/cmd_vel"], server.publishers["/cmd_vel"] = ["/base"], []
+        yield server
+
+
+@pytest.fixture
+def with_guards(monkeypatch: pytest.MonkeyPatch) -> Iterator[ExitStack]:
+    """Feeds that are opened have guards, and are closed."""
+    monkeypatch.setattr(_driver, "OFF", False)
+    with ExitStack() as opened:
+        yield opened
+    wait_for(lambda: not threads_named("robowidgets-guard"), "no guard is left")
+
+
+def opened(stack: ExitStack, robot: Rosbridge) -> tuple[feeds.Feed, kernel_side.Guard]:
+    feed = feeds.rosbridge(robot.address)
+    stack.callback(feed.close)
+    feed.driving = Driving(hold=60.0)
+    guard = feed.driver._guard
+    assert guard is not None
+    wait_for(lambda: not guard.down, "the guard stands")
+    return feed, guard
+
+
+def wait_for_speeds(robot: Rosbridge, *speeds: float) -> None:
+    """Wait until the robot has these speeds as its last ones; a zero may come again."""
+    wait_for(lambda: tuple(_changes(robot)[-len(speeds) :]) == speeds, f"{speeds} come")
+
+
+def _changes(robot: Rosbridge) -> list[float]:
+    return [speed for speed, _ in groupby(message["linear"]["x"] for _, message in robot.published)]
+
+
+@pytest.mark.slow
+def test_a_guard_publishes_by_a_connection_of_its_own_and_confirms_zero(
+    robot: Rosbridge, with_guards: ExitStack
+) -> None:
+    feed, guard = opened(with_guards, robot)
+    assert guard.pid not in (0, os.getpid())
+    assert robot.opened == 2
+    feed.drive(0.3)
+    feed.stop()
+    wait_for_speeds(robot, 0.3, 0.0)
+    assert feed.drive_status == ""
+    assert "a guard beside the kernel sends speeds" in repr(feed)
+
+
+@pytest.mark.slow
+def test_feeds_of_one_robot_share_a_guard_that_ends_with_the_last(robot: Rosbridge, with_guards: ExitStack) -> None:
+    feed, guard = opened(with_guards, robot)
+    other, same = opened(with_guards, robot)
+    assert same is guard
+    pid = guard.pid
+    feed.close()
+    other.drive(0.3)
+    other.close()
+    wait_for_speeds(robot, 0.3, 0.0)
+    wait_for(lambda: not Path(f"/proc/{pid}").exists(), "the process is gone")
+
+
+@pytest.mark.slow
+def test_a_guard_that_dies_is_told_the_kernel_sends_zero_and_another_one_drives(
+    robot: Rosbridge, with_guards: ExitStack, caplog: pytest.LogCaptureFixture
+) -> None:
+    feed, guard = opened(with_guards, robot)
+    feed.drive(0.3)
+    wait_for_speeds(robot, 0.3)
+    pid = guard.pid
+    os.kill(pid, signal.SIGKILL)
+    wait_for_speeds(robot, 0.3, 0.0)
+    wait_for(lambda: "the guard that sends speeds has ended (code -9)" in caplog.text, "it is told")
+    feed.drive(0.2)
+    assert guard.pid not in (0, pid)
+    feed.stop()
+    wait_for_speeds(robot, 0.2, 0.0)
+
+
+@pytest.mark.slow
+def test_a_guard_that_stands_still_is_ended_and_the_kernel_sends_zero(robot: Rosbridge, with_guards: ExitStack) -> None:
+    feed, guard = opened(with_guards, robot)
+    feed.drive(0.3)
+    wait_for_speeds(robot, 0.3)
+    pid = guard.pid
+    os.kill(pid, signal.SIGSTOP)
+    feed.stop()
+    wait_for_speeds(robot, 0.3, 0.0)
+    wait_for(lambda: not Path(f"/proc/{pid}").exists(), "the process is gone")
+
+
+@pytest.mark.slow
+def test_drives_are_refused_when_guards_die_again_and_again(
+    robot: Rosbridge, with_guards: ExitStack, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    feed, guard = opened(with_guards, robot)
+    monkeypatch.setattr(kernel_side, "START", "import sys; print('no room'); sys.exit(3)")
+    os.kill(guard.pid, signal.SIGKILL)
+    wait_for(lambda: "open the feed again" in guard.down, "no other one is started")
+    with pytest.raises(FeedError, match=r"cannot drive: .*ended \(code 3; no room\); it has ended 3 times"):
+        feed.drive(0.3)
+    feed.stop()
+    wait_for_speeds(robot, 0.0)
+
+
+@pytest.mark.slow
+def test_where_no_process_can_be_started_the_kernel_sends_and_says_so(
+    robot: Rosbridge, with_guards: ExitStack, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(kernel_side.sys, "executable", "/nowhere/python")
+    feed = with_guards.enter_context(feeds.rosbridge(robot.address))
+    feed.drive(0.3)
+    feed.stop()
+    wait_for_speeds(robot, 0.3, 0.0)
+    assert "the kernel itself sends speeds (no process can be started here: " in repr(feed)
+
+
+@pytest.mark.slow
+def test_a_damaged_message_ends_a_guard_with_zero(
+    robot: Rosbridge, with_guards: ExitStack, caplog: pytest.LogCaptureFixture
+) -> None:
+    feed, guard = opened(with_guards, robot)
+    feed.drive(0.3)
+    wait_for_speeds(robot, 0.3)
+    with guard._lock:
+        guard._write(b"\x00" * 100)
+    wait_for_speeds(robot, 0.3, 0.0)
+    wait_for(lambda: "a message is not known" in caplog.text, "it is told")
+
+
+@pytest.mark.slow
+def test_a_guard_survives_the_signals_of_a_terminal_and_ends_with_zero_when_it_is_told_to(
+    robot: Rosbridge, with_guards: ExitStack
+) -> None:
+    feed, guard = opened(with_guards, robot)
+    pid = guard.pid
+    for number in (signal.SIGINT, signal.SIGHUP):
+        os.kill(pid, number)
+    feed.drive(0.3)
+    wait_for_speeds(robot, 0.3)
+    assert (guard.pid, os.getsid(pid)) == (pid, pid)
+    os.kill(pid, signal.SIGTERM)
+    wait_for_speeds(robot, 0.3, 0.0)
+
+
+@pytest.mark.slow
+def test_a_guard_opens_no_port(robot: Rosbridge, with_guards: ExitStack) -> None:
+    _, guard = opened(with_guards, robot)
+    links = [os.readlink(link) for link in Path(f"/proc/{guard.pid}/fd").iterdir()]
+    listening = {
+        f"socket:[{line.split()[9]}]"
+        for name in ("tcp", "tcp6")
+        for line in Path(f"/proc/{guard.pid}/net/{name}").read_text().splitlines()[1:]
+        if line.split()[3] == "0A"
+    }
+    assert listening
+    assert not listening.intersection(links)
+
+
+@pytest.mark.slow
+def test_a_guard_imports_neither_jupyter_nor_widgets() -> None:
+    code = kernel_side.START.format(path=kernel_side._path(), packages=kernel_side._packages())
+    code = code.replace("\nmain()\n", "\nfrom robowidgets.feeds import dds, foxglove, ros1, ros2, rosbridge\n")
+    code += "from robowidgets.feeds import _dds_session\nprint(*sys.modules)"
+    done = subprocess.run([sys.executable, "-S", "-c", code], capture_output=True, text=True, check=True)
+    loaded = done.stdout.split()
+    assert "robowidgets.feeds.rosbridge" in loaded
+    unwanted = ("IPython", "ipykernel", "ipywidgets", "traitlets", "anywidget", "jupyter_client")
+    assert not [name for name in loaded if name.split(".")[0] in unwanted or name.endswith("_widget")]
+
+
+def test_what_a_guard_says_is_checked() -> None:
+    with pytest.raises(DamagedError):
+        list(Frames(FROM_GUARD).take(packed("up", 1)))
