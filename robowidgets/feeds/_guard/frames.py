@@ -63,7 +63,7 @@ def packed(name: str, *parts: Any) -> bytes:
     return _HEAD.pack(len(text), crc32(text)) + text
 
 
-class Frames:
+class Unpacker:
     """Finds the messages in what came.
 
     Args:

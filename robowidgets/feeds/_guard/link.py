@@ -19,7 +19,7 @@ from ..._core.log_once import call_in_thread
 from ..._core.observed import Observed
 from ...driving.command_watchdog import ZERO, Velocity
 from ..middleware import Advert, FeedError, NotConnectedYetError
-from .frames import FROM_GUARD, DamagedError, Frames, packed
+from .frames import FROM_GUARD, DamagedError, Unpacker, packed
 
 log = logging.getLogger("robowidgets")
 
@@ -206,7 +206,7 @@ class GuardLink(Observed):
             self._call_observers()
 
     def _hear(self, guard: socket.socket) -> None:
-        frames, poll = Frames(FROM_GUARD), select.poll()
+        frames, poll = Unpacker(FROM_GUARD), select.poll()
         poll.register(guard, select.POLLIN)
         while True:
             ready = poll.poll(1000 * (BEAT if self._moving else 1.0))

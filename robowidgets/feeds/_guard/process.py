@@ -24,7 +24,7 @@ from .._ros2_common import ALONE
 from .._threaded import ThreadedMiddleware
 from .._twist import TwistPublisher
 from ..middleware import Advert, FeedError, Listener, Middleware, NotConnectedYetError
-from .frames import TO_GUARD, DamagedError, Frames, packed
+from .frames import TO_GUARD, DamagedError, Unpacker, packed
 
 SILENCE = HOLD
 """Seconds without a word of the kernel after which zero is sent while the robot moves."""
@@ -53,7 +53,7 @@ MIDDLEWARES = {
 Tell = Callable[..., None]
 """Tells the kernel a message: its name and its parts."""
 
-Make = Callable[[str, dict[str, Any]], Middleware]
+MakeMiddleware = Callable[[str, dict[str, Any]], Middleware]
 
 
 class Guarding:
@@ -65,7 +65,7 @@ class Guarding:
         make: makes a middleware by its name in `MIDDLEWARES` and its arguments.
     """
 
-    def __init__(self, tell: Tell, clock: Clock, make: Make | None = None) -> None:
+    def __init__(self, tell: Tell, clock: Clock, make: MakeMiddleware | None = None) -> None:
         self._tell, self._clock, self._make = tell, clock, make or _made
         self._middleware: Middleware | None = None
         self._publishing = threading.Lock()
@@ -299,7 +299,7 @@ def _adverts(given: list[Any]) -> list[Advert]:
         raise DamagedError(f"no topics: {given!r:.80}") from None
 
 
-def serve(kernel: socket.socket, ended: socket.socket, make: Make | None = None) -> None:
+def serve(kernel: socket.socket, ended: socket.socket, make: MakeMiddleware | None = None) -> None:
     """Guard until the kernel is gone, says what makes no sense, or a signal is told; with zero at the end.
 
     Args:
@@ -317,7 +317,7 @@ def serve(kernel: socket.socket, ended: socket.socket, make: Make | None = None)
             with suppress(OSError):
                 kernel.shutdown(socket.SHUT_RDWR)
 
-    guarding, frames = Guarding(tell, RealClock(), make), Frames(TO_GUARD)
+    guarding, frames = Guarding(tell, RealClock(), make), Unpacker(TO_GUARD)
     try:
         while os.getppid() == parent:
             ready, _, _ = select.select([kernel, ended], (), (), guarding.look())

@@ -18,7 +18,7 @@ from robowidgets import feeds
 from robowidgets.driving.command_watchdog import HOLD
 from robowidgets.feeds import Driving, FeedError, _driver
 from robowidgets.feeds._guard import guard as kernel_side
-from robowidgets.feeds._guard.frames import FROM_GUARD, LARGEST, TO_GUARD, DamagedError, Frames, packed
+from robowidgets.feeds._guard.frames import FROM_GUARD, LARGEST, TO_GUARD, DamagedError, Unpacker, packed
 from robowidgets.feeds._guard.process import GRACE, LAST_ZERO, SILENCE, Guarding
 
 from ..clocks import ManualClock
@@ -31,7 +31,7 @@ FORWARD = [0.3, 0.0, 0.0]
 
 
 def test_messages_come_whole_however_their_bytes_come() -> None:
-    frames = Frames(TO_GUARD)
+    frames = Unpacker(TO_GUARD)
     data = packed("beat") + packed("drive", 1, 2, "/cmd_vel", FORWARD, 3.5, 0, TOPIC)
     got = [message for byte in data for message in frames.take(bytes([byte]))]
     assert got == [("beat", []), ("drive", [1, 2, "/cmd_vel", FORWARD, 3.5, 0, TOPIC])]
@@ -52,7 +52,7 @@ def test_messages_come_whole_however_their_bytes_come() -> None:
 )
 def test_a_damaged_message_is_none(data: bytes) -> None:
     with pytest.raises(DamagedError):
-        list(Frames(TO_GUARD).take(data))
+        list(Unpacker(TO_GUARD).take(data))
 
 
 class Guarded:
@@ -352,4 +352,4 @@ def test_a_guard_imports_neither_jupyter_nor_widgets() -> None:
 
 def test_what_a_guard_says_is_checked() -> None:
     with pytest.raises(DamagedError):
-        list(Frames(FROM_GUARD).take(packed("up", 1)))
+        list(Unpacker(FROM_GUARD).take(packed("up", 1)))
