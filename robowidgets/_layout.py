@@ -53,28 +53,64 @@ def _column(name: str, widgets: Sequence[ipywidgets.Widget]) -> ipywidgets.VBox:
     return box
 
 
-def on_one_screen(
-    main: Sequence[ipywidgets.Widget], wide: Sequence[ipywidgets.Widget], small: Sequence[ipywidgets.Widget]
-) -> ipywidgets.Box:
+class OneScreen(ipywidgets.Box):  # type: ignore[misc]  # ipywidgets has no types
     """Widgets in two columns that share the height of the window; the stylesheet `screen.css` gives places and heights.
 
     Left stand the main ones, side by side, with up to three small ones in a low row below them, and right the wide
     ones; the other small ones share the width below. Without main ones the wide ones stand left, and all small ones
-    right. On a narrow page the columns stand one above the other, the wide ones first. The view around the box has the
+    right. On a narrow page the columns stand one above the other, the wide ones first. The view around it has the
     class ``rw-one-screen``.
+
+    What was added since takes the room that is left: the first one below the only wide one, others the rest of the low
+    row, or a row below. Nothing that is there moves for it, as its box stays the same.
     """
-    if not main:
-        return _box("rw-screen", *_boxes("rw-wides", wide), *_boxes("rw-smalls", small))
-    left = _box("rw-whole", *_boxes("rw-mains", main), *_boxes("rw-smalls", small[:UNDER_MAIN]))
-    return _box("rw-screen", left, *_boxes("rw-wides", wide), *_boxes("rw-below", small[UNDER_MAIN:]))
 
+    def __init__(self) -> None:
+        names = ("whole", "mains", "smalls", "wides", "below")
+        self._boxes = {name: ipywidgets.Box() for name in names}
+        for name, box in self._boxes.items():
+            box.add_class(f"rw-{name}")
+        super().__init__()
+        self.add_class("rw-screen")
 
-def _box(name: str, *children: ipywidgets.Widget) -> ipywidgets.Box:
-    box = ipywidgets.Box(children)
-    box.add_class(name)
-    return box
+    def arrange(
+        self,
+        main: Sequence[ipywidgets.Widget],
+        wide: Sequence[ipywidgets.Widget],
+        small: Sequence[ipywidgets.Widget],
+        added: Sequence[ipywidgets.Widget] = (),
+    ) -> None:
+        """Give widgets their places."""
+        for widget in added:
+            widget.add_class("rw-added")
+            if widget.column == "wide":
+                widget.add_class("rw-added-row")
+        rows = [widget for widget in added if widget.column == "wide"]
+        more = [widget for widget in added if widget.column != "wide"]
+        if not main:
+            places = {"mains": [], "wides": [*wide], "smalls": [*small, *more], "below": rows}
+        else:
+            under = len(wide) == 1 and bool(more)
+            low = [*small[:UNDER_MAIN], *more[under : under + max(0, UNDER_MAIN - len(small))]]
+            rest = [widget for widget in more[under:] if widget not in low]
+            places = {
+                "mains": [*main],
+                "smalls": low,
+                "wides": [*wide, *more[:under]],
+                "below": [*small[UNDER_MAIN:], *rest, *rows],
+            }
+        boxes = self._boxes
+        for name, widgets in places.items():
+            boxes[name].children = widgets
+        filled = {name: [boxes[name]] if widgets else [] for name, widgets in places.items()}
+        boxes["whole"].children = [*filled["mains"], *filled["smalls"]] if main else []
+        columns = [boxes["whole"], *filled["wides"]] if main else [*filled["wides"], *filled["smalls"]]
+        self.children = [*columns, *filled["below"]]
 
-
-def _boxes(name: str, children: Sequence[ipywidgets.Widget]) -> list[ipywidgets.Box]:
-    """A box with a class; none without children."""
-    return [_box(name, *children)] if children else []
+    def close(self) -> None:
+        """Close it and its boxes, and leave what is in them."""
+        for box in self._boxes.values():
+            box.layout.close()
+            box.close()
+        self.layout.close()
+        super().close()

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from itertools import takewhile
-from typing import NamedTuple, Protocol
+from typing import Any, NamedTuple, Protocol
 
 from ._core.sample_widget import SampleWidget
 from .kinds import (
@@ -25,6 +25,9 @@ from .kinds import (
 
 FEW = 4
 """Most widgets of those that are asked for, where nobody asked and no topic has another."""
+
+AS = " as "
+"""Between a topic and the name of the widget that is to show it."""
 
 
 _ALONG = Role(name="along", take="put")
@@ -130,9 +133,33 @@ class WidgetChoice(NamedTuple):
         return widget(title=self.titles[0], **titles, **self.kind.options, **(self.role.alone or {}))
 
 
-def choose_widgets(
-    topics: Iterable[Shown], names: Sequence[str] = (), can_show: Callable[[str], bool] = lambda _: True
-) -> tuple[WidgetChoice, ...]:
+Entry = str | Sequence[str]
+"""What is asked for: a topic, a field, either with the widget that is to show it, ``"/scan as message"``, or the fields
+that share a widget."""
+
+
+class AskedFor(NamedTuple):
+    """A name that was asked for: its topic, its field or empty, and the name of the row or empty."""
+
+    topic: str
+    field: str = ""
+    row: str = ""
+
+
+def wish_of(name: str, known: Collection[str]) -> AskedFor:
+    """What a name asks for, among the topics there are."""
+    shown, by, row = name.rpartition(AS)
+    if name not in known and by and row in _rows():
+        return AskedFor(*topic_and_field(shown, known), row)
+    return AskedFor(*topic_and_field(name, known))
+
+
+def wishes(entries: Iterable[Entry], known: Collection[str]) -> list[AskedFor]:
+    """What each of some entries asks for."""
+    return [wish_of(name, known) for entry in entries for name in ([entry] if isinstance(entry, str) else entry)]
+
+
+def choose_widgets(topics: Iterable[Shown], entries: Sequence[Entry] | None = None) -> tuple[WidgetChoice, ...]:
     """The widgets for topics, in the order of the kinds; then second widgets, then those that are asked for.
 
     There is one for each topic in the first role of its kind, or for all of its namespace, and one for each topic in
@@ -140,26 +167,122 @@ def choose_widgets(
 
     Args:
         topics: those there are.
-        names: what is asked for: names of topics, or of fields, ``"/odom.twist.twist.linear.x"``. None: all topics that
-            have a kind; where none has one, a few widgets that show what there is.
-        can_show: whether a topic without a kind is one of those few.
+        entries: what is asked for; None: all topics that have a kind.
     """
     listed = list(topics)
-    if not names:
-        return _by_kind(listed) or _asked_for([(one.name, "") for one in listed if can_show(one.name)], listed)[:FEW]
-    wanted = [topic_and_field(name, [topic.name for topic in listed]) for name in names]
-    whole = {name for name, field in wanted if not field}
-    chosen = _by_kind([topic for topic in listed if topic.name in whole])
-    asked = _asked_for(wanted, listed)
-    gathering = {choice.shown: choice for choice in asked if choice.gathers}
+    if entries is None:
+        return _by_kind(listed)
+    known = {topic.name: topic for topic in listed}
+    asked = wishes([entry for entry in entries if isinstance(entry, str)], known)
+    whole = {wish.topic for wish in asked if not wish.field and not wish.row}
+    chosen = list(_by_kind([topic for topic in listed if topic.name in whole]))
+    for wish in asked:
+        if wish.row not in ("", *ASKED) and wish.topic in known:
+            there = [choice for choice in _by_kind([known[wish.topic]]) if choice.shown.name == wish.row]
+            chosen += [choice for choice in there if choice not in chosen]
+    more = _asked_for(asked, known)
+    for entry in entries:
+        if not isinstance(entry, str):
+            more += [choice for choice in _asked_for(wishes(entry, known), known) if choice not in more]
+    gathering = {choice.shown: choice for choice in more if choice.gathers and not choice.fields}
     joining = [choice for choice in chosen if choice.second in gathering]
     for choice in joining:
         row = gathering[choice.shown]
-        gathering[choice.shown] = row._replace(parts=(*((row.role, name) for name in choice.own), *row.parts))
+        own = tuple((row.role, name) for name in choice.own if name not in row.topics)
+        gathering[choice.shown] = row._replace(parts=(*own, *row.parts))
     return (
         *(choice for choice in chosen if choice not in joining),
-        *(gathering.get(choice.shown, choice) for choice in asked),
+        *(choice if choice.fields else gathering.get(choice.shown, choice) for choice in more),
     )
+
+
+def choose_instead(topics: Iterable[Shown], can_show: Callable[[str], bool]) -> list[str]:
+    """The few topics that are shown where none has a kind, the most useful first."""
+    known = {topic.name: topic for topic in topics if asked_of_type(topic.type) and can_show(topic.name)}
+    return [name for choice in _asked_for([AskedFor(name) for name in known], known)[:FEW] for name in choice.topics]
+
+
+class OnShow:
+    """What a view shows: what it was asked for, and what a person has added and taken off since.
+
+    Args:
+        entries: what it was asked for; none: all topics that have a kind, or a few where none has.
+    """
+
+    def __init__(self, entries: Sequence[Entry] = ()) -> None:
+        self._base = _frozen(entries)
+        self._more: list[Entry] = []
+        self._off: set[Entry] = set()
+
+    def keep(self, earlier: OnShow) -> None:
+        """Take over what a person changed in the view of an earlier run of the cell, if it asked for the same."""
+        if self._base == earlier._base:
+            self._more, self._off = list(earlier._more), set(earlier._off)
+
+    def entries(self, topics: Sequence[Shown], can_show: Callable[[str], bool]) -> list[Entry]:
+        """What is to be shown of the topics that there are.
+
+        Args:
+            topics: those there are.
+            can_show: whether a topic without a kind is one of the few that are shown where none has one.
+        """
+        base: list[Entry] = list(self._base) or [topic.name for topic in topics if topic.widget]
+        base = base or [*choose_instead(topics, can_show)]
+        every = [*base, *(entry for entry in self._more if entry not in base)]
+        return [entry for entry in every if entry not in self._off]
+
+    def add(self, entry: Entry) -> None:
+        """Show a topic or a field, too, or fields together."""
+        if entry in self._off:
+            self._off.remove(entry)
+        elif entry not in self._more:
+            self._more.append(entry)
+
+    def take_off(self, entries: Iterable[Entry]) -> None:
+        """Show these no more."""
+        for entry in entries:
+            if entry in self._more:
+                self._more.remove(entry)
+            self._off.add(entry)
+
+
+def of_topic(topic: str, entries: Iterable[Entry], known: Collection[str]) -> list[Entry]:
+    """Those entries that ask for a topic, or for a field of it."""
+    return [entry for entry in entries if any(wish.topic == topic for wish in wishes([entry], known))]
+
+
+def of_choice(choice: WidgetChoice, entries: Iterable[Entry], known: Mapping[str, Shown]) -> list[Entry]:
+    """Those entries that ask for a widget, and for no other."""
+
+    def asks(wish: AskedFor) -> bool:
+        if wish.field:
+            return f"{wish.topic}.{wish.field}" in choice.fields
+        of_kind = wish.topic in known and known[wish.topic].widget
+        is_row = wish.row == choice.shown.name or not (wish.row or of_kind)
+        return is_row and not choice.fields and wish.topic in choice.topics
+
+    return [entry for entry in entries if all(map(asks, wishes([entry], known)))]
+
+
+def _frozen(entries: Iterable[Entry]) -> list[Entry]:
+    return [entry if isinstance(entry, str) else tuple(entry) for entry in entries]
+
+
+def checked_arrangement(value: Any) -> list[Entry]:
+    """What `arrangement` of a view was, as a program gives it again.
+
+    Raises:
+        TypeError: it is no list of names, and of lists of them.
+    """
+    each: list[Any] = [None] if isinstance(value, str) or not isinstance(value, Sequence) else list(value)
+    for entry in each:
+        names = [entry] if isinstance(entry, str) else entry
+        if not isinstance(names, Sequence) or not names or not all(isinstance(name, str) and name for name in names):
+            raise TypeError(
+                "arrangement: expected a list of topics and fields, and of lists of fields that share a plot, as "
+                f"view.arrangement returns it, got {value!r}"
+            )
+    return _frozen(each)
 
 
 def _by_kind(listed: list[Shown]) -> tuple[WidgetChoice, ...]:
@@ -175,28 +298,32 @@ def _by_kind(listed: list[Shown]) -> tuple[WidgetChoice, ...]:
     return (*chosen, *more)
 
 
-def _asked_for(wanted: Iterable[tuple[str, str]], listed: list[Shown]) -> tuple[WidgetChoice, ...]:
+def _asked_for(asked: Sequence[AskedFor], known: Mapping[str, Shown]) -> list[WidgetChoice]:
     """The widgets of topics without a kind, and of fields: the most useful first."""
-    there = {topic.name: topic for topic in listed}
-    wanted = list(dict.fromkeys(wanted))
     found: dict[str, list[str]] = {}
-    for name, field in wanted:
-        topic = there.get(name)
-        row = None
-        if topic is not None and (field or not topic.widget):
+    for name, field, row_name in dict.fromkeys(asked):
+        topic = known.get(name)
+        row = ASKED.get(row_name)
+        if row is None and topic is not None and not row_name and (field or not topic.widget):
             row = asked_of_fields() if field else asked_of_type(topic.type)
-        if row is not None and name not in found.setdefault(row.name, []):
+        if topic is not None and row is not None and name not in found.setdefault(row.name, []):
             found[row.name].append(name)
-    fields = tuple(f"{name}.{field}" for name, field in wanted if field)  # of topics that are not there yet, too
+    # Of topics that are not there yet, too.
+    fields = tuple(dict.fromkeys(f"{wish.topic}.{wish.field}" for wish in asked if wish.field))
     choices: list[WidgetChoice] = []
     for row in sorted((row for row in ASKED.values() if row.name in found), key=lambda row: not row.types):
         names = found[row.name]
-        groups = [names] if row.gathers else [[name] for name in names]
-        for group in groups:
-            others = [one.name for one in listed if one.name not in group and row.takes_along(one.type)]
+        for group in [names] if row.gathers else [[name] for name in names]:
+            others = [one.name for one in known.values() if one.name not in group and row.takes_along(one.type)]
             parts = (*((row.roles[0], name) for name in group), *((_ALONG, name) for name in others))
             choices.append(WidgetChoice(row, parts, fields=fields if row.of_fields else ()))
-    return tuple(choices)
+    return choices
+
+
+def _rows() -> set[str]:
+    """The names of all widgets of topics."""
+    seconds = (second.name for kind in KINDS.values() for second in kind.also)
+    return {*KINDS, *ASKED, *seconds}
 
 
 def _of_kind(kind: Kind, listed: list[Shown]) -> list[WidgetChoice]:

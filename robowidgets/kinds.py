@@ -417,11 +417,6 @@ def asked_of_type(types: str) -> Asked | None:
     return next(of_type, next((row for row in whole if not row.types), None))
 
 
-def goes_along(types: str) -> bool:
-    """Whether a widget that gathers topics takes along one of this type, whether it is asked for or not."""
-    return any(row.takes_along(types) for row in ASKED.values())
-
-
 def asked_of_fields() -> Asked | None:
     """The widget that shows single fields of topics, if there is one."""
     return next((row for row in ASKED.values() if row.of_fields), None)

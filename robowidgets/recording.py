@@ -112,7 +112,13 @@ class Recording(RecordingData):
         silences = {name: clock.silences for name, clock in self._note_clocks().items()}
         return examine(self._heading(), self.topics, series, self._with_remedies(), silences)
 
-    def show(self, *topics: str, scanogram: bool | None = None, rerun: bool = False) -> Player:
+    def show(
+        self,
+        *topics: str,
+        scanogram: bool | None = None,
+        rerun: bool = False,
+        arrangement: Sequence[Any] | None = None,
+    ) -> Player:
         """One widget per topic it knows how to show, with a player that moves them through its time.
 
         The player opens the file again, so this recording may still be read, or be closed.
@@ -122,6 +128,7 @@ class Recording(RecordingData):
                 that have a widget and a message, or, where none has, a few widgets that show what there is.
             scanogram: whether to show a scanogram of the whole drive above them; None: only if it takes a moment.
             rerun: whether to show the Rerun viewer beside them, with the scans in the world (extra ``rerun``).
+            arrangement: what to show, as `Player.arrangement` of an earlier one returned it.
 
         Raises:
             UnknownTopicError: the recording has no such topic, or its messages cannot be read; the text says why.
@@ -138,7 +145,7 @@ class Recording(RecordingData):
         again = open(self.path)
         again.memory = self.memory
         try:
-            return Player(again, topics, scanogram, rerun)
+            return Player(again, topics, scanogram, rerun, arrangement)
         except BaseException:
             again.close()
             raise

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from html import escape
 from typing import Any, Protocol
 
@@ -12,14 +12,15 @@ from .._core.cells import take_the_place
 from .._core.coalesced_call import CoalescedCall
 from .._core.freezing import freeze_together
 from .._core.sample_widget import SampleWidget
-from .._layout import on_one_screen, stacked
-from .._widget_choice import WidgetChoice, choose_widgets
+from .._layout import OneScreen, stacked
+from .._widget_choice import Entry, OnShow, WidgetChoice, checked_arrangement, choose_widgets, of_topic, wishes
 from ..behaviors.machine import Machine
-from ..kinds import goes_along, topic_and_field
+from ..kinds import asked_of_type
 from ..machine_widget import MachineWidget
 from ..program_widget import ProgramWidget
 from ..speed_widget import SpeedWidget
 from ..stop_widget import StopWidget
+from ..topics_widget import TopicRow, TopicsWidget
 from ._connection import Connection
 from ._probes import Probes
 from ._topics import FeedTopic
@@ -56,29 +57,41 @@ class FeedView(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no type
         refresh: makes widgets for topics that have appeared, and shows the status; the feed calls it.
     """
 
-    def __init__(self, feed: ViewedFeed, topics: Sequence[str] = (), *, beside: bool = False) -> None:
+    def __init__(
+        self,
+        feed: ViewedFeed,
+        topics: Sequence[str] = (),
+        *,
+        beside: bool = False,
+        arrangement: Sequence[Entry] | None = None,
+    ) -> None:
         self._feed: ViewedFeed | None = feed
         self._connection = feed.connection
-        self._names = topics
+        self._names = [*topics, *([] if arrangement is None else checked_arrangement(arrangement))]
+        self.on_show = OnShow(self._names)
         self._known: dict[str, FeedTopic] = {}
         self._shown: dict[WidgetChoice, SampleWidget] = {}
         self._probes = Probes(self._connection)
         self._closed = False
         self.refresh = CoalescedCall(self._refresh)
         self._status = ipywidgets.HTML()
-        self._screen = ipywidgets.Box()
+        self._screen = OneScreen()
+        self.topic_list = TopicsWidget(self._on_toggle)
         self._stop = StopWidget(feed)
         self.program: ProgramWidget | None = None
         self.machine: MachineWidget | None = None
-        self.room = None if topics else feed.room_view()
-        super().__init__([self._stop, self._status, self._screen])
+        self.room = None if self._names else feed.room_view()
+        super().__init__([self._stop, self._status, self.topic_list, self._screen])
         self._stop.stand_in(self.model_id)
         self._bar = StopWidget(feed) if beside else None
         if self._bar is not None:
             self._bar.stand_in(self.model_id, opens=True)
         self.add_class("rw-feed")
         self.add_class("rw-one-screen")
-        take_the_place(self)
+        self.add_class("rw-has-topics")
+        for view in take_the_place(self):
+            if isinstance(view, FeedView):
+                self.on_show.keep(view.on_show)
         self._connection.observe(self.refresh)
         self.refresh()
 
@@ -109,18 +122,14 @@ class FeedView(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no type
         self._connection.unobserve(self.refresh)
         self._closed = True
         self.refresh()
-        for widget in (self._bar, self._stop, self.program, self.machine, self.room):
+        for widget in (self._bar, self._stop, self.program, self.machine, self.room, self.topic_list, self._screen):
             if widget is not None:
                 widget.close()
-        _close_boxes(self._screen)
         super().close()
         self._feed = None  # a feed of which only closed views are left is deleted
 
     def _refresh(self) -> None:
         topics = list(self._connection.topics)
-        if self._names:
-            named = {name for name, _ in self._named(topics)}
-            topics = [topic for topic in topics if topic.name in named or goes_along(topic.type)]
         for topic in topics:
             known = self._known.get(topic.name)
             if topic.widget or known is None or not known.widget:  # a topic keeps its widget when it is gone
@@ -129,27 +138,46 @@ class FeedView(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no type
             if self._closed:
                 self._probes.close()
             else:
-                self._probes.add(topics)
-            wanted = () if self._closed else self._choose()
+                names = {wish.topic for wish in wishes(self._names, [topic.name for topic in topics])}
+                self._probes.add(topic for topic in topics if not names or topic.name in names)
+            wanted = () if self._closed else choose_widgets(self._known.values(), self._entries())
             if self._add_program() or set(wanted) != self._shown.keys():
                 self._set_widgets(wanted)
         except FeedError:
             if not self._connection.is_closed:  # a feed that was closed meanwhile connects no widgets
                 raise
+        self.topic_list.set_rows(map(_row, topics))
         self._show_status()
 
-    def _choose(self) -> tuple[WidgetChoice, ...]:
-        """The widgets for the topics. Those that have no kind wait until it is known that no other topic has one."""
+    @property
+    def arrangement(self) -> Sequence[Any]:
+        """What is on show: topics and fields, as `Feed.show` takes them; a list is fields that share a plot.
+
+        It can be stored as JSON, and set again, or given to `Feed.show`.
+        """
+        return [entry if isinstance(entry, str) else [*entry] for entry in self._entries()]
+
+    @arrangement.setter
+    def arrangement(self, entries: Any) -> None:
+        self._names = checked_arrangement(entries)
+        self.on_show = OnShow(self._names)
+        self.refresh()
+
+    def _entries(self) -> list[Entry]:
+        """What is to be shown. Topics of no kind wait until it is known that no other topic has one."""
 
         def can_show(topic: str) -> bool:
             return self._connection.is_settled and not self._probes.waits_for(topic)
 
-        return choose_widgets(list(self._known.values()), self._names, can_show)
+        return self.on_show.entries([*self._known.values()], can_show)
 
-    def _named(self, topics: Iterable[FeedTopic]) -> list[tuple[str, str]]:
-        """The topics and fields that are to be shown."""
-        known = [topic.name for topic in topics]
-        return [topic_and_field(name, known) for name in self._names]
+    def _on_toggle(self, topic: str, on: bool) -> None:
+        """Show a topic, or take it off with its fields: a person wants it."""
+        if on:
+            self.on_show.add(topic)
+        else:
+            self.on_show.take_off(of_topic(topic, self._entries(), self._known))
+        self.refresh()
 
     def _add_program(self) -> bool:
         """Make the widgets of the program and of its state machine once they are there; returns whether it made one."""
@@ -201,10 +229,23 @@ class FeedView(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no type
         main = _on_page([self.program, self.machine])
         # A machine needs the room in which else the map stands.
         main, wide = (main, [*maps, *wide]) if self.machine in main else ([*maps, *main], wide)
-        old = self._screen
-        self._screen = on_one_screen(main, wide, small)
-        self.children = [self._stop, self._status, self._screen]
-        _close_boxes(old)
+        added = [widget for widget in sensors if widget in self._added]
+        self._screen.arrange(
+            main,
+            [widget for widget in wide if widget not in added],
+            [widget for widget in small if widget not in added],
+            added,
+        )
+        titles: dict[str, dict[str, None]] = {}
+        for choice in self._shown:
+            for topic in choice.topics:
+                titles.setdefault(topic, {})[choice.titles[0]] = None
+        self.topic_list.show({topic: tuple(names) for topic, names in titles.items()})
+
+    @property
+    def _added(self) -> list[SampleWidget]:
+        """The widgets that were asked for."""
+        return [widget for choice, widget in self._shown.items() if choice.takes_messages]
 
     def _change_topics(self, widget: SampleWidget, before: WidgetChoice | None, after: WidgetChoice | None) -> None:
         """Show in a widget the topics of another choice, each in its role."""
@@ -220,7 +261,8 @@ class FeedView(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no type
         """Show the status of the topics without a widget; a widget shows the status of its own topic."""
         there = {topic.name: topic for topic in self._connection.topics}
         shown = {name for choice in self._shown for name in choice.topics}
-        missing = [name for name, _ in self._named(self._connection.topics) if name not in shown]
+        asked = wishes(self._names, [*there])
+        missing = [wish.topic for wish in asked if wish.topic not in shown]
         if self._connection.status:
             lines = [self._connection.status] if missing or not shown else []
         elif missing:
@@ -229,8 +271,8 @@ class FeedView(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no type
             trouble for name in self._probes.topics - shown if (trouble := self._connection.trouble_of(name))
         ]:
             lines = troubles
-        elif shown:
-            lines = []
+        elif shown or any(topic.widget for topic in self._known.values()):
+            lines = []  # or a person has taken all of them off
         elif there:
             lines = [f"no widget shows any of the topics there are: {', '.join(there)}"]
         elif self._connection.is_listed:
@@ -250,13 +292,11 @@ def _on_page(widgets: Sequence[Any]) -> list[Any]:
     return [widget for widget in widgets if widget is not None and widget.comm is not None]
 
 
-def _close_boxes(box: ipywidgets.Widget) -> None:
-    """Close a box and those in it, without what they show."""
-    if type(box) is ipywidgets.Box:
-        for child in box.children:
-            _close_boxes(child)
-        box.layout.close()
-        box.close()
+def _row(topic: FeedTopic) -> TopicRow:
+    """A topic for the list."""
+    asked = asked_of_type(topic.type)
+    row = topic.widget or (asked.name if asked else "")
+    return TopicRow(topic.name, topic.type, widget=row, problem="" if row else _not_shown(topic))
 
 
 def _not_shown(topic: FeedTopic) -> str:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import weakref
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
@@ -168,7 +168,7 @@ class Feed:
         self.connection.check_open(topic)
         return scans_of(self.connection, topic, timeout)
 
-    def show(self, *topics: str, beside: bool = False) -> FeedView:
+    def show(self, *topics: str, beside: bool = False, arrangement: Sequence[Any] | None = None) -> FeedView:
         """One widget per topic it knows how to show, live, and those of its program and state machine.
 
         It waits a moment for the first list of topics. Without names, topics and programs that appear later get a
@@ -178,6 +178,7 @@ class Feed:
             *topics: names of the topics to show, of any type, or of fields: ``"/odom.twist.twist.linear.x"``, without
                 the program; none: all that have a widget, or, where none has, a few that show what there is.
             beside: whether the view stands beside the notebook, in JupyterLab; the cell has a bar with Stop then.
+            arrangement: what to show, as `FeedView.arrangement` of an earlier one returned it.
 
         Raises:
             TypeError: a name is no text, but a list of them, say; or beside is neither True nor False.
@@ -192,7 +193,7 @@ class Feed:
             raise TypeError(f"beside: expected True or False, got {beside!r}")
         self.connection.check_open(*topics)
         self.connection.await_topics(topics)
-        return FeedView(self, topics, beside=beside)
+        return FeedView(self, topics, beside=beside, arrangement=arrangement)
 
     def room_view(self) -> Any:
         """A widget that shows the room of a simulated robot from above; None for any other robot."""

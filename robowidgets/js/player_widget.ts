@@ -11,8 +11,10 @@ export default () => {
     initialize({ model, signal }: Initialized<PlayerTraits>) {
       const find = (ids: string[]): Promise<unknown[]> =>
         Promise.all(ids.map((id) => model.widget_manager.get_model(id)));
-      const found = Promise.all([find(model.get("_targets")), find(model.get("_followers"))]);
-      const moved = found.then(([targets, followers]) => ({ targets, followers }) as Moved);
+      const moved = async () => {
+        const [targets, followers] = await Promise.all([find(model.get("_targets")), find(model.get("_followers"))]);
+        return { targets, followers } as Moved;
+      };
       playback = new Playback(model, moved, signal);
     },
     render({ model, el, signal }: Rendered<PlayerTraits>) {

@@ -8,6 +8,7 @@ from typing import Any, NamedTuple, Protocol
 from ipywidgets import Widget
 
 from .._core.sample_widget import SampleWidget
+from .._layout import OneScreen
 from .._widget_choice import WidgetChoice
 from ..player_widget import PlayerWidget
 from ..poses.places import Places
@@ -73,5 +74,5 @@ class PagedPlayer(Protocol):
     def tracks_of(self, recording: RecordingData) -> list[tuple[SampleWidget, Track]]:
         """Its widgets, with their tracks in its recording, opened anew."""
 
-    def arranged(self, scanogram: ScanogramWidget | None) -> list[Widget]:
-        """All that it shows, from top to bottom, with a scanogram of its own or another."""
+    def arranged(self, scanogram: ScanogramWidget | None, screen: OneScreen) -> Sequence[Widget]:
+        """All that it shows, from top to bottom, with a scanogram of its own or another, in its screen or another."""

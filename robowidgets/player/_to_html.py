@@ -15,6 +15,7 @@ import ipywidgets
 from .._core.cells import close_all
 from .._core.text import as_date
 from .._core.timed_frame import FRAME_HEADER, TimedFrame
+from .._layout import OneScreen
 from ..export.html import Heading, Page
 from ..export.models import Models, shown
 from ..export.segments import segment
@@ -81,7 +82,7 @@ def page_of(player: PagedPlayer, wanted: Wanted, scanogram: bool | None = None) 
             stack.callback(close_all, picture)
         seconds = _segment_seconds(tracks, start, end)
         models = _models(player, recording, picture, (start, end), seconds)
-        root = ipywidgets.VBox(player.arranged(picture))
+        root = ipywidgets.VBox(player.arranged(picture, OneScreen()))
         stack.callback(_close_boxes, root)
         for name in player._dom_classes:
             root.add_class(name)

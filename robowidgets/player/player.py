@@ -21,11 +21,20 @@ from .._core.output_file import checked_output
 from .._core.sample_widget import SampleWidget
 from .._core.time_traits import Marks, Seconds, TimeSpan
 from .._core.traits import Flag
-from .._layout import WIDE, columns, on_one_screen
-from .._widget_choice import WidgetChoice, choose_widgets
+from .._layout import WIDE, OneScreen, columns
+from .._widget_choice import (
+    AskedFor,
+    Entry,
+    OnShow,
+    WidgetChoice,
+    checked_arrangement,
+    choose_widgets,
+    of_topic,
+    wishes,
+)
 from ..export.html import MAX_SIZE, SUFFIXES
 from ..in_rerun.widget import RerunWidget
-from ..kinds import LASER, TOUCH, asked_of_fields, asked_of_type, load, topic_and_field
+from ..kinds import LASER, TOUCH, asked_of_fields, asked_of_type, load
 from ..player_widget import PlayerWidget
 from ..poses.places import WITHIN, Places
 from ..recordings import RecordingData
@@ -35,6 +44,7 @@ from ..recordings.topics import UnknownTopicError, wanted
 from ..samples.state_span import rows_of
 from ..scanogram_widget import ScanogramWidget
 from ..speed_widget import SpeedWidget
+from ..topics_widget import TopicRow, TopicsWidget
 from ._event_frames import event_marks, marks_of
 from ._frames import LOOKED_AT, Track, moment_at, moments_of, silent_after
 from ._leader import Leader
@@ -87,6 +97,8 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
     _prefetcher: Prefetcher | None = None
     _leader: Leader | None = None
     scanogram: ScanogramWidget | None = None
+    topic_list: TopicsWidget | None = None
+    _screen: OneScreen | None = None
 
     def _display_(self) -> Any:
         from marimo import md  # only marimo asks: it shows no box of ipywidgets, and a player leads those in its box
@@ -97,50 +109,56 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
         )
 
     def __init__(
-        self, recording: RecordingData, topics: Sequence[str] = (), scanogram: bool | None = None, rerun: bool = False
+        self,
+        recording: RecordingData,
+        topics: Sequence[str] = (),
+        scanogram: bool | None = None,
+        rerun: bool = False,
+        arrangement: Sequence[Entry] | None = None,
     ) -> None:
-        take_the_place(self)
+        earlier = take_the_place(self)
         self.recording = recording
         self.views: tuple[PlayerView, ...] = ()
-        _check(recording, topics)
+        asked = list(topics) if arrangement is None else [*topics, *checked_arrangement(arrangement)]
+        _check(recording, asked)
         self.rerun = RerunWidget(recording, topics, layout={**_BESIDE, "flex": f"3 1 {_VIEWER}"}) if rerun else None
-        there = recording.topics if topics else wanted(recording.topics, ())
-        shown = choose_widgets(there, topics, lambda name: not recording.why_unreadable(name))
-        self.views = tuple(_view(recording, choice) for choice in shown)
-        self._seeking = threading.Lock()
+        self.on_show = OnShow(asked)
+        for player in earlier:
+            if isinstance(player, Player) and player.recording.path == recording.path:
+                self.on_show.keep(player.on_show)
+        self._seeking = threading.RLock()
         self._problems = ipywidgets.HTML()
-        for view in self.views:
-            view.widget.has_rate = False
-            view.widget.follow_player()
-        freeze_together(view.widget for view in self.views)
+        shown = self._choose()
+        self._set_views(shown)
         moves = recording.duration and self.views
         scanned = next((choice.topic for choice in shown if choice.kind.name == LASER.name), "") if moves else ""
         beside = [name for choice in shown if not choice.takes_messages for name in choice.topics]
         self.scanogram, note = whole_drive(recording, scanned, beside, scanogram)
-        if self.scanogram:  # which has read the measured speeds
-            for view in self.views:
-                if isinstance(view.widget, SpeedWidget):
-                    view.widget.planar = is_planar(recording, view.choice.topics)
+        self._show_used_axes(self.views)
         self.bar = self._make_bar(note)
-        super().__init__(self.arranged(self.scanogram))
+        if moves and not rerun:
+            self._screen = OneScreen()
+            self.topic_list = TopicsWidget(self._on_toggle)
+            self.topic_list.set_rows(_rows(recording))
+        super().__init__()
+        self._arrange()
         self.add_class("rw-recording")  # the bar takes the keys of this element
         self.add_class("rw-one-screen")
+        if self.topic_list:
+            self.add_class("rw-has-topics")
         for name in ("time", "playing", "speed", "loop", "selection", "marks"):
             setattr(self, name, getattr(self.bar, name))
             self.observe(self._to_bar, name)
             self.bar.observe(self._from_bar, name)
-        self._prefetcher = ahead = Prefetcher(self._open_tracks, self._send_ahead, recording.duration, self._complain)
-        self.bar.on_msg(partial(self._on_page, ahead))
-        self.bar.observe(partial(self._on_time, ahead), ["time", "playing", "speed", "loop", "selection"])
-        for view in self.views:
-            if view.widget.frame_traits:
-                view.widget.observe(lambda _: ahead.start(), view.widget.frame_traits)
+        self._prefetcher = self._make_prefetcher()
+        self.bar.on_msg(self._on_page)
+        self.bar.observe(self._on_time, ["time", "playing", "speed", "loop", "selection"])
         if self.scanogram:
             self.bar.observe(partial(_select, self.scanogram), "selection")
             traitlets.link((self.bar, "marks"), (self.scanogram, "marks"))
         if self.rerun:
             traitlets.link((self, "time"), (self.rerun, "time"))
-        self._on_time(ahead, None)
+        self._on_time(None)
 
     def __repr__(self) -> str:
         shown = ", ".join(dict.fromkeys(title for view in self.views for title in view.choice.titles))
@@ -237,10 +255,9 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
             self.follow(None)
             self._prefetcher.close()
             close_all(self.bar)
-        if self.scanogram:
-            close_all(self.scanogram)
-        for widget in (*self.children, *(view.widget for view in self.views)):
-            close_all(widget)
+        for widget in (self.scanogram, *self.children, *(view.widget for view in self.views)):
+            if widget is not None:
+                close_all(widget)
         if self.comm is not None:
             self.layout.close()
         super().close()
@@ -255,16 +272,25 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
             duration=self.recording.duration,
             time=seconds,
             _segment=SEGMENT,
-            _targets=[view.widget.model_id for view in self.views],
-            _pauses=[_pause(self.recording, view.choice) for view in self.views],
-            _followers=followers(self.views, self.scanogram),
             _start=start_ns / 1e9 if has_date(start_ns) else None,
             _note=note,
             marks=marks_of(touch_marks(self.recording, touching), event_marks(self.recording)),
             # The scanogram shows all rows.
             states=rows_of(self.recording.states)[: 1 if self.scanogram else None],
-            _first=list(self._first_segments(int(seconds // SEGMENT))),
+            **self._of_views(seconds),
         )
+
+    def _of_views(self, seconds: float) -> dict[str, Any]:
+        """The traits of the bar that go by what is on show, with the first segments from a time on."""
+        return {
+            "_targets": [view.widget.model_id for view in self.views],
+            "_pauses": [_pause(self.recording, view.choice) for view in self.views],
+            "_followers": followers(self.views, self.scanogram),
+            "_first": [*self._first_segments(int(seconds // SEGMENT))],
+        }
+
+    def _make_prefetcher(self) -> Prefetcher:
+        return Prefetcher(self._open_tracks, self._send_ahead, self.recording.duration, self._complain)
 
     def _first_segments(self, first: int) -> Iterator[dict[str, Any]]:
         """The segments from a number on, as many as a notebook holds, in the form of the page."""
@@ -280,7 +306,7 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
     @property
     def left_out(self) -> tuple[Any, ...]:
         """What a page in a file has in another way, or cannot have."""
-        return (self._problems, *([self.rerun] if self.rerun else []))
+        return tuple(widget for widget in (self._problems, self.rerun, self.topic_list) if widget is not None)
 
     def tracks_of(self, recording: RecordingData) -> list[tuple[SampleWidget, Track]]:
         """Its widgets, and the track of each in its recording, opened anew: one thread at a time may read one."""
@@ -297,20 +323,108 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
     def _complain(self, problem: str) -> None:
         self.bar.complain(problem)
 
-    def arranged(self, scanogram: ScanogramWidget | None) -> list[ipywidgets.Widget]:
-        """All that it shows, from top to bottom, with a scanogram of its own or another."""
+    def arranged(self, scanogram: ScanogramWidget | None, screen: OneScreen) -> Sequence[ipywidgets.Widget]:
+        """All that it shows, from top to bottom, with a scanogram of its own or another, in its screen or another."""
         moves = self.recording.duration and self.views
         widgets = [view.widget for view in self.views]
-        if moves and not self.rerun:
-            wide = [widget for widget in widgets if widget.column == "wide"]
-            small = [widget for widget in widgets if widget.column != "wide"]
-            return [self._problems, self.bar, on_one_screen([scanogram] if scanogram else [], wide, small)]
+        if self.topic_list is not None:
+            added = [view.widget for view in self.views if view.choice.takes_messages]
+            others = [widget for widget in widgets if widget not in added]
+            wide = [widget for widget in others if widget.column == "wide"]
+            small = [widget for widget in others if widget.column != "wide"]
+            screen.arrange([scanogram] if scanogram else [], wide, small, added)
+            return [self._problems, self.bar, self.topic_list, screen]
         above = [self._problems, *([self.bar, *([scanogram] if scanogram else [])] if moves else [])]
         shown = ipywidgets.Box(columns(widgets), layout=WIDE)
         if not self.rerun:
             return [*above, shown]
         beside = ipywidgets.Box([shown], layout={**_BESIDE, "flex": "2 1 380px"})
         return [*above, ipywidgets.Box([self.rerun, beside], layout=WIDE)]
+
+    @property
+    def arrangement(self) -> Sequence[Any]:
+        """What is on show: topics and fields, as `Recording.show` takes them; a list is fields that share a plot.
+
+        It can be stored as JSON, and set again, or given to `Recording.show`.
+        """
+        return [entry if isinstance(entry, str) else [*entry] for entry in self._entries()]
+
+    @arrangement.setter
+    def arrangement(self, entries: Any) -> None:
+        asked = checked_arrangement(entries)
+        _check(self.recording, asked)
+        self.on_show = OnShow(asked)
+        self._show_chosen()
+
+    def _entries(self) -> Sequence[Entry]:
+        recording = self.recording
+        return self.on_show.entries(wanted(recording.topics, ()), lambda name: not recording.why_unreadable(name))
+
+    def _choose(self) -> tuple[WidgetChoice, ...]:
+        """The widgets of what is to be shown."""
+        return choose_widgets(self.recording.topics, self._entries())
+
+    def _set_views(self, shown: Sequence[WidgetChoice]) -> tuple[PlayerView, ...]:
+        """Have a view for each choice, and keep those that are there; returns the new ones."""
+        there = {view.choice: view for view in self.views}
+        self.views = tuple(there.get(choice) or _view(self.recording, choice) for choice in shown)
+        new = tuple(view for view in self.views if view.choice not in there)
+        for view in new:
+            view.widget.has_rate = False
+            view.widget.follow_player()
+            if view.widget.frame_traits:
+                view.widget.observe(self._on_frame_trait, view.widget.frame_traits)
+        freeze_together(view.widget for view in self.views)
+        return new
+
+    def _show_used_axes(self, views: Iterable[PlayerView]) -> None:
+        if self.scanogram:  # which has read the measured speeds
+            for view in views:
+                if isinstance(view.widget, SpeedWidget):
+                    view.widget.planar = is_planar(self.recording, view.choice.topics)
+
+    def _on_frame_trait(self, _change: Any) -> None:
+        if self._prefetcher:
+            self._prefetcher.start()
+
+    def _on_toggle(self, topic: str, on: bool) -> None:
+        """Show a topic, or take it off with its fields: a person wants it."""
+        known = {one.name: one for one in self.recording.topics}
+        if on:
+            _check(self.recording, [topic])
+            self.on_show.add(topic)
+        else:
+            self.on_show.take_off(of_topic(topic, self._entries(), known))
+        self._show_chosen()
+
+    def _show_chosen(self) -> None:
+        """Show what is to be shown by now. In the main thread or a subshell's."""
+        with self._seeking:
+            before = self.views
+            new = self._set_views(self._choose())
+            self._show_used_axes(new)
+            if self._prefetcher:
+                self._prefetcher.close()
+            with self.bar.hold_sync():
+                for name, value in self._of_views(self.bar.time).items():
+                    setattr(self.bar, name, value)
+            self._prefetcher = self._make_prefetcher()
+            self._prefetcher.start()
+            self._arrange()
+            for view in before:
+                if view not in self.views:
+                    close_all(view.widget)
+            self._on_time(None)
+
+    def _arrange(self) -> None:
+        """Put all that is shown into its place."""
+        self.children = self.arranged(self.scanogram, self._screen or OneScreen())
+        if self.topic_list is not None:
+            titles: dict[str, dict[str, None]] = {}
+            for view in self.views:
+                for topic in view.choice.topics:
+                    titles.setdefault(topic, {})[view.choice.titles[0]] = None
+            self.topic_list.show({topic: tuple(names) for topic, names in titles.items()})
 
     def _from_bar(self, change: Any) -> None:
         setattr(self, change["name"], change["new"])
@@ -323,8 +437,11 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
                 # While a page plays, it takes a time from Python for the time of another page.
                 self.bar.send({"seek": value})
 
-    def _on_page(self, ahead: Prefetcher, _bar: PlayerWidget, content: dict[str, Any], _buffers: Any) -> None:
+    def _on_page(self, _bar: PlayerWidget, content: dict[str, Any], _buffers: Any) -> None:
         """What a page says: that it has no segment, or lacks that of a time, or that to which a step leads."""
+        ahead = self._prefetcher
+        if ahead is None:
+            return
         if "have" in content:
             ahead.start()
         elif "pointed" in content:
@@ -334,8 +451,10 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
 
     def _step(self, seconds: float, direction: int) -> None:
         """Go from a time to the next or previous sample of the first widget, which may be an hour away."""
-        choice = self.views[0].choice
         with self._seeking:
+            if not self.views:
+                return
+            choice = self.views[0].choice
             if direction > 0:
                 later = moments_of(self.recording, choice, (choice.topic,), seconds)
                 found = next((m for m in later if m.seconds > seconds), None)
@@ -344,8 +463,9 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
         if found:
             self.bar.send({"seek": found.seconds, "step": [seconds, direction]})
 
-    def _on_time(self, ahead: Prefetcher, change: Any) -> None:
-        bar = self.bar
+    def _on_time(self, change: Any) -> None:
+        bar, ahead = self.bar, self._prefetcher
+        assert ahead is not None
         # After a change of another trait, the time that the page sent last is outdated.
         seconds = bar.time if change is None or change["name"] == "time" else None
         ahead.set_time(seconds, bar.speed if bar.playing else 0.0, bar.span, loops=bar.loop)
@@ -371,18 +491,35 @@ def _select(scanogram: ScanogramWidget, change: Any) -> None:
         scanogram.selection = change["new"]
 
 
-def _check(recording: RecordingData, names: Sequence[str]) -> None:
+def _check(recording: RecordingData, entries: Sequence[Entry]) -> None:
     """Check that a recording is open, and that widgets can show these topics and fields of it."""
     recording.samples(())
-    there = {topic.name: topic for topic in recording.topics}
-    for name in names:
-        topic, field = topic_and_field(name, there) if isinstance(name, str) else (name, "")
-        if field and topic in there and asked_of_fields():
-            recording.fields(topic)[[field]]  # raises for one that is not there
-        elif field or topic not in there or there[topic].widget or not asked_of_type(there[topic].type):
-            recording.check(name if topic in there else topic)
-        elif why := recording.why_unreadable(topic):
-            raise UnknownTopicError(f"{recording.path.name}: topic {topic!r} cannot be shown: {why}")
+    for entry in entries:
+        if not isinstance(entry, (str, tuple)):
+            raise TypeError(f"expected the name of a topic as text, got {entry!r}")
+    for wish in wishes(entries, [topic.name for topic in recording.topics]):
+        _check_entry(recording, wish)
+
+
+def _rows(recording: RecordingData) -> Iterator[TopicRow]:
+    """The topics of a recording, for the list."""
+    for topic in recording.topics:
+        why = topic.problem or ("" if topic.widget else recording.why_unreadable(topic.name))
+        asked = None if why else asked_of_type(topic.type)
+        row = topic.widget or (asked.name if asked else "")
+        problem = why or ("" if row else f"no widget shows {topic.type}")
+        yield TopicRow(topic.name, topic.type, topic.count, topic.rate, row, problem)
+
+
+def _check_entry(recording: RecordingData, wish: AskedFor) -> None:
+    """Check that a topic or a field is there, and that a widget can show it."""
+    topic = next((one for one in recording.topics if one.name == wish.topic), None)
+    if wish.field and topic is not None and asked_of_fields():
+        recording.fields(wish.topic)[[wish.field]]  # raises for one that is not there
+    elif topic is None or wish.field or not (topic.widget or wish.row or asked_of_type(topic.type)):
+        recording.check(wish.topic)
+    elif (not topic.widget or wish.row) and (why := recording.why_unreadable(wish.topic)):
+        raise UnknownTopicError(f"{recording.path.name}: topic {wish.topic!r} cannot be shown: {why}")
 
 
 def _view(recording: RecordingData, choice: WidgetChoice) -> PlayerView:

@@ -174,18 +174,44 @@ function watchLayout(element, layout) {
 
 const modelOf = (reference) => models.get(reference.replace("IPY_MODEL_", ""));
 
+/** Shows what a box holds. As in ipywidgets, from the first child on that is another one all views are new. */
+async function holdChildren(element, model, ended) {
+  const shown = [];
+  const update = async () => {
+    const names = model.get("children");
+    const same = [...shown, null].findIndex((child, i) => child === null || child.name !== names[i]);
+    for (const gone of shown.splice(same)) {
+      gone.ended.abort();
+      gone.element.remove();
+    }
+    for (const name of names.slice(same)) {
+      const own = new AbortController();
+      ended.signal.addEventListener("abort", () => own.abort());
+      const child = await view(modelOf(name), own);
+      shown.push({ name, element: child, ended: own });
+      element.append(child);
+    }
+  };
+  let updated = update();
+  model.on("change:children", () => {
+    updated = updated.then(update);
+  });
+  await updated;
+}
+
 /** A view of a widget, with all that it holds where it is a box; a text is shown as it is now. */
 async function view(model, ended) {
   const element = document.createElement("div");
   element.className = "widget";
   element.classList.add(...(model.get("_dom_classes") ?? []));
+  model.on("change:_dom_classes", () => element.classList.add(...model.get("_dom_classes")));
   watchLayout(element, modelOf(model.get("layout")));
   const kind = model.get("_model_name");
   if (kind === "HTMLModel") element.innerHTML = model.get("value");
   if (kind.endsWith("BoxModel")) {
     // As ipywidgets names them.
     element.classList.add("box", kind, ...(kind === "HBoxModel" ? ["widget-hbox"] : []));
-    for (const child of model.get("children")) element.append(await view(modelOf(child), ended));
+    await holdChildren(element, model, ended);
   }
   if (!model.get("_esm")) return element;
   const widget = await model.widget;

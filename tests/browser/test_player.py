@@ -315,7 +315,8 @@ def test_what_is_of_another_moment_is_pale_until_its_data_come(
     expect(laser).to_have_class(ready)
 
 
-BOXES = """() => [...document.querySelectorAll(".rw-recording, .rw-recording .rw-card")].map(element => {
+BOXES = """() => [...document.querySelectorAll(
+    ".rw-recording, .rw-recording .rw-card:not(.rw-topics)")].map(element => {
     const { x, y, width, height } = element.getBoundingClientRect();
     const [, kind] = element.className.match(/rw-(recording|player|scanogram|laser|speed|touch|path)(?!-)/);
     return [kind, [x, y, width, height]];

@@ -140,7 +140,7 @@ async function play(values: Record<string, unknown> = {}, segments = [0, 1, 2]) 
   const follower = new FakeModel({ time: 0, selection: null });
   Object.assign(follower, { set_state: (state: Record<string, unknown>) => follower.receive(state) });
   const moved = { targets: [target], followers: [follower as unknown as Moved["followers"][number]] };
-  const playback = new Playback(fake.model, Promise.resolve(moved), controller.signal);
+  const playback = new Playback(fake.model, async () => moved, controller.signal);
   await Promise.resolve();
   const give = (index: number) =>
     fake.tell({ segment: index, drop: [], abouts: [[{ frame_id: `${index}` }]] }, [

@@ -49,7 +49,7 @@ export class Playback {
   /** Whether the segment of the moment on show is missing. */
   #lacks = true;
 
-  constructor(model: Model<PlayerTraits>, moved: Promise<Moved>, signal: AbortSignal) {
+  constructor(model: Model<PlayerTraits>, find: () => Promise<Moved>, signal: AbortSignal) {
     this.#model = model;
     this.#time = model.get("time");
     this.#segments = new Segments(model.get("_segment"));
@@ -61,21 +61,38 @@ export class Playback {
     onChange(model, ["speed", "loop", "selection", "marks", "_status", "_leader"], () => this.#changed(), signal);
     onMessage(model, (message: Message, buffers) => this.#onMessage(message, buffers), signal);
     followLeader(model, (time) => this.#goToPlace(time), signal);
-    for (const first of model.get("_first")) this.#onMessage(first, first.tracks);
-    moved.then((found) => {
-      this.#followers = found.followers;
-      this.#targets = new Targets(found.targets);
-      for (const follower of found.followers) this.#follow(follower, signal);
-      for (const target of found.targets) {
-        this.#watchFreezing(target, signal);
-        this.#watchPicking(target, signal);
-        onChange(target, ["trail", "spread"], () => this.#show(), signal);
-      }
+    let change = new AbortController();
+    onAbort(signal, () => change.abort());
+    const move = async () => {
+      change.abort();
+      change = new AbortController();
+      const now = change.signal;
+      // Frames and targets belong together.
+      this.#targets = new Targets([]);
+      this.#segments.clear();
+      for (const first of model.get("_first")) this.#onMessage(first, first.tracks);
+      const found = await find();
+      if (!now.aborted && !signal.aborted) this.#move(found, now);
+    };
+    onChange(model, ["_targets"], move, signal);
+    move().then(() => {
       // Another page may have segments; this one has none.
       model.send({ have: "nothing" });
-      this.#show();
       this.#onPlaying();
     });
+  }
+
+  /** Moves these, until what is on show changes. */
+  #move(found: Moved, signal: AbortSignal): void {
+    this.#followers = found.followers;
+    this.#targets = new Targets(found.targets);
+    for (const follower of found.followers) this.#follow(follower, signal);
+    for (const target of found.targets) {
+      this.#watchFreezing(target, signal);
+      this.#watchPicking(target, signal);
+      onChange(target, ["trail", "spread"], () => this.#show(), signal);
+    }
+    this.#show();
   }
 
   get time(): number {

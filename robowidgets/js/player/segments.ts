@@ -52,6 +52,10 @@ export class Segments {
     this.#tracks.set(index, tracks);
   }
 
+  clear(): void {
+    this.#tracks.clear();
+  }
+
   drop(indices: number[]): void {
     for (const index of indices) this.#tracks.delete(index);
   }

@@ -47,11 +47,11 @@ def words(view: FeedView) -> str:
 
 
 def leaves(box: Any) -> list[Any]:
-    return [leaf for child in box.children for leaf in leaves(child)] if type(box) is Box else [box]
+    return [leaf for child in box.children for leaf in leaves(child)] if isinstance(box, Box) else [box]
 
 
 def on_page(view: FeedView) -> list[str]:
-    return [widget.title for widget in leaves(view.children[2])]
+    return [widget.title for widget in leaves(view.children[-1])]
 
 
 def test_every_topic_that_can_be_shown_gets_its_widget(opened: Opened) -> None:
@@ -70,7 +70,7 @@ def test_every_topic_that_can_be_shown_gets_its_widget(opened: Opened) -> None:
     assert view.widgets["/scan"].scan.ranges[0] == 1.5
     assert view.widgets["/odom"].speed.linear[0] == 0.2
     assert view.widgets["/odom"].commanded.linear[0] == 0.3
-    (path,) = [widget for widget in leaves(view.children[2]) if isinstance(widget, PathWidget)]
+    (path,) = [widget for widget in leaves(view.children[-1]) if isinstance(widget, PathWidget)]
     assert path.pose is not None
     assert path.pose.x == 1.5
 
@@ -160,14 +160,14 @@ def places(view: FeedView) -> dict[str, list[str]]:
     """The boxes of the screen, with the classes of the widgets in them."""
 
     def found(box: Any) -> Iterator[tuple[str, list[str]]]:
-        shown = [type(widget).__name__ for widget in box.children if type(widget) is not Box]
+        shown = [type(widget).__name__ for widget in box.children if not isinstance(widget, Box)]
         if shown:
             yield box._dom_classes[0], shown
         for inner in box.children:
-            if type(inner) is Box:
+            if isinstance(inner, Box):
                 yield from found(inner)
 
-    return dict(found(view.children[2]))
+    return dict(found(view.children[-1]))
 
 
 def test_a_simulated_robot_is_shown_in_its_room_which_makes_way_for_a_machine() -> None:
@@ -185,7 +185,7 @@ def test_a_simulated_robot_is_shown_in_its_room_which_makes_way_for_a_machine() 
             return Drive()
 
         assert places(view)["rw-mains"] == ["View", "ProgramWidget"]
-        before = view.children[2]
+        before = view.children[-1]
 
         class Walker:
             forward = turn = None
@@ -197,8 +197,8 @@ def test_a_simulated_robot_is_shown_in_its_room_which_makes_way_for_a_machine() 
             "rw-smalls": low,
             "rw-wides": ["View", "LaserWidget"],
         }
-        assert before.comm is None, "boxes that are no longer on the page are closed"
-        screen, room = view.children[2], view.room
+        assert view.children[-1] is before, "what stays on the page keeps its place"
+        screen, room = before, view.room
         assert room is not None
         view.close()
         assert [box.comm for box in (screen, *screen.children)] == [None] * 3

@@ -1,0 +1,467 @@
+import { make, makeButton, makeSvg, mount, setHidden, setLabel, setText } from "../shared/dom.ts";
+import { isPlain, on, onAbort } from "../shared/events.ts";
+import { keepKeys } from "../shared/keys.ts";
+import { lacksKernel, type Model, NO_KERNEL, onChange, onMessage, setTraits } from "../shared/model.ts";
+import { perAnimationFrame } from "../shared/schedule.ts";
+import { followTheme } from "../shared/theme.ts";
+import { Cards } from "./cards.ts";
+import { type Group, nameIn, shortType, toCount, toFacts, toFolded, toGroups, toRate } from "./groups.ts";
+import { makeTypeIcon } from "./icons.ts";
+import type { TopicRow, TopicsTraits } from "./traits.ts";
+
+const ROW = 20;
+/** Rows that are on the page at most; more would be slow to lay out, and nobody reads them. */
+const MOST_ROWS = 400;
+/** Milliseconds after which a kernel that has not answered is busy. */
+const BUSY_MS = 700;
+/** Milliseconds of a finger on a row, after which it is only looked at. */
+const LONG_MS = 500;
+
+const NO_ROW: TopicRow = { name: "", type: "", messages: null, rate: null, widget: "", problem: "" };
+
+/** A row or a heading on the page. */
+interface Line {
+  element: HTMLElement;
+  group: Group;
+  /** Null for a heading. */
+  row: TopicRow | null;
+}
+
+/** The list of all topics: a click shows one or takes it off. It folds away to a rail. */
+export class TopicsView {
+  readonly #model: Model<TopicsTraits>;
+  readonly #root = make("div", "rw-card rw-topics");
+  readonly #rail: HTMLButtonElement;
+  readonly #railText = make("span", "");
+  readonly #facts = make("span", "rw-facts");
+  readonly #search: HTMLButtonElement;
+  readonly #filter = make("input", "rw-topics-filter");
+  readonly #unit: HTMLButtonElement;
+  readonly #body = make("div", "rw-topics-body");
+  readonly #live = make("div", "rw-unseen");
+  readonly #footName = make("b", "");
+  readonly #footType = make("span", "rw-topics-foot-type");
+  readonly #footFacts = make("div", "rw-topics-foot-facts");
+  readonly #footButton: HTMLButtonElement;
+  readonly #cards: Cards;
+  readonly #signal: AbortSignal;
+  readonly #redraw: () => void;
+  #lines: Line[] = [];
+  #at = "";
+  #showsCounts = false;
+  readonly #byHand = new Map<string, boolean>();
+  /** What was asked for and not answered yet, with the time. */
+  readonly #pending = new Map<string, boolean>();
+  #isBusy = false;
+  #timer: ReturnType<typeof setTimeout> | undefined;
+  #room = 0;
+
+  constructor(model: Model<TopicsTraits>, element: HTMLElement, signal: AbortSignal) {
+    this.#model = model;
+    this.#signal = signal;
+    this.#cards = new Cards(this.#root);
+    this.#redraw = perAnimationFrame(() => this.#draw(), signal);
+    this.#rail = makeButton("rw-topics-rail", "", () => this.#fold(false), signal);
+    this.#rail.append(makeLine("M1.5 3h1M5 3h6M1.5 6h1M5 6h6M1.5 9h1M5 9h6"), this.#railText);
+    this.#search = makeButton("rw-topics-search", "Filter by name and type (/)", () => this.#openFilter(), signal);
+    this.#search.append(makeLine("M5 1.5a3.5 3.5 0 1 0 0 7a3.5 3.5 0 1 0 0-7M7.7 7.7L11 11"));
+    const fold = makeButton("rw-topics-fold", "Fold the list away", () => this.#fold(true), signal);
+    fold.append(makeLine("M6 2L2 6l4 4M10 2L6 6l4 4"));
+    this.#unit = makeButton("rw-topics-unit", "", () => this.#toggleUnit(), signal);
+    this.#footButton = makeButton("rw-topics-show", "", () => this.#toggleAt(), signal);
+    this.#footButton.ariaLabel = null;
+    onAbort(signal, () => clearTimeout(this.#timer));
+    this.#root.append(this.#rail, this.#makePanel(fold), this.#live);
+    this.#root.role = "group";
+    this.#root.ariaLabel = "topics";
+    this.#live.ariaLive = "polite";
+    mount(element, this.#root, signal);
+    followTheme(this.#root, signal);
+    keepKeys(this.#root, signal);
+    onChange(model, ["_rows", "_shown", "folded", "_fixed", "_error"], this.#redraw, signal);
+    onMessage(model, (message: { done?: string }) => this.#onDone(message.done), signal);
+    // Not for each row: there may be many.
+    const size = new ResizeObserver(() => this.#onSize());
+    size.observe(this.#body);
+    onAbort(signal, () => size.disconnect());
+    this.#draw();
+  }
+
+  #makePanel(fold: HTMLElement): HTMLElement {
+    const panel = make("div", "rw-topics-panel");
+    const header = make("div", "rw-header");
+    const controls = make("span", "rw-controls");
+    controls.append(this.#search, fold);
+    header.append(make("span", "rw-title", "Topics"), this.#facts, controls);
+    this.#filter.type = "search";
+    this.#filter.placeholder = "name or type";
+    this.#filter.ariaLabel = "Filter topics by name and type";
+    this.#filter.hidden = true;
+    on(this.#filter, "input", this.#redraw, this.#signal);
+    on(this.#filter, "keydown", (event) => this.#onFilterKey(event), this.#signal);
+    const head = make("div", "rw-topics-head");
+    head.append(make("span", "", "show · name · type"), this.#unit);
+    this.#body.role = "treegrid";
+    this.#body.ariaLabel = "topics";
+    on(this.#body, "keydown", (event) => this.#onKey(event), this.#signal);
+    on(this.#body, "click", (event) => this.#onClick(event), this.#signal);
+    on(this.#body, "pointerover", (event) => this.#onPoint(event), this.#signal);
+    on(this.#body, "pointerleave", () => this.#cards.light([]), this.#signal);
+    on(this.#body, "focusin", (event) => this.#onFocus(event), this.#signal);
+    this.#watchLongPress();
+    const foot = make("div", "rw-topics-foot");
+    const first = make("div", "rw-topics-foot-row");
+    first.append(this.#footName, this.#footType, this.#footButton);
+    foot.append(first, this.#footFacts);
+    panel.append(header, this.#filter, head, this.#body, foot);
+    return panel;
+  }
+
+  get #canChange(): boolean {
+    return !this.#model.get("_fixed") && !lacksKernel(this.#model);
+  }
+
+  #isShown(name: string): boolean {
+    return this.#pending.get(name) ?? name in this.#model.get("_shown");
+  }
+
+  get #rows(): TopicRow[] {
+    return this.#model.get("_rows");
+  }
+
+  get #row(): TopicRow | undefined {
+    return this.#rows.find(({ name }) => name === this.#at);
+  }
+
+  // -- drawing -------------------------------------------------------------------------------------------------------
+
+  #draw(): void {
+    const rows = this.#rows;
+    const shown = rows.filter(({ name }) => this.#isShown(name)).length;
+    const isMissing = rows.some(
+      ({ name, messages: count, problem }) => !problem && count !== 0 && !this.#isShown(name),
+    );
+    const folded = this.#model.get("folded");
+    this.#root.dataset.open = folded === null ? (isMissing ? "auto" : "no") : folded ? "no" : "yes";
+    this.#root.toggleAttribute("data-fixed", !this.#canChange);
+    setText(this.#railText, `Topics ${shown} / ${rows.length}`);
+    setLabel(this.#rail, `List all topics: ${shown} of ${rows.length} are shown`);
+    setText(this.#facts, `${shown} of ${rows.length} shown`);
+    setText(this.#unit, this.#showsCounts ? "count ▾" : "Hz ▾");
+    setLabel(this.#unit, this.#showsCounts ? "Messages; to Hz" : "Messages per second; to their number");
+    this.#drawRows(rows);
+    this.#drawFoot();
+  }
+
+  #drawRows(rows: TopicRow[]): void {
+    const filter = this.#filter.hidden ? "" : this.#filter.value;
+    const groups = toGroups(rows, filter);
+    const room = this.#room || rows.length;
+    const folded = filter ? new Set<string>() : toFolded(groups, (name) => this.#isShown(name), room, this.#byHand);
+    const hadFocus = this.#body.contains(document.activeElement);
+    const { scrollTop } = this.#body;
+    const lines: Line[] = [];
+    for (const group of groups) {
+      if (group.name) lines.push({ element: this.#makeHeading(group, folded.has(group.name)), group, row: null });
+      if (folded.has(group.name)) continue;
+      for (const row of group.rows) lines.push({ element: this.#makeRow(group, row), group, row });
+    }
+    this.#lines = lines.slice(0, MOST_ROWS);
+    const elements = this.#lines.map((line) => line.element);
+    const left = lines.length - this.#lines.length;
+    const more = left
+      ? [make("div", "rw-topics-more", `and ${left.toLocaleString("en")} more: filter them by name`)]
+      : [];
+    const none = lines.length
+      ? []
+      : [make("div", "rw-topics-more", rows.length ? "none of this name" : "no topic yet")];
+    this.#body.replaceChildren(...elements, ...more, ...none);
+    this.#body.scrollTop = scrollTop;
+    const at = this.#lineAt() ?? this.#lines[0];
+    if (at) {
+      at.element.tabIndex = 0;
+      if (hadFocus) at.element.focus({ preventScroll: true });
+    }
+  }
+
+  #makeHeading(group: Group, isFolded: boolean): HTMLElement {
+    const heading = make("div", "rw-topics-group");
+    heading.role = "row";
+    heading.tabIndex = -1;
+    heading.dataset.key = `group ${group.name}`;
+    heading.ariaExpanded = String(!isFolded);
+    heading.ariaLevel = "1";
+    heading.append(make("span", "rw-topics-sign", isFolded ? "▸" : "▾"), make("b", "", group.name));
+    heading.append(make("span", "rw-topics-number", `${group.rows.length}`));
+    if (isFolded) {
+      const inside = group.rows.slice(0, 8).map(({ name }) => nameIn(group, name));
+      heading.append(make("span", "rw-topics-inside", inside.join(", ")));
+    }
+    return heading;
+  }
+
+  #makeRow(group: Group, row: TopicRow): HTMLElement {
+    const { name, type, messages: count, rate, widget, problem } = row;
+    const line = make("div", "rw-topic");
+    line.role = "row";
+    line.tabIndex = -1;
+    line.dataset.key = name;
+    line.ariaLevel = group.name ? "2" : "1";
+    const isShown = this.#isShown(name);
+    line.toggleAttribute("data-shown", isShown);
+    line.toggleAttribute("data-pending", this.#pending.has(name));
+    line.toggleAttribute("data-in-group", Boolean(group.name));
+    line.toggleAttribute("data-unreadable", Boolean(problem));
+    line.toggleAttribute("data-at", name === this.#at);
+    const short = shortType(type) || "unknown type";
+    const words = [name, short, ...toFacts(count, rate), problem || (isShown ? "shown" : "not shown")];
+    line.ariaLabel = words.join(", ");
+    line.title = name;
+    line.append(make("span", "rw-topic-square"), makeTypeIcon(short), makeName(nameIn(group, name)));
+    if (problem) line.append(make("span", "rw-topic-why", problem));
+    else line.append(make("span", "rw-topic-type", short), make("span", "rw-topic-value", isShown ? "" : widget));
+    const number = this.#showsCounts ? toCount(count) : toRate(count, rate);
+    if (!problem) line.append(make("span", "rw-topic-rate", count === 0 ? "none" : number));
+    for (const cell of line.children) cell.role = "gridcell";
+    return line;
+  }
+
+  #drawFoot(): void {
+    const row = this.#row;
+    const error = this.#model.get("_error");
+    const { name, type, messages: count, rate, widget, problem } = row ?? NO_ROW;
+    setText(this.#footName, name);
+    setText(this.#footType, type);
+    this.#footName.title = name;
+    this.#footType.title = type;
+    const isShown = this.#isShown(name);
+    const by = widget && !problem ? [`shown by ${widget}`] : [];
+    const waits = this.#pending.size > 0 && this.#isBusy;
+    const text = waits
+      ? "the kernel is busy: it follows when the cell ends"
+      : error || problem || [...toFacts(count, rate), ...by].join(" · ");
+    const help =
+      lacksKernel(this.#model) && !this.#model.get("_fixed") ? NO_KERNEL : "point at a topic, or type / to filter";
+    setText(this.#footFacts, text || (row ? "" : help));
+    this.#footFacts.title = text;
+    setHidden(this.#footButton, !row || !this.#canChange || (Boolean(problem) && !isShown));
+    setText(this.#footButton, isShown ? "Take off" : "Show");
+    this.#footButton.title = isShown ? "Take it off the screen (space)" : "Put it on the screen (space)";
+  }
+
+  #onSize(): void {
+    const row = this.#lines.find((line) => line.row)?.element.offsetHeight || ROW;
+    const there = Math.floor(this.#body.clientHeight / row);
+    if (there === this.#room) return;
+    this.#room = there;
+    this.#redraw();
+  }
+
+  // -- what a person does --------------------------------------------------------------------------------------------
+
+  #fold(folded: boolean): void {
+    setTraits(this.#model, { folded });
+    this.#draw();
+    const next = folded ? this.#rail : this.#lineAt()?.element;
+    next?.focus({ preventScroll: true });
+  }
+
+  #toggleUnit(): void {
+    this.#showsCounts = !this.#showsCounts;
+    this.#draw();
+  }
+
+  #toggleAt(): void {
+    if (this.#row) this.#toggle(this.#row);
+  }
+
+  /** Shows a topic or takes it off: Python does, which may be busy. */
+  #toggle({ name, problem }: TopicRow): void {
+    const isShown = this.#isShown(name);
+    if (!this.#canChange || (problem && !isShown)) return;
+    this.#pending.set(name, !isShown);
+    this.#model.send({ toggle: name, on: !isShown });
+    clearTimeout(this.#timer);
+    this.#timer = setTimeout(() => {
+      this.#isBusy = this.#pending.size > 0;
+      this.#redraw();
+    }, BUSY_MS);
+    this.#redraw();
+  }
+
+  #onDone(name?: string): void {
+    if (name === undefined) return;
+    const wanted = this.#pending.get(name);
+    this.#pending.delete(name);
+    this.#isBusy = false;
+    const shown = this.#model.get("_shown");
+    const cards = new Set(Object.values(shown).flat()).size;
+    const isShown = name in shown;
+    if (wanted === isShown) this.#live.textContent = isShown ? `${name} shown, ${cards} cards` : `${name} taken off`;
+    this.#redraw();
+  }
+
+  #onClick(event: MouseEvent): void {
+    const line = this.#lineOf(event.target);
+    if (!line) return;
+    this.#goTo(line, false);
+    if (!line.row) this.#setFolded(line.group.name, line.element.ariaExpanded === "true");
+    else if (isIn(event.target, ".rw-topic-value") && this.#isShown(line.row.name)) this.#scrollTo(line.row.name);
+    else this.#toggle(line.row);
+  }
+
+  /** A finger that stays on a row looks at it, and a lift does nothing then. */
+  #watchLongPress(): void {
+    let timer: ReturnType<typeof setTimeout> | undefined;
+    let isLong = false;
+    const end = () => clearTimeout(timer);
+    onAbort(this.#signal, end);
+    const onDown = (event: PointerEvent) => {
+      isLong = false;
+      const line = this.#lineOf(event.target);
+      if (event.pointerType !== "touch" || !line) return;
+      timer = setTimeout(() => {
+        isLong = true;
+        this.#goTo(line, false);
+      }, LONG_MS);
+    };
+    on(this.#body, "pointerdown", onDown, this.#signal);
+    for (const type of ["pointerup", "pointercancel"] as const) on(this.#body, type, end, this.#signal);
+    const onClick = (event: MouseEvent) => isLong && event.stopImmediatePropagation();
+    on(this.#body, "click", onClick, this.#signal, { capture: true });
+  }
+
+  #onPoint(event: PointerEvent): void {
+    const line = this.#lineOf(event.target);
+    if (event.pointerType === "touch" || !line) return;
+    this.#cards.light(line.row ? (this.#model.get("_shown")[line.row.name] ?? []) : []);
+    if (line.row && !this.#body.contains(document.activeElement)) this.#lookAt(line);
+  }
+
+  #onFocus(event: FocusEvent): void {
+    const line = this.#lineOf(event.target);
+    if (line) this.#lookAt(line);
+  }
+
+  #lookAt(line: Line): void {
+    const key = line.element.dataset.key ?? "";
+    if (key === this.#at) return;
+    for (const one of this.#lines) one.element.toggleAttribute("data-at", one === line);
+    for (const one of this.#lines) one.element.tabIndex = one === line ? 0 : -1;
+    this.#at = key;
+    this.#drawFoot();
+  }
+
+  #goTo(line: Line, scrolls: boolean): void {
+    this.#lookAt(line);
+    line.element.focus({ preventScroll: true });
+    if (scrolls) line.element.scrollIntoView({ block: "nearest" });
+  }
+
+  #scrollTo(name: string): void {
+    this.#cards.show(this.#model.get("_shown")[name] ?? []);
+  }
+
+  #setFolded(name: string, isFolded: boolean): void {
+    this.#byHand.set(name, isFolded);
+    this.#draw();
+  }
+
+  #onKey(event: KeyboardEvent): void {
+    if (!isPlain(event)) return;
+    const place = this.#lines.findIndex((line) => line.element.dataset.key === this.#at);
+    const line = this.#lines[place];
+    const take = () => {
+      event.preventDefault();
+      event.stopPropagation();
+    };
+    if (event.key === "/") {
+      take();
+      this.#openFilter();
+    } else if (event.key === "Escape") {
+      take();
+      this.#closeFilter();
+    } else if (event.key === "ArrowDown" || event.key === "ArrowUp") {
+      take();
+      const next = this.#lines[place + (event.key === "ArrowDown" ? 1 : -1)];
+      if (next) this.#goTo(next, true);
+    } else if (event.key === "Home" || event.key === "End") {
+      take();
+      const next = event.key === "Home" ? this.#lines[0] : this.#lines.at(-1);
+      if (next) this.#goTo(next, true);
+    } else if (line && (event.key === "ArrowLeft" || event.key === "ArrowRight")) {
+      take();
+      const heading = this.#lines.find((one) => !one.row && one.group.name === line.group.name);
+      if (event.key === "ArrowLeft" && line.row && heading) this.#goTo(heading, true);
+      else if (!line.row) this.#setFolded(line.group.name, event.key === "ArrowLeft");
+    } else if (line && event.key === " ") {
+      take();
+      if (line.row) this.#toggle(line.row);
+      else this.#setFolded(line.group.name, line.element.ariaExpanded === "true");
+    } else if (line?.row && event.key === "Enter") {
+      take();
+      this.#scrollTo(line.row.name);
+    }
+  }
+
+  #openFilter(): void {
+    this.#filter.hidden = false;
+    this.#filter.focus();
+    this.#search.ariaPressed = "true";
+  }
+
+  #closeFilter(): void {
+    if (this.#filter.hidden) {
+      (document.activeElement as HTMLElement | null)?.blur();
+      return;
+    }
+    this.#filter.value = "";
+    this.#filter.hidden = true;
+    this.#search.ariaPressed = "false";
+    this.#draw();
+    (this.#lineAt() ?? this.#lines[0])?.element.focus({ preventScroll: true });
+  }
+
+  #onFilterKey(event: KeyboardEvent): void {
+    event.stopPropagation();
+    if (event.key === "Escape" && this.#filter.value) {
+      event.preventDefault();
+      this.#filter.value = "";
+      this.#redraw();
+    } else if (event.key === "Escape") {
+      this.#closeFilter();
+    } else if (event.key === "ArrowDown" || event.key === "Enter") {
+      event.preventDefault();
+      const first = this.#lines.find((line) => line.row);
+      if (first) this.#goTo(first, true);
+    }
+  }
+
+  #lineAt(): Line | undefined {
+    return this.#lines.find((line) => line.element.dataset.key === this.#at);
+  }
+
+  #lineOf(target: EventTarget | null): Line | undefined {
+    return this.#lines.find((line) => target instanceof Node && line.element.contains(target));
+  }
+}
+
+function isIn(target: EventTarget | null, selector: string): boolean {
+  return target instanceof Element && target.closest(selector) !== null;
+}
+
+/** A name whose middle gives way first. */
+function makeName(name: string): HTMLElement {
+  const TAIL = 9;
+  const whole = make("span", "rw-topic-name");
+  if (name.length <= 2 * TAIL) whole.append(make("span", "rw-topic-name-head", name));
+  else whole.append(make("span", "rw-topic-name-head", name.slice(0, -TAIL)), make("span", "", name.slice(-TAIL)));
+  return whole;
+}
+
+/** An icon of lines, 12 by 12. */
+function makeLine(d: string): SVGElement {
+  const icon = makeSvg("svg", { viewBox: "0 0 12 12", class: "rw-topics-line", "aria-hidden": "true" });
+  icon.append(makeSvg("path", { d }));
+  return icon;
+}

@@ -1,0 +1,117 @@
+"""The list of topics: what it shows, what a click, keys and a finger do, and how it stands beside the rest."""
+
+from __future__ import annotations
+
+import struct
+from collections.abc import Callable, Iterator
+from contextlib import closing
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import pytest
+from playwright.sync_api import Locator, expect
+
+import robowidgets
+from robowidgets import kinds
+from robowidgets.recordings.files import open_source
+
+from ..fourth_kind.asked import ANY, AnyWidget, added
+from ..fourth_kind.number_widget import build
+from ..unit.recordings import recorded
+from .chromium import LOOKS, shoot
+from .plain_page import PlainPage
+
+Open = Callable[..., PlainPage]
+
+FLOAT = "std_msgs/msg/Float64"
+
+
+class ShownAny(AnyWidget):
+    """Has the front end of a number."""
+
+    def frame_of(self, sample: Any) -> tuple[dict[str, Any], bytes]:
+        """See `AnyWidget`."""
+        return {"unit": ""}, struct.pack("<d", float("nan") if sample is None else sample.data)
+
+    def _pack(self, sample: Any) -> bytes:
+        return struct.pack("<d", sample.messages[""].data)
+
+
+@pytest.fixture(scope="module", autouse=True)
+def _front_end(tmp_path_factory: pytest.TempPathFactory) -> None:
+    ShownAny._esm, ShownAny._css = build(tmp_path_factory.mktemp("static"))
+
+
+@pytest.fixture(autouse=True)
+def _asked(_front_end: None) -> Iterator[None]:
+    with added():
+        kinds.add(replace(ANY, widget="tests.browser.test_topics:ShownAny"), replace=True)
+        yield
+
+
+@pytest.fixture(scope="module")
+def path(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The sample, and 26 topics of numbers, most of them in namespaces, of which one has an unknown type."""
+    names = [f"/{name}" for name in ("voltage", "charge", "<b>bold</b>")]
+    names += [f"/camera/{name}" for name in ("exposure", "gain", "white_balance", "temperature", "shutter", "focus")]
+    names += [f"/nav/{name}" for name in ("cost", "goal_distance", "local_costmap/raw_updates", "length", "retries")]
+    names += [f"/wheel/{side}_{what}" for side in ("left", "right") for what in ("current", "position", "speed")]
+    names += [f"/imu/{axis}" for axis in ("x", "y", "z")]
+    with closing(open_source(Path(robowidgets.SAMPLE))) as source:
+        real = [(message[1], message[0].topic, message[2]) for message in source.messages(source.channels)]
+        types = {channel.topic: channel.type for channel in source.channels}
+    numbers = [
+        (real[0][0] + round(1e9 * i / 2), name, {"data": i / 2 * (1 + len(name))}) for i in range(100) for name in names
+    ]
+    messages = [((t - recorded.START_NS) / 1e9, topic, what) for t, topic, what in sorted([*real, *numbers], key=first)]
+    folder = tmp_path_factory.mktemp("topics") / "drive"
+    return recorded.write(folder, {**types, **dict.fromkeys(names, FLOAT)}, messages)
+
+
+def first(message: tuple[int, Any, Any]) -> int:
+    return message[0]
+
+
+def opened(plain_page: Open, path: Path, show: str = "", **more: Any) -> PlainPage:
+    opens = f"recording = robowidgets.open({str(path)!r})"
+    nb = plain_page(["import robowidgets", opens, f"(player := recording.show({show}))"], **more)
+    expect(nb.output(2).locator(".rw-laser .rw-title")).to_have_text("/scan")
+    return nb
+
+
+def row(nb: PlainPage, name: str) -> Locator:
+    return nb.output(2).locator(f'.rw-topic[data-key="{name}"]')
+
+
+def titles(nb: PlainPage) -> list[str]:
+    return nb.output(2).locator(".rw-screen .rw-title").all_inner_texts()
+
+
+@pytest.mark.parametrize(("theme", "scale"), LOOKS)
+def test_a_click_puts_a_topic_on_the_screen_and_takes_it_off(
+    plain_page: Open, path: Path, theme: str, scale: int
+) -> None:
+    nb = opened(plain_page, path, theme=theme, scale=scale, height=720)
+    nb.resize(1264, 720)
+    shown = nb.output(2)
+    rail = shown.locator(".rw-topics-rail")
+    expect(rail).to_have_text("Topics 4 / 27")
+    shoot(shown, f"topics-folded-{theme}")
+    rail.click()
+    expect(rail).to_be_hidden()
+    shoot(shown, f"topics-open-{theme}")
+    before = titles(nb)
+    row(nb, "/voltage").click()
+    expect(row(nb, "/voltage")).to_have_attribute("data-shown", "")
+    expect(shown.locator(".rw-screen .rw-title", has_text="/voltage")).to_be_visible()
+    shoot(shown, f"topics-added-{theme}")
+    row(nb, "/imu/x").click()
+    row(nb, "/imu/y").click()
+    expect(shown.locator(".rw-screen .rw-title", has_text="/imu/y")).to_be_visible()
+    shoot(shown, f"topics-added-three-{theme}")
+    assert nb.python("player.arrangement").endswith("'/voltage', '/imu/x', '/imu/y']")
+    for name in ("/voltage", "/imu/x", "/imu/y"):
+        row(nb, name).click()
+    expect(shown.locator(".rw-screen .rw-title", has_text="/imu/y")).to_have_count(0)
+    expect(shown.locator(".rw-screen .rw-title")).to_have_text(before)
