@@ -102,7 +102,7 @@ class TestATopicWithoutAMessage:
             tmp_path / "x", {"/scan": sweeps.TYPE, "/words": "std_msgs/msg/String"}, [(0, "/words", {"data": "hi"})]
         )
         with shown(path) as player:
-            assert widgets(player) == {("/words",): "MessageWidget"}
+            assert widgets(player) == {("/words",): "EventsWidget"}
             assert player.recording.problems == ("no message came on its topics that a widget shows",)
 
 
