@@ -424,6 +424,25 @@ def test_pictures_of_a_path(plain_page: Callable[..., PlainPage], theme: Literal
     shoot(card, f"gallery-path-{theme}")
 
 
+MAPPED = """
+from robowidgets import Line, PathWidget
+from tests import map_scene
+path = PathWidget(title="Map")
+path.has_rate = False
+map_scene.drive(path)
+path.draw("door 2", Line((4.9, -0.6), (6.0, -0.6)), frame="odom")
+path
+"""
+
+
+@every_theme
+def test_pictures_of_a_map(plain_page: Callable[..., PlainPage], theme: Literal["light", "dark"]) -> None:
+    nb = plain_page([MAPPED], scale=2, theme=theme, width=1030)
+    card = nb.widget(0).locator(".rw-card")
+    expect(card.locator(".rw-layers-row")).to_have_count(7)
+    shoot(card, f"gallery-map-{theme}")
+
+
 LARGEST_PAGE = 2_000_000
 
 

@@ -172,3 +172,38 @@ def test_names_from_outside_reach_the_page_as_text(plain_page: Callable[..., Pla
     card = nb.widget(0).locator(".rw-card")
     expect(fact(card, name)).to_have_text("not drawn: no transform to map")
     expect(card.locator("img")).to_have_count(0)
+
+
+DRIVE = """
+import tempfile, robowidgets
+from pathlib import Path
+from tests import map_scene
+from tests.unit.recordings import recorded
+folder = Path(tempfile.mkdtemp())
+drive = recorded.write(folder / "drive", map_scene.TYPES, map_scene.messages(34.0))
+names = ("/map", "/odom", "/amcl_pose", "/plan", "/particles", "/local_costmap")
+player = robowidgets.open(drive).show(*names, scanogram=False)
+player.seek(25)
+player
+"""
+
+
+@pytest.mark.parametrize(("theme", "scale"), LOOKS)
+def test_a_player_has_the_map_at_its_time_and_goes_to_a_place_of_the_way(
+    plain_page: Callable[..., PlainPage], theme: str, scale: int
+) -> None:
+    nb = plain_page([DRIVE], theme=theme, scale=scale)
+    nb.resize(1200, 720)
+    card = nb.output(0).locator(".rw-path")
+    expect(card.locator(".rw-footer")).to_contain_text("25.0 s")
+    if not card.locator(".rw-layers").is_visible():
+        card.get_by_role("button", name="Layers").click()
+    expect(fact(card, "/particles")).to_contain_text("40 poses")
+    expect(fact(card, "/local_costmap")).to_contain_text("60 × 60 cells of 0.05 m")
+    shoot(nb.output(0), f"map-player-{theme}")
+    picture = card.locator(".rw-picture")
+    picture.focus()
+    nb.page.keyboard.press("Home")
+    nb.page.keyboard.press("Enter")
+    expect(nb.output(0).locator(".rw-play-now")).not_to_have_text("25.00")
+    expect(fact(card, "/amcl_pose")).to_contain_text("x 0.")
