@@ -57,8 +57,8 @@ class HasTrail(HasFootprint, RobotWidget[Scan]):
 
     @property
     def needs_poses(self) -> bool:
-        """Whether it has a trail, and no path in its view tells where the robot is."""
-        return bool(self.trail) and not self.driven_by_player and not self._paths
+        """Whether it has a trail, and a feed should tell where the robot is, in case no path in its view does."""
+        return bool(self.trail) and not self.driven_by_player
 
     def take_pose(self, message: Any) -> None:
         """Take the newest message of odometry, or of tf, of the robot; one that says nothing is left out."""
@@ -72,21 +72,17 @@ class HasTrail(HasFootprint, RobotWidget[Scan]):
             else:
                 self._recent.add(to_pose(inner), now, getattr(inner, "stamp_ns", None) or stamp_ns(inner))
 
-    @property
-    def _paths(self) -> list[Any]:
-        """The paths in its view, by their titles."""
-        return sorted((one for one in self._group if one.sample_name == "pose"), key=lambda path: str(path.title))
-
     def _placed(self, scan: Scan) -> dict[str, Any]:
         """The pose of a live scan, by the path in the laser's view; the first by name where there are several.
 
-        Without a path, by the odometry that a feed gives it, or by tf.
+        Where none tells, by the odometry that a feed gives it, or by tf.
         """
         if not self.trail or self.driven_by_player:
             return {}
-        paths = self._paths
-        if paths:
-            return self.scanner_at(paths[0].robot_at(scan))
+        paths = sorted((one for one in self._group if one.sample_name == "pose"), key=lambda path: str(path.title))
+        robot = next((at for path in paths if (at := path.robot_at(scan))), None)
+        if robot is not None:
+            return self.scanner_at(robot)
         with self._newest.lock:
             robot = self._recent.at(arrival_of(scan), scan.stamp_ns)
             return self.scanner_at(robot) if robot else scanner_in(self._frames, scan, round(arrival_of(scan) * 1e9))

@@ -26,7 +26,7 @@ class MapGrid(HasAge):
     Cell [0, 0] lies at the origin; rows lie in the direction of y, columns in that of x (nav_msgs/OccupancyGrid).
 
     Args:
-        cells: shape (rows, columns), as bytes: 0 free to `most`, 255 unknown.
+        cells: shape (rows, columns), whole numbers: 0 free to `most`, 255 or -1 unknown; kept as bytes.
         resolution: metres from cell to cell.
         origin: where the outer corner of cell [0, 0] is, in its frame.
         most: the value of what is surely occupied: 100 for occupancy, 254 for costs.
@@ -50,7 +50,12 @@ class MapGrid(HasAge):
     frame_id: str = ""
 
     def __post_init__(self) -> None:
-        cells = np.array(self.cells, np.uint8)
+        given = np.asarray(self.cells)
+        if not np.issubdtype(given.dtype, np.integer) or (
+            given.size and not -1 <= given.min() <= given.max() <= UNKNOWN
+        ):
+            raise ValueError(f"cells: expected whole numbers from 0 to {self.most}, and 255 or -1 for unknown")
+        cells = np.where(given < 0, UNKNOWN, given).astype(np.uint8)
         if cells.ndim != 2 or not 0 < cells.size <= MOST_CELLS:
             raise ValueError(f"cells: expected rows and columns, 1 to {MOST_CELLS:,} cells, got shape {cells.shape}")
         if finite("resolution", self.resolution, "metres") <= 0:

@@ -123,6 +123,16 @@ class TestGrids:
         assert grid.values.tolist() == [[0, 100, -1], [50, 0, 0]]
         assert (grid[0, 1], grid[0, 2], grid.origin, grid.frame_id) == (100, -1, (-1.0, 2.0, 0.0), "map")
 
+    def test_cells_are_given_as_any_whole_numbers(self) -> None:
+        assert MapGrid(np.array([[-1, 0, 100]]), 0.1).values.tolist() == [[-1, 0, 100]]
+        for wrong in ([[0.5]], [[300]], [[-2]]):
+            with pytest.raises(
+                ValueError, match="cells: expected whole numbers from 0 to 100, and 255 or -1 for unknown"
+            ):
+                MapGrid(np.array(wrong), 0.1)
+        with pytest.raises(ValueError, match="expected rows and columns"):
+            MapGrid(np.zeros((0, 3), np.uint8), 0.1)
+
     def test_costs_go_to_254(self) -> None:
         metadata = {"size_x": 2, "size_y": 1, "resolution": 0.1, "origin": {"position": {"x": 0.0, "y": 0.0}}}
         grid = to_map_grid({"header": {"frame_id": "odom"}, "metadata": metadata, "data": [254, 255]})

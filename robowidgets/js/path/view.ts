@@ -434,7 +434,8 @@ export class PathView {
       isThere: !missing[name],
       isOn: true,
     }));
-    for (const about of [...layers].sort((a, b) => ORDER.indexOf(a.kind) - ORDER.indexOf(b.kind))) {
+    const rank = (about: LayerAbout) => ORDER.indexOf(about.kind) - (about === robot?.about ? 0.5 : 0);
+    for (const about of [...layers].sort((a, b) => rank(a) - rank(b))) {
       const shown = this.#layers.find((one) => one.about === about);
       const why = missing[about.name];
       const fact = shown ? factOf(shown, robot, this.#ground, now.time) : "";
