@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from .in_rerun.widget import RerunWidget
     from .player.player import Player
     from .scanogram_widget import ScanogramWidget
-    from .wires_widget import WiresWidget
+    from .wires_widget import WiresView
 
 
 def open(path: str | os.PathLike[str]) -> Recording:  # noqa: A001  # the name that users expect: robowidgets.open()
@@ -150,7 +150,7 @@ class Recording(RecordingData):
             again.close()
             raise
 
-    def wires(self, **options: Any) -> WiresWidget:
+    def wires(self, **options: Any) -> WiresView:
         """The topics as a graph, with the nodes that published them, as far as the file names any: see `WiresWidget`.
 
         A bag of ROS 1 names them; in others, the log on /rosout names the nodes that wrote to it.
@@ -165,14 +165,14 @@ class Recording(RecordingData):
         Example:
             >>> import robowidgets
             >>> robowidgets.open(robowidgets.SAMPLE).wires()
-            <WiresWidget sample.mcap: 5 topics, 0 parts of the notebook>
+            <WiresView: <WiresWidget sample.mcap: 5 topics, 0 parts of the notebook>>
         """
         # Imported lazily: reading samples needs no widget.
         from .player.wires import RecordedWires
-        from .wires_widget import WiresWidget
+        from .wires_widget import WiresView
 
         self._check_open()
-        return WiresWidget(RecordedWires(self), **options)
+        return WiresView(RecordedWires(self), **options)
 
     def to_html(
         self,

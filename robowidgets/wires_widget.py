@@ -6,12 +6,14 @@ import json
 from collections.abc import Callable
 from typing import Any, NamedTuple, Protocol
 
+import ipywidgets
 import traitlets
 
 from ._core.front_end import bundle
 from ._core.platform_fixes import route_by_message
 from ._core.robot_widget import RobotWidget
 from ._core.text import many
+from .message_widget import MessageWidget
 
 
 class Wire(NamedTuple):
@@ -105,8 +107,11 @@ class WiresSource(Protocol):
     def look(self, is_seen: bool) -> None:
         """Somebody looks, or nobody any more: while nobody does, the robot is asked nothing for it."""
 
-    def listen(self, topic: str) -> None:
-        """Take the messages of a topic that is not listened to by itself."""
+    def show(self, topic: str, widget: MessageWidget) -> None:
+        """Show the messages of a topic in a widget: live ones, or the last one of a recording."""
+
+    def hide(self, topic: str, widget: MessageWidget) -> None:
+        """Show them there no longer."""
 
     def observe(self, on_change: Callable[[], None]) -> None:
         """Call a function when the wires have changed."""
@@ -119,9 +124,10 @@ class WiresWidget(RobotWidget[Wiring]):
     """The nodes and topics of a robot as a graph, with the rate and the last value of each topic.
 
     Beside them stands the notebook's own part: which topic goes into which function, condition, program and widget,
-    and which speeds come out, each with how often it ran and what it last got and gave. `Feed.wires` and
-    `Recording.wires` make it. What every node has is folded, and so are namespaces where there is much. Pointing at
-    something shows its wires; a click keeps them. The wheel with Ctrl zooms, dragging moves, ``/`` filters by name.
+    and which speeds come out, each with how often it ran and what it last got and gave. It stands in the `WiresView`
+    that `Feed.wires` and `Recording.wires` return. What every node has is folded, and so are namespaces where there is
+    much. Pointing at something shows its wires; a click keeps them. The wheel with Ctrl zooms, dragging moves, ``/``
+    filters by name.
 
     While no page shows it, the robot is asked nothing for it.
 
@@ -143,7 +149,7 @@ class WiresWidget(RobotWidget[Wiring]):
     Example:
         >>> from robowidgets import feeds
         >>> with feeds.simulator(wander=False) as robot:
-        ...     widget = robot.wires()
+        ...     widget = robot.wires().wires
         ...     [wire.name for wire in widget.wait().wires]
         ['/scan', '/odom', '/cmd_vel', '/bumper']
     """
@@ -217,7 +223,6 @@ class WiresWidget(RobotWidget[Wiring]):
             self._wired.look(content["look"])
         topic = content.get("open")
         if isinstance(topic, str) and topic in {wire.name for wire in self._wired.wiring.wires}:
-            self._wired.listen(topic)
             for opens in list(self._openers):
                 opens(topic)
 
@@ -236,6 +241,49 @@ class WiresWidget(RobotWidget[Wiring]):
             "parts": [{key: value for key, value in part._asdict().items() if value} for part in sample.parts],
         }
         return json.dumps(told, separators=(",", ":")).encode()
+
+
+class WiresView(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
+    """The wires, and below them the messages of the topics that were opened.
+
+    Args:
+        source: a robot or a recording.
+        **options: keywords of `WiresWidget`.
+
+    Attributes:
+        wires: the picture.
+        messages: the widgets with messages, by topic.
+    """
+
+    def __init__(self, source: WiresSource, **options: Any) -> None:
+        self._wired = source
+        self.wires = WiresWidget(source, **options)
+        self.messages: dict[str, MessageWidget] = {}
+        super().__init__([self.wires])
+        self.wires.on_open(self.toggle)
+
+    def toggle(self, topic: str) -> None:
+        """Show the messages of a topic, or show them no longer."""
+        shown = self.messages.pop(topic, None)
+        if shown is None:
+            self.messages[topic] = widget = MessageWidget(title=topic)
+            self._wired.show(topic, widget)
+        self.children = [self.wires, *self.messages.values()]
+        if shown is not None:
+            self._wired.hide(topic, shown)
+            shown.close()
+
+    def close(self) -> None:
+        """Remove it from the page, and ask the robot nothing any more."""
+        if "messages" in vars(self):  # else the constructor raised before it had them
+            for topic in list(self.messages):
+                self.toggle(topic)
+            self.wires.close()
+        super().close()
+
+    def __repr__(self) -> str:
+        shown = f", messages of {', '.join(self.messages)}" if self.messages else ""
+        return f"<WiresView: {self.wires!r}{shown}>"
 
 
 def _plain(wire: Wire, names: dict[str, int]) -> dict[str, Any]:

@@ -15,6 +15,7 @@ from .._core.rate import RateMeter
 from .._core.text import many
 from ..behaviors.machine import Machine
 from ..behaviors.program import ENDED, Program
+from ..message_widget import MessageWidget
 from ..messages.brief import brief
 from ..messages.infrastructure import is_infrastructure, is_large
 from ..samples import Speed
@@ -31,7 +32,7 @@ SEEN_FOR = 40.0
 """Seconds for which it counts that a page shows the wires. A page says so every ten."""
 
 MOST_HEARD = 60
-"""Topics that are listened to, beside those that somebody opens."""
+"""Topics that are listened to, beside those that are connected to something."""
 
 
 _MOST_GOT = 120
@@ -69,7 +70,6 @@ class FeedWires(Observed):
         self._now = scheduler.clock.now
         self._lock = threading.RLock()
         self._heard: dict[str, _Heard] = {}
-        self._opened: set[str] = set()
         self._seen_until = float("-inf")
         self._ticks = False
 
@@ -97,9 +97,13 @@ class FeedWires(Observed):
             self._ticks = True
         self._scheduler.call_at(self._now(), self._tick)
 
-    def listen(self, topic: str) -> None:
+    def show(self, topic: str, widget: MessageWidget) -> None:
         """See `WiresSource`."""
-        self._opened.add(topic)
+        self._connection.connect(topic, widget)
+
+    def hide(self, topic: str, widget: MessageWidget) -> None:
+        """See `WiresSource`."""
+        self._connection.disconnect(topic, widget)
 
     @property
     def wiring(self) -> Wiring:
@@ -146,7 +150,7 @@ class FeedWires(Observed):
             self._scheduler.call_at(self._now() + PERIOD, self._tick)
 
     def _wanted(self) -> list[str]:
-        """The topics to listen to: small ones, those that are listened to anyway, and those that somebody opened."""
+        """The topics to listen to: small ones, and those that are listened to anyway."""
         topics, connected = self._connection.topics, self._connection.connected
         used = {function.topic for function in self._connection.functions.functions}
         for name, targets in connected.items():
@@ -154,7 +158,7 @@ class FeedWires(Observed):
             if any(heard is None or target is not heard.target for target in targets):
                 used.add(name)
         small = [topic.name for topic in topics if topic.name not in used and _is_small(topic)]
-        return [topic.name for topic in topics if topic.name in used | self._opened] + small[:MOST_HEARD]
+        return [topic.name for topic in topics if topic.name in used] + small[:MOST_HEARD]
 
     def _hear(self, wanted: Iterable[str]) -> None:
         names = set(wanted)

@@ -26,7 +26,7 @@ from .middleware import FeedError, Middleware
 
 if TYPE_CHECKING:
     from ..behaviors.program import Program
-    from ..wires_widget import WiresWidget
+    from ..wires_widget import WiresView
     from ._feed_view import FeedView
     from ._feed_watch import FeedWatch
     from ._recorder import Recorder
@@ -199,7 +199,7 @@ class Feed:
         """A widget that shows the room of a simulated robot from above; None for any other robot."""
         return None
 
-    def wires(self, **options: Any) -> WiresWidget:
+    def wires(self, **options: Any) -> WiresView:
         """The nodes and topics of the robot as a graph, with what the notebook does with them: see `WiresWidget`.
 
         Args:
@@ -212,11 +212,11 @@ class Feed:
         Example:
             >>> feed.wires()  # doctest: +SKIP
         """
-        from ..wires_widget import WiresWidget
+        from ..wires_widget import WiresView
         from ._wires import FeedWires
 
         self.connection.check_open()
-        return WiresWidget(FeedWires(self.connection), **options)
+        return WiresView(FeedWires(self.connection), **options)
 
     def record(self, path: str | os.PathLike[str], *topics: str) -> Recorder:
         """Write what the robot sends into an MCAP file, until the result is closed, as a context manager or by `close`.

@@ -6,6 +6,7 @@ from collections.abc import Callable
 from functools import cached_property
 from itertools import islice
 
+from ..message_widget import MessageWidget
 from ..messages.brief import brief
 from ..messages.fields import get
 from ..messages.infrastructure import is_infrastructure, is_large
@@ -43,7 +44,13 @@ class RecordedWires:
     def look(self, is_seen: bool) -> None:
         """See `WiresSource`."""
 
-    def listen(self, topic: str) -> None:
+    def show(self, topic: str, widget: MessageWidget) -> None:
+        """See `WiresSource`."""
+        last = self._recording.message_at(topic, self._recording.duration)
+        if last is not None:
+            widget.update(last)
+
+    def hide(self, topic: str, widget: MessageWidget) -> None:
         """See `WiresSource`."""
 
     def observe(self, on_change: Callable[[], None]) -> None:

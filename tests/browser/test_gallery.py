@@ -116,7 +116,7 @@ front.watch(conditions.nearest_below(0.5), "near")
 def avoid(scan):
     return Drive(0.2) if scan.distance("front") > 0.6 else Drive(0, 0.8)
 
-wired.wires()
+wired.wires().wires
 """
 
 

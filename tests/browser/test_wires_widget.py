@@ -10,6 +10,7 @@ from playwright.sync_api import Locator, expect
 
 from ..unit.waiting import wait_for
 from .chromium import LOOKS, shoot
+from .notebook import Notebook
 from .plain_page import PlainPage
 
 OPEN = """
@@ -29,7 +30,8 @@ robot.connect("/scan", ahead)
 def avoid(scan):
     return Drive(0.2) if scan.distance("front") > 0.6 else Drive(0, 0.8)
 
-wires = robot.wires()
+view = robot.wires()
+wires = view.wires
 wires
 """
 SCRIPTED = """
@@ -51,7 +53,8 @@ topics = [
 ]
 script = Scripted(*topics)
 robot = Feed(script)
-wires = robot.wires()
+view = robot.wires()
+wires = view.wires
 wires
 """
 MANY = """
@@ -183,10 +186,9 @@ def test_the_robot_is_asked_nothing_while_the_picture_is_out_of_view(plain_page:
     wait_for(lambda: nb.python(LOOKS_AT).strip() == "[] False", "it does not, below the window")
     nb.page.evaluate("() => { document.body.style.paddingTop = ''; }")
     wait_for(lambda: nb.python(LOOKS_AT).strip().endswith("True"), "it does again")
-    nb.python("opened = []\nwires.on_open(opened.append)")
     box(widget, "/map").click()
     widget.locator(".rw-wires-act", has_text="Message").click()
-    wait_for(lambda: nb.python("print(opened)").strip() == "['/map']", "it is opened")
+    wait_for(lambda: nb.python("print(*view.messages)").strip() == "/map", "it is opened")
     nb.python("robot.close()")
     wait_for(lambda: nb.python(LOOKS_AT).strip().endswith("False"), "a closed feed listens to nothing")
 
@@ -204,3 +206,18 @@ def test_names_and_messages_are_text_and_topics_alone_stand_in_rows(plain_page: 
     expect(widget.locator("img, b b")).to_have_count(0)
     assert nb.page.title() != "bad"
     shoot(widget, "wires-alone")
+
+
+def test_in_jupyterlab_the_messages_of_a_picked_topic_open_below_and_follow(notebook: Callable[..., Notebook]) -> None:
+    nb = notebook([OPEN.rsplit("wires\n", 1)[0] + "view"], width=1280)
+    wires, message = nb.page.locator(".rw-wires"), nb.page.locator(".rw-message")
+    expect(box(wires, "avoid")).to_contain_text("gave")
+    box(wires, "/odom").click()
+    wires.locator(".rw-wires-act").click()
+    expect(message.locator(".rw-title")).to_have_text("/odom")
+    expect(message).to_contain_text("linear")
+    expect(box(wires, "MessageWidget")).to_have_count(1)
+    shoot(nb.output(0), "wires-message")
+    wires.locator(".rw-wires-act").click()
+    expect(message).to_have_count(0)
+    expect(box(wires, "MessageWidget")).to_have_count(0)

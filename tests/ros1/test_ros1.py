@@ -536,7 +536,7 @@ def test_the_wires_name_real_nodes_with_what_they_publish_and_take(feed, publish
     robot("/wired/cmd_vel")
     got = []
     feed.connect("/wired/scan", got.append)
-    widget = feed.wires()
+    widget = feed.wires().wires
 
     def wire(name):
         return next((one for one in widget._newest.sample.wires if one.name == name), None)

@@ -342,9 +342,8 @@ export class WiresView {
     if (!item) return "";
     if (item.kind === "fold") return "Unfold";
     if (this.#model.get("unfolded").includes(item.group)) return "Fold";
-    if (!item.wire || lacksKernel(this.#model) || item.wire.count !== undefined) return "";
-    if (this.#model.get("_can_open")) return "Message";
-    return item.wire.heard ? "" : "Listen";
+    const hasNone = !item.wire || item.wire.count === 0 || (item.wire.count !== undefined && item.wire.note);
+    return hasNone || lacksKernel(this.#model) || !this.#model.get("_can_open") ? "" : "Message";
   }
 
   #onAct(): void {

@@ -124,14 +124,14 @@ def test_a_page_that_has_gone_without_a_word_is_forgotten(
     assert script.asked[-1] == ("subscribe", "/scan")
 
 
-def test_of_many_topics_some_are_listened_to_and_any_that_is_opened(
-    script: Scripted, wires: FeedWires, clock: ManualClock
+def test_of_many_topics_some_are_listened_to_beside_those_that_are_connected(
+    script: Scripted, feed: Feed, wires: FeedWires, clock: ManualClock
 ) -> None:
     script.listener.on_topics([CAMERA, *(Advert(f"/number_{i}", NUMBER) for i in range(200))])
     wires.look(True)
     clock.advance()
     assert len(script.asked) == MOST_HEARD
-    wires.listen("/image")
+    feed.connect("/image", take)
     clock.advance(1)
     assert ("subscribe", "/image") in script.asked
     assert len(script._followed) == MOST_HEARD + 1
@@ -230,7 +230,7 @@ def test_infrastructure_is_told_by_the_name(name: str, is_one: bool) -> None:
 
 
 def test_the_page_gets_all_of_it_in_a_frame_without_what_is_not_known(script: Scripted, feed: Feed) -> None:
-    widget = feed.wires()
+    widget = feed.wires().wires
     page = Page(widget)
     script.listener.on_message("/scan", scan(0.9, 0.5))
 
@@ -254,27 +254,35 @@ def test_the_page_gets_all_of_it_in_a_frame_without_what_is_not_known(script: Sc
     wait_for(lambda: not script._followed, "nothing is listened to any more")
 
 
-def test_a_page_says_that_it_looks_and_opens_a_topic(script: Scripted, feed: Feed) -> None:
-    widget = feed.wires()
-    opened: list[str] = []
+def test_a_page_says_that_it_looks_and_opens_the_messages_of_a_topic(script: Scripted, feed: Feed) -> None:
+    view = feed.wires()
+    widget = view.wires
     wait_for(lambda: script._followed == {"/scan"}, "it listens")
     widget._on_page(widget, {"look": False}, [])
     wait_for(lambda: script._followed == frozenset(), "it does not listen")
-    assert widget._can_open is False
-    widget.on_open(opened.append)
-    assert widget._can_open is True
     widget._on_page(widget, {"look": True}, [])
     widget._on_page(widget, {"open": "/image"}, [])
     wait_for(lambda: script._followed == {"/scan", "/image"}, "it listens to what was opened")
+    message = view.messages["/image"]
+    script.listener.on_message("/image", {"height": 480, "width": 640})
+    assert message["height"] == 480
+    assert view.children == (widget, message)
+    wait_for(lambda: view.wires._wired.wiring.wires[2].value == "height 480, width 640", "it is told there, too")
     for nonsense in ("/none", 3, None):
         widget._on_page(widget, {"open": nonsense, "look": nonsense}, [])
     widget._on_page(widget, "nonsense", [])
-    assert opened == ["/image"]
-    widget.close()
+    assert list(view.messages) == ["/image"]
+    widget._on_page(widget, {"open": "/image"}, [])
+    assert (view.messages, view.children) == ({}, (widget,))
+    wait_for(lambda: script._followed == {"/scan"}, "it does not listen to that any more")
+    view.toggle("/image")
+    view.close()
+    wait_for(lambda: script._followed == frozenset(), "nothing is listened to")
+    assert feed.connection.widgets == ()
 
 
 def test_a_closed_feed_ends_it_in_words(feed: Feed) -> None:
-    widget = feed.wires()
+    widget = feed.wires().wires
     feed.close()
     wait_for(lambda: widget._source["status"] == "the feed is closed", "it is told")
     with pytest.raises(FeedError, match="is closed: open it again"):
@@ -291,7 +299,7 @@ def test_a_source_that_is_none_and_an_unknown_keyword_are_refused(feed: Feed) ->
 
 def test_the_simulated_robot_is_a_node() -> None:
     with feeds.simulator(wander=False) as robot:
-        widget = robot.wires()
+        widget = robot.wires().wires
         wiring = widget.wait()
         assert wiring.nodes == ("/simulated_robot",)
         assert repr(wiring) == "<1 node, 4 topics, 0 parts of the notebook>"

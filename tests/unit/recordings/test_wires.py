@@ -39,7 +39,7 @@ def write_bag(path: Path, callers: dict[str, str | None]) -> Path:
 
 
 def wire(recording: robowidgets.Recording, name: str) -> Wire:
-    widget = recording.wires()
+    widget = recording.wires().wires
     found: Wire = next(one for one in widget.wait().wires if one.name == name)
     widget.close()
     return found
@@ -54,7 +54,7 @@ def test_a_bag_of_ros_1_names_the_nodes_that_published(tmp_path: Path) -> None:
         assert status.value == f'"4 of {"/base" if "base" in status.value else "/planner"}"'
         assert (wire(recording, "/mode").publishers, wire(recording, "/mode").rate) == ((), 1.0)
         assert wire(recording, "/rosout").publishers == ("/base", "/planner", "/record_1")
-        widget = recording.wires()
+        widget = recording.wires().wires
         assert (widget.title, widget.wait().tells_nodes, widget.wait().note) == ("two.bag", True, "")
         assert repr(widget) == "<WiresWidget two.bag: 3 nodes, 3 topics, 0 parts of the notebook>"
         widget.close()
@@ -69,11 +69,19 @@ def test_a_damaged_bag_names_them_too(tmp_path: Path) -> None:
 
 def test_a_recording_without_names_says_so_and_shows_topics_alone() -> None:
     with robowidgets.open(robowidgets.SAMPLE) as recording:
-        wiring = recording.wires().wait()
+        wiring = recording.wires().wires.wait()
         assert (wiring.nodes, wiring.note) == ((), "the recording holds no names of nodes: topics alone")
         scan = next(one for one in wiring.wires if one.name == "/scan")
         assert scan.rate == pytest.approx(10, abs=0.1)
         assert scan.value
+
+
+def test_the_last_message_of_a_topic_is_opened(tmp_path: Path) -> None:
+    with robowidgets.open(write_bag(tmp_path / "one.bag", {"/status": "/planner"})) as recording:
+        view = recording.wires()
+        view.toggle("/status")
+        assert view.messages["/status"]["data"] == "4 of /planner"
+        view.close()
 
 
 def test_a_closed_recording_has_no_wires() -> None:
