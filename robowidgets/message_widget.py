@@ -15,6 +15,7 @@ from ._core.traits import Flag
 from .message_tree import Tree, pack, read
 from .messages.any_message import names_in, value_at, why_no_value
 from .messages.fields import stamp_ns, type_name, unwrap
+from .samples import HasAge
 
 MOST_FIELDS = 32
 """Fields that are shown alone, or over time."""
@@ -182,7 +183,8 @@ class MessageWidget(RobotWidget[Received]):
             message = dict(message)
         if not names_in(message) and isinstance(message, (type(None), str, int, float, bytes, Sequence, Mapping)):
             raise TypeError(f"expected a message with fields, such as {{'speed': 0.3}}, got {message!r:.80}")
-        hint = self.type or str(self._source.get("type", ""))
+        # A sample of ours has other fields than the messages of its topic.
+        hint = "" if isinstance(message, HasAge) else self.type or str(self._source.get("type", ""))
         return Received(message, self._name(message, hint), self._schema(message, hint), stamp_ns(message))
 
     def _name(self, message: Any, hint: str) -> str:

@@ -33,6 +33,15 @@ def widget() -> Iterator[MessageWidget]:
     made.close()
 
 
+def test_a_sample_on_a_topic_of_another_type_has_its_own_fields(widget: MessageWidget) -> None:
+    widget.set_source({"type": "nav_msgs/msg/Odometry"})
+    widget.update(robowidgets.Speed((0.25, 0.0, 0.0), (0.0, 0.0, 0.5)))
+    state = widget.get_state()
+    got = Sent(state["_about"], bytes(state["_frame"])[32:])
+    assert got.about["type"] == "Speed"
+    assert {"linear", "angular"} <= got.nodes.keys()
+
+
 def battery(**changed: Any) -> Any:
     fields = {
         "header": header(),

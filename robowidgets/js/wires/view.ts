@@ -109,11 +109,10 @@ export class WiresView {
     observer.observe(root);
     on(document, "visibilitychange", tell, signal);
     const timer = setInterval(tell, LOOK_MS);
+    // Python notices by itself that nobody says so any more: where the model is closed, nothing can be sent.
     onAbort(signal, () => {
       observer.disconnect();
       clearInterval(timer);
-      isOnScreen = false;
-      tell();
     });
   }
 
