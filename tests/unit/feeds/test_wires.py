@@ -267,7 +267,12 @@ def test_a_page_says_that_it_looks_and_opens_the_messages_of_a_topic(script: Scr
     script.listener.on_message("/image", {"height": 480, "width": 640})
     assert message["height"] == 480
     assert view.children == (widget, message)
-    wait_for(lambda: view.wires._wired.wiring.wires[2].value == "height 480, width 640", "it is told there, too")
+
+    def is_told() -> bool:
+        script.listener.on_message("/image", {"height": 480, "width": 640})
+        return view.wires._wired.wiring.wires[2].value == "height 480, width 640"
+
+    wait_for(is_told, "it is told there, too")
     for nonsense in ("/none", 3, None):
         widget._on_page(widget, {"open": nonsense, "look": nonsense}, [])
     widget._on_page(widget, "nonsense", [])
