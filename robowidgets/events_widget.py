@@ -19,6 +19,9 @@ from ._core.robot_widget import RobotWidget
 from ._core.text import many
 from ._core.timed_frame import FRAME_HEADER
 from ._core.traits import bytes_trait
+from .behaviors.machine import Fired, Machine
+from .behaviors.programs import Programs
+from .behaviors.version import Version
 from .messages.event import EventReader
 from .messages.fields import MISSING
 from .samples.age import note_arrival
@@ -26,6 +29,7 @@ from .samples.checks import finite
 from .samples.event import Event, Level, to_level
 from .samples.event_log import EventLog, EventRow
 from .samples.staleness import LIVE
+from .samples.state_span import spelled
 
 MOST_ROWS = 2000
 """Rows of a live list that are kept; the oldest are forgotten."""
@@ -110,6 +114,8 @@ class EventsWidget(RobotWidget[Event]):
         None, allow_none=True, help="Seconds since the epoch at second 0; None: times are seconds."
     ).tag(sync=True, echo_update=False)
 
+    _programs: Programs | None = None
+
     def __init__(self, **kwargs: Any) -> None:
         self._log = EventLog(MOST_ROWS, MOST_TEXT, MOST_CHARACTERS)
         self._readers: dict[str, EventReader] = {}
@@ -119,6 +125,10 @@ class EventsWidget(RobotWidget[Event]):
         """The number of the first row that is not among those that are sent seldom."""
         self._all_due = 0.0
         self._is_new = False
+        self._version: Version | None = None
+        self._fired: Fired | None = None
+        """The last move of the machine that was listed."""
+        self._program_error = ""
         self._whole: tuple[EventRow, ...] = ()
         """Those of a recording."""
         self._notes: tuple[str, ...] = ()
@@ -181,6 +191,28 @@ class EventsWidget(RobotWidget[Event]):
         except (TypeError, ValueError) as error:
             self._refuse(error)
 
+    def follow(self, feed: Any) -> None:
+        """List what the program of a robot does, too: its versions, the states of its machine, and its errors.
+
+        Args:
+            feed: the feed; in `Feed.show` a list of events follows its program by itself.
+
+        Raises:
+            TypeError: it is no feed.
+        """
+        programs = getattr(feed, "programs", None)
+        if not isinstance(programs, Programs):
+            raise TypeError(f"follow(): expected a feed, got {feed!r}")
+        self._leave_program()
+        self._programs = programs
+        programs.observe(self._on_step)
+        self._on_step()
+
+    def close(self) -> None:
+        """Remove the widget from the page."""
+        self._leave_program()
+        super().close()
+
     def clear(self) -> None:
         """Empty the list."""
         with self._newest.lock:
@@ -239,6 +271,34 @@ class EventsWidget(RobotWidget[Event]):
         """What a player shows at a time: the text on it, and its frame without the header."""
         return ({"notes": [*self._notes]} if self._notes else {}), _FRAME.pack(seconds, inf)
 
+    def _leave_program(self) -> None:
+        if self._programs is not None:
+            self._programs.unobserve(self._on_step)
+            self._programs = None
+
+    def _on_step(self) -> None:
+        """Add what the program did since the last call. In the thread of the program, as a rule."""
+        programs = self._programs
+        program = None if programs is None else programs.current
+        if program is None:
+            return
+        with self._newest.lock:
+            version, error = program.version, program.error
+            said = []
+            if version is not self._version:
+                said.append(Event(f"version {version.number}", source=program.name))
+            machine = version.function
+            if isinstance(machine, Machine):
+                fired = machine.last_step.fired
+                seen = fired.index(self._fired) + 1 if self._fired in fired else 0
+                said += [Event(f"→ {move.target}", source=spelled(move.machine)) for move in fired[seen:]]
+                self._fired = fired[-1] if fired else None
+            if error and error != self._program_error:
+                said.append(Event(error, Level.ERROR, program.name))
+            self._version, self._program_error = version, error
+            for event in said:
+                self._put(event, self._seconds(time.monotonic_ns()))
+
     # -- for the base --------------------------------------------------------------------------------------------------
 
     def _put(self, event: Event, seconds: float) -> None:
@@ -287,6 +347,8 @@ class EventsWidget(RobotWidget[Event]):
 
     def _bring_up_to_date(self) -> None:
         """Have new rows sent with the newest frame, and now and then all of them."""
+        if self._began is not None:
+            self._end_touches()
         super()._bring_up_to_date()
         with self._newest.lock:
             if not self._is_new or self.driven_by_player:
@@ -305,6 +367,16 @@ class EventsWidget(RobotWidget[Event]):
                 self._unsent.add("_old")
             values["_new"] = _packed(row for row in rows if row.number >= self._packed_until)
             self._unsent.add("_new")
+
+    def _end_touches(self) -> None:
+        """Add the ends of touches that no message tells, and have it sent again at the next."""
+        with self._newest.lock:
+            now = time.monotonic_ns()
+            for reader in self._readers.values():
+                for at, event in reader.due(now):
+                    self._put(event, self._seconds(at))
+            due = min((at for reader in self._readers.values() if (at := reader.next_due_ns)), default=None)
+        pacer.mark_at(self, None if due is None else due / 1e9)
 
 
 def _now_ns() -> int:

@@ -15,6 +15,7 @@ from .._core.sample_widget import SampleWidget
 from .._layout import OneScreen, stacked
 from .._widget_choice import Entry, OnShow, WidgetChoice, checked_arrangement, choose_widgets, of_topic, wishes
 from ..behaviors.machine import Machine
+from ..events_widget import EventsWidget
 from ..kinds import asked_of_type
 from ..machine_widget import MachineWidget
 from ..program_widget import ProgramWidget
@@ -199,6 +200,8 @@ class FeedView(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no type
                 widget = choice.make()
                 if isinstance(widget, SpeedWidget):
                     widget.show_used_axes()
+                if isinstance(widget, EventsWidget):
+                    widget.follow(self._connection)
             else:
                 widget = there.pop(before)
                 if widget.title == before.titles[0]:  # else somebody gave it another

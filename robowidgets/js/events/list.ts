@@ -37,7 +37,8 @@ export class List {
   readonly root = make("div", "rw-events-list");
   readonly #sizer = make("div", "rw-events-sizer");
   readonly #window = make("div", "rw-events-window");
-  readonly #lines: Line[] = [];
+  /** Those in view in their order, then those that are hidden. */
+  #lines: Line[] = [];
   #listing: Listing = { rows: [], times: { span: [], start: null }, current: -1, open: null };
   /** Pixels by which the open row is higher than the others. */
   #extra = 0;
@@ -138,12 +139,7 @@ export class List {
     const first = scrollTop > openTop && !above ? open : Math.max(0, Math.floor((scrollTop - above) / ROW));
     const offset = this.#topOf(first) - scrollTop;
     const count = Math.max(0, Math.min(rows.length - first, Math.ceil((clientHeight - offset) / ROW) + 1));
-    while (this.#lines.length < count) this.#lines.push(this.#makeLine());
-    for (const [i, line] of this.#lines.entries()) {
-      const row = i < count ? rows[first + i] : undefined;
-      setHidden(line.root, !row);
-      this.#fill(line, row ?? null, first + i);
-    }
+    this.#place(rows.slice(first, first + count), first);
     this.#window.style.transform = `translateY(${Math.round(offset)}px)`;
     const line = this.#lines[open - first];
     const extra = open >= first && line ? line.more.offsetHeight : this.#extra;
@@ -154,10 +150,29 @@ export class List {
     }
   }
 
-  #fill(line: Line, row: Row | null, index: number): void {
+  /** Puts rows in order into the page. Each keeps its element while it is in view: what is about to be clicked stays. */
+  #place(rows: Row[], first: number): void {
+    const before = new Map(this.#lines.map((line) => [line.shown?.number, line]));
+    const numbers = new Set(rows.map(({ number }) => number));
+    const free = this.#lines.filter(({ shown }) => !shown || !numbers.has(shown.number));
+    const lines = rows.map((row) => before.get(row.number) ?? free.pop() ?? this.#makeLine());
+    let next = this.#window.firstChild;
+    for (const [i, line] of lines.entries()) {
+      if (line.root === next) next = next.nextSibling;
+      else this.#window.insertBefore(line.root, next);
+      setHidden(line.root, false);
+      this.#fill(line, rows[i] as Row, first + i);
+    }
+    for (const line of free) {
+      setHidden(line.root, true);
+      line.shown = null;
+    }
+    this.#lines = [...lines, ...free];
+  }
+
+  #fill(line: Line, row: Row, index: number): void {
     const { times, current, open } = this.#listing;
     line.shown = row;
-    if (!row) return;
     const level = levelOf(row);
     line.root.dataset.level = level.word;
     line.root.ariaCurrent = String(index === current);
@@ -194,7 +209,6 @@ export class List {
     head.append(line.time, level, line.source, line.text, line.count);
     more.append(line.facts, line.whole);
     root.append(head, more);
-    this.#window.append(root);
     return line;
   }
 }

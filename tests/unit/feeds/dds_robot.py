@@ -80,6 +80,17 @@ class String(IdlStruct, typename="std_msgs::msg::dds_::String_"):
 
 
 @dataclass
+class Log(IdlStruct, typename="rcl_interfaces::msg::dds_::Log_"):
+    stamp: Time
+    level: types.uint8
+    name: str
+    msg: str
+    file: str
+    function: str
+    line: types.uint32
+
+
+@dataclass
 class Range(IdlStruct, typename="sensor_msgs::msg::dds_::Range_"):
     header: Header
     radiation_type: types.uint8
@@ -145,7 +156,7 @@ class Image(IdlStruct, typename="sensor_msgs::msg::dds_::Image_"):
         return b"\0\1\0\0" + head + self.data
 
 
-KINDS = (Image, LaserScan, Mystery, OldRange, OtherScan, Range, String, Twist, TwistStamped)
+KINDS = (Image, LaserScan, Log, Mystery, OldRange, OtherScan, Range, String, Twist, TwistStamped)
 TYPES: dict[str, Any] = {kind.__name__: kind for kind in KINDS}
 USER_DATA = {
     "OldRange": b"typehash=RIHS01_9430b1915b94d4268ff903679e8ecd09b6a67d331bd028738ec1eeb592891ebd;",
@@ -166,6 +177,8 @@ def make(kind: str, *values: Any) -> Any:
         return scan(*values)
     if kind == "Twist":
         return Twist(Vector3(values[0], 0.0, 0.0), Vector3(0.0, 0.0, 0.0))
+    if kind == "Log":
+        return Log(Time(1, 2), *values, "main.cpp", "main", 42)
     if kind == "Image":
         return Image(Header(Time(1, 2), "x"), 1, values[0], "mono8", 0, values[0], bytes(values[0]))
     if kind in ("OldRange", "Range"):

@@ -24,6 +24,7 @@ import pytest
 
 pytest.importorskip("cyclonedds", reason="cyclonedds is not installed: pip install cyclonedds")
 
+from robowidgets import EventsWidget
 from robowidgets.feeds import Driving, Feed, _dds_session, _threaded
 from robowidgets.feeds._dds_types import decoder, opaque, ros_topic, ros_type
 from robowidgets.feeds.dds import Dds
@@ -31,6 +32,7 @@ from robowidgets.feeds.middleware import Advert, FeedError
 from robowidgets.messages import add_definitions, definitions
 from robowidgets.messages.decoding import DecodeError
 from robowidgets.messages.encoding import encode
+from robowidgets.samples import Level
 
 from ..clocks import ManualClock
 from ..waiting import wait_for
@@ -746,6 +748,19 @@ def test_names_of_dds_are_those_of_ros() -> None:
     assert (ros_topic("rt/a/scan"), ros_topic("rq/a/getRequest")) == ("/a/scan", "")
     assert ros_type("sensor_msgs::msg::dds_::LaserScan_") == SCAN
     assert ros_type("std_srvs::srv::dds_::Empty_Request_") == ""
+
+
+def test_each_line_of_rosout_is_an_event(robot: Robot) -> None:
+    events = EventsWidget()
+    with Feed(Dds(DOMAIN, interface="lo")) as feed:
+        feed.connect("/rosout", events)
+        publish_until(robot, lambda: events.rows, "a line came", "/rosout", "Log", 20, "planner", "started")
+        for i in range(50):
+            robot.do("write", "/rosout", "Log", 30, "planner", f"no way {i}")
+        wait_for(lambda: events.rows[-1].text == "no way 49", "the last line came")
+    assert [row.text for row in events.rows if row.level == Level.WARN] == [f"no way {i}" for i in range(50)]
+    assert {row.source for row in events.rows} == {"planner"}
+    events.close()
 
 
 # -- recording ---------------------------------------------------------------------------------------------------------
