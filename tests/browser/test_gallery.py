@@ -82,6 +82,37 @@ def test_picture_of_sonars(plain_page: Callable[..., PlainPage], theme: Literal[
     shoot(card, f"gallery-sonar-{theme}")
 
 
+EVENTS = r"""
+from robowidgets import EventsWidget
+
+lines = (
+    (0.0, "INFO", "bringup", "all nodes have started"),
+    (1.2, "DEBUG", "follower", "wall at 0.42 m, angle 3.1°"),
+    *((2.0 + i / 2, "WARN", "scan", "12 rays were lost") for i in range(14)),
+    (9.5, "INFO", "joy", "button 0 pressed"),
+    (9.8, "INFO", "joy", "button 0 released"),
+    (11.0, "ERROR", "base: left motor", "over current: 4.2 A, limit 3.0 A\nThe driver is off until it is reset."),
+    (12.5, "INFO", "follower", "stops: no wall within 2 m"),
+    (14.0, "WARN", "battery", "stale: no data for 5 s"),
+)
+events = EventsWidget(title="/rosout, /diagnostics, /joy")
+for seconds, level, source, text in lines:
+    events.add(text, level=level, source=source, time=seconds)
+events
+"""
+
+
+@every_theme
+def test_picture_of_events(plain_page: Callable[..., PlainPage], theme: Literal["light", "dark"]) -> None:
+    nb = plain_page([EVENTS], scale=2, theme=theme)
+    nb.resize(860)
+    card = nb.widget(0).locator(".rw-card")
+    card.locator(".rw-event:visible").filter(has_text="over current").click()
+    expect(card.locator(".rw-event-whole:visible")).to_contain_text("The driver is off")
+    nb.page.mouse.move(0, 0)
+    shoot(card, f"gallery-events-{theme}")
+
+
 PLOT = """
 import robowidgets
 from robowidgets import conditions

@@ -13,6 +13,8 @@ const BASE = 24;
 const [LOW, MIDDLE, HIGH] = [6, 12, 18];
 const LEAST_WIDTH = 3;
 const PER_TICK = 90;
+/** Seconds of a live axis whose times need a decimal. */
+const FINE = 10;
 
 /** What the axis shows. */
 export interface Axis {
@@ -35,9 +37,10 @@ export class AxisView {
     context.fillStyle = theme.guide;
     context.fillRect(MARGIN, BASE, this.axis.width, 1);
     this.#drawTimes(context, times, theme);
-    this.#drawRows(context, rows, theme);
     if (pointed !== null) this.#drawLine(context, pointed, theme.pointer, theme);
     if (cursor !== null) this.#drawLine(context, cursor, theme.ink, theme);
+    // Over the cursor, which is higher: an error there keeps its colour.
+    this.#drawRows(context, rows, theme);
   }
 
   #drawTimes(context: Context, times: Times, theme: Theme): void {
@@ -47,7 +50,7 @@ export class AxisView {
       const x = toX(axis, time);
       context.fillStyle = theme.guide;
       context.fillRect(Math.round(x), BASE, 1, 4);
-      const label = times.span.length ? text : toTimeText(time, times, 0);
+      const label = times.span.length ? text : toTimeText(time, times, axis.span[1] - axis.span[0] < FINE ? 1 : 0);
       const align = x < MARGIN + 24 ? "left" : x > MARGIN + axis.width - 24 ? "right" : "center";
       write(
         context,

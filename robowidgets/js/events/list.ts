@@ -165,6 +165,7 @@ export class List {
     }
     for (const line of free) {
       setHidden(line.root, true);
+      line.root.ariaCurrent = "false";
       line.shown = null;
     }
     this.#lines = [...lines, ...free];
