@@ -375,8 +375,8 @@ class EventsWidget(RobotWidget[Event]):
             for reader in self._readers.values():
                 for at, event in reader.due(now):
                     self._put(event, self._seconds(at))
-            due = min((at for reader in self._readers.values() if (at := reader.next_due_ns)), default=None)
-        pacer.mark_at(self, None if due is None else due / 1e9)
+            ends = [end for reader in self._readers.values() if (end := reader.next_due_ns) is not None]
+        pacer.mark_at(self, min(ends) / 1e9 if ends else None)
 
 
 def _now_ns() -> int:
