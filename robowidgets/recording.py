@@ -165,7 +165,7 @@ class Recording(RecordingData):
         Example:
             >>> import robowidgets
             >>> robowidgets.open(robowidgets.SAMPLE).wires()
-            <WiresView: <WiresWidget sample.mcap: 5 topics, 0 parts of the notebook>>
+            <WiresView: <WiresWidget sample.mcap: 4 topics, 0 parts of the notebook>>
         """
         # Imported lazily: reading samples needs no widget.
         from .player.wires import RecordedWires

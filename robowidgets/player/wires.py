@@ -84,11 +84,12 @@ class RecordedWires:
         return {f"/{name.replace('.', '/')}" for name in names if name}
 
     def _last(self, topic: Topic) -> str:
-        """The last message in a few words; empty for large ones."""
+        """The last message, or the sample in it, in a few words; empty for large ones."""
         if not topic.count or topic.problem or is_large(topic.type):
             return ""
         try:
-            found = self._recording.message_at(topic.name, self._recording.duration)
+            read = self._recording.at if topic.widget else self._recording.message_at
+            found = read(topic.name, self._recording.duration)
         except UnknownTopicError:
             return ""
-        return "" if found is None else brief(found.message)
+        return "" if found is None else brief(found.sample)
