@@ -170,7 +170,7 @@ def test_a_definition_that_nests_without_end_is_not_followed(tmp_path: Path, nam
 def test_a_definition_of_many_fields_is_read_all_the_same(tmp_path: Path) -> None:
     definition = "\n".join(f"int8 x{i}" for i in range(2000))
     recording = robowidgets.open(write_defined(tmp_path / "x.mcap", definition))
-    assert recording.problems == ("none of its topics has a widget that shows it",)
+    assert recording.problems == ("none of its topics has a widget for its kind of sensor",)
 
 
 @pytest.mark.parametrize("rays", [1 << 20, (1 << 30) - 1])

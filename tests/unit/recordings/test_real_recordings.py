@@ -36,7 +36,7 @@ SCANS = {
     "edmonton.log.gz": (180, 179, 0, 0, 5),
 }
 
-NO_WIDGET = "none of its topics has a widget that shows it"
+NO_WIDGET = "none of its topics has a widget for its kind of sensor"
 
 # file: samples by topic, and the beginnings of the lines that say what is wrong
 ODD = {
