@@ -19,6 +19,7 @@ import numpy as np
 
 import robowidgets
 from robowidgets import (
+    EventsWidget,
     LaserWidget,
     MapGrid,
     MessageWidget,
@@ -67,6 +68,7 @@ def make() -> dict[str, Any]:
             "speed": _speed(),
             "touch": _touch(),
             "sonar": _sonar(),
+            "events": _events(),
             "message": _message(),
             "plot": _plot(),
             "map": _map(),
@@ -304,6 +306,15 @@ def _map() -> tuple[bytes, dict[str, Any]]:
     keys = ("number", "time", "x", "y", "yaw", "scatter", "points", "total", "cells")
     reads = {"sequence": 3, "rate": 30.0, "arrived": 12.5, "time": 2.0, "x": nan, "y": nan, "yaw": nan}
     return frame, {**reads, "layers": [dict(zip(keys, row, strict=True)) for row in layers]}
+
+
+def _events() -> tuple[bytes, dict[str, Any]]:
+    events = EventsWidget()
+    events.add("started", time=0.5)
+    events.add("stopped", time=1.25)
+    frame = events.get_state()["_frame"]
+    events.close()
+    return frame, {"sequence": 2.0, "rate": 30.0, "arrived": ARRIVED, "seconds": 1.25, "stop": 2.0}
 
 
 def _message() -> tuple[bytes, dict[str, Any]]:

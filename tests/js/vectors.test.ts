@@ -1,5 +1,6 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
+import { decodeMoment } from "../../robowidgets/js/events/rows.ts";
 import { decodeMessage } from "../../robowidgets/js/message/frame.ts";
 import { elementsOf, toFields } from "../../robowidgets/js/message/tree.ts";
 import { decodeFrames } from "../../robowidgets/js/player/segments.ts";
@@ -26,6 +27,7 @@ const FRAMES: Record<string, (bytes: DataView) => Record<string, unknown>> = {
   speed: (bytes) => ({ ...decodeSpeeds(bytes) }),
   touch: (bytes) => ({ ...decodeTouch(bytes) }),
   sonar: (bytes) => ({ ...decodeRing(bytes) }),
+  events: (bytes) => ({ ...decodeMoment(bytes) }),
   message(bytes) {
     const packed = decodeMessage(bytes);
     const node = { name: "ids", kind: "numbers", type: "int64" } as const;
