@@ -249,7 +249,7 @@ def _plot() -> tuple[bytes, dict[str, Any]]:
     plot = PlotWidget()
     plot.set_line("a", [0.0, 0.25, 0.5, 3.0], [1.0, nan, 0.1, -2.0])
     plot.set_line("b", [4.5], [7.0])
-    frame = plot.get_state()["_frame"]
+    frame = plot.get_state()["_lines"]
     plot.close()
     a = {
         "total": 4,

@@ -4,10 +4,15 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable
+from pathlib import Path
 
 import pytest
-from playwright.sync_api import Locator, expect
+from playwright.sync_api import Browser, Locator, expect
 
+import robowidgets
+
+from .. import map_scene
+from ..unit.recordings import recorded
 from .chromium import LOOKS, shoot
 from .plain_page import PlainPage
 from .test_path_widget import await_drawing
@@ -207,3 +212,31 @@ def test_a_player_has_the_map_at_its_time_and_goes_to_a_place_of_the_way(
     nb.page.keyboard.press("Enter")
     expect(nb.output(0).locator(".rw-play-now")).not_to_have_text("25.00")
     expect(fact(card, "/amcl_pose")).to_contain_text("x 0.")
+
+
+def test_a_page_in_a_file_has_the_map_with_its_cells_and_its_ways(browser: Browser, tmp_path: Path) -> None:
+    drive = recorded.write(tmp_path / "drive", map_scene.TYPES, map_scene.messages(8.0))
+    with robowidgets.open(drive) as recording:
+        file = recording.to_html(tmp_path / "map.html", start=3, end=7, topics=["/map", "/odom", "/amcl_pose"])
+    context = browser.new_context(offline=True, viewport={"width": 1200, "height": 760})
+    page = context.new_page()
+    complaints: list[str] = []
+    page.on("pageerror", lambda error: complaints.append(error.message))
+    page.goto(file.as_uri())
+    card = page.locator(".rw-path")
+    expect(card.locator(".rw-footer")).to_contain_text("driven")
+    if not card.locator(".rw-layers").is_visible():
+        card.get_by_role("button", name="Layers").click()
+    expect(fact(card, "/map")).to_contain_text("302 × 205 cells")
+    picture, popup = card.locator(".rw-picture"), card.locator(".rw-popup")
+    box = picture.bounding_box()
+    assert box
+    for share in (0.3, 0.4, 0.5, 0.6):
+        page.mouse.move(box["x"] + share * box["width"] * 0.8, box["y"] + 0.4 * box["height"])
+        await_drawing(card)
+        if popup.is_visible() and "grid[" in (popup.text_content() or ""):
+            break
+    expect(popup).to_contain_text("grid[")
+    shoot(page.locator("body"), "map-page")
+    assert complaints == []
+    context.close()
