@@ -16,6 +16,7 @@ from . import (
     memory,
     pages,
     player,
+    plots,
     programs,
     recordings,
     simulator,
@@ -29,6 +30,7 @@ RESULTS = Path(__file__).with_name("RESULTS.md")
 OURS, LIMIT = "laser", "bare"
 HOUR = "\n## An hour"
 """Begins the section that comes from a run of its own, and is kept."""
+PLOTS = "\n## A plot of an hour at 1 kHz\n"
 
 ABOUT = """# Measured
 
@@ -49,6 +51,10 @@ Absolute figures depend on the machine and move by a third from run to run; rati
 - Imports are timed in fresh processes that have loaded ipykernel, ipywidgets and NumPy.
 - Everything on: four sectors, two conditions, of which one is lit, a ghost, the index view, and twenty shapes that are
   drawn anew with each scan. A drag is pointer moves in each animation frame, at most the display's.
+- A plot has 3.6 million values of one line, of which one stands out. It counts from the start of its cell until the
+  canvas has ink (of WebGL: until it is there). A step of the wheel, and of the pointer, counts to the end of the frame
+  after it, the longest beside the median. Then values come at 1 kHz: the CPU is that of the kernel's process, and of
+  the page's main thread. uPlot gets every value, as the page of ours never does.
 - A recording is opened and its topics are listed; then it is opened and every sample is made that a widget can show
   (of the topics that both know), where rosbags makes its messages. In one process, in turn.
 - A recording of 25,000 scans of 1040 rays is opened, and all its scans are made one array; it is opened, and its
@@ -108,6 +114,7 @@ def main() -> None:
     parser.add_argument("--recordings", action="store_true", help="recordings only; writes nothing")
     parser.add_argument("--simulator", action="store_true", help="the simulated robot only; writes nothing")
     parser.add_argument("--player", action="store_true", help="the player only; writes nothing")
+    parser.add_argument("--plots", action="store_true", help="plots of an hour only; writes nothing")
     parser.add_argument("--layers", action="store_true", help="the layers of the laser only; writes nothing")
     parser.add_argument("--leaks", action="store_true", help="what views leave in the page only; writes nothing")
     parser.add_argument(
@@ -135,6 +142,10 @@ def main() -> None:
     if options.player:
         with open_stage() as stage:
             print("\n".join(player_parts(stage, repeats, seconds, quick=options.quick)))
+        return
+    if options.plots:
+        with open_stage() as stage:
+            print("\n".join(plot_parts(stage, repeats, seconds)))
         return
     if options.layers:
         with open_stage() as stage:
@@ -172,6 +183,7 @@ def main() -> None:
             parts += [f"\n## Flooded for {long:.0f} s\n", table.endurance({"first sixth": first, "last sixth": last})]
             parts += [f"\nIts newest scan was shown late by {late:.0f} ms."]
             parts += layer_parts(stage, repeats, seconds)
+            parts += plot_parts(stage, repeats, seconds)
             parts += feed_parts(stage, 2 * seconds, repeats, long)
             parts += player_parts(stage, repeats, seconds, quick=options.quick)
             parts += leak_parts(stage, quick=options.quick)
@@ -274,6 +286,12 @@ def layer_parts(stage: Stage, repeats: int, seconds: float) -> list[str]:
     print("layers", flush=True)
     costs, drags = layers.compare(stage, repeats, seconds), layers.drags(stage, seconds)
     return ["\n## The laser with everything on\n", table.layers(costs, drags)]
+
+
+def plot_parts(stage: Stage, repeats: int, seconds: float) -> list[str]:
+    """What is said of plots."""
+    print("plots", flush=True)
+    return [PLOTS, table.plots(plots.compare(stage, repeats, 2 * seconds))]
 
 
 def leak_parts(stage: Stage, *, quick: bool) -> list[str]:

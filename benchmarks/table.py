@@ -16,6 +16,7 @@ from .leaks import LIMIT, NAMES, Leak
 from .measure import Endurance, Four
 from .pages import Opened
 from .player import FRAMED, ROUND_TRIP, Playing, Waiting
+from .plots import Plotted
 from .programs import Found
 from .recordings import Reading
 from .stopping import Stopped
@@ -203,6 +204,13 @@ def readings(files: Mapping[str, Reading]) -> str:
         opened = [say(r.open_ours), say(r.open_theirs), f"{r.open_ours / r.open_theirs:.2f}"]
         body.append([name, *opened, say(r.rate_ours), say(r.rate_theirs), f"{r.rate_theirs / r.rate_ours:.2f}"])
     return markdown(head, body)
+
+
+def plots(found: Mapping[str, Plotted]) -> str:
+    """Plots of an hour, one line per library."""
+    heads = ["", "seen after, ms", "MB", "a step of the wheel, ms", "at most", "of the pointer, ms"]
+    more = ["kernel CPU at 1 kHz, of a core", "page CPU"]
+    return markdown([*heads, *more], [[name, *map(say, vars(one).values())] for name, one in found.items()])
 
 
 def hour(found: Hour) -> str:
