@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import fields, is_dataclass
 from difflib import get_close_matches
 from functools import lru_cache
 from typing import Any
 
-from .fields import MISSING, describe
+from .fields import MISSING, FieldOf, ShortArrayError, describe
 
-_INDEX = re.compile(r"\[(\d+)\]")
 _NEAREST = 3
 _CLASSES = 512
 _SHORT = 100
@@ -72,23 +70,12 @@ def value_at(message: Any, path: str) -> Any:
     Raises:
         ValueError: the message has no such field; the text has the nearest names, and those that there are.
     """
-    value, done = message, ""
-    for part in path.split("."):
-        name, indices = part.partition("[")[0], _INDEX.findall(part)
-        if not (name or indices) or name + "".join(f"[{i}]" for i in indices) != part:
-            raise ValueError(f"expected the path of a field, such as 'pose.position.x' or 'ranges[0]', got {path!r}")
-        if name:
-            inner = get_any(value, name) if name in names_in(value) else MISSING
-            if inner is MISSING:
-                raise ValueError(_no_field(message, value, path, done))
-            value, done = inner, f"{done}.{name}" if done else name
-        for index in map(int, indices):
-            size = len(value) if hasattr(value, "__len__") and not isinstance(value, (str, Mapping)) else None
-            if size is None or index >= size:
-                has = "no array" if size is None else f"an array of {size:,}"
-                raise ValueError(f"no field {path!r}: {done or 'the message'} is {has}")
-            value, done = value[index], f"{done}[{index}]"
-    return value
+    try:
+        return FieldOf(path)(message)
+    except ShortArrayError:
+        raise
+    except ValueError:
+        raise ValueError(_no_field(message, path)) from None
 
 
 def why_no_value(message: Any, path: str) -> str:
@@ -100,19 +87,29 @@ def why_no_value(message: Any, path: str) -> str:
     return ""
 
 
-def _no_field(message: Any, value: Any, path: str, done: str) -> str:
-    there = list(paths_in(value, 3))
-    every = [f"{done}.{name}" if done else name for name in there]
+def _no_field(message: Any, path: str) -> str:
+    value, done = _deepest(message, path)
+    there = [f"{done}.{name}" if done else name for name in paths_in(value, 3)]
     last = path.rpartition(".")[2]
-    near = [one for one in paths_in(message, 5) if one.rpartition(".")[2] == last]
-    near = get_close_matches(path[:_SHORT], [*every, *near], _NEAREST) or near[:_NEAREST]
-    hint = f"; did you mean {' or '.join(map(repr, near))}?" if near else ""
+    same = [one for one in paths_in(message, 5) if one.rpartition(".")[2] == last]
+    near = get_close_matches(path[:_SHORT], [*there, *same], _NEAREST) or same[:_NEAREST]
     names = names_in(value)
-    listed = ", ".join(names[:_LISTED]) + (f" and {len(names) - _LISTED:,} more" if len(names) > _LISTED else "")
-    has = f"the fields of {done or 'the message'} are {listed}" if names else f"{done} is {describe(value)}"
-    return (
-        f"no field {path[:_SHORT]!r}{hint} {has[0].upper()}{has[1:]}" if near else f"no field {path[:_SHORT]!r}: {has}"
-    )
+    more = f" and {len(names) - _LISTED:,} more" if len(names) > _LISTED else ""
+    has = f"{done or 'the message'} has {', '.join(names[:_LISTED])}{more}" if names else f"{done} is {describe(value)}"
+    hint = f"did you mean {' or '.join(map(repr, near))}? There, {has}" if near else has
+    return f"no field {path[:_SHORT]!r}; {hint}"
+
+
+def _deepest(message: Any, path: str) -> tuple[Any, str]:
+    """What a message has of a path: the value, and up to where it goes."""
+    parts = path.split(".")
+    for count in range(len(parts) - 1, 0, -1):
+        done = ".".join(parts[:count])
+        try:
+            return FieldOf(done)(message), done
+        except ValueError:
+            continue
+    return message, ""
 
 
 def paths_in(value: Any, depth: int) -> Iterable[str]:

@@ -113,6 +113,25 @@ def test_picture_of_events(plain_page: Callable[..., PlainPage], theme: Literal[
     shoot(card, f"gallery-events-{theme}")
 
 
+MESSAGE = """
+import robowidgets
+from robowidgets import MessageWidget
+
+odometry = MessageWidget(title="/odom", folds={"header": False, "pose.pose.orientation": False})
+odometry.update(robowidgets.open(robowidgets.SAMPLE).message_at("/odom", 12.5))
+odometry
+"""
+
+
+@every_theme
+def test_picture_of_a_message(plain_page: Callable[..., PlainPage], theme: Literal["light", "dark"]) -> None:
+    nb = plain_page([MESSAGE], scale=2, theme=theme)
+    nb.resize(680)
+    card = nb.widget(0).locator(".rw-card")
+    expect(card.locator('.rw-message-row[data-rw-row="twist.twist.linear.x"]')).to_contain_text("m/s")
+    shoot(card, f"gallery-message-{theme}")
+
+
 PLOT = """
 import robowidgets
 from robowidgets import conditions

@@ -17,7 +17,7 @@ import robowidgets
 from robowidgets import SAMPLE, LaserWidget, Scan
 from robowidgets._core.pacer import pacer
 
-from ..unit.recordings import sweeps
+from ..unit.recordings import recorded, sweeps
 from . import firefox
 from .chromium import PICTURES, SCREENSHOTS, shoot
 
@@ -235,3 +235,17 @@ def test_a_page_plays_in_firefox(file: Path, tmp_path: Path) -> None:
         assert browser.run("return performance.getEntriesByType('resource').map((entry) => entry.name)") == []
         if PICTURES:
             browser.shoot(SCREENSHOTS / "to-html-firefox.png")
+
+
+def test_a_page_plays_messages_of_any_type_which_unfold_there(offline: Callable[..., Page], tmp_path: Path) -> None:
+    said = [(0.5 * i, "/wrench", {"force": {"x": 0.5 * i}}) for i in range(8)]
+    folder = recorded.write(tmp_path / "drive", {"/wrench": "geometry_msgs/msg/Wrench"}, said)
+    with robowidgets.open(folder) as recording:
+        page = offline(recording.to_html(tmp_path / "wrench.html"))
+    card = page.locator(".rw-message")
+    force = card.locator('[data-rw-row="force.x"] .rw-message-value')
+    expect(force).to_have_text("0")
+    page.get_by_role("button", name="One scan on (.)").first.click()
+    expect(force).to_have_text("0.5")
+    card.locator('[data-rw-row="force"]').click()
+    expect(force).to_have_count(0)

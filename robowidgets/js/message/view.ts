@@ -5,7 +5,7 @@ import { toCount, toFixed } from "../shared/format.ts";
 import { type Model, onChange, setTraits } from "../shared/model.ts";
 import { SampleCard } from "../shared/sample_card.ts";
 import type { Stream } from "../shared/stream.ts";
-import type { Moment } from "../shared/traits.ts";
+import type { Moment, Recent } from "../shared/traits.ts";
 import { decodeMessage, type Packed } from "./frame.ts";
 import { Readout } from "./readout.ts";
 import { RowView } from "./row_view.ts";
@@ -18,6 +18,8 @@ import { type Field, find, isSame, toFields, toNumber } from "./tree.ts";
 
 /** For so long a change is seen at least. */
 const LIT_MS = 300;
+/** Messages of a player in the last seconds, at most. */
+const MOST_RECENT = 1000;
 const COPIED_MS = 2000;
 /** Pixels from which on there is room for the package of a type. */
 const WIDE = 520;
@@ -107,10 +109,13 @@ export class MessageView {
   // -- drawing -------------------------------------------------------------------------------------------------------
 
   #draw(): void {
-    const [card, stream] = [this.#card, this.#stream];
+    const [card, stream, model] = [this.#card, this.#stream, this.#model];
     const { shown } = stream;
-    const watched = this.#model.get("over_time");
+    const watched = model.get("over_time");
     card.alsoNumbers = watched.length ? (moment) => this.#numbersOf(moment, watched) : null;
+    const needs = watched.length ? MOST_RECENT : 1;
+    const page = model as Model<Recent>;
+    if (page.get("_needs") !== needs) page.set("_needs", needs);
     const { type = "" } = this.#about;
     // A topic that spoke once is not silent.
     card.update([card.width < WIDE ? type.replace(/^.*\//, "") : type], "message", stream.rate > 0);

@@ -70,7 +70,7 @@ export class Targets {
     for (const [i, target] of this.models.entries()) {
       const before = target.get("_recent");
       const scans = Math.max(target.get("trail") ?? 0, (target.get("spread") ?? 0) - 1);
-      const count = target.get("_about").numbers ? MOST : scans;
+      const count = target.get("_about").numbers ? MOST : Math.max(scans, target.get("_needs") ?? 0);
       if (!before && count <= 0) continue;
       const found = segments.upTo(i, (target.get("paused") ? frozenAt : null) ?? time, count + 1);
       const isSame = found.length === before?.length && found.every(({ frame }, j) => frame.bytes === before[j]?.bytes);

@@ -139,6 +139,8 @@ export interface Picking {
 export interface Recent {
   /** The last samples up to the one on show, oldest first, of a widget that a player moves. */
   _recent?: Moment[];
+  /** How many of them a view needs, besides the one on show. */
+  _needs?: number;
 }
 
 /** Traits for other widgets in the page; Python has none of this name. */
