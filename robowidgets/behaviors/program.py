@@ -54,7 +54,8 @@ class Program(Observed):
     - An exception stops the robot; the program waits for its next version, or for `run`.
     - A step that does not return for half a second is abandoned: the robot is stopped, and that step cannot drive any
       more. The next version runs in another thread.
-    - So is a step that held the GIL for a second or longer: then neither it could be abandoned, nor zero be sent.
+    - So is a step that held the GIL for a second or longer: then it could not be abandoned, and only a guard could send
+      zero.
     - Its time counts while it can make steps: not while it is paused, waits, or the process stands still.
     - The speed of a version that was replaced while it was at work is not sent.
 
@@ -342,9 +343,10 @@ class Program(Observed):
             return
         # Where the process did not work, it was suspended: a step is not to blame, and the next one is due.
         if unseen >= HELD and worked >= WORKS * unseen:
+            stopped = "the guard stopped the robot meanwhile" if self._robot.is_guarded() else "zero came late"
             held = (
                 f"{self.name}: a step took {passed:.1f} s, in which it, or another thread, held the GIL: "
-                "nothing else could run, and zero came late"
+                f"nothing else could run, and {stopped}"
             )
             self._fail(held, None, run)
             return

@@ -52,6 +52,7 @@ class DrivenRobot:
         drive: sends a speed, m/s forward, rad/s counter-clockwise and m/s to the left; returns why it was not sent,
             empty if it was.
         halt: sends zero at once, if a program drives.
+        is_guarded: returns whether a guard stops the robot while this process cannot.
     """
 
     where: str
@@ -60,3 +61,4 @@ class DrivenRobot:
     listen: Callable[[Callable[[], None]], Inputs]
     drive: Callable[[float, float, float], str]
     halt: Callable[[], object]
+    is_guarded: Callable[[], bool] = bool

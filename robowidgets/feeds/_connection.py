@@ -95,7 +95,8 @@ class Connection(Observed):
         except BaseException:
             open_feeds.discard(self)
             raise
-        stop_at_end()
+        if not self.driver.is_guarded:
+            stop_at_end()
 
     @property
     def where(self) -> str:
@@ -458,4 +459,5 @@ def _robot_of(connection: Connection, is_deleted: Callable[[], bool]) -> DrivenR
         listen=partial(FeedInputs, connection),
         drive=connection.driver.drive_by_program,
         halt=watchdog.stop_program,
+        is_guarded=lambda: connection.driver.is_guarded,
     )

@@ -9,6 +9,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from ..driving.command_watchdog import PROGRAM, ZERO, CommandWatchdog, RefusedError, Request, Velocity
+from ..driving.stop_all import stop_at_end
 from ..samples.staleness import PAGE_SILENCE
 from ._driving import USUAL, DriveStatus, Driving, heard_speeds, unheard
 from ._guard.guard import OFF, guard_for, release
@@ -76,12 +77,19 @@ class Driver:
         if self._guard is not None:
             self._guard.start()
 
+    @property
+    def is_guarded(self) -> bool:
+        """Whether a guard sends zero when this process cannot, or will once it is needed."""
+        return self._link is not None and not self._link.unavailable
+
     def _await_guard(self) -> None:
         """Start the guard, and wait until it can send a speed, or cannot for long."""
         self.prepare()
         guard, until = self._link, self._clock.now() + START_TIMEOUT
         while guard is not None and guard.is_starting and self._clock.now() < until:
             self._connection.wait_until(lambda: not guard.is_starting, RETRY_PAUSE)
+        if guard is not None and guard.unavailable:
+            stop_at_end()
 
     @property
     def sender(self) -> str:
@@ -241,7 +249,7 @@ class Driver:
     def _request(self, velocity: Velocity, driver: str) -> Request:
         """Check a speed and request it from the watchdog; FeedError if a check fails."""
         self._connection.check_open()
-        if self._connection.status:
+        if self._connection.status and not self._is_reached_by_guard:
             raise FeedError(f"cannot drive: {self._connection.status}")
         self._choose(is_driven=velocity != ZERO)
         if velocity != ZERO:
@@ -258,6 +266,12 @@ class Driver:
                 return self.watchdog.drive(velocity, self._driving.hold, driver)
             except RefusedError as error:
                 raise FeedError(f"cannot drive: {error}") from None
+
+    @property
+    def _is_reached_by_guard(self) -> bool:
+        """Whether the guard reaches a robot that this process has lost: its node has connections without a master."""
+        is_lost = self._connection.is_listed and self._connection.status != self._connection.nobody
+        return is_lost and self._guard is not None and self._guard.is_up
 
     def _send(self, linear: float, angular: float, lateral: float) -> None:
         """The sink of the watchdog, called in its thread."""

@@ -23,7 +23,7 @@ from typing import Any, NamedTuple
 import pytest
 
 from robowidgets import LaserWidget, Speed, SpeedWidget, feeds
-from robowidgets.feeds import _ros1_master
+from robowidgets.feeds import _driver, _ros1_master
 from robowidgets.feeds.middleware import SEND_TIMEOUT, Advert, FeedError
 
 from ..conftest import ROOT
@@ -479,6 +479,25 @@ def test_speeds_and_zero_reach_the_robot_though_the_master_is_gone(feed, middlew
             feed.connection.middleware.publish("/gone/cmd_vel", STAMPED, {})
     finally:
         master.start()
+
+
+def test_a_guard_drives_on_without_a_master_and_is_no_other_publisher(monkeypatch, robot, master):
+    monkeypatch.setattr(_driver, "OFF", False)
+    there = robot("/kept/cmd_vel")
+    with feeds.ros1() as feed:
+        driven(feed, "/kept/cmd_vel", hold=60.0)
+        feed.drive(0.25)
+        wait_for(lambda: there.heard, "the robot hears a speed")
+        assert "publishes /kept/cmd_vel" not in feed.drive_status
+        master.kill()
+        try:
+            wait_for(lambda: feed.status, "the master is lost")
+            feed.drive(0.5)
+            wait_for(lambda: 0.5 in there.heard, "the robot hears a speed without a master")
+            feed.driver.watchdog.stop()
+            wait_for(lambda: there.heard[-1] == 0.0, "the robot hears zero")
+        finally:
+            master.start()
 
 
 def test_a_process_that_ends_without_closing_stops_the_robot(publish):

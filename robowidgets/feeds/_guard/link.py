@@ -29,6 +29,9 @@ BEAT = 0.1
 ANSWER = 0.8
 """Seconds within which a guard answers; it waits for the robot for half a second at most."""
 
+LOOK = 0.1
+"""Seconds between two looks whether it has answered."""
+
 WORKS = 0.05
 """Seconds of processor time per second by which a process works whose threads wait for the GIL."""
 
@@ -99,6 +102,11 @@ class GuardLink(Observed):
         return self._is_starting
 
     @property
+    def is_up(self) -> bool:
+        """Whether it reaches the robot."""
+        return self._is_up
+
+    @property
     def is_there(self) -> bool:
         """Whether its process takes speeds, though the robot may not be reached."""
         return self._is_ready
@@ -129,9 +137,11 @@ class GuardLink(Observed):
                 self._moving.add(feed)
             self._answers[number] = answer
             self._write(frame)
-            until = time.monotonic() + ANSWER
-            while not answer.is_there and (left := until - time.monotonic()) > 0:
-                self._changed.wait(left)
+            waited, at = 0.0, time.monotonic()
+            while not answer.is_there and waited < ANSWER:
+                self._changed.wait(LOOK)
+                # Where a look comes late, this process stood still, and the answer may wait to be read.
+                waited, at = waited + min(time.monotonic() - at, 2 * LOOK), time.monotonic()
             del self._answers[number]
             if not answer.is_there:
                 self._hangs = True

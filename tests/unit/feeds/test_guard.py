@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ctypes
 import os
 import signal
 import subprocess
@@ -14,7 +15,8 @@ from typing import Any
 
 import pytest
 
-from robowidgets import feeds
+from robowidgets import DriveWidget, feeds
+from robowidgets.behaviors import Drive
 from robowidgets.driving.command_watchdog import HOLD
 from robowidgets.feeds import Driving, FeedError, _driver
 from robowidgets.feeds._guard import guard as kernel_side
@@ -322,6 +324,41 @@ def test_a_guard_survives_the_signals_of_a_terminal_and_ends_with_zero_when_it_i
     assert (guard.pid, os.getsid(pid)) == (pid, pid)
     os.kill(pid, signal.SIGTERM)
     wait_for_speeds(robot, 0.3, 0.0)
+
+
+@pytest.mark.slow
+def test_a_step_that_held_the_gil_says_that_the_guard_stopped_the_robot_and_so_does_the_feed(
+    robot: Rosbridge, with_guards: ExitStack
+) -> None:
+    feed, _ = opened(with_guards, robot)
+
+    def go(state):  # type: ignore[no-untyped-def]
+        state.steps = state.get("steps", 0) + 1
+        if state.steps == 20:
+            ctypes.PyDLL(None).usleep(1_500_000)
+        return Drive(0.3)
+
+    program = feed.program(go, rate=50)
+    wait_for(lambda: program.mode == "failed", "it failed")
+    assert program.error.startswith("go: a step took 1.")
+    assert program.error.endswith("held the GIL: nothing else could run, and the guard stopped the robot meanwhile")
+    wait_for(lambda: "the kernel was silent for 1." in feed.drive_status, "the feed says so")
+    assert feed.drive_status.endswith("the guard stopped the robot meanwhile")
+    wait_for_speeds(robot, 0.3, 0.0)
+    feed.stop()
+    assert feed.drive_status == ""
+
+
+@pytest.mark.slow
+def test_a_pad_says_what_sends_the_speeds(robot: Rosbridge, with_guards: ExitStack) -> None:
+    feed, _ = opened(with_guards, robot)
+    pad = DriveWidget()
+    pad.connect(feed)
+    assert pad.get_state()["_state"]["sender"].startswith("a guard beside the kernel sends speeds")
+    pad.close()
+    alone = DriveWidget(send=lambda *_: None)
+    assert alone.get_state()["_state"]["sender"] == ""
+    alone.close()
 
 
 @pytest.mark.slow
