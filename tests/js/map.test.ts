@@ -1,5 +1,6 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
+import { toCsv } from "../../robowidgets/js/export/csv.ts";
 import { boundsOfLook, canZoom, lookOf, zoomed } from "../../robowidgets/js/path/camera.ts";
 import {
   type Cells,
@@ -34,6 +35,20 @@ test("the layers of a frame are those that Python packed", () => {
     cells: cells && { ...cells, data: [...cells.data] },
   }));
   assert.deepEqual({ ...rest, layers: plain }, readsOf("map"));
+});
+
+test("the page of a map saves the poses of its layers, each with the time of its message", () => {
+  const layers: LayerAbout[] = [
+    { number: 0, name: "/amcl", kind: "pose" },
+    { number: 1, name: "/poses", kind: "poses" },
+    { number: 3, name: "/other", kind: "pose" },
+  ];
+  const [head, row] = toCsv("path_widget", [{ time: 2, about: 0, bytes: frameOf("map") }], layers).split("\n");
+  const [amcl, other] = ["/amcl", "/other"].map((name) =>
+    ["seconds", "x", "y", "yaw"].map((part) => `${name} ${part}`),
+  );
+  assert.deepEqual(head?.split(","), ["seconds", "stamp_ns", ...(amcl ?? []), ...(other ?? [])]);
+  assert.deepEqual(row?.split(",").slice(2), ["0.5", "1.5", "-2", String(Math.PI), "", "", "", ""]);
 });
 
 test("a place is in the cell of the row and column that a program finds, also on a grid that is turned", () => {

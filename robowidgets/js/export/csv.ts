@@ -1,3 +1,4 @@
+import type { LayerAbout } from "../path/layers.ts";
 import { decodePose } from "../path/path.ts";
 import type { TimedFrame } from "../player/segments.ts";
 import { decodeScan } from "../shared/frames/scan.ts";
@@ -10,7 +11,7 @@ const STAMP_AT = 16;
 type Table = { head: string[]; rows: (string | number)[][] };
 
 /** By widget, the values of its frames; those of others are not known here. */
-const TABLES: Record<string, (frames: DataView[]) => Table> = {
+const TABLES: Record<string, (frames: DataView[], layers: LayerAbout[]) => Table> = {
   laser_widget: toScans,
   path_widget: toPoses,
   speed_widget: toSpeeds,
@@ -21,9 +22,13 @@ export function hasTable(widget: string): boolean {
   return widget in TABLES;
 }
 
-/** Samples of a topic as CSV, with seconds from the start of the recording and the stamp in ns (0: none). */
-export function toCsv(widget: string, frames: TimedFrame[]): string {
-  const { head, rows } = TABLES[widget]?.(frames.map(({ bytes }) => bytes)) ?? { head: [], rows: [] };
+/**
+ * Samples of a topic as CSV, with seconds from the start of the recording and the stamp in ns (0: none).
+ * @param layers those of a map
+ */
+export function toCsv(widget: string, frames: TimedFrame[], layers: LayerAbout[] = []): string {
+  const bytes = frames.map((frame) => frame.bytes);
+  const { head, rows } = TABLES[widget]?.(bytes, layers) ?? { head: [], rows: [] };
   const lines = rows.map((row, i) => {
     const { time, bytes } = frames[i] as TimedFrame;
     return [String(time), String(bytes.getBigInt64(STAMP_AT, true)), ...row].join();
@@ -47,9 +52,18 @@ function toScans(frames: DataView[]): Table {
   };
 }
 
-function toPoses(frames: DataView[]): Table {
-  const rows = frames.map(decodePose).map(({ x, y, yaw }) => [x, y, yaw].map(toText));
-  return { head: ["x", "y", "yaw"], rows };
+/** The poses of odometry; of a map those of each of its layers, in its frame, each with the time of its message. */
+function toPoses(frames: DataView[], layers: LayerAbout[]): Table {
+  const poses = frames.map(decodePose);
+  if (!layers.length) return { head: ["x", "y", "yaw"], rows: poses.map(({ x, y, yaw }) => [x, y, yaw].map(toText)) };
+  const placed = layers.filter(({ kind }) => kind === "pose" || kind === "goal");
+  const rows = poses.map((pose) =>
+    placed.flatMap(({ number }) => {
+      const { time, x, y, yaw } = pose.layers.find((one) => one.number === number) ?? {};
+      return [time, x, y, yaw].map(toText);
+    }),
+  );
+  return { head: placed.flatMap(({ name }) => ["seconds", "x", "y", "yaw"].map((part) => `${name} ${part}`)), rows };
 }
 
 function toSpeeds(frames: DataView[]): Table {

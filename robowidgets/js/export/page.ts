@@ -1,3 +1,4 @@
+import type { MapAbout } from "../path/traits.ts";
 import { make } from "../shared/dom.ts";
 import { hasTable, toCsv } from "./csv.ts";
 import { Feed, Segments } from "./feed.ts";
@@ -98,7 +99,10 @@ function offerData({ models, name }: PageFacts, player: PageModel, segments: Seg
     button.addEventListener("click", async () => {
       const frames = [];
       for (const number of segments.numbers) frames.push(...segments.framesOf(await segments.read(number), track));
-      save(`${name}-${topic.split(/[/ ]/).filter(Boolean).join("-")}.csv`, toCsv(found.widget, frames));
+      save(
+        `${name}-${topic.split(/[/ ]/).filter(Boolean).join("-")}.csv`,
+        toCsv(found.widget, frames, (found.state._map as MapAbout | undefined)?.layers),
+      );
     });
     place.append(button);
   }
