@@ -36,14 +36,17 @@ class Recorder:
         connection: that of the feed.
         path: the file.
         topics: names of topics; none: all that a widget shows.
+        everything: whether, without names, it records all topics whose type is known.
 
     Attributes:
         path: the file.
         refresh: begins to record topics that have appeared; the feed calls it.
     """
 
-    def __init__(self, connection: Connection, path: str | os.PathLike[str], topics: tuple[str, ...]) -> None:
-        self._connection, self._names = connection, topics
+    def __init__(
+        self, connection: Connection, path: str | os.PathLike[str], topics: tuple[str, ...], everything: bool
+    ) -> None:
+        self._connection, self._names, self._everything = connection, topics, everything
         self.path = checked_output("record", path, (".mcap",))
         self._targets: dict[str, Target] = {}
         self._missed: Counter[str] = Counter()
@@ -85,7 +88,8 @@ class Recorder:
             "could be read"
             for name, count in list(self._missed.items())
         )
-        return (*self._writer.problems, *missed, *missing)
+        unread = filter(None, map(self._connection.trouble_of, list(self._targets)))
+        return (*self._writer.problems, *missed, *missing, *unread)
 
     def close(self) -> None:
         """Complete the file; doing it again does nothing. It waits for the disk for two seconds at most."""
@@ -128,7 +132,9 @@ class Recorder:
                     return
 
     def _is_wanted(self, topic: FeedTopic) -> bool:
-        return topic.name in self._names if self._names else bool(topic.widget) or is_undecided(topic.type)
+        if self._names:
+            return topic.name in self._names
+        return self._everything or bool(topic.widget) or is_undecided(topic.type)
 
     def _take(self, name: str, type_name: str, message: Any) -> None:
         self._writer.add(name, type_name, self._writer.now_ns(), message)

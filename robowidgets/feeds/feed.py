@@ -218,7 +218,7 @@ class Feed:
         self.connection.check_open()
         return WiresView(FeedWires(self.connection), **options)
 
-    def record(self, path: str | os.PathLike[str], *topics: str) -> Recorder:
+    def record(self, path: str | os.PathLike[str], *topics: str, everything: bool = False) -> Recorder:
         """Write what the robot sends into an MCAP file, until the result is closed, as a context manager or by `close`.
 
         Beside the topics it has the speeds that are sent, and the text and the states of each version of the program.
@@ -228,9 +228,13 @@ class Feed:
         Args:
             path: the file, such as ``"run.mcap"``, which must not exist yet.
             *topics: names of topics, which may appear later; none: all that have a widget.
+            everything: whether, without names, all topics are written, of any type: cameras and point clouds, too,
+                which then all come over the network. What cannot be, such as a type of which nobody knows the
+                definition, `problems` of the result names.
 
         Raises:
-            TypeError: no path, or a name is no text. ValueError: the name does not end in ``.mcap``.
+            TypeError: no path, a name is no text, or ``everything`` is neither True nor False.
+            ValueError: the name does not end in ``.mcap``.
             OSError: the file exists, or cannot be written.
             FeedError: the feed is closed.
 
@@ -240,8 +244,10 @@ class Feed:
         """
         from ._recorder import Recorder
 
+        if not isinstance(everything, bool) or (everything and topics):
+            raise TypeError(f"everything: expected True or False, and no names beside it, got {everything!r}")
         self.connection.check_open(*topics)
-        return Recorder(self.connection, path, topics)
+        return Recorder(self.connection, path, topics, everything)
 
     def drive(self, linear: float = 0.0, angular: float = 0.0, *, lateral: float = 0.0) -> None:
         """Publish a speed, cut to the limits of `driving`; unless it is renewed in time, zero follows.

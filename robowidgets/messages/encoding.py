@@ -15,18 +15,23 @@ from .fields import reader
 _IN_ROS1 = {"sec": "secs", "nanosec": "nsecs"}
 
 
-def encode(encoding: str, message_type: str, message: Any) -> bytes:
+def encode(encoding: str, message_type: str, message: Any, definition: str = "") -> bytes:
     """The bytes of a message in ``cdr`` or ``ros1``, given as an object or as its fields, of ROS 1 or ROS 2.
 
-    A field that is left out is zero or empty; one that the type does not have, such as ``header.seq``, is not encoded.
+    Without a definition its type is one that is known. A field that is left out is zero or empty; one that the type does
+    not have, such as ``header.seq``, is not encoded.
 
     Raises:
         ValueError: the type is not known, or a value does not fit. The text is one line for a person.
     """
     try:
-        store = store_of(Channel(0, "", message_type, encoding, "", 0))
+        store = store_of(Channel(0, "", message_type, encoding, definition, 0))
     except DecodeError:
-        raise ValueError(f"{message_type} is not a known type") from None
+        package = message_type.partition("/")[0]
+        raise ValueError(
+            f"{message_type} is not a known type; robowidgets.messages.add_definitions(folder) takes the .msg files of "
+            f"{package}"
+        ) from None
     write = store.serialize_ros1 if encoding == "ros1" else store.serialize_cdr
     try:
         return bytes(write(_message(store, message_type, message), message_type))

@@ -16,6 +16,7 @@ from .._core.text import many
 from .._core.waiters import Waiters
 from ..kinds import kind_of_sample
 from ..messages.channel import Channel
+from ..messages.decoding import channel_of, store_of
 from ..messages.encoding import encode
 from ..messages.standard import ToMessage, mount_message
 from ..repair.write import McapWriter
@@ -157,16 +158,17 @@ class LiveWriter:
         self._put(writer, topic, time_ns, *self._standard(topic, topic_type, time_ns, message))
 
     def _put(self, writer: McapWriter, topic: str, time_ns: int, type_name: str, fields: Any) -> None:
+        channel = self._channels.get((topic, type_name))
+        definition = _definition(type_name, fields) if channel is None else channel.definition
         try:
-            data = encode("cdr", type_name, fields)
+            data = encode("cdr", type_name, fields, definition)
         except ValueError as error:
             if topic not in self._unwritable:
                 self._unwritable[topic] = f"{topic} cannot be recorded: {error}"
                 log.warning("%s: %s", self._path, self._unwritable[topic])
             return
-        channel = self._channels.get((topic, type_name))
         if channel is None:
-            channel = Channel(len(self._channels), topic, type_name, "cdr", "", 0)
+            channel = Channel(len(self._channels), topic, type_name, "cdr", definition, 0)
             self._channels[topic, type_name] = channel
             writer.register(channel)
         writer.add(channel, time_ns, data)
@@ -180,3 +182,12 @@ class LiveWriter:
         if topic not in self._to_message:
             self._to_message[topic] = kind.to_message()
         return self._to_message[topic](message, time_ns, topic_type)
+
+
+def _definition(type_name: str, message: Any) -> str:
+    """The definition by which a message was read, as ROS 2 writes it; empty for one that its robot did not define."""
+    source = channel_of(message)
+    if source is None or source.type != type_name or not source.definition.strip():
+        return ""
+    text: str = store_of(source).generate_msgdef(type_name, ros_version=2)[0]
+    return text

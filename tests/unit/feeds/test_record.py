@@ -24,13 +24,16 @@ import robowidgets
 from robowidgets import Speed, Touch, TouchMode, feeds
 from robowidgets.behaviors import Drive
 from robowidgets.feeds import Advert, Feed, FeedError
+from robowidgets.messages.channel import Channel
+from robowidgets.messages.decoding import decoder_of
+from robowidgets.messages.encoding import encode
 from robowidgets.recordings import live_writer
 from robowidgets.repair.write import McapWriter
 from robowidgets.samples.state_span import rows_of
 
 from ..clocks import ManualClock
 from ..waiting import threads_named, wait_for
-from .scripted import CMD_VEL, ODOM, SCAN, Scripted, scan
+from .scripted import CMD_VEL, IMU, ODOM, SCAN, Scripted, scan
 
 KOBUKI = Advert("/bumper", "kobuki_msgs/msg/BumperEvent", wanted=False)
 TOUCH = Advert("/touch", "robowidgets/msg/Touch", wanted=False)
@@ -196,7 +199,8 @@ def test_named_topics_are_recorded_from_when_they_appear_and_others_are_not(tmp_
         recorder.close()
         assert recorder.written == {}
         assert recorder.problems == (
-            "/imu cannot be recorded: my_msgs/msg/Odd is not a known type",
+            "/imu cannot be recorded: my_msgs/msg/Odd is not a known type; "
+            "robowidgets.messages.add_definitions(folder) takes the .msg files of my_msgs",
             "no such topic /odm; there are /scan, /imu",
         )
         assert repr(recorder).startswith(f"{tmp_path / 'run.mcap'}: 0 messages, closed\n⚠ /imu")
@@ -328,3 +332,27 @@ def test_a_speed_without_a_type_of_its_own_is_stamped(tmp_path: Path) -> None:
         wait_for(lambda: recorder.written["/speed"], "it is written")
     (one,) = decoded(tmp_path / "run.mcap")["/speed"]
     assert (one.twist.linear.x, abs(one.header.stamp.sec - time.time()) < 60) == (0.5, True)
+
+
+OWN = "my_msgs/msg/Arm"
+DEFINITION = f"float64 reach\nPart[] parts\n{'=' * 80}\nMSG: my_msgs/Part\nstring name\n"
+
+
+def test_everything_is_recorded_also_what_no_widget_shows_by_the_definition_of_the_robot(tmp_path: Path) -> None:
+    script = Scripted(IMU, ODOM, Advert("/arm", OWN), Advert("/odd", "my_msgs/msg/Unknown"))
+    channel = Channel(0, "/arm", OWN, "cdr", DEFINITION, 0)
+    arm = decoder_of(channel)(encode("cdr", OWN, {"reach": 0.5, "parts": [{"name": "hand"}]}, DEFINITION))
+    with Feed(script) as feed:
+        with feed.record(tmp_path / "run.mcap", everything=True) as recorder:
+            script.listener.on_message("/imu", {"linear_acceleration": {"x": 1.5}})
+            script.listener.on_message("/arm", arm)
+            script.listener.on_message("/odd", {"x": 1})
+            wait_for(lambda: recorder.written["/arm"] == 1 and len(recorder.problems) == 1, "all is written")
+            assert recorder.problems[0].startswith("/odd cannot be recorded: my_msgs/msg/Unknown is not a known type")
+            assert "takes the .msg files of my_msgs" in recorder.problems[0]
+        with pytest.raises(TypeError, match="no names beside it"):
+            feed.record(tmp_path / "other.mcap", "/imu", everything=True)
+    with robowidgets.open(tmp_path / "run.mcap") as recording:
+        assert recording.fields("/imu")["linear_acceleration.x"].tolist() == [1.5]
+        assert recording.fields("/arm")["reach"].tolist() == [0.5]
+        assert recording.fields("/arm")["parts[0].name"].tolist() == ["hand"]
