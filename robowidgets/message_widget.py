@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, ClassVar, NamedTuple
 
 import traitlets
@@ -98,6 +98,7 @@ class MessageWidget(RobotWidget[Received]):
     ).tag(sync=True)
     changes = Flag(True, help="Whether what changed is marked. Python and the view write it.").tag(sync=True)
 
+    _plots = Flag(False, help="Whether there is a view that can show a plot of a field.").tag(sync=True)
     _wanted = traitlets.List(traitlets.Unicode(), help="Paths of large parts that the page asks for.").tag(
         sync=True, echo_update=False
     )
@@ -110,7 +111,9 @@ class MessageWidget(RobotWidget[Received]):
         self._kept: deque[tuple[bytes, Received, int]] = deque()
         """What was packed last, with the message of each, and about its bytes."""
         self._kept_bytes = 0
+        self._on_plot: Callable[[str], None] | None = None
         super().__init__(**kwargs)
+        self.on_msg(self._on_page)
 
     def update(self, message: Any) -> None:
         """Show a message in the next animation frame.
@@ -165,6 +168,25 @@ class MessageWidget(RobotWidget[Received]):
             return value_at(message, path)
         except ValueError as error:
             raise KeyError(str(error)) from None
+
+    def offer_plots(self, on_plot: Callable[[str], None]) -> None:
+        """Have a button on each number that asks for a plot of it: the function gets its path."""
+        self._on_plot, self._plots = on_plot, True
+
+    def close(self) -> None:
+        """Remove the widget from the page."""
+        self._on_plot = None
+        super().close()
+
+    def _on_page(self, _widget: Any, content: Any, _buffers: Any) -> None:
+        """A field of which a person wants a plot."""
+        path = content.get("plot") if isinstance(content, dict) else None
+        if self._on_plot is None or not isinstance(path, str):
+            return
+        try:
+            self._on_plot(path)
+        except Exception as error:  # whatever a view says of a name that comes from the page
+            self._refuse(ValueError(f"{path} could not be plotted: {error}"))
 
     def frame_of(self, sample: Any) -> tuple[dict[str, Any], bytes]:
         """See `RobotWidget`: of a message."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 from html import escape
 from typing import Any, Protocol
 
@@ -18,6 +19,7 @@ from ..behaviors.machine import Machine
 from ..events_widget import EventsWidget
 from ..kinds import asked_of_type
 from ..machine_widget import MachineWidget
+from ..message_widget import MessageWidget
 from ..program_widget import ProgramWidget
 from ..speed_widget import SpeedWidget
 from ..stop_widget import StopWidget
@@ -172,6 +174,10 @@ class FeedView(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no type
 
         return self.on_show.entries([*self._known.values()], can_show)
 
+    def _plot_field(self, topic: str, path: str) -> None:
+        """Show a plot of a field: a person wants it."""
+        self._on_toggle(f"{topic}.{path}", True)
+
     def _on_toggle(self, topic: str, on: bool) -> None:
         """Show a topic, or take it off with its fields: a person wants it."""
         if on:
@@ -198,6 +204,8 @@ class FeedView(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no type
             before = choice if choice in there else next((one for one in there if one.is_like(choice)), None)
             if before is None:
                 widget = choice.make()
+                if isinstance(widget, MessageWidget):
+                    widget.offer_plots(partial(self._plot_field, choice.topic))
                 if isinstance(widget, SpeedWidget):
                     widget.show_used_axes()
                 if isinstance(widget, EventsWidget):

@@ -35,6 +35,7 @@ from .._widget_choice import (
 from ..export.html import MAX_SIZE, SUFFIXES
 from ..in_rerun.widget import RerunWidget
 from ..kinds import LASER, TOUCH, asked_of_fields, asked_of_type, load
+from ..message_widget import MessageWidget
 from ..player_widget import PlayerWidget
 from ..poses.places import WITHIN, Places
 from ..recordings import RecordingData
@@ -374,6 +375,8 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
             view.widget.follow_player()
             if view.widget.frame_traits:
                 view.widget.observe(self._on_frame_trait, view.widget.frame_traits)
+            if isinstance(view.widget, MessageWidget):
+                view.widget.offer_plots(partial(self._plot_field, view.choice.topic))
         freeze_together(view.widget for view in self.views)
         return new
 
@@ -386,6 +389,10 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
     def _on_frame_trait(self, _change: Any) -> None:
         if self._prefetcher:
             self._prefetcher.start()
+
+    def _plot_field(self, topic: str, path: str) -> None:
+        """Show a plot of a field: a person wants it."""
+        self._on_toggle(f"{topic}.{path}", True)
 
     def _on_toggle(self, topic: str, on: bool) -> None:
         """Show a topic, or take it off with its fields: a person wants it."""

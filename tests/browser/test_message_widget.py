@@ -199,3 +199,16 @@ def test_a_player_shows_the_message_of_each_time_and_copies_the_code_that_reads_
     assert nb.python(code) == "0.1"
     assert nb.python("player.views[0].widget.message.data") == "0.1"
     shoot(card, "message-player")
+
+
+def test_a_number_of_a_recording_is_plotted_beside_it_by_a_click(plain_page: Callable[..., PlainPage]) -> None:
+    nb = plain_page([IMU, RECORDED])
+    alone = row(nb.widget(0).locator(".rw-card"), "angular_velocity.z")
+    alone.hover()
+    expect(alone.get_by_role("button", name="Watch")).to_be_visible()
+    expect(alone.get_by_role("button", name="Plot")).to_be_hidden()
+    card = nb.output(1).locator(".rw-message")
+    row(card, "data").hover()
+    row(card, "data").get_by_role("button", name="Plot").click()
+    expect(nb.output(1).locator(".rw-plot").locator(".rw-plot-most")).to_have_text("0.7")
+    assert nb.python("[type(view.widget).__name__ for view in player.views]") == "['MessageWidget', 'PlotWidget']"

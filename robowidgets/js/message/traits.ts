@@ -13,6 +13,8 @@ export interface MessageTraits extends SampleTraits {
   folds: Record<string, boolean>;
   /** Whether what changed is marked. */
   changes: boolean;
+  /** Whether there is a view that can show a plot of a field. */
+  _plots: boolean;
   /** Paths of large parts that Python is asked for. */
   _wanted: string[];
 }

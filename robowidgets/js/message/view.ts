@@ -2,7 +2,7 @@ import { copyText } from "../shared/copy.ts";
 import { make, makeButton, setHidden, setText } from "../shared/dom.ts";
 import { isPlain, on, onAbort } from "../shared/events.ts";
 import { toCount, toFixed } from "../shared/format.ts";
-import { type Model, onChange, setTraits } from "../shared/model.ts";
+import { lacksKernel, type Model, onChange, setTraits } from "../shared/model.ts";
 import { SampleCard } from "../shared/sample_card.ts";
 import type { Stream } from "../shared/stream.ts";
 import type { Moment, Recent } from "../shared/traits.ts";
@@ -40,6 +40,7 @@ export class MessageView {
   readonly #actions = make("span", "rw-message-actions");
   readonly #watch: HTMLButtonElement;
   readonly #copy: HTMLButtonElement;
+  readonly #plot: HTMLButtonElement;
   readonly #told = make("span", "rw-message-told");
   readonly #place = make("span", "rw-message-place");
   readonly #code = make("textarea", "rw-code rw-message-code");
@@ -70,11 +71,13 @@ export class MessageView {
     card.picture.append(this.#scroll, this.#empty);
     this.#watch = makeButton("rw-message-watch", "", () => this.#toggleWatch(), signal, "Watch");
     this.#copy = makeButton("rw-message-copy", "", () => void this.#copyPath(), signal, "Copy path");
-    for (const button of [this.#watch, this.#copy]) {
+    this.#plot = makeButton("rw-message-plot", "", () => this.#askForPlot(), signal, "Plot");
+    this.#plot.title = "Show a plot of it (Enter)";
+    for (const button of [this.#plot, this.#watch, this.#copy]) {
       button.ariaLabel = null;
       button.tabIndex = -1;
     }
-    this.#actions.append(this.#watch, this.#copy);
+    this.#actions.append(this.#plot, this.#watch, this.#copy);
     this.#form = makeButton("rw-message-form", "", () => this.#toggle("rows"), signal);
     this.#form.ariaLabel = null;
     this.#changes = makeButton("rw-message-changes", "", () => this.#toggle("changes"), signal, "Changed");
@@ -294,7 +297,9 @@ export class MessageView {
       return;
     }
     const { kind } = row.field.node;
-    setHidden(this.#watch, kind !== "number" && kind !== "flag");
+    const isNumber = kind === "number" || kind === "flag";
+    setHidden(this.#watch, !isNumber);
+    setHidden(this.#plot, !isNumber || !this.#model.get("_plots") || lacksKernel(this.#model));
     const isWatched = this.#model.get("over_time").includes(row.field.path);
     this.#watch.ariaPressed = String(isWatched);
     this.#watch.title = isWatched ? "Draw it no more (w)" : "Draw it over the last seconds (w)";
@@ -358,9 +363,22 @@ export class MessageView {
     setTraits(this.#model, { [name]: !this.#model.get(name) });
   }
 
-  #toggleWatch(): void {
+  /** The number of the row that is pointed at, else of the one with the focus. */
+  get #pickedNumber(): Field | null {
     const field = this.#rowOf(this.#rowOf(this.#hovered) ? this.#hovered : this.#active)?.field;
-    if (!field || (field.node.kind !== "number" && field.node.kind !== "flag")) return;
+    return field && (field.node.kind === "number" || field.node.kind === "flag") ? field : null;
+  }
+
+  #askForPlot(): void {
+    const field = this.#pickedNumber;
+    if (!field) return;
+    this.#model.send({ plot: field.path });
+    this.#card.say([`asked for a plot of ${field.path}`]);
+  }
+
+  #toggleWatch(): void {
+    const field = this.#pickedNumber;
+    if (!field) return;
     const watched = this.#model.get("over_time");
     const isWatched = watched.includes(field.path);
     const over_time = isWatched ? watched.filter((path) => path !== field.path) : [...watched, field.path];
@@ -409,6 +427,7 @@ export class MessageView {
     else if (event.key === "*" && row?.isOpen !== null) this.#unfoldAll(row);
     else if (event.key === "Enter" && row?.asks) this.#ask(row.asks);
     else if (event.key === "Enter" && row && row.isOpen !== null) this.#fold(row.key, !row.isOpen);
+    else if (event.key === "Enter" && !this.#plot.hidden) this.#askForPlot();
     else if (event.key === "w" || event.key === "Enter") this.#toggleWatch();
     else if (event.key === "c") void this.#copyPath();
     else return;

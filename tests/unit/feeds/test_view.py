@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 from ipywidgets import Box
 
-from robowidgets import LaserWidget, PathWidget, Speed, SpeedWidget, TouchWidget, feeds
+from robowidgets import LaserWidget, MessageWidget, PathWidget, PlotWidget, Speed, SpeedWidget, TouchWidget, feeds
 from robowidgets._widget_choice import choose_widgets
 from robowidgets.behaviors import Drive
 from robowidgets.feeds import Advert, Feed, FeedError
@@ -117,6 +117,22 @@ def test_named_topics_get_theirs_when_they_appear_and_others_none(opened: Opened
     script.listener.on_topics([ODOM, IMU, SCAN, SCAN._replace(name="/scna")])
     assert sorted(on_page(view)) == ["/imu", "/odom", "/odom", "/scna"]
     assert words(view) == ""
+
+
+def test_a_number_in_a_message_is_plotted_when_the_page_asks_for_it(opened: Opened) -> None:
+    feed, script = opened(ODOM, IMU)
+    view = feed.show("/imu")
+    (message,) = view.widgets.values()
+    assert isinstance(message, MessageWidget)
+    assert message._plots
+    message._handle_custom_msg({"plot": "angular_velocity.z"}, [])
+    (plot,) = [widget for widget in leaves(view.children[-1]) if isinstance(widget, PlotWidget)]
+    script.listener.on_message("/imu", {"angular_velocity": {"z": 0.25}})
+    assert plot.names == ("/imu.angular_velocity.z",)
+    assert plot["/imu.angular_velocity.z"][1].tolist() == [0.25]
+    assert message["angular_velocity.z"] == 0.25
+    message._handle_custom_msg({"plot": 3}, [])
+    message._handle_custom_msg("plot", [])
 
 
 def test_a_program_and_its_machine_are_shown_from_the_first_on_and_the_machine_freezes_with_the_sensors(
