@@ -17,7 +17,7 @@ from ..messages.event import SAID_TYPES
 from ..recordings import RecordingData
 from ..recordings.events import mark_text
 from ..recordings.program_log import PROGRAM, STATES
-from ..samples.event import Event, Level
+from ..samples.event import Level
 from ..samples.event_log import EventLog, EventRow, shortened, thinned
 from ._touch_marks import Mark, joined
 
@@ -64,15 +64,13 @@ def event_marks(recording: RecordingData) -> list[Mark]:
     topics = [topic.name for topic in recording.topics if topic.type in SAID_TYPES and not topic.problem]
     if not topics or sum(topic.count for topic in recording.topics if topic.name in topics) > MOST_READ:
         return []
+    marks = []
     with without_bars():
-        found = [(at, event) for at, event in recording.timed_events(topics) if event.level >= MARKED]
-    start_ns = recording.start_ns or 0
-    seconds = ((at - start_ns) / 1e9 for at, _ in found)
-    return joined([(at, at, _text_of(event)) for at, (_, event) in zip(seconds, found, strict=True)])
-
-
-def _text_of(event: Event) -> str:
-    return mark_text(event.level, event.source, event.text)
+        for at_ns, event in recording.timed_events(topics):
+            if event.level >= MARKED:
+                seconds = (at_ns - (recording.start_ns or 0)) / 1e9
+                marks.append((seconds, seconds, mark_text(event.level, event.source, event.text)))
+    return joined(marks)
 
 
 def _rows_of(recording: RecordingData, topics: Sequence[str]) -> tuple[Sequence[EventRow], list[str]]:
