@@ -18,8 +18,8 @@ _IN_ROS1 = {"sec": "secs", "nanosec": "nsecs"}
 def encode(encoding: str, message_type: str, message: Any, definition: str = "") -> bytes:
     """The bytes of a message in ``cdr`` or ``ros1``, given as an object or as its fields, of ROS 1 or ROS 2.
 
-    Without a definition its type is one that is known. A field that is left out is zero or empty; one that the type does
-    not have, such as ``header.seq``, is not encoded.
+    Without a definition its type is one that is known. A field that is left out is zero or empty; one that the type
+    does not have, such as ``header.seq``, is not encoded.
 
     Raises:
         ValueError: the type is not known, or a value does not fit. The text is one line for a person.
