@@ -372,7 +372,10 @@ class PathWidget(DrawsShapes[PathPoint]):
         time_ns = time.monotonic_ns()
         transforms = get(inner, "transforms", None)
         if transforms is not None:
-            self._layers.add_frames(transforms_in(inner, name.rpartition("/")[2] == STATIC, time_ns), seconds)
+            found, wrong = _sound(inner, name.rpartition("/")[2] == STATIC, time_ns)
+            self._layers.add_frames(iter(found), seconds)
+            if wrong:
+                raise ValueError(f"{name}: {wrong}")
             return
         self._adopt()
         self._layers.put(name, to_map_item(message), seconds, time_ns)
@@ -571,6 +574,24 @@ class PathWidget(DrawsShapes[PathPoint]):
             changed = [name for name, value in values.items() if self._trait_values.get(name) != value]
             self._trait_values.update(values)
             self._unsent.update(changed)
+
+
+def _sound(message: Any, static: bool, time_ns: int) -> tuple[list[Transform], str]:
+    """The transforms in a TFMessage that contain a pose, and what is wrong with one that does not."""
+    found: list[Transform] = []
+    wrong = ""
+    for one in get(message, "transforms"):
+        sound, why = _sound_one(one, static, time_ns)
+        found += sound
+        wrong = why or wrong
+    return found, wrong
+
+
+def _sound_one(stamped: Any, static: bool, time_ns: int) -> tuple[list[Transform], str]:
+    try:
+        return list(transforms_in({"transforms": [stamped]}, static, time_ns)), ""
+    except ValueError as error:
+        return [], str(error)
 
 
 def _part(points: Floats, start: float, end: float) -> Floats:

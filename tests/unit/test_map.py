@@ -315,6 +315,14 @@ class TestFrames:
         (shape,) = path.get_state()["_about"]["shapes"]
         assert (shape["name"], shape["from"]) == ("door", pytest.approx([2.0, 3.0, 0.5]))
 
+    def test_a_transform_without_a_pose_is_told_and_the_others_of_its_message_join(self) -> None:
+        path = PathWidget(frame="map")
+        wrong, right = scene.tf("map", "camera", (nan, 0.0, 0.0), 1.0), scene.tf("map", "odom", (1.0, 0.0, 0.0), 1.0)
+        with pytest.raises(ValueError, match=r"/tf: 'camera' in 'map' is at no pose: nan"):
+            path.put("/tf", SimpleNamespace(transforms=[*wrong.transforms, *right.transforms]))
+        path.put("/odom", scene.odometry(Pose(1.0, 0.0, 0.0), 1.0))
+        assert shown(path)["/odom"].pose == (2.0, 0.0, 0.0)
+
     def test_dictionaries_of_rosbridge_join_too(self) -> None:
         path = PathWidget(frame="map")
         one = {"header": {"frame_id": "map", "stamp": {"sec": 1, "nanosec": 0}}, "child_frame_id": "odom"}
