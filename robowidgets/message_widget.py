@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any, ClassVar, NamedTuple
+from typing import Any, ClassVar
 
 import traitlets
 
@@ -24,16 +24,26 @@ _MOST_KEPT, _MOST_KEPT_BYTES = 600, 32_000_000
 """Messages that were sent, and about their bytes, of which one may be stepped back to."""
 
 
-class Received(NamedTuple):
-    """A message with what is known of it: its type and its definition, and the stamp in its header."""
+class Received:
+    """A message with what is known of it: the type that it is said to have, and its definition."""
 
-    message: Any
-    type: str
-    schema: Any
-    stamp_ns: int | None
+    __slots__ = ("hint", "message", "schema")
+
+    def __init__(self, message: Any, hint: str = "", schema: Any = None) -> None:
+        self.message, self.hint, self.schema = message, hint, schema
+
+    @property
+    def type(self) -> str:
+        """As a person writes it."""
+        return self.hint.replace("/msg/", "/") if isinstance(self.message, dict) else type_name(self.message)
+
+    @property
+    def stamp_ns(self) -> int | None:
+        """Of its header."""
+        return stamp_ns(self.message)
 
 
-_NONE = Received(None, "", None, None)
+_NONE = Received(None)
 """Before the first message of a recording."""
 
 
@@ -105,6 +115,8 @@ class MessageWidget(RobotWidget[Received]):
 
     def __init__(self, **kwargs: Any) -> None:
         self._schemas: dict[Any, Any] = {}
+        self._plain: set[type] = set()
+        """Classes of messages that are taken as they are."""
         self._nodes: list[dict[str, Any]] = []
         """Those of the last tree: most messages have the same, which is sent once."""
         self._tree: tuple[Received, Tree] | None = None
@@ -198,19 +210,21 @@ class MessageWidget(RobotWidget[Received]):
 
     def _received(self, message: Any) -> Received:
         """A message with what is known of it; TypeError where it is none."""
-        message = unwrap(message)
+        hint = self.type or str(self._source.get("type", ""))
+        if type(message) in self._plain:
+            return Received(message, hint, self._schema(message, hint))
+        given, message = message, unwrap(message)
         if isinstance(message, tuple) and hasattr(message, "time_ns") and hasattr(message, "sample"):
             message = message.sample  # a moment of a recording
         if isinstance(message, Mapping):
             message = dict(message)
         if not names_in(message) and isinstance(message, (type(None), str, int, float, bytes, Sequence, Mapping)):
             raise TypeError(f"expected a message with fields, such as {{'speed': 0.3}}, got {message!r:.80}")
-        # A sample of ours has other fields than the messages of its topic.
-        hint = "" if isinstance(message, HasAge) else self.type or str(self._source.get("type", ""))
-        return Received(message, self._name(message, hint), self._schema(message, hint), stamp_ns(message))
-
-    def _name(self, message: Any, hint: str) -> str:
-        return hint.replace("/msg/", "/") if isinstance(message, dict) else type_name(message)
+        if isinstance(message, HasAge):  # a sample of ours has other fields than the messages of its topic
+            hint = ""
+        elif message is given:
+            self._plain.add(type(message))
+        return Received(message, hint, self._schema(message, hint))
 
     def _schema(self, message: Any, hint: str) -> Any:
         """What is known of a type of messages, found once for each."""
