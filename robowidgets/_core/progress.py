@@ -14,6 +14,9 @@ SHOWN_AFTER = 1.0
 """Seconds of work before a bar is shown."""
 
 
+_SCALED_FROM = 10_000
+"""Counts of which only the first digits are shown."""
+
 _hidden: ContextVar[bool] = ContextVar("hidden", default=False)
 
 
@@ -36,21 +39,24 @@ class Progress:
 
     def __init__(self, total: int | None, what: str, unit: str = " messages") -> None:
         self._options = {"total": total, "desc": what, "unit": unit}
+        self._is_scaled = total is None or total >= _SCALED_FROM
         self._is_hidden = _hidden.get()
         self._began = time.monotonic()
         self._done = 0
         self._bar: Any = None
 
-    def update(self, count: int) -> None:
-        """Add to the number that is done."""
+    def update(self, count: int, note: str = "") -> None:
+        """Add to the number that is done, with a note beside it."""
         self._done += count
         taken = time.monotonic() - self._began
         if self._bar is not None:
+            if note:
+                self._bar.set_postfix_str(note, refresh=False)
             self._bar.update(count)
         elif taken >= SHOWN_AFTER and not self._is_hidden:
             from tqdm.auto import tqdm
 
-            self._bar = tqdm(**self._options, unit_scale=True, leave=False)
+            self._bar = tqdm(**self._options, unit_scale=self._is_scaled, leave=False)
             if not self._bar.disable:
                 # The bar's rate counts from the beginning.
                 self._bar.start_t -= taken

@@ -11,6 +11,7 @@ from pathlib import Path
 
 import robowidgets
 
+from .. import fleet
 from . import _lab, _notebooks
 from ._error import CommandError
 from ._export import add_export, export
@@ -47,7 +48,12 @@ def _open_recording(arguments: argparse.Namespace) -> None:
 
 
 def _print_info(arguments: argparse.Namespace) -> None:
-    with robowidgets.open(arguments.file) as recording:
+    file = fleet.the_only(arguments.files)
+    if file is None:
+        found = fleet.summary(*arguments.files)
+        _say(found.to_json() if arguments.json else str(found))
+        return
+    with robowidgets.open(file) as recording:
         facts = {
             "path": str(recording.path),
             "start_ns": recording.start_ns,
@@ -65,7 +71,12 @@ def _print_spans(arguments: argparse.Namespace) -> int:
 
 
 def _print_report(arguments: argparse.Namespace) -> int:
-    with robowidgets.open(arguments.file) as recording:
+    file = fleet.the_only(arguments.files)
+    if file is None:
+        found = fleet.doctor(*arguments.files)
+        _say(found.to_json() if arguments.json else str(found))
+        return 1 if found.kinds or found.unread else 0
+    with robowidgets.open(file) as recording:
         report = recording.doctor()
     _say(json.dumps(report.to_dict(), indent=2) if arguments.json else str(report))
     return 1 if report.problems else 0
@@ -123,7 +134,9 @@ def _parser() -> argparse.ArgumentParser:
     )
     show.set_defaults(do=_open_recording)
     info = commands.add_parser(
-        "info", help="print what a recording holds", description="Print the topics, types, counts and rates."
+        "info",
+        help="print what a recording holds",
+        description="Print topics, types, counts and rates; of several recordings a line on each.",
     )
     info.set_defaults(do=_print_info)
     spans = commands.add_parser(
@@ -169,8 +182,15 @@ def _parser() -> argparse.ArgumentParser:
     page.set_defaults(do=_write_page, failed=2)
 
     of_file = "a .bag, .db3, .mcap, a rosbag2 folder, or a CARMEN log (.log, .clf, gzipped too)"
-    for command in (show, info, spans, doctor, mend, page):
+    for command in (show, mend, page):
         command.add_argument("file", type=Path, metavar="FILE", help=of_file)
+    for command in (info, spans, doctor):
+        command.add_argument(
+            "files",
+            nargs="+",
+            metavar="FILE",
+            help=f"{of_file}; or several, folders with recordings at any depth, and patterns such as 'runs/*.mcap'",
+        )
     for command in (info, doctor):
         command.add_argument("--json", action="store_true", help="print it as JSON")
     for command in (demo, show):

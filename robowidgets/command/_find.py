@@ -16,6 +16,7 @@ from typing import Any
 
 import robowidgets
 
+from .. import fleet
 from ..find import conditions
 from ..find.base import Condition
 from ..find.spans import Spans
@@ -114,7 +115,18 @@ def add_find(parser: argparse.ArgumentParser) -> None:
     how.add_argument(
         "--silent", metavar="TOPIC", help="the topic with a gap (default: any of scans, measured speeds or sonars)"
     )
-    parser.add_argument("--json", action="store_true", help="print a list of spans as JSON, times in seconds")
+    how.add_argument(
+        "--topics",
+        action="append",
+        default=[],
+        metavar="PATTERN",
+        help="of several recordings: name or pattern, as '/front*', of the topics that are meant among several",
+    )
+    parser.add_argument(
+        "--json",
+        action="store_true",
+        help="print a list of spans as JSON, times in seconds; of several recordings, a line for each span",
+    )
 
 
 def readable(words: Iterable[str]) -> list[str]:
@@ -221,7 +233,10 @@ def find(arguments: argparse.Namespace, warn: Callable[[str], None]) -> tuple[st
         CommandError: the condition makes no sense.
         RecordingError: the recording cannot be read, or has no such topic.
     """
-    with robowidgets.open(arguments.file) as recording:
+    file = fleet.the_only(arguments.files)
+    if file is None or arguments.topics:
+        return _find_in_many(arguments, warn)
+    with robowidgets.open(file) as recording:
         try:
             spans = recording.find(condition(arguments))
         except (TypeError, ValueError) as error:
@@ -237,6 +252,27 @@ def find(arguments: argparse.Namespace, warn: Callable[[str], None]) -> tuple[st
     if arguments.json:
         return _spans_as_json(spans), code
     return _spans_as_text(spans, _heads(arguments)), code
+
+
+def _find_in_many(arguments: argparse.Namespace, warn: Callable[[str], None]) -> tuple[str, int]:
+    try:
+        hits = fleet.find(condition(arguments), *arguments.files, topics=arguments.topics)
+    except (TypeError, ValueError) as error:
+        raise CommandError(_in_options(str(error))) from None
+    for one in hits.unread:
+        warn(f"! {one.file}: {one.problem}")
+    for file, lines in hits.problems.items():
+        for line in lines:
+            warn(f"! {file}: {line}")
+    if len(hits.unread) == len(hits.files):
+        raise CommandError("none of these recordings could be searched")
+    code = (FOUND if hits else NONE) if hits.is_complete else INTERRUPTED
+    if arguments.json:
+        return hits.to_json(), code
+    heads = _heads(arguments)
+    rows = ([hit.file, hit.topic, *(_text(hit, head) for head in heads)] for hit in hits)
+    stopped = [] if hits.is_complete else [f"# stopped after {hits.until} of {len(hits.files)} files"]
+    return "\n".join(["# " + "\t".join(["file", "topic", *heads]), *map("\t".join, rows), *stopped]), code
 
 
 def _in_options(error: str) -> str:
@@ -269,10 +305,14 @@ def _heads(arguments: argparse.Namespace) -> list[str]:
 
 
 def _spans_as_text(spans: Spans, heads: list[str]) -> str:
-    rows = ([(head, getattr(span, head)) for head in heads] for span in spans)
-    lines = ["\t".join("" if value is None else _COLUMNS[head](value) for head, value in row) for row in rows]
+    lines = ["\t".join(_text(span, head) for head in heads) for span in spans]
     stopped = [] if spans.is_complete else [f"# stopped at {spans.until:.3f}: nothing after that was looked at"]
     return "\n".join(["# " + "\t".join(heads), *lines, *stopped])
+
+
+def _text(span: Any, head: str) -> str:
+    value = getattr(span, head)
+    return "" if value is None else _COLUMNS[head](value)
 
 
 def _spans_as_json(spans: Spans) -> str:

@@ -42,6 +42,8 @@ class Search:
         self.is_cut = False
         self.silences: list[tuple[str, Steps]] = []
         """Topics, and steps that are YES while the topic is silent for too long."""
+        self.read: dict[Any, frozenset[str]] = {}
+        """By condition that is a function, the topics that it read."""
         self._met: list[tuple[NDArray[Any], ...]] = []
         """Times, distances, indices and angles of the nearest things where a condition was true."""
         self._bar = bar

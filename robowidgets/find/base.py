@@ -42,6 +42,10 @@ class Condition(ABC):
     def steps(self, search: Search) -> Steps:
         """The steps of the condition, up to the end of the search."""
 
+    def looked_at(self, search: Search) -> list[str]:
+        """The topics that `steps` used in a search."""
+        return self.topics(search.recording, search.topics)
+
     @abstractmethod
     def judge(self, moment: Any) -> Verdict:
         """What the condition says of one moment.
@@ -137,7 +141,7 @@ class FunctionCondition(Condition):
         recording = search.recording
         topics = _topics(recording, search.topics)
         now = Now(recording.start_ns or 0)
-        instant = Instant(recording.path.name, topics, now)
+        instant = Instant(recording.path.name, topics, now, recording.preferred)
         times: list[int] = []
         values: list[int] = []
         used_at: list[frozenset[str]] = []
@@ -169,11 +173,16 @@ class FunctionCondition(Condition):
         except KeyboardInterrupt:
             search.cut(done_ns)
         search.looked_at(looked)
+        search.read[self] = frozenset().union(*sets)
         rests_on = (
             (np.array(came, np.int64), np.array([name in names for names in used_at[: len(times)]], bool))
             for name, came in going_stale.items()
         )
         return mark_stale(steps(times, values[: len(times)]), rests_on, search.end_ns)
+
+    def looked_at(self, search: Search) -> list[str]:
+        """See `Condition`: those that it read."""
+        return [topic for topic in self.topics(search.recording, search.topics) if topic in search.read.get(self, ())]
 
     def _call(self, instant: Instant, now: Now, search: Search) -> int:
         now.read.clear()
@@ -258,6 +267,9 @@ class _Joined(Condition):
     def topics(self, recording: RecordingData, asked: Any) -> list[str]:
         return [topic for part in self._parts for topic in part.topics(recording, asked)]
 
+    def looked_at(self, search: Search) -> list[str]:
+        return [topic for part in self._parts for topic in part.looked_at(search)]
+
     def steps(self, search: Search) -> Steps:
         return combined([part.steps(search) for part in self._parts], self._how)
 
@@ -283,6 +295,9 @@ class _Not(Condition):
 
     def topics(self, recording: RecordingData, asked: Any) -> list[str]:
         return self._part.topics(recording, asked)
+
+    def looked_at(self, search: Search) -> list[str]:
+        return self._part.looked_at(search)
 
     def steps(self, search: Search) -> Steps:
         return inverted(self._part.steps(search))

@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 
 from ..kinds import KINDS, LASER, SPEED, TOUCH, Kind
 from ..recordings.columns.chunks import ScanChunk, SpeedChunk, single_scan, single_speed
-from ..recordings.topics import UnknownTopicError, UnnamedTopicError, only
+from ..recordings.topics import UnknownTopicError, UnnamedTopicError
 from ..samples import AXES, HasAge, Scan, Speed, Touch, TouchMode, TouchState
 from ..samples.checks import number
 from ..samples.distances import distances, inside, ray_distances
@@ -182,7 +182,7 @@ class _OfOneTopic(Condition):
         self._topic = topic
 
     def topics(self, recording: RecordingData, asked: Any) -> list[str]:  # noqa: ARG002
-        return [self._topic or only(recording.path.name, recording.topics, self.kind.name)]
+        return [self._topic or recording.only(self.kind.name)]
 
     def judge(self, moment: Any) -> Verdict:
         sample = last(moment, self.kind, self._topic)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Collection, Iterator
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
@@ -74,8 +74,9 @@ class Instant:
     sonars: Ranges
     """The last range of each sonar."""
 
-    def __init__(self, name: str, topics: list[Topic], now: Now) -> None:
+    def __init__(self, name: str, topics: list[Topic], now: Now, preferred: Collection[str] = ()) -> None:
         self._name = name
+        self._preferred = preferred
         self._topics = topics
         self._names = [topic.name for topic in topics]
         self._topic_of: dict[str, str] = {}
@@ -140,7 +141,7 @@ class Instant:
 
     def _only(self, kind: Kind) -> str:
         try:
-            return only(self._name, self._topics, kind.name)
+            return only(self._name, self._topics, kind.name, self._preferred)
         except UnnamedTopicError as error:
             first = error.topics[0]
             how = f"ask for one, as in moment[{first!r}], or have one of them looked at, as in topics={[first]!r}"

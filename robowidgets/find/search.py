@@ -34,4 +34,5 @@ def find(recording: RecordingData, given: Any, topics: str | Iterable[str] | Non
         search.found(result),
         (search.end_ns - start_ns) / 1e9 if search.is_cut else None,
         recording.problems,
+        dict.fromkeys(wanted.looked_at(search)),
     )

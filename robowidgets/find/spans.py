@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from typing import Any, overload
 
 from .._core.tables import Table
@@ -21,14 +21,21 @@ class Spans(Sequence[Span]):
         spans: the spans in the order of time.
         until: seconds up to which the recording was searched, if the search was interrupted; None: all of it.
         problems: the problems of the recording, as in `Recording.problems`: spans may be missing.
+        topics: those that were looked at.
     """
 
     def __init__(
-        self, condition: str, spans: Sequence[Span], until: float | None = None, problems: Sequence[str] = ()
+        self,
+        condition: str,
+        spans: Sequence[Span],
+        until: float | None = None,
+        problems: Sequence[str] = (),
+        topics: Iterable[str] = (),
     ) -> None:
         self.condition = condition
         self.until = until
         self.problems = tuple(problems)
+        self.topics = tuple(topics)
         self._spans = tuple(spans)
 
     @property
@@ -65,7 +72,7 @@ class Spans(Sequence[Span]):
     def __getitem__(self, which: slice) -> Spans: ...
     def __getitem__(self, which: int | slice) -> Span | Spans:
         if isinstance(which, slice):
-            return Spans(self.condition, self._spans[which], self.until, self.problems)
+            return Spans(self.condition, self._spans[which], self.until, self.problems, self.topics)
         return self._spans[which]
 
     def __iter__(self) -> Iterator[Span]:

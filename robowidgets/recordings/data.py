@@ -72,6 +72,8 @@ class RecordingData:
         self._path = Path(os.fsdecode(path)).expanduser().absolute()
         self._messages = Messages(open_source(self._path))
         self._closed = False
+        self.preferred: frozenset[str] = frozenset()
+        """Names of topics that are meant where a kind has several and none is named."""
         self._memory = Memory()
         self._series: dict[str, Series[Any]] = {}
         self._clocks: dict[str, TopicClock] = {}
@@ -455,6 +457,14 @@ class RecordingData:
         """
         check(name, self.topics, self.path.name)
 
+    def only(self, widget: str) -> str:
+        """The topic that is meant where none of a kind is named: the only one, or the one in `preferred`.
+
+        Raises:
+            UnknownTopicError: there is none; or there are several, as `UnnamedTopicError`.
+        """
+        return only(self.path.name, self.topics, widget, self.preferred)
+
     def why_unreadable(self, name: str) -> str:
         """Why no message of a topic can be read; empty if they can be, whether a widget shows them or not."""
         return self._messages.why_unreadable(name)
@@ -481,7 +491,7 @@ class RecordingData:
             raise RecordingError(f"{self.path.name} is closed: open it again")
 
     def _of_kind(self, topic: str | None, kind: Kind, series: type[AnySeries]) -> AnySeries:
-        name = only(self.path.name, self.topics, kind.name) if topic is None else topic
+        name = self.only(kind.name) if topic is None else topic
         found = self.series(name)
         if not isinstance(found, series):
             there = ", ".join(named(self.topics, kind.name)) or "none"

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Collection, Iterable, Sequence
 from difflib import get_close_matches
 from typing import Any, NamedTuple
 
 from ..kinds import KINDS
 from ..repair import RecordingError
+
+_MADE = re.compile(r"filter|merged|multi|combined|fused|throttle|downsampled|cropped|relay|repub", re.IGNORECASE)
+"""Parts of the names of topics that a program makes of others."""
 
 
 class Topic(NamedTuple):
@@ -120,23 +124,41 @@ def check_known(name: str, topics: Sequence[Topic], file: str) -> Topic:
     return known
 
 
-def only(name: str, topics: Iterable[Topic], widget: str) -> str:
+def only(name: str, topics: Iterable[Topic], widget: str, preferred: Collection[str] = ()) -> str:
     """The only topic of a kind; for speeds, the only measured one. One without a message counts where no other is.
+
+    Of several, the only one counts that is not made of others, as ``/scan_filtered`` and ``/scan_merged`` are.
 
     Args:
         name: the name of the recording, for errors.
         topics: all topics.
         widget: the kind of widget that shows the topic.
+        preferred: names of topics that are meant where there are several.
 
     Raises:
         UnknownTopicError: there is none; or there are several, as `UnnamedTopicError`.
     """
     topics = list(topics)
     there = named(wanted(topics, ()), widget) or named(topics, widget)
-    for some in (there, named((topic for topic in topics if not topic.commanded), widget)):
+    measured = named((topic for topic in topics if not topic.commanded), widget)
+    sources = [topic for topic in there if topic in measured and not _MADE.search(topic)]
+    for some in ([topic for topic in there if topic in preferred], there, measured, sources):
         if len(some) == 1:
             return some[0]
     noun = KINDS[widget].noun
     if not there:
         raise UnknownTopicError(f"{name} has no {noun}")
     raise UnnamedTopicError(f"{name} has several topics of {noun} ({', '.join(there)})", there, widget)
+
+
+def likeliest(topics: Iterable[Topic]) -> Topic:
+    """Of topics of one kind, the one that somebody means who names none.
+
+    What is measured goes before what is commanded, that before what is made of others, as ``/scan_merged`` is; then
+    comes the one with most messages, then the one with the shortest name.
+    """
+
+    def rank(topic: Topic) -> tuple[Any, ...]:
+        return topic.commanded, bool(_MADE.search(topic.name)), -topic.count, len(topic.name), topic.name
+
+    return min(topics, key=rank)

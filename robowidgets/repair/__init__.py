@@ -4,8 +4,9 @@ The readers walk through a file from its start, do not trust its index, and take
 whatever lengths it claims. `Source.problems` lists the repairs; `write.write` writes a source as an MCAP file.
 """
 
+from ._carmen import is_carmen
 from ._clock import JITTER_NS, LEAP_NS, REAL_FROM_NS, RESET_NS, Arrivals, has_clock_step, joined
-from ._open import find_files, is_being_written, open_repaired
+from ._open import find_files, is_being_written, natural, open_repaired
 from ._sqlite import is_cut
 from .source import Message, RecordingError, Source
 
@@ -21,7 +22,9 @@ __all__ = [
     "find_files",
     "has_clock_step",
     "is_being_written",
+    "is_carmen",
     "is_cut",
     "joined",
+    "natural",
     "open_repaired",
 ]

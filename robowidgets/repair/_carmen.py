@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gzip
 import re
 import zlib
 from collections import Counter, defaultdict
@@ -54,6 +55,18 @@ class _Lines(NamedTuple):
     names: list[str]
     texts: list[bytes]
     problems: list[str]
+
+
+def is_carmen(path: Path) -> bool:
+    """Whether a file is a CARMEN log by its name, and one of its first lines is a message of CARMEN."""
+    name = path.with_suffix("") if path.suffix == ".gz" else path
+    if name.suffix not in (".log", ".clf") or not path.is_file():
+        return False
+    try:
+        with (gzip.open if path.suffix == ".gz" else open)(path, "rb") as file:
+            return any(map(name_of, file.read(_BLOCK).splitlines()))
+    except (OSError, EOFError, zlib.error):
+        return False
 
 
 def walk_carmen(path: Path) -> Walk:

@@ -53,7 +53,7 @@ def open_repaired(paths: Sequence[Path], problems: Sequence[str] = ()) -> Indexe
 
 def find_files(folder: Path) -> list[Path]:
     """The recordings in a folder, with numbers in numerical order: ``drive_2.db3`` before ``drive_10.db3``."""
-    return sorted((path for path in folder.iterdir() if _is_recording(path)), key=lambda path: _natural(path.name))
+    return sorted((path for path in folder.iterdir() if _is_recording(path)), key=lambda path: natural(path.name))
 
 
 def is_being_written(path: Path) -> bool:
@@ -135,6 +135,7 @@ def _is_recording(path: Path) -> bool:
     return name.suffix in _WALKS and path.is_file()
 
 
-def _natural(name: str) -> list[tuple[bool, int, str]]:
+def natural(name: str) -> list[tuple[bool, int, str]]:
+    """A key that sorts names with their numbers in numerical order."""
     parts = re.findall(r"\d+|\D+", name)
     return [(part.isdecimal(), int(part) if part.isdecimal() else 0, part) for part in parts]

@@ -20,6 +20,7 @@ JS = ROOT / "js"
 
 LAYERS = (
     "__main__ command",
+    "fleet",
     "__init__ recording",
     "player in_rerun export _plot",
     "feeds",

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, closing, suppress
 from itertools import pairwise
 from pathlib import Path, PurePath
@@ -107,7 +107,7 @@ def _open_folder(path: Path) -> Source:
         names = sorted(entry.name + ("" if entry.exists() else lost) for entry in path.iterdir())
         there = listed(names, _NAMED_AT_MOST) or "nothing"
         raise RecordingError(f"{path}: no recording in this folder: expected .db3, .mcap or .bag files, got {there}")
-    if metadata is None and not (_counts_up([file.name for file in files]) and _follow_on(files)):
+    if metadata is None and not _are_parts(files):
         there = listed([file.name for file in files], _NAMED_AT_MOST)
         raise RecordingError(f"{path}: {len(files)} recordings in this folder: open one of them: {there}")
     missing = sorted(name for name in named if not (path / name).exists())
@@ -120,6 +120,18 @@ def _open_folder(path: Path) -> Source:
         return chain
 
     return _whole(open_chain, files, problems) or open_repaired(files, problems)
+
+
+def is_one_recording(folder: Path) -> bool:
+    """Whether a folder is one recording: it has metadata of rosbag2, or several files, all of them parts of one."""
+    if (folder / _METADATA).exists():
+        return True
+    files = find_files(folder)
+    return len(files) > 1 and _are_parts(files)
+
+
+def _are_parts(files: Sequence[Path]) -> bool:
+    return _counts_up([file.name for file in files]) and _follow_on(files)
 
 
 def _counts_up(names: Sequence[str]) -> bool:
@@ -137,17 +149,20 @@ def _follow_on(files: Sequence[Path]) -> bool:
     A clock may have been set meanwhile, back or far ahead. A file that starts no later than the one before is a copy of
     it, one that starts minutes after its end is another drive.
     """
-    parts = []
-    for file in files if len(files) > 1 else ():
-        with suppress(RecordingError), closing(_open(file)) as source:
-            if source.start_ns is not None and source.end_ns is not None:
-                parts.append(({(c.topic, c.type) for c in source.channels}, source.start_ns, source.end_ns))
     return all(
         (topics <= later_topics or later_topics <= topics)
         and later_start >= max(end - RESET_NS, min(start + 1, end))
         and not PARTS_PAUSE * _SECOND < later_start - end <= LEAP_NS
-        for (topics, start, end), (later_topics, later_start, _) in pairwise(parts)
+        for (topics, start, end), (later_topics, later_start, _) in pairwise(_parts(files))
     )
+
+
+def _parts(files: Sequence[Path]) -> Iterator[tuple[set[tuple[str, str]], int, int]]:
+    """The topics of each file that can be read, with its start and its end."""
+    for file in files if len(files) > 1 else ():
+        with suppress(RecordingError), closing(_open(file)) as source:
+            if source.start_ns is not None and source.end_ns is not None:
+                yield {(c.topic, c.type) for c in source.channels}, source.start_ns, source.end_ns
 
 
 def _open_chain(files: Sequence[Path]) -> Chain:

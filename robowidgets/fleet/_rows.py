@@ -1,0 +1,180 @@
+"""A table with a row for each thing that was found in many recordings, for a person and for other libraries."""
+
+from __future__ import annotations
+
+import json
+import os
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from datetime import datetime, timedelta, timezone
+from pathlib import Path
+from typing import Any, ClassVar, NamedTuple
+
+from .._core.output_file import checked_output, whole_file
+from .._core.tables import Table
+from .._core.text import listed, many
+from ..recordings.columns.tables import library
+from ..recordings.times import has_date
+
+SHOWN = 20
+"""Rows that are printed."""
+
+_EPOCH = datetime(1970, 1, 1, tzinfo=timezone.utc)
+
+
+class Unread(NamedTuple):
+    """A recording that could not be read, and why."""
+
+    file: str
+    problem: str
+
+
+def date_of(time_ns: int | None) -> datetime | None:
+    """Date and time, in UTC, of a time by the clock of a recording; None if that clock has no date."""
+    if time_ns is None or not has_date(time_ns):
+        return None
+    return _EPOCH + timedelta(microseconds=time_ns // 1000)
+
+
+class Rows(ABC):
+    """A table of many recordings. Of one that could not be read it has a row with the reason as ``problem``.
+
+    Args:
+        files: all recordings that were named.
+        unread: those that could not be read.
+        until: how many were read before an interrupt; None: all.
+        note: a line for a person.
+    """
+
+    _types: ClassVar[Mapping[str, Callable[[Any], Any]]]
+    """The columns with their types: of pyarrow, what makes each."""
+
+    def __init__(
+        self, files: Sequence[str], unread: Sequence[Unread] = (), until: int | None = None, note: str = ""
+    ) -> None:
+        self.files = tuple(files)
+        self.unread = tuple(unread)
+        self.until = until
+        self._note = note
+
+    @property
+    def is_complete(self) -> bool:
+        """Whether all recordings were read; `unread` names those that could not be."""
+        return self.until is None
+
+    @abstractmethod
+    def _rows(self) -> Iterator[Mapping[str, Any]]:
+        """The values of each row, by column."""
+
+    @abstractmethod
+    def _table(self) -> Table:
+        """What is printed."""
+
+    def to_pandas(self) -> Any:
+        """A pandas DataFrame.
+
+        Raises:
+            ImportError: pandas is not installed.
+        """
+        pandas = library("pandas", "to_pandas")
+        return pandas.DataFrame(
+            {
+                name: pandas.array(values, dtype="Int64") if self._types[name] is whole else values
+                for name, values in self._columns().items()
+            }
+        )
+
+    def to_polars(self) -> Any:
+        """A polars DataFrame; ImportError if polars or pyarrow is not installed."""
+        return library("polars", "to_polars").from_arrow(self._arrow("to_polars"))
+
+    def to_arrow(self) -> Any:
+        """A pyarrow Table; ImportError if pyarrow is not installed."""
+        return self._arrow("to_arrow")
+
+    def to_parquet(self, path: str | os.PathLike[str]) -> Path:
+        """Write a Parquet file, and return its path; an existing one is replaced.
+
+        Raises:
+            ImportError: pyarrow is not installed. ValueError: the name does not end in ``.parquet``. OSError: it cannot
+                be written.
+        """
+        parquet = library("pyarrow.parquet", "to_parquet")
+        target = checked_output("to_parquet", path, (".parquet",))
+        table = self._arrow("to_parquet")
+        with whole_file(target) as file:
+            parquet.write_table(table, file)
+        return target
+
+    def to_json(self) -> str:
+        """JSON, a line for each row, without what is empty."""
+        return "\n".join(json.dumps({name: _plain(value) for name, value in row.items()}) for row in self._all())
+
+    def __repr__(self) -> str:
+        return self._table().to_text()
+
+    def _repr_html_(self) -> str:
+        return self._table().to_html()
+
+    def _all(self) -> Iterator[Mapping[str, Any]]:
+        yield from self._rows()
+        yield from (one._asdict() for one in self.unread)
+
+    def _columns(self) -> dict[str, list[Any]]:
+        rows = list(self._all())
+        return {name: [row.get(name) for row in rows] for name in self._types}
+
+    def _arrow(self, method: str) -> Any:
+        arrow = library("pyarrow", method)
+        return arrow.table(
+            {name: arrow.array(values, self._types[name](arrow)) for name, values in self._columns().items()}
+        )
+
+    def _complaints(self) -> Iterator[str]:
+        """Lines on what was not read."""
+        if not self.is_complete:
+            yield f"stopped after {self.until:,} of {many(len(self.files), 'file')}: the same call goes on"
+        reasons: dict[str, list[str]] = {}
+        for file, problem in self.unread:
+            name = Path(file).name
+            reasons.setdefault(problem.replace(file, "").replace(name, "").strip(": "), []).append(name)
+        for reason, names in sorted(reasons.items(), key=lambda one: -len(one[1])):
+            yield f"not read: {listed(names)}: {reason}"
+        if self._note:
+            yield self._note
+
+
+def text(arrow: Any) -> Any:
+    """The type of texts."""
+    return arrow.string()
+
+
+def texts(arrow: Any) -> Any:
+    """The type of lists of texts."""
+    return arrow.list_(arrow.string())
+
+
+def number(arrow: Any) -> Any:
+    """The type of numbers."""
+    return arrow.float64()
+
+
+def whole(arrow: Any) -> Any:
+    """The type of whole numbers, of which some may be missing."""
+    return arrow.int64()
+
+
+def date(arrow: Any) -> Any:
+    """The type of dates with time."""
+    return arrow.timestamp("us", tz="UTC")
+
+
+def short(files: Sequence[str]) -> dict[str, str]:
+    """The names of files without the folder that all of them are in."""
+    folders = [os.path.dirname(file) for file in files]
+    base = os.path.commonpath(folders) if folders else ""
+    return {file: os.path.relpath(file, base) for file in files}
+
+
+def _plain(value: Any) -> Any:
+    return value.isoformat() if isinstance(value, datetime) else value

@@ -1,0 +1,85 @@
+"""Which recordings some paths name: files, folders with all that is in them, and patterns."""
+
+from __future__ import annotations
+
+import glob
+import os
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+from typing import NamedTuple
+
+from ..recordings.files import is_one_recording
+from ..repair import find_files, is_carmen, natural
+
+PathLike = str | os.PathLike[str]
+
+
+class Place(NamedTuple):
+    """A recording, or what was named as one: its path, and why nothing is read there; empty if it is to be read."""
+
+    path: Path
+    problem: str = ""
+
+
+def places_of(paths: Iterable[PathLike]) -> list[Place]:
+    """The recordings that some paths name, each once, in the order given, and in a folder by name.
+
+    Args:
+        paths: files, folders with recordings at any depth, or patterns such as ``"runs/*.mcap"`` (``**`` for any
+            depth). A folder of rosbag2, and a folder that holds the parts of one recording alone, count as one.
+
+    Raises:
+        TypeError: a path is no path. ValueError: none is given.
+    """
+    found: dict[Path, Place] = {}
+    for path in paths:
+        if not isinstance(path, (str, os.PathLike)):
+            raise TypeError(f"expected the path of a recording, a folder or a pattern, got {path!r}")
+        for place in _named(os.fspath(path)):
+            found.setdefault(_real(place.path), place)
+    if not found:
+        raise ValueError("expected files, folders or patterns of recordings, got none")
+    return list(found.values())
+
+
+def the_only(paths: Iterable[PathLike]) -> Path | None:
+    """The only recording that some paths name, or the path that names none; None where they name several."""
+    places = places_of(paths)
+    return places[0].path if len(places) == 1 else None
+
+
+def _named(text: str) -> Iterator[Place]:
+    path = Path(os.path.abspath(Path(text).expanduser()))
+    if path.is_dir():
+        there = list(_within(path))
+        yield from there or [Place(path, "no recording in this folder")]
+    elif path.exists():
+        yield Place(path.parent if path.name == "metadata.yaml" else path)
+    elif glob.has_magic(text):
+        matches = sorted(glob.glob(str(path), recursive=True), key=natural)
+        for match in matches:
+            yield from _named(match)
+        if not matches:
+            yield Place(path, "nothing matches this pattern")
+    else:
+        yield Place(path, "no such file or folder")
+
+
+def _within(folder: Path) -> Iterator[Place]:
+    """The recordings in a folder; links to other folders are not followed."""
+    try:
+        if is_one_recording(folder):
+            yield Place(folder)
+            return
+        inside = sorted(folder.iterdir(), key=lambda path: natural(path.name))
+        yield from (Place(path) for path in [*find_files(folder), *filter(is_carmen, inside)])
+    except OSError as error:
+        yield Place(folder, f"cannot be read: {error.strerror or error}")
+        return
+    for path in inside:
+        if path.is_dir() and not path.is_symlink() and not path.name.startswith("."):
+            yield from _within(path)
+
+
+def _real(path: Path) -> Path:
+    return Path(os.path.realpath(path))

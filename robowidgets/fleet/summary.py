@@ -1,0 +1,181 @@
+"""What many recordings are about: a row for each."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from math import inf
+from typing import Any, ClassVar
+
+import numpy as np
+
+from .._core.progress import without_bars
+from .._core.tables import Table
+from .._core.text import as_date, many
+from ..find import conditions
+from ..kinds import LASER, SPEED, TOUCH
+from ..recording import Recording
+from ..recording import open as open_recording
+from ..recordings.times import has_date
+from ..samples.checks import shortest
+from ..samples.distances import ray_distances
+from ..samples.staleness import RECORDED
+from ._engine import LONGEST
+from ._gather import gather
+from ._rows import SHOWN, Rows, date, date_of, number, short, text, whole
+from ._topics import chosen_of
+from .places import PathLike
+
+_FORM = 1
+_STANDING = 0.01
+"""m/s below which a robot stands."""
+
+
+class Summary(Rows):
+    """A row for each recording; printed, it shows the first of them.
+
+    The columns: ``seconds``, ``date`` of its start, ``driven`` in metres by odometry or else by speeds, ``stops``, the
+    number of ``touches``, the ``nearest`` thing in metres that the scanner met, and ``nearest_at`` in seconds. What a
+    recording does not tell is None.
+
+    Args:
+        found: the values of each row, by column.
+        **rows: as `Rows`.
+    """
+
+    _types: ClassVar = {
+        "file": text,
+        "seconds": number,
+        "date": date,
+        "driven": number,
+        "stops": whole,
+        "touches": whole,
+        "nearest": number,
+        "nearest_at": number,
+        "topics": whole,
+        "messages": whole,
+        "problem": text,
+    }
+
+    def __init__(self, found: list[dict[str, Any]], **rows: Any) -> None:
+        super().__init__(**rows)
+        self._found = found
+
+    def _rows(self) -> Iterator[Mapping[str, Any]]:
+        for row in self._found:
+            plain = {name: value for name, value in row.items() if name in self._types}
+            yield {**plain, "date": date_of(row["start_ns"])}
+
+    def _table(self) -> Table:
+        heads = ("file", "seconds", "date", "driven", "stops", "touches", "nearest", "at")
+        names = short([row["file"] for row in self._found])
+        rows = [
+            (
+                names[row["file"]],
+                f"{row['seconds']:.1f}",
+                as_date(row["start_ns"]) if row["start_ns"] is not None and has_date(row["start_ns"]) else "",
+                *(_said(row[name], unit) for name, unit in _SHOWN.items()),
+            )
+            for row in self._found[:SHOWN]
+        ]
+        more = [f"  ... and {len(self._found) - SHOWN:,} more"] if len(self._found) > SHOWN else []
+        seconds = sum(row["seconds"] for row in self._found)
+        driven = sum(row["driven"] or 0.0 for row in self._found)
+        head = f"{many(len(self._found), 'recording')}, {seconds:,.1f} s, {driven:,.1f} m driven"
+        return Table(head, heads, rows, right=(1, *range(3, 8)), notes=more, problems=list(self._complaints()))
+
+
+_SHOWN = {"driven": ".1f m", "stops": "d", "touches": "d", "nearest": ".2f m", "nearest_at": ".2f"}
+
+
+def _said(value: Any, form: str) -> str:
+    how, _, unit = form.partition(" ")
+    return "" if value is None else f"{value:{how}} {unit}".rstrip()
+
+
+def summary(
+    *paths: PathLike,
+    topics: str | tuple[str, ...] = (),
+    executor: Any = None,
+    longest: float = LONGEST,
+    keep: bool = True,
+) -> Summary:
+    """What many recordings are about: how long, how far, how many stops and touches, and the nearest thing met.
+
+    Args:
+        *paths: as for `find`.
+        topics: as for `find`.
+        executor: as for `find`.
+        longest: as for `find`.
+        keep: as for `find`.
+
+    Raises:
+        TypeError: as `find`. ValueError: as `find`.
+
+    Example:
+        >>> robowidgets.summary("runs/").to_pandas()  # doctest: +SKIP
+    """
+    names = (topics,) if isinstance(topics, str) else tuple(topics)
+    gathered = gather(
+        _Summary(names),
+        paths,
+        ("summary", _FORM, names),
+        "Reading",
+        executor=executor,
+        longest=longest,
+        keep=keep,
+    )
+    return Summary([{"file": path, **result} for path, result in gathered.results.items()], **gathered.rows)
+
+
+class _Summary:
+    """The summary of one recording.
+
+    Args:
+        topics: names and patterns of topics.
+    """
+
+    def __init__(self, topics: tuple[str, ...]) -> None:
+        self._topics = topics
+
+    def __call__(self, path: str) -> dict[str, Any]:
+        with open_recording(path) as recording, without_bars():
+            recording.preferred = frozenset(chosen_of(recording, self._topics))
+            there = {topic.widget for topic in recording.topics if topic.count}
+            return {
+                "seconds": recording.duration,
+                "start_ns": recording.start_ns,
+                "topics": len(recording.topics),
+                "messages": sum(topic.count for topic in recording.topics),
+                **_driven(recording, SPEED.name in there),
+                "touches": len(recording.find(conditions.touched())) if TOUCH.name in there else None,
+                **_nearest(recording, LASER.name in there),
+            }
+
+
+def _driven(recording: Recording, is_told: bool) -> dict[str, Any]:
+    """Metres driven, by odometry or else by speeds, and how often it stopped; None where no speeds were measured."""
+    speeds = recording.speeds() if is_told else None
+    if speeds is None or next(one for one in recording.topics if one.name == speeds.topic).commanded:
+        return {"driven": None, "stops": None}
+    seconds = np.diff(speeds.seconds)
+    steps = np.hypot(*np.diff(speeds.poses[:, :2], axis=0).T)
+    fast = np.hypot(speeds.linear[:, 0], speeds.linear[:, 1])
+    if not np.isfinite(steps).any():
+        is_silent = seconds > RECORDED.after(float(np.median(seconds)) if len(seconds) else 0.0)
+        steps = np.where(is_silent, 0.0, fast[:-1] * seconds)
+    moves = fast > _STANDING
+    return {
+        "driven": float(np.nansum(steps)),
+        "stops": int(np.count_nonzero(moves[:-1] & ~moves[1:])),
+    }
+
+
+def _nearest(recording: Recording, is_told: bool) -> dict[str, Any]:
+    """The nearest thing that the scanner met, in metres, and when; None where it met none."""
+    nearest, at = inf, None
+    for chunk in recording.scans().chunks() if is_told else ():
+        away = np.nan_to_num(ray_distances(chunk.ranges, chunk.like), nan=inf)
+        if away.size and away.min() < nearest:
+            row = int(np.unravel_index(away.argmin(), away.shape)[0])
+            nearest, at = shortest(away[row].min()), (int(chunk.times_ns[row]) - (recording.start_ns or 0)) / 1e9
+    return {"nearest": None, "nearest_at": None} if at is None else {"nearest": nearest, "nearest_at": at}
