@@ -47,7 +47,7 @@ def each(
         longest: seconds that each may take.
 
     Raises:
-        TypeError: ``executor`` has no ``submit``. ImportError: cloudpickle is missing.
+        TypeError: ``executor`` has no ``submit``, or the function refers to what cannot be sent, such as a lock.
     """
     waiting = deque(paths)
     if executor is None and (len(waiting) <= 1 or sys.platform == "emscripten"):
@@ -55,7 +55,10 @@ def each(
         return
     from cloudpickle import dumps
 
-    task = dumps(job)
+    try:
+        task = dumps(job)
+    except Exception as error:  # whatever the objects that it refers to raise
+        raise TypeError(f"condition: cannot be sent to another process: {one_line(error)}") from None
     suspects: list[str] = []
     if executor is not None:
         yield from _by(_executor(executor), _AHEAD_ELSEWHERE, waiting, suspects, task, longest)
@@ -133,8 +136,9 @@ def _call(job: Callable[[str], Any], path: str, longest: float) -> tuple[Any, st
             answer.append((None, " ".join(str(error).split())))
         except MemoryError:
             answer.append((None, "out of memory"))
-        except Exception as error:
-            answer.append((None, f"{type(error).__name__}: {one_line(error)}"))
+        except (Exception, SystemExit) as error:
+            if not thread.is_abandoned:  # else it is what ends the thread
+                answer.append((None, f"{type(error).__name__}: {one_line(error)}"))
 
     thread = UserThread(run, "robowidgets: one of many recordings")
     thread.start()

@@ -159,7 +159,7 @@ def _known(type_name: str, encoding: str) -> Types:
     return parsed(type_name, text)
 
 
-def one_line(error: Exception) -> str:
+def one_line(error: BaseException) -> str:
     """The text of an error as one line for a person."""
     text = next((line.strip() for line in str(error).splitlines() if line.strip()), "")
     return (text if len(text) <= 120 else f"{text[:119]}…") or type(error).__name__

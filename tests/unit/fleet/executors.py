@@ -1,0 +1,29 @@
+"""Executors of the tests' own."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from concurrent.futures import Future
+from concurrent.futures.process import BrokenProcessPool
+from typing import Any
+
+
+class Here:
+    """Runs what it is given in this process, and counts it.
+
+    Args:
+        breaks_after: after how many it breaks.
+    """
+
+    def __init__(self, breaks_after: int | None = None) -> None:
+        self.ran: list[str] = []
+        self._breaks_after = breaks_after
+
+    def submit(self, function: Callable[..., Any], task: bytes, path: str, longest: float) -> Future[Any]:
+        future: Future[Any] = Future()
+        if self._breaks_after is not None and len(self.ran) >= self._breaks_after:
+            future.set_exception(BrokenProcessPool("a process ended abruptly"))
+            return future
+        self.ran.append(path)
+        future.set_result(function(task, path, longest))
+        return future

@@ -1,0 +1,286 @@
+"""One search through many recordings."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+import time
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+from shutil import copy
+from signal import SIGINT, SIGKILL
+from threading import Event
+from typing import Any
+
+import pytest
+
+import robowidgets
+from robowidgets import conditions
+from robowidgets.command import main
+from robowidgets.fleet import find
+from robowidgets.fleet.hits import Hits
+
+from . import executors
+from .executors import Here
+
+DATA = Path(os.environ.get("ROBOWIDGETS_DATA", Path(__file__).parents[4] / "shared" / "data"))
+NEAR = conditions.nearest_below(0.3)
+
+
+def rows(hits: Hits) -> list[tuple[Any, ...]]:
+    return [tuple(hit) for hit in hits]
+
+
+def loop(files: list[Path], condition: Any) -> list[tuple[Any, ...]]:
+    """The rows of single searches."""
+    found = []
+    for file in files:
+        with robowidgets.open(file) as recording:
+            spans = recording.find(condition)
+        found += [(str(file), ", ".join(spans.topics), *span) for span in spans]
+    return found
+
+
+@pytest.mark.slow
+def test_the_rows_are_those_of_single_searches_also_in_processes(runs: Path) -> None:
+    files = [runs / "run_2.mcap", runs / "run_10.mcap", runs / "monday/run_1.mcap"]
+    nearest = 0.3
+    hits = find(lambda moment: moment.scan.distance() < nearest, runs)
+    assert rows(hits) == loop(files, lambda moment: moment.scan.distance() < nearest)
+    assert {hit.topic for hit in hits} == {"/scan"}
+    assert [one.file for one in hits.unread] == [str(runs / "broken.bag")]
+    assert "cut off" in hits.unread[0].problem
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not DATA.is_dir(), reason="needs the recordings of real robots")
+@pytest.mark.parametrize("condition", [NEAR, conditions.touched(), conditions.gap(1.0)], ids=str)
+def test_the_rows_of_real_recordings_are_those_of_single_searches(condition: Any) -> None:
+    hits = find(condition, DATA, executor=Here())
+    unsure = {*hits.chosen, *(one.file for one in hits.unread)}
+    alone = [Path(file) for file in hits.files if file not in unsure]
+    assert alone
+    assert [row for row in rows(hits) if row[0] not in unsure] == loop(alone, condition)
+
+
+def test_a_search_for_the_same_reads_no_recording_again_unless_it_changed(runs: Path) -> None:
+    first, second, third = Here(), Here(), Here()
+    hits = find(NEAR, runs, executor=first)
+    again = find(conditions.nearest_below(0.3), runs, executor=second)
+    assert (len(first.ran), rows(again)) == (4, rows(hits))
+    assert second.ran == [str(runs / "broken.bag")]  # it may be whole the next time
+    os.utime(runs / "run_2.mcap", (1, 1))
+    find(NEAR, runs, executor=third)
+    assert third.ran == [str(runs / "broken.bag"), str(runs / "run_2.mcap")]
+
+
+def test_what_was_kept_holds_for_the_same_condition_alone(runs: Path) -> None:
+    def ran(condition: Any, **options: Any) -> int:
+        here = Here()
+        find(condition, runs / "run_2.mcap", runs / "run_10.mcap", executor=here, **options)
+        return len(here.ran)
+
+    assert ran(NEAR) == 2
+    assert ran(conditions.nearest_below(0.31)) == 2
+    assert ran(NEAR, topics="/sc*") == 2
+    assert ran(NEAR, keep=False) == 2
+    for limit in (0.2, 0.25):
+        assert ran(lambda moment: moment.scan.distance() < limit) == 2  # noqa: B023
+        assert ran(lambda moment: moment.scan.distance() < limit) == 0  # noqa: B023
+    assert ran(NEAR) == 0
+
+
+def test_a_function_that_uses_a_module_of_the_users_is_computed_anew(runs: Path) -> None:
+    here = Here()
+    for _ in range(2):
+        find(
+            lambda moment: executors.Here and moment.scan.distance() < 0.3,
+            runs / "run_2.mcap",
+            runs / "run_10.mcap",
+            executor=here,
+        )
+    assert len(here.ran) == 4
+
+
+def test_what_cannot_be_kept_is_told_and_loses_nothing(
+    runs: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "no_folder").write_text("")
+    hits = find(NEAR, runs, executor=Here())
+    monkeypatch.setenv("ROBOWIDGETS_CACHE", str(tmp_path / "no_folder"))
+    same = find(NEAR, runs, executor=Here())
+    assert rows(same) == rows(hits)
+    assert "results are not kept for the next time" in repr(same)
+
+
+def test_a_line_that_was_cut_as_it_was_kept_is_computed_again(runs: Path, own_cache: Path) -> None:
+    hits = find(NEAR, runs / "run_2.mcap", runs / "run_10.mcap", executor=Here())
+    (kept,) = (own_cache / "find").iterdir()
+    kept.write_bytes(kept.read_bytes()[:-20])
+    here = Here()
+    assert rows(find(NEAR, runs / "run_2.mcap", runs / "run_10.mcap", executor=here)) == rows(hits)
+    assert here.ran == [str(runs / "run_10.mcap")]
+
+
+def test_an_interrupt_keeps_what_was_found_and_the_same_search_goes_on(runs: Path) -> None:
+    whole = find(NEAR, runs, executor=Here(), keep=False)
+    with ThreadPoolExecutor(1) as threads:
+        cut = find(_interrupts_once, runs, executor=threads)
+        RELEASED.set()
+    assert not cut.is_complete
+    assert {hit.file for hit in cut} <= {str(runs / "run_2.mcap")}
+    assert f"stopped after {cut.until} of 4 files" in repr(cut)
+    again = find(_interrupts_once, runs, executor=Here())
+    assert [hit[2:] for hit in again] == [hit[2:] for hit in whole]
+
+
+RELEASED = Event()
+
+
+def _interrupts_once(moment: Any) -> bool:
+    """Interrupt the main thread while one of the recordings is read."""
+    if "run_10.mcap" in _read() and not RELEASED.is_set():
+        os.kill(os.getpid(), SIGINT)
+        RELEASED.wait()
+    return bool(moment.scan.distance() < 0.3)
+
+
+@pytest.mark.slow
+def test_where_an_executor_breaks_processes_of_this_machine_go_on(runs: Path) -> None:
+    here = Here(breaks_after=2)
+    assert rows(find(NEAR, runs, executor=here, keep=False)) == rows(find(NEAR, runs, executor=Here(), keep=False))
+    assert len(here.ran) == 2
+
+
+@pytest.mark.slow
+def test_a_process_that_is_killed_loses_its_own_recording_alone(runs: Path) -> None:
+    copy(runs / "run_2.mcap", runs / "run_3.mcap")
+
+    files = [runs / "run_10.mcap", runs / "run_3.mcap", runs / "monday/run_1.mcap"]
+    hits = find(_killer, runs, keep=False)
+    assert [Path(one.file).name for one in hits.unread] == ["broken.bag", "run_2.mcap"]
+    assert hits.unread[1].problem == "the process that read it ended: killed, or out of memory"
+    assert sorted(rows(hits)) == sorted(loop(files, lambda moment: moment.scan.distance() < 0.3))
+
+
+def _killer(moment: Any) -> bool:
+    """Kill the process that reads one of the recordings."""
+    if "run_2.mcap" in _read():
+        os.kill(os.getpid(), SIGKILL)
+    return bool(moment.scan.distance() < 0.3)
+
+
+def _read() -> set[str]:
+    """The names of the recordings that are read by what calls this."""
+    found, frame = set(), sys._getframe()
+    while frame.f_back is not None:
+        frame = frame.f_back
+        found.add(os.path.basename(str(frame.f_locals.get("path", ""))))
+    return found
+
+
+def test_a_recording_that_takes_too_long_becomes_a_row(runs: Path) -> None:
+    def hangs(moment: Any) -> bool:
+        while True:
+            time.sleep(0.01)
+
+    hits = find(hangs, runs / "run_2.mcap", longest=0.2)
+    assert [one.problem for one in hits.unread] == ["took longer than 0.2 s"]
+
+
+def test_a_function_that_fails_names_the_recording_and_the_time(runs: Path) -> None:
+    hits = find(lambda moment: moment.scan.ranges[100_000], runs / "run_2.mcap")
+    assert "<lambda> failed at 0.00 s: IndexError" in hits.unread[0].problem
+
+
+@pytest.mark.slow
+def test_a_script_need_not_ask_for_its_name(runs: Path, tmp_path: Path) -> None:
+    script = tmp_path / "search.py"
+    script.write_text(
+        "from robowidgets.fleet import find\n"
+        "limit = 0.3\n"
+        f"hits = find(lambda moment: moment.scan.distance() < limit, {str(runs)!r})\n"
+        "print(len(hits), len(hits.files))\n"
+    )
+    done = subprocess.run([sys.executable, script], capture_output=True, text=True, check=True)
+    assert done.stdout == f"{len(find(NEAR, runs, executor=Here()))} 4\n"
+
+
+@pytest.mark.slow
+def test_a_client_of_dask_runs_it(runs: Path) -> None:
+    distributed = pytest.importorskip("distributed")
+    with (
+        distributed.LocalCluster(n_workers=1, threads_per_worker=2, processes=False, dashboard_address=None) as cluster,
+        distributed.Client(cluster) as client,
+    ):
+        hits = find(lambda moment: moment.scan.distance() < 0.3, runs, executor=client, keep=False)
+        assert rows(hits) == rows(find(lambda moment: moment.scan.distance() < 0.3, runs, executor=Here(), keep=False))
+
+
+def test_the_table_has_the_same_rows_for_every_library(runs: Path, tmp_path: Path) -> None:
+    import pyarrow.parquet
+
+    hits = find(NEAR, runs, executor=Here())
+    arrow = hits.to_arrow().to_pylist()
+    assert [row["nearest"] for row in arrow] == [*(hit.nearest for hit in hits), None]
+    assert arrow[-1]["file"] == str(runs / "broken.bag")
+    assert arrow[-1]["problem"] == hits.unread[0].problem
+    assert hits.to_polars().to_dicts() == arrow
+    assert pyarrow.parquet.read_table(hits.to_parquet(tmp_path / "hits.parquet")).to_pylist() == arrow
+    frame = hits.to_pandas()
+    assert frame["index"].dropna().tolist() == [hit.index for hit in hits]
+    assert frame["date"].dropna().tolist() == [hit.date for hit in hits if hit.date]
+    lines = [json.loads(line) for line in hits.to_json().splitlines()]
+    assert [line["start"] for line in lines[:-1]] == [hit.start for hit in hits]
+    assert lines[-1] == {"file": str(runs / "broken.bag"), "problem": hits.unread[0].problem}
+
+
+def test_printed_it_names_files_without_their_common_folder_and_what_was_not_read(runs: Path) -> None:
+    text = repr(find(NEAR, runs, executor=Here()))
+    assert text.startswith("nearest below 0.3 m: ")
+    assert "\n  monday/run_1.mcap  /scan" in text
+    assert "\n! not read: broken.bag: " in text
+    never = repr(find(conditions.nearest_below(0.001), runs, executor=Here()))
+    assert never.startswith("nearest below 0.001 m: never in 4 files")
+
+
+def test_a_function_that_cannot_be_sent_is_refused_with_the_reason(runs: Path) -> None:
+    lock = Event()
+    with pytest.raises(TypeError, match="cannot be sent to another process: cannot pickle"):
+        find(lambda moment: lock.is_set() and moment.scan, runs)
+
+
+@pytest.mark.parametrize("executor", [3, object()])
+def test_what_has_no_submit_is_no_executor(runs: Path, executor: Any) -> None:
+    with pytest.raises(TypeError, match=r"executor: expected what has submit\(\)"):
+        find(NEAR, runs, executor=executor)
+
+
+def test_no_condition_is_refused_before_anything_is_read(runs: Path) -> None:
+    with pytest.raises(TypeError, match="condition: expected"):
+        find("scan < 3", runs)  # type: ignore[arg-type]
+
+
+@pytest.mark.slow
+def test_the_command_prints_a_line_for_each_span_of_several_recordings(
+    runs: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    code = main(["find", str(runs), "--nearest-below", "0.3"])
+    out, err = capsys.readouterr()
+    hits = find(NEAR, runs, executor=Here())
+    lines = out.splitlines()
+    assert (code, lines[0]) == (0, "# file\ttopic\tstart\tend\tseconds\tnearest\tindex\tangle")
+    assert [line.split("\t")[0] for line in lines[1:]] == [hit.file for hit in hits]
+    assert f"! {runs / 'broken.bag'}: was cut off" in err
+    assert main(["find", str(runs), "--nearest-below", "0.3", "--json"]) == 0
+    assert capsys.readouterr().out == f"{hits.to_json()}\n"
+    assert main(["find", str(runs), "--nearest-below", "0.001"]) == 1
+
+
+def test_the_command_exits_with_2_where_no_recording_could_be_searched(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["find", str(tmp_path / "a.bag"), str(tmp_path / "b.bag"), "--touched"]) == 2
+    assert "none of these recordings could be searched" in capsys.readouterr().err

@@ -1,0 +1,62 @@
+"""What many recordings are about, and what is wrong with them."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import robowidgets
+from robowidgets.command import main
+from robowidgets.fleet import doctor, summary
+
+from .executors import Here
+
+
+def test_a_summary_has_what_the_recording_says(runs: Path) -> None:
+    with robowidgets.open(robowidgets.SAMPLE) as recording:
+        scans, poses = recording.scans(), recording.speeds().poses
+        touches = recording.find(robowidgets.conditions.touched())
+        away = np.where(scans.ranges < scans[0].sample.range_min, np.inf, scans.ranges)
+        nearest = np.nanmin(away)
+    frame = summary(runs, executor=Here()).to_pandas()
+    row = frame.iloc[0]
+    assert len(frame) == 4
+    assert row["driven"] == pytest.approx(np.hypot(*np.diff(poses[:, :2], axis=0).T).sum())
+    assert row["touches"] == len(touches)
+    assert np.float32(row["nearest"]) == nearest
+    assert scans.seconds[np.nanargmin(np.nanmin(away, axis=1))] == pytest.approx(row["nearest_at"])
+    assert (row["seconds"], row["messages"]) == (recording.duration, sum(topic.count for topic in recording.topics))
+    assert frame["problem"].iloc[3].startswith("was cut off")
+
+
+def test_it_prints_a_line_for_each_recording_and_their_sum(runs: Path) -> None:
+    text = repr(summary(runs, executor=Here()))
+    assert text.startswith("3 recordings, ")
+    assert "\n  monday/run_1.mcap  " in text
+    assert "\n! not read: broken.bag: " in text
+
+
+def test_problems_that_differ_by_their_numbers_are_one_kind(runs: Path) -> None:
+    whole = robowidgets.SAMPLE.read_bytes()
+    (runs / "run_2.mcap").write_bytes(whole[: len(whole) // 2])
+    (runs / "run_10.mcap").write_bytes(whole[: len(whole) // 3])
+    found = doctor(runs, executor=Here())
+    kind = found.kinds[0]
+    assert (kind.recordings, kind.text) == (2, "the recording was cut off: read … messages, up to … s")
+    assert "robowidgets repair" in kind.remedy
+    rows = found.to_arrow().to_pylist()
+    assert sum("was cut off: read" in row["problem"] for row in rows) == 2
+    assert "2 with problems" in repr(found)
+
+
+@pytest.mark.slow
+def test_the_commands_take_several_recordings(runs: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["info", str(runs), "--json"]) == 0
+    assert len([json.loads(line) for line in capsys.readouterr().out.splitlines()]) == 4
+    assert main(["doctor", str(runs)]) == 1
+    assert capsys.readouterr().out.startswith("3 recordings")
+    assert main(["info", str(runs / "run_2.mcap"), str(runs / "run_2.mcap")]) == 0
+    assert "/scan" in capsys.readouterr().out
