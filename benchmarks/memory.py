@@ -30,7 +30,7 @@ from benchmarks.player_kernel import peak
 
 # What any first use loads.
 import anywidget, tqdm.auto
-import robowidgets.recordings.files, robowidgets.find.search, robowidgets.player.player
+import robowidgets.recordings.files, robowidgets.search.search, robowidgets.player.player
 
 recording = robowidgets.open(sys.argv[1])
 recording.memory = {limit}

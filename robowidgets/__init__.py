@@ -42,12 +42,14 @@ from .touch_widget import TouchWidget
 if TYPE_CHECKING:
     from . import feeds, lessons, simulator
     from ._plot import plot as plot
-    from .find import conditions
+    from .fleet import find as find
+    from .fleet import summary as summary
     from .machine_widget import MachineWidget
     from .program_widget import ProgramWidget
     from .recording import Recording
     from .recording import open as open
     from .recordings import RecordingError
+    from .search import conditions
     from .wires_widget import WiresWidget
 
 __version__ = "0.1.0"
@@ -94,11 +96,13 @@ __all__ = [
     "WiresWidget",
     "conditions",
     "feeds",
+    "find",
     "lessons",
     "load_map",
     "plot",
     "simulator",
     "spread",
+    "summary",
     "together",
 ]
 
@@ -110,6 +114,8 @@ _LATER = {
     "MachineWidget": ".machine_widget",
     "ProgramWidget": ".program_widget",
     "Recording": ".recording",
+    "find": ".fleet",
+    "summary": ".fleet",
     "RecordingError": ".recordings",
     "WiresWidget": ".wires_widget",
     "open": ".recording",
@@ -122,7 +128,7 @@ def __getattr__(name: str) -> Any:
     if name in ("feeds", "lessons", "simulator"):
         return import_module(f".{name}", __name__)
     if name == "conditions":
-        return import_module(".find.conditions", __name__)
+        return import_module(".search.conditions", __name__)
     if name in _LATER:
         return getattr(import_module(_LATER[name], __name__), name)
     if name in _RENAMED:

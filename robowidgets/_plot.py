@@ -8,8 +8,6 @@ from typing import Any
 import numpy as np
 
 from .feeds.feed import Feed
-from .find.base import Condition
-from .find.search import find
 from .kinds import is_command, topic_and_field
 from .plot_widget import MOST_LINES, PlotWidget
 from .plotting.line import Floats, held, slope
@@ -19,6 +17,8 @@ from .recordings.field_lines import FieldLine, choices, field_lines
 from .recordings.odometry import places_of
 from .recordings.time_slice import TimeSlice
 from .samples.state_span import rows_of
+from .search.base import Condition
+from .search.search import find
 
 _EXAMPLE = 'plot(recording, "/odom.twist.twist.linear.x")'
 _BY = ("time", "place")

@@ -13,12 +13,12 @@ from .recordings.topics import shown
 
 if TYPE_CHECKING:
     from .doctor.report import Report
-    from .find.base import Condition
-    from .find.instant import Instant
-    from .find.spans import Spans
     from .in_rerun.widget import RerunWidget
     from .player.player import Player
     from .scanogram_widget import ScanogramWidget
+    from .search.base import Condition
+    from .search.instant import Instant
+    from .search.spans import Spans
     from .wires_widget import WiresView
 
 
@@ -84,7 +84,7 @@ class Recording(RecordingData):
             ... # doctest: +SKIP
         """
         # Imported lazily: reading samples needs no player.
-        from .find.search import find
+        from .search.search import find
 
         self._check_open()
         return find(self, condition, topics)

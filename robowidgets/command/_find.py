@@ -17,13 +17,13 @@ from typing import Any
 import robowidgets
 
 from .. import fleet
-from ..find import conditions
-from ..find.base import Condition
-from ..find.spans import Spans
 from ..kinds import LASER, SPEED, TOUCH
 from ..recordings.topics import UnnamedTopicError
 from ..samples.checks import DEGREES, OF_DEGREES
 from ..samples.sector import ALL_ROUND, SECTORS, Asked, to_sector
+from ..search import conditions
+from ..search.base import Condition
+from ..search.spans import Spans
 from ._error import CommandError
 
 _SIGNS = {

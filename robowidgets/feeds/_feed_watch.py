@@ -19,10 +19,10 @@ from .._core.runner import Call, Runner
 from .._core.user_function import name_of
 from .._core.watch import Watch
 from ..behaviors.robot import DRIVEN, ODOMETRY, TURNED, NotReadyError
-from ..find.base import Condition, FunctionCondition, condition
-from ..find.instant import NoSampleYetError
 from ..kinds import KINDS, topic_and_field
 from ..samples.staleness import LIVE, is_steady, usual_step
+from ..search.base import Condition, FunctionCondition, condition
+from ..search.instant import NoSampleYetError
 from ._program_inputs import FeedInputs
 from ._topics import check_name
 

@@ -354,7 +354,7 @@ class Feed:
         """Judge a condition whenever the robot sends something that it reads, of any of its topics.
 
         It is judged in a thread of its own, on the newest messages. What raises is switched off, and `error` of the
-        result says why; a program may wait for it: see `robowidgets.find.conditions` and `Watch`. Unlike `watch` of a
+        result says why; a program may wait for it: see `robowidgets.search.conditions` and `Watch`. Unlike `watch` of a
         widget it has no lamp.
 
         Args:

@@ -9,14 +9,14 @@ from typing import Any, NamedTuple
 from .._core.progress import Progress, without_bars
 from ..kinds import KINDS
 from ._engine import LONGEST, each
+from ._fleet_table import Unread
 from ._identity import NotIdentifiedError, identity_of
 from ._kept import Kept, state_of
-from ._rows import Unread
 from .places import PathLike, places_of
 
 
-class Gathered(NamedTuple):
-    """What came of many recordings: the results by path, and what `Rows` takes."""
+class FromAll(NamedTuple):
+    """What came of many recordings: the results by path, and what `FleetTable` takes."""
 
     results: dict[str, Any]
     rows: dict[str, Any]
@@ -32,7 +32,7 @@ def gather(
     longest: float = LONGEST,
     keep: bool = True,
     found: Callable[[Any], int] = lambda result: 0,  # noqa: ARG005
-) -> Gathered:
+) -> FromAll:
     """What a job returns for each recording that some paths name.
 
     Args:
@@ -89,7 +89,7 @@ def gather(
         "until": len(read) + len(unread) if is_cut else None,
         "note": kept.problem if kept else "",
     }
-    return Gathered(read, rows)
+    return FromAll(read, rows)
 
 
 def _kept(question: Any) -> Kept | None:

@@ -13,8 +13,8 @@ from .._core.text import listed, many
 from ..recording import open as open_recording
 from ..samples import Problem
 from ._engine import LONGEST
+from ._fleet_table import FleetTable, date, date_of, text
 from ._gather import gather
-from ._rows import Rows, date, date_of, text
 from .places import PathLike
 
 _FORM = 1
@@ -30,12 +30,12 @@ class KindOfProblem(NamedTuple):
     remedy: str
 
 
-class CheckUp(Rows):
+class CheckUp(FleetTable):
     """The problems of many recordings; printed, it has a line for each kind of problem. As a table it has all.
 
     Args:
         found: by recording, its start and its problems with their remedies.
-        **rows: as `Rows`.
+        **rows: as `FleetTable`.
     """
 
     _types: ClassVar = {"file": text, "date": date, "problem": text, "remedy": text}

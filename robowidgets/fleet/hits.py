@@ -10,7 +10,7 @@ from typing import Any, ClassVar, NamedTuple, overload
 
 from .._core.tables import Table
 from .._core.text import as_date, degrees_of, listed, many
-from ._rows import SHOWN, Rows, date, date_of, number, short, text, texts, whole
+from ._fleet_table import SHOWN, FleetTable, date, date_of, number, short, text, texts, whole
 
 
 class Hit(NamedTuple):
@@ -34,7 +34,7 @@ class Hit(NamedTuple):
         return date_of(self.start_ns)
 
 
-class Hits(Rows, Sequence[Hit]):
+class Hits(FleetTable, Sequence[Hit]):
     """A table of what was found in many recordings; printed, it shows the first of it.
 
     Args:
@@ -42,7 +42,7 @@ class Hits(Rows, Sequence[Hit]):
         hits: what was found, by recording and time.
         chosen: by recording, the topics that were chosen among several of a kind.
         problems: by recording, what is wrong with it, as in `Recording.problems`: spans may be missing.
-        **rows: as `Rows`.
+        **rows: as `FleetTable`.
     """
 
     _types: ClassVar = {

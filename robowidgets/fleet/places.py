@@ -14,14 +14,14 @@ from ..repair import find_files, is_carmen, natural
 PathLike = str | os.PathLike[str]
 
 
-class Place(NamedTuple):
+class NamedPath(NamedTuple):
     """A recording, or what was named as one: its path, and why nothing is read there; empty if it is to be read."""
 
     path: Path
     problem: str = ""
 
 
-def places_of(paths: Iterable[PathLike]) -> list[Place]:
+def places_of(paths: Iterable[PathLike]) -> list[NamedPath]:
     """The recordings that some paths name, each once, in the order given, and in a folder by name.
 
     Args:
@@ -31,7 +31,7 @@ def places_of(paths: Iterable[PathLike]) -> list[Place]:
     Raises:
         TypeError: a path is no path. ValueError: none is given.
     """
-    found: dict[Path, Place] = {}
+    found: dict[Path, NamedPath] = {}
     for path in paths:
         if not isinstance(path, (str, os.PathLike)):
             raise TypeError(f"expected the path of a recording, a folder or a pattern, got {path!r}")
@@ -48,33 +48,33 @@ def the_only(paths: Iterable[PathLike]) -> Path | None:
     return places[0].path if len(places) == 1 else None
 
 
-def _named(text: str) -> Iterator[Place]:
+def _named(text: str) -> Iterator[NamedPath]:
     path = Path(os.path.abspath(Path(text).expanduser()))
     if path.is_dir():
         there = list(_within(path))
-        yield from there or [Place(path, "no recording in this folder")]
+        yield from there or [NamedPath(path, "no recording in this folder")]
     elif path.exists():
-        yield Place(path.parent if path.name == "metadata.yaml" else path)
+        yield NamedPath(path.parent if path.name == "metadata.yaml" else path)
     elif glob.has_magic(text):
         matches = sorted(glob.glob(str(path), recursive=True), key=natural)
         for match in matches:
             yield from _named(match)
         if not matches:
-            yield Place(path, "nothing matches this pattern")
+            yield NamedPath(path, "nothing matches this pattern")
     else:
-        yield Place(path, "no such file or folder")
+        yield NamedPath(path, "no such file or folder")
 
 
-def _within(folder: Path) -> Iterator[Place]:
+def _within(folder: Path) -> Iterator[NamedPath]:
     """The recordings in a folder; links to other folders are not followed."""
     try:
         if is_one_recording(folder):
-            yield Place(folder)
+            yield NamedPath(folder)
             return
         inside = sorted(folder.iterdir(), key=lambda path: natural(path.name))
-        yield from (Place(path) for path in [*find_files(folder), *filter(is_carmen, inside)])
+        yield from (NamedPath(path) for path in [*find_files(folder), *filter(is_carmen, inside)])
     except OSError as error:
-        yield Place(folder, f"cannot be read: {error.strerror or error}")
+        yield NamedPath(folder, f"cannot be read: {error.strerror or error}")
         return
     for path in inside:
         if path.is_dir() and not path.is_symlink() and not path.name.startswith("."):

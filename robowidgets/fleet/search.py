@@ -6,9 +6,9 @@ from collections.abc import Callable, Iterable
 from typing import Any
 
 from .._core.progress import without_bars
-from ..find.base import Condition, condition
 from ..recording import open as open_recording
 from ..recordings.topics import UnknownTopicError
+from ..search.base import Condition, condition
 from ._engine import LONGEST
 from ._gather import gather
 from ._topics import chosen_of

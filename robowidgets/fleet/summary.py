@@ -11,7 +11,6 @@ import numpy as np
 from .._core.progress import without_bars
 from .._core.tables import Table
 from .._core.text import as_date, many
-from ..find import conditions
 from ..kinds import LASER, SPEED, TOUCH
 from ..recording import Recording
 from ..recording import open as open_recording
@@ -19,9 +18,10 @@ from ..recordings.times import has_date
 from ..samples.checks import shortest
 from ..samples.distances import ray_distances
 from ..samples.staleness import RECORDED
+from ..search import conditions
 from ._engine import LONGEST
+from ._fleet_table import SHOWN, FleetTable, date, date_of, number, short, text, whole
 from ._gather import gather
-from ._rows import SHOWN, Rows, date, date_of, number, short, text, whole
 from ._topics import chosen_of
 from .places import PathLike
 
@@ -30,7 +30,7 @@ _STANDING = 0.01
 """m/s below which a robot stands."""
 
 
-class Summary(Rows):
+class Summary(FleetTable):
     """A row for each recording; printed, it shows the first of them.
 
     The columns: ``seconds``, ``date`` of its start, ``driven`` in metres by odometry or else by speeds, ``stops``, the
@@ -39,7 +39,7 @@ class Summary(Rows):
 
     Args:
         found: the values of each row, by column.
-        **rows: as `Rows`.
+        **rows: as `FleetTable`.
     """
 
     _types: ClassVar = {

@@ -93,7 +93,7 @@ def test_what_is_no_recording_is_one_line_and_1(command, what, tmp_path, capsys,
         (["demo", "--port", "http"], "argument --port: expected a number from 0 to 65535, got 'http'"),
         (["demo", "--port", "65536"], "argument --port: expected a number from 0 to 65535, got '65536'"),
         (["demo", "--port=-1"], "argument --port: expected a number from 0 to 65535, got '-1'"),
-        (["info", "a.bag", "b.bag"], "unrecognized arguments: b.bag"),
+        (["open", "a.bag", "b.bag"], "unrecognized arguments: b.bag"),
     ],
 )
 def test_arguments_that_make_no_sense_are_2(arguments, text, capsys):
@@ -299,10 +299,8 @@ def wait_for_text(log, text, process):
 
 
 def wait_until(read, text, process, log):
-    deadline = time.monotonic() + 60
     while text not in (got := read()):
         assert process.poll() is None, log.read_text()
-        assert time.monotonic() < deadline, log.read_text()
         time.sleep(0.05)
     return got
 
@@ -344,7 +342,7 @@ def test_find_of_nothing_is_1(capsys):
     ("arguments", "text"),
     [
         (["no.bag", "--touched"], "no.bag: no such file or folder"),
-        ([str(robowidgets.SAMPLE)], "expected a condition: --touched, --nearest-below, --speed-above or --gap"),
+        ([str(robowidgets.SAMPLE)], "expected a condition: --touched, --nearest-below, --speed-above, --gap"),
         (
             [str(robowidgets.SAMPLE), "--touched", "nose"],
             "find: --touched: /bumper has no sensor 'nose'; it has 'left', 'center', 'right'",

@@ -20,11 +20,12 @@ JS = ROOT / "js"
 
 LAYERS = (
     "__main__ command",
+    "__init__",
     "fleet",
-    "__init__ recording",
+    "recording",
     "player in_rerun export _plot",
     "feeds",
-    "find doctor",
+    "search doctor",
     "recordings",
     "*_widget _widget_choice _layout _together",
     "behaviors lessons",

@@ -13,10 +13,10 @@ import pytest
 
 import robowidgets
 from robowidgets import Scan, Speed, Touch, TouchMode, conditions
-from robowidgets.find.base import condition
-from robowidgets.find.instant import NoSampleYetError
 from robowidgets.kinds import sample_names
 from robowidgets.samples.verdict import Verdict, fact, judged
+from robowidgets.search.base import condition
+from robowidgets.search.instant import NoSampleYetError
 
 NAN, INF = float("nan"), float("inf")
 

@@ -9,7 +9,7 @@ from shutil import copy
 import pytest
 
 import robowidgets
-from robowidgets.fleet.places import Place, places_of
+from robowidgets.fleet.places import NamedPath, places_of
 
 DATA = Path(os.environ.get("ROBOWIDGETS_DATA", Path(__file__).parents[4] / "shared" / "data"))
 
@@ -33,29 +33,29 @@ def test_what_is_not_there_is_named_with_the_reason(tmp_path: Path) -> None:
     (tmp_path / "empty").mkdir()
     there = places_of([tmp_path / "no.bag", str(tmp_path / "*.mcap"), tmp_path / "empty"])
     assert there == [
-        Place(tmp_path / "no.bag", "no such file or folder"),
-        Place(tmp_path / "*.mcap", "nothing matches this pattern"),
-        Place(tmp_path / "empty", "no recording in this folder"),
+        NamedPath(tmp_path / "no.bag", "no such file or folder"),
+        NamedPath(tmp_path / "*.mcap", "nothing matches this pattern"),
+        NamedPath(tmp_path / "empty", "no recording in this folder"),
     ]
 
 
 def test_the_metadata_of_a_folder_names_the_folder(tmp_path: Path) -> None:
     copy(robowidgets.SAMPLE, tmp_path / "drive_0.mcap")
     (tmp_path / "metadata.yaml").write_text("rosbag2_bagfile_information:\n")
-    assert places_of([tmp_path / "metadata.yaml", tmp_path]) == [Place(tmp_path)]
+    assert places_of([tmp_path / "metadata.yaml", tmp_path]) == [NamedPath(tmp_path)]
 
 
 def test_logs_of_other_programs_are_no_recordings(tmp_path: Path) -> None:
     (tmp_path / "roslaunch.log").write_text("started core service\n")
     (tmp_path / "carmen.log").write_text("# a comment\nODOM 0 0 0 0 0 0 1.0 host 1.0\n")
-    assert places_of([tmp_path]) == [Place(tmp_path / "carmen.log")]
+    assert places_of([tmp_path]) == [NamedPath(tmp_path / "carmen.log")]
 
 
 @pytest.mark.skipif(not DATA.is_dir(), reason="needs the recordings of real robots")
 def test_the_parts_of_a_recording_are_one(tmp_path: Path) -> None:
     parts = next(folder for folder in (DATA / "odd").iterdir() if folder.name == "mcap_multiple_files_no_metadata")
     (tmp_path / "split").symlink_to(parts)  # the folder that is named may be a link
-    assert places_of([tmp_path / "split"]) == [Place(tmp_path / "split")]
+    assert places_of([tmp_path / "split"]) == [NamedPath(tmp_path / "split")]
 
 
 @pytest.mark.parametrize(("given", "error"), [([], ValueError), ([3], TypeError)])

@@ -13,13 +13,13 @@ import pytest
 
 import robowidgets
 from robowidgets import RecordingError, conditions
-from robowidgets.find._steps import NO, UNKNOWN, YES, Steps, combined, inverted, spans, steps
-from robowidgets.find.base import FunctionCondition
-from robowidgets.find.spans import Spans
 from robowidgets.kinds import KINDS, LASER
 from robowidgets.recordings import UnknownTopicError
 from robowidgets.recordings.span import Span
 from robowidgets.samples.sector import ALL_ROUND
+from robowidgets.search._steps import NO, UNKNOWN, YES, Steps, combined, inverted, spans, steps
+from robowidgets.search.base import FunctionCondition
+from robowidgets.search.spans import Spans
 
 from ...conftest import ROOT
 from . import hazards, recorded, robot, sweeps

@@ -11,9 +11,9 @@ import pytest
 import robowidgets
 from robowidgets import conditions
 from robowidgets.command import main
-from robowidgets.find.base import Condition
 from robowidgets.recordings import UnknownTopicError
 from robowidgets.recordings.columns._fields import UnknownFieldError
+from robowidgets.search.base import Condition
 
 from . import recorded
 

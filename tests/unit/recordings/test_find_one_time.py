@@ -11,8 +11,8 @@ import pytest
 
 import robowidgets
 from robowidgets import conditions
-from robowidgets.find._steps import NO, UNKNOWN, YES, combined, inverted, spans, steps
-from robowidgets.find.instant import together
+from robowidgets.search._steps import NO, UNKNOWN, YES, combined, inverted, spans, steps
+from robowidgets.search.instant import together
 
 from . import sweeps
 

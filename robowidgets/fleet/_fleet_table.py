@@ -17,7 +17,7 @@ from ..recordings.columns.tables import library
 from ..recordings.times import has_date
 
 SHOWN = 20
-"""Rows that are printed."""
+"""FleetTable that are printed."""
 
 _EPOCH = datetime(1970, 1, 1, tzinfo=timezone.utc)
 
@@ -36,7 +36,7 @@ def date_of(time_ns: int | None) -> datetime | None:
     return _EPOCH + timedelta(microseconds=time_ns // 1000)
 
 
-class Rows(ABC):
+class FleetTable(ABC):
     """A table of many recordings. Of one that could not be read it has a row with the reason as ``problem``.
 
     Args:
