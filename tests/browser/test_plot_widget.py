@@ -315,6 +315,7 @@ def test_a_plot_in_a_player_shows_and_sets_the_time_of_all_widgets_while_a_cell_
     nb = plain_page([PLAYED])
     card = nb.page.locator(".rw-plot")
     expect(card.locator(".rw-plot-switch b")).to_have_text(["odom", "cmd_vel"])
+    card.locator(".u-over").first.scroll_into_view_if_needed()
     laser = nb.page.locator(".rw-laser .rw-footer")
     before = laser.inner_text()
     with nb.busy():
