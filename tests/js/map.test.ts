@@ -15,8 +15,7 @@ import {
   robotOf,
   wordOf,
 } from "../../robowidgets/js/path/layers.ts";
-import { decodePose } from "../../robowidgets/js/path/path.ts";
-import { frameOf, readsOf } from "./vectors.ts";
+import { frameOf } from "./vectors.ts";
 
 const CELLS: Cells = { rows: 2, columns: 3, size: 0.5, step: 1, data: Uint8Array.of(0, 100, 255, 50, 255, 255) };
 
@@ -27,15 +26,6 @@ function state(number: number, x = 0, scatter: LayerState["scatter"] = [NaN, NaN
 function statesOf(...states: LayerState[]): Map<number, LayerState> {
   return new Map(states.map((one) => [one.number, one]));
 }
-
-test("the layers of a frame are those that Python packed", () => {
-  const { layers, ...rest } = decodePose(frameOf("map"));
-  const plain = layers.map(({ cells, ...layer }) => ({
-    ...layer,
-    cells: cells && { ...cells, data: [...cells.data] },
-  }));
-  assert.deepEqual({ ...rest, layers: plain }, readsOf("map"));
-});
 
 test("the page of a map saves the poses of its layers, each with the time of its message", () => {
   const layers: LayerAbout[] = [

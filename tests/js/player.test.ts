@@ -203,6 +203,9 @@ test("a widget that shows earlier samples gets those up to the one on show, and 
   assert.deepEqual(recent()?.at(-1), { frame_id: "1" });
   set({ paused: false });
   assert.deepEqual(recent()?.at(-1), { frame_id: "2" });
+  state._needs = 1;
+  set({ trail: 0 });
+  assert.equal(recent()?.length, 2, "a view needs the one before");
   state._about = { numbers: { r: 1 } };
   set({ trail: 0 });
   assert.deepEqual(

@@ -3,6 +3,7 @@ import { test } from "node:test";
 import { decodeMoment } from "../../robowidgets/js/events/rows.ts";
 import { decodeMessage } from "../../robowidgets/js/message/frame.ts";
 import { elementsOf, toFields } from "../../robowidgets/js/message/tree.ts";
+import { decodePose } from "../../robowidgets/js/path/path.ts";
 import { decodeFrames } from "../../robowidgets/js/player/segments.ts";
 import { decodePlot } from "../../robowidgets/js/plot/frame.ts";
 import { decodeDetail, decodeWhole } from "../../robowidgets/js/scanogram/data.ts";
@@ -36,6 +37,14 @@ const FRAMES: Record<string, (bytes: DataView) => Record<string, unknown>> = {
     // In the table, the text is a NaN.
     const values = packed.values.map((value) => (value === "nan" ? NaN : value));
     return { sequence, rate, arrived, values, ids: ids && elementsOf(ids, 0, 2).map(({ value }) => value) };
+  },
+  map(bytes) {
+    const { layers, ...rest } = decodePose(bytes);
+    const plain = layers.map(({ cells, ...layer }) => ({
+      ...layer,
+      cells: cells && { ...cells, data: [...cells.data] },
+    }));
+    return { ...rest, layers: plain };
   },
   plot(bytes) {
     const frame = decodePlot(bytes);
