@@ -102,6 +102,11 @@ class WidgetChoice(NamedTuple):
         return tuple(topic for role, topic in self.parts if role is self.role)
 
     @property
+    def asked(self) -> tuple[str, ...]:
+        """The topics that it is there for: without those that it only takes along."""
+        return self.own if self.gathers else self.topics
+
+    @property
     def titles(self) -> tuple[str, ...]:
         """What it shows, for a person: its topics, or the namespace of several that share it, the first one first."""
         if self.gathers:
@@ -259,7 +264,7 @@ def of_choice(choice: WidgetChoice, entries: Iterable[Entry], known: Mapping[str
             return f"{wish.topic}.{wish.field}" in choice.fields
         of_kind = wish.topic in known and known[wish.topic].widget
         is_row = wish.row == choice.shown.name or not (wish.row or of_kind)
-        return is_row and not choice.fields and wish.topic in choice.topics
+        return is_row and not choice.fields and wish.topic in choice.asked
 
     return [entry for entry in entries if all(map(asks, wishes([entry], known)))]
 

@@ -87,7 +87,6 @@ class MessageWidget(RobotWidget[Received]):
     _esm, _css = bundle("message_widget")
     _meant: ClassVar = {"field": "fields", "topic": "title", "watch_fields": "over_time", "tree": "rows"}
     _instead: ClassVar = {"values": 'widget["pose.position.x"]', "msg": "widget.message"}
-    column = "wide"
     sample_name = "message"
     frame_traits = ("fields", "_wanted")
 

@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Protocol
 
 import traitlets
 
 from ._core.front_end import FrontEndWidget, bundle
 from ._core.platform_fixes import route_by_message
 from ._core.traits import Flag
+
+MOST_LOOKED_AT = 100
+"""Topics of which values are sent at most: a page shows no more at once."""
 
 log = logging.getLogger("robowidgets")
 
@@ -30,6 +33,18 @@ class TopicRow(NamedTuple):
     problem: str = ""
 
 
+class ShownBy(Protocol):
+    """A widget on show, as the list knows it."""
+
+    @property
+    def asked(self) -> tuple[str, ...]:
+        """Its topics."""
+
+    @property
+    def titles(self) -> tuple[str, ...]:
+        """Its titles, that of the card first."""
+
+
 class TopicsWidget(FrontEndWidget):
     """A list of topics: a click shows one, or takes it off.
 
@@ -40,6 +55,7 @@ class TopicsWidget(FrontEndWidget):
 
     Args:
         on_toggle: called with the name of a topic and whether it is to be shown, perhaps in another thread.
+        values_of: what some topics say, in words; None: nobody knows.
         folded: whether only a rail of it is there; None: as the room allows.
     """
 
@@ -57,8 +73,15 @@ class TopicsWidget(FrontEndWidget):
     _fixed = Flag(False, help="Whether nothing can be shown or taken off: in a page without a kernel.").tag(sync=True)
     _error = traitlets.Unicode(help="Why a topic could not be shown.").tag(sync=True, echo_update=False)
 
-    def __init__(self, on_toggle: Callable[[str, bool], None] | None = None, **kwargs: Any) -> None:
-        self._on_toggle = on_toggle
+    def __init__(
+        self,
+        on_toggle: Callable[[str, bool], None] | None = None,
+        values_of: Callable[[Sequence[str]], Mapping[str, str]] | None = None,
+        **kwargs: Any,
+    ) -> None:
+        self._on_toggle, self._values_of = on_toggle, values_of
+        self._looked_at: list[str] = []
+        self._seconds: float | None = None
         super().__init__(**kwargs)
         self.on_msg(self._on_page)
         self.add_class("rw-topics-cell")
@@ -72,17 +95,32 @@ class TopicsWidget(FrontEndWidget):
         """List topics."""
         self._rows = [row._asdict() for row in rows]
 
-    def show(self, shown: Mapping[str, Sequence[str]]) -> None:
-        """Mark the topics on show, with the titles of their widgets."""
-        self._shown = {name: [*titles] for name, titles in shown.items()}
+    def show(self, choices: Iterable[ShownBy]) -> None:
+        """Mark the topics of the widgets on show."""
+        titles: dict[str, dict[str, None]] = {}
+        for choice in choices:
+            for topic in choice.asked:
+                titles.setdefault(topic, {})[choice.titles[0]] = None
+        self._shown = {name: [*found] for name, found in titles.items()}
+
+    def tell_values(self, seconds: float | None = None) -> None:
+        """Have the page show what the topics that it looks at say now, or at a time."""
+        self._seconds = seconds
+        if self._looked_at and self._values_of is not None:
+            self.send({"values": self._values_of(self._looked_at), "at": seconds})
 
     def close(self) -> None:
         """Remove it from the page."""
-        self._on_toggle = None
+        self._on_toggle = self._values_of = None
         super().close()
 
     def _on_page(self, _widget: Any, content: Any, _buffers: Any) -> None:
         """Show a topic or take it off. In the main thread or a subshell's."""
+        looked_at = content.get("look") if isinstance(content, dict) else None
+        if isinstance(looked_at, list):
+            self._looked_at = [name for name in looked_at[:MOST_LOOKED_AT] if isinstance(name, str)]
+            self.tell_values(self._seconds)
+            return
         name = content.get("toggle") if isinstance(content, dict) else None
         if not isinstance(name, str) or self._on_toggle is None:
             return

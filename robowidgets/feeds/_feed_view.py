@@ -247,11 +247,7 @@ class FeedView(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no type
             [widget for widget in small if widget not in added],
             added,
         )
-        titles: dict[str, dict[str, None]] = {}
-        for choice in self._shown:
-            for topic in choice.topics:
-                titles.setdefault(topic, {})[choice.titles[0]] = None
-        self.topic_list.show({topic: tuple(names) for topic, names in titles.items()})
+        self.topic_list.show(self._shown)
 
     @property
     def _added(self) -> list[SampleWidget]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import threading
+import time
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from functools import partial
@@ -36,12 +37,14 @@ from ..export.html import MAX_SIZE, SUFFIXES
 from ..in_rerun.widget import RerunWidget
 from ..kinds import LASER, TOUCH, asked_of_fields, asked_of_type, load
 from ..message_widget import MessageWidget
+from ..messages.brief import brief
 from ..player_widget import PlayerWidget
 from ..poses.places import WITHIN, Places
 from ..recordings import RecordingData
 from ..recordings.odometry import places_of
 from ..recordings.times import has_date
-from ..recordings.topics import UnknownTopicError, wanted
+from ..recordings.topics import UnknownTopicError, shown, wanted
+from ..repair import RecordingError
 from ..samples.state_span import rows_of
 from ..scanogram_widget import ScanogramWidget
 from ..speed_widget import SpeedWidget
@@ -54,6 +57,9 @@ from ._parts import LeadingPlayer, PlayerView, followers
 from ._prefetcher import SEGMENT, Prefetcher, segment
 from ._to_html import Wanted, page_of
 from ._touch_marks import touch_marks
+
+LONGEST_LOOK = 0.1
+"""Seconds for which values of topics are read for the list, each time that the time on show changes."""
 
 _EARLY = 0.1
 _TINY = 1e-7
@@ -139,7 +145,7 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
         self.bar = self._make_bar(note)
         if moves and not rerun:
             self._screen = OneScreen()
-            self.topic_list = TopicsWidget(self._on_toggle)
+            self.topic_list = TopicsWidget(self._on_toggle, self._values_of)
             self.topic_list.set_rows(_rows(recording))
         super().__init__()
         self._arrange()
@@ -404,6 +410,23 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
             self.on_show.take_off(of_topic(topic, self._entries(), known))
         self._show_chosen()
 
+    def _values_of(self, names: Sequence[str]) -> dict[str, str]:
+        """What topics say at the time on show, of as many as can be read in a moment."""
+        values: dict[str, str] = {}
+        began = time.monotonic()
+        of_kind = shown(self.recording.topics)
+        with self._seeking:
+            for name in names:
+                if time.monotonic() - began > LONGEST_LOOK:
+                    break
+                try:
+                    at = self.recording.at if name in of_kind else self.recording.message_at
+                    moment = at(name, self.bar.time)
+                except RecordingError:  # it cannot be read, as its row says, or the recording is closed
+                    continue
+                values[name] = brief(moment.sample) if moment else "nothing yet"
+        return values
+
     def _show_chosen(self) -> None:
         """Show what is to be shown by now. In the main thread or a subshell's."""
         with self._seeking:
@@ -427,11 +450,7 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
         """Put all that is shown into its place."""
         self.children = self.arranged(self.scanogram, self._screen or OneScreen())
         if self.topic_list is not None:
-            titles: dict[str, dict[str, None]] = {}
-            for view in self.views:
-                for topic in view.choice.topics:
-                    titles.setdefault(topic, {})[view.choice.titles[0]] = None
-            self.topic_list.show({topic: tuple(names) for topic, names in titles.items()})
+            self.topic_list.show(view.choice for view in self.views)
 
     def _from_bar(self, change: Any) -> None:
         setattr(self, change["name"], change["new"])
@@ -483,6 +502,8 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
             for view in self.views:
                 view.track.seek(self.bar.time)
             self._tell_problems()
+        if self.topic_list is not None and not bar.playing:
+            self.topic_list.tell_values(bar.time)
 
     def _tell_problems(self) -> None:
         """Show the problems of the recording, some of which are found only when it is read."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import struct
 from collections.abc import Callable, Iterator
 from contextlib import closing
@@ -115,3 +116,82 @@ def test_a_click_puts_a_topic_on_the_screen_and_takes_it_off(
         row(nb, name).click()
     expect(shown.locator(".rw-screen .rw-title", has_text="/imu/y")).to_have_count(0)
     expect(shown.locator(".rw-screen .rw-title")).to_have_text(before)
+
+
+def test_keys_walk_fold_filter_and_show(plain_page: Open, path: Path) -> None:
+    nb = opened(plain_page, path, height=720)
+    nb.resize(1264, 720)
+    shown = nb.output(2)
+    shown.locator(".rw-topics-rail").focus()
+    nb.page.keyboard.press("Enter")
+    keys, at = nb.page.keyboard, shown.locator(".rw-topics-body :focus")
+    expect(at).to_have_attribute("data-key", "/scan")
+    expect(row(nb, "/scan")).to_have_attribute("aria-label", re.compile(r"^/scan, LaserScan, 581 messages, .*, shown$"))
+    for _ in range(4):
+        keys.press("ArrowDown")
+    expect(at).to_have_attribute("data-key", "/voltage")
+    expect(row(nb, "/voltage").locator(".rw-topic-value")).to_have_text("0")
+    keys.press(" ")
+    expect(shown.locator(".rw-screen .rw-title", has_text="/voltage")).to_be_visible()
+    expect(shown.locator(".rw-topics > .rw-unseen")).to_have_text("/voltage shown")
+    keys.press("/")
+    keys.type("white")
+    expect(shown.locator(".rw-topic")).to_have_count(1)
+    keys.press("Enter")
+    expect(at).to_have_attribute("data-key", "/camera/white_balance")
+    keys.press("Escape")
+    expect(shown.locator(".rw-topics-filter")).to_be_hidden()
+    row(nb, "/camera/white_balance").focus()
+    keys.press("ArrowLeft")
+    expect(at).to_have_attribute("data-key", "group /camera")
+    keys.press("ArrowLeft")
+    expect(at).to_have_attribute("aria-expanded", "false")
+    expect(row(nb, "/camera/white_balance")).to_have_count(0)
+    nb.python("player.time = 20.0")
+    expect(row(nb, "/voltage").locator(".rw-topic-value")).to_have_text("175.5")
+    expect(shown.locator(".rw-topics-head")).to_contain_text("at 20.00 s")
+
+
+def test_a_hostile_name_is_text_and_two_thousand_topics_are_few_rows(plain_page: Open, tmp_path: Path) -> None:
+    names = ["/<b>bold</b>", *(f"/t{i}" for i in range(2000))]
+    folder = recorded.write(
+        tmp_path / "many", dict.fromkeys(names, FLOAT), [(i / 10, names[0], {"data": 1.0}) for i in range(20)]
+    )
+    nb = plain_page([f"import robowidgets\nrecording = robowidgets.open({str(folder)!r})\nrecording.show()"])
+    nb.resize(1264, 720)
+    nb.output(0).locator(".rw-topics-rail").click()
+    expect(nb.output(0).locator(".rw-topic").first).to_contain_text("/<b>bold</b>")
+    expect(nb.output(0).locator(".rw-topic b")).to_have_count(0)
+    expect(nb.output(0).locator(".rw-topic")).to_have_count(400)
+    expect(nb.output(0).locator(".rw-topics-more")).to_have_text("and 1,601 more: filter them by name")
+    nb.page.keyboard.press("/")
+    nb.page.keyboard.type("t1999")
+    expect(nb.output(0).locator(".rw-topic")).to_have_count(1)
+
+
+def test_a_busy_kernel_is_named_and_the_topic_follows(plain_page: Open, path: Path) -> None:
+    nb = opened(plain_page, path, height=720)
+    nb.resize(1264, 720)
+    nb.output(2).locator(".rw-topics-rail").click()
+    with nb.busy():
+        row(nb, "/charge").click()
+        expect(nb.output(2).locator(".rw-topics-foot-facts")).to_have_text(
+            "the kernel is busy: it follows when the cell ends"
+        )
+    expect(nb.output(2).locator(".rw-screen .rw-title", has_text="/charge")).to_be_visible()
+    expect(nb.output(2).locator(".rw-topics-foot-facts")).not_to_contain_text("busy")
+
+
+@pytest.mark.parametrize(("theme", "scale"), LOOKS)
+def test_pictures_of_the_list_at_each_width(plain_page: Open, path: Path, theme: str, scale: int) -> None:
+    nb = opened(plain_page, path, theme=theme, scale=scale, height=720)
+    nb.output(2).locator(".rw-topics-rail").click()
+    for width in (1500, 1112, 900, 400):
+        nb.resize(width, 720)
+        listed = nb.output(2).locator(".rw-topics")
+        expect(listed).to_be_visible()
+        assert listed.evaluate("list => list.scrollWidth <= list.clientWidth + 1")
+        box = listed.bounding_box()
+        assert box is not None
+        assert box["width"] == (width if width < 900 else 284)
+        shoot(nb.output(2), f"topics-{width}-{theme}")

@@ -1,8 +1,9 @@
 import { make, makeButton, makeSvg, mount, setHidden, setLabel, setText } from "../shared/dom.ts";
 import { isPlain, on, onAbort } from "../shared/events.ts";
+import { toFixed } from "../shared/format.ts";
 import { keepKeys } from "../shared/keys.ts";
 import { lacksKernel, type Model, NO_KERNEL, onChange, onMessage, setTraits } from "../shared/model.ts";
-import { perAnimationFrame } from "../shared/schedule.ts";
+import { perAnimationFrame, throttle } from "../shared/schedule.ts";
 import { followTheme } from "../shared/theme.ts";
 import { Cards } from "./cards.ts";
 import { type Group, nameIn, shortType, toCount, toFacts, toFolded, toGroups, toRate } from "./groups.ts";
@@ -16,8 +17,17 @@ const MOST_ROWS = 400;
 const BUSY_MS = 700;
 /** Milliseconds of a finger on a row, after which it is only looked at. */
 const LONG_MS = 500;
+/** Milliseconds between two looks at the values of other rows. */
+const LOOK_MS = 250;
 
 const NO_ROW: TopicRow = { name: "", type: "", messages: null, rate: null, widget: "", problem: "" };
+
+/** What Python says: that it has done what was asked for, or what topics say at a time. */
+interface Message {
+  done?: string;
+  values?: Record<string, string>;
+  at?: number | null;
+}
 
 /** A row or a heading on the page. */
 interface Line {
@@ -34,6 +44,7 @@ export class TopicsView {
   readonly #rail: HTMLButtonElement;
   readonly #railText = make("span", "");
   readonly #facts = make("span", "rw-facts");
+  readonly #when = make("span", "");
   readonly #search: HTMLButtonElement;
   readonly #filter = make("input", "rw-topics-filter");
   readonly #unit: HTMLButtonElement;
@@ -53,6 +64,9 @@ export class TopicsView {
   /** What was asked for and not answered yet, with the time. */
   readonly #pending = new Map<string, boolean>();
   #isBusy = false;
+  #values: Record<string, string> = {};
+  #asked = "";
+  readonly #look: () => void;
   #timer: ReturnType<typeof setTimeout> | undefined;
   #room = 0;
 
@@ -79,7 +93,8 @@ export class TopicsView {
     followTheme(this.#root, signal);
     keepKeys(this.#root, signal);
     onChange(model, ["_rows", "_shown", "folded", "_fixed", "_error"], this.#redraw, signal);
-    onMessage(model, (message: { done?: string }) => this.#onDone(message.done), signal);
+    onMessage(model, (message: Message) => this.#onMessage(message), signal);
+    this.#look = throttle(() => this.#askForValues(), LOOK_MS, signal);
     // Not for each row: there may be many.
     const size = new ResizeObserver(() => this.#onSize());
     size.observe(this.#body);
@@ -100,7 +115,7 @@ export class TopicsView {
     on(this.#filter, "input", this.#redraw, this.#signal);
     on(this.#filter, "keydown", (event) => this.#onFilterKey(event), this.#signal);
     const head = make("div", "rw-topics-head");
-    head.append(make("span", "", "show · name · type"), this.#unit);
+    head.append(make("span", "rw-topics-head-names", "show · name · type"), this.#when, this.#unit);
     this.#body.role = "treegrid";
     this.#body.ariaLabel = "topics";
     on(this.#body, "keydown", (event) => this.#onKey(event), this.#signal);
@@ -177,6 +192,7 @@ export class TopicsView {
       : [make("div", "rw-topics-more", rows.length ? "none of this name" : "no topic yet")];
     this.#body.replaceChildren(...elements, ...more, ...none);
     this.#body.scrollTop = scrollTop;
+    this.#look();
     const at = this.#lineAt() ?? this.#lines[0];
     if (at) {
       at.element.tabIndex = 0;
@@ -201,7 +217,7 @@ export class TopicsView {
   }
 
   #makeRow(group: Group, row: TopicRow): HTMLElement {
-    const { name, type, messages: count, rate, widget, problem } = row;
+    const { name, type, messages: count, rate, problem } = row;
     const line = make("div", "rw-topic");
     line.role = "row";
     line.tabIndex = -1;
@@ -219,7 +235,8 @@ export class TopicsView {
     line.title = name;
     line.append(make("span", "rw-topic-square"), makeTypeIcon(short), makeName(nameIn(group, name)));
     if (problem) line.append(make("span", "rw-topic-why", problem));
-    else line.append(make("span", "rw-topic-type", short), make("span", "rw-topic-value", isShown ? "" : widget));
+    else line.append(make("span", "rw-topic-type", short), make("span", "rw-topic-value"));
+    this.#writeValue(line, row);
     const number = this.#showsCounts ? toCount(count) : toRate(count, rate);
     if (!problem) line.append(make("span", "rw-topic-rate", count === 0 ? "none" : number));
     for (const cell of line.children) cell.role = "gridcell";
@@ -239,7 +256,7 @@ export class TopicsView {
     const waits = this.#pending.size > 0 && this.#isBusy;
     const text = waits
       ? "the kernel is busy: it follows when the cell ends"
-      : error || problem || [...toFacts(count, rate), ...by].join(" · ");
+      : error || problem || [this.#values[name] ?? "", ...toFacts(count, rate), ...by].filter(Boolean).join(" · ");
     const help =
       lacksKernel(this.#model) && !this.#model.get("_fixed") ? NO_KERNEL : "point at a topic, or type / to filter";
     setText(this.#footFacts, text || (row ? "" : help));
@@ -262,7 +279,7 @@ export class TopicsView {
   #fold(folded: boolean): void {
     setTraits(this.#model, { folded });
     this.#draw();
-    const next = folded ? this.#rail : this.#lineAt()?.element;
+    const next = folded ? this.#rail : (this.#lineAt() ?? this.#lines[0])?.element;
     next?.focus({ preventScroll: true });
   }
 
@@ -289,15 +306,37 @@ export class TopicsView {
     this.#redraw();
   }
 
-  #onDone(name?: string): void {
-    if (name === undefined) return;
+  #onMessage({ done, values, at }: Message): void {
+    if (done !== undefined) this.#onDone(done);
+    if (!values) return;
+    this.#values = values;
+    setText(this.#when, at === null || at === undefined ? "now" : `at ${toFixed(at, 2)} s`);
+    for (const { element, row } of this.#lines) if (row) this.#writeValue(element, row);
+    this.#drawFoot();
+  }
+
+  #writeValue(line: HTMLElement, row: TopicRow): void {
+    const cell = line.querySelector<HTMLElement>(".rw-topic-value");
+    if (cell) setText(cell, this.#values[row.name] ?? "");
+  }
+
+  /** Asks for the values of the rows on the page; what is folded is not sent. */
+  #askForValues(): void {
+    if (!this.#body.clientHeight || !this.#canChange) return;
+    const names = this.#lines
+      .filter(({ row }) => row && !row.problem && row.messages !== 0)
+      .map(({ row }) => row?.name);
+    if (names.join("\n") === this.#asked) return;
+    this.#asked = names.join("\n");
+    this.#model.send({ look: names });
+  }
+
+  #onDone(name: string): void {
     const wanted = this.#pending.get(name);
     this.#pending.delete(name);
     this.#isBusy = false;
-    const shown = this.#model.get("_shown");
-    const cards = new Set(Object.values(shown).flat()).size;
-    const isShown = name in shown;
-    if (wanted === isShown) this.#live.textContent = isShown ? `${name} shown, ${cards} cards` : `${name} taken off`;
+    const isShown = name in this.#model.get("_shown");
+    if (wanted === isShown) this.#live.textContent = `${name} ${isShown ? "shown" : "taken off"}`;
     this.#redraw();
   }
 

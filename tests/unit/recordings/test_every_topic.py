@@ -1,0 +1,75 @@
+"""Every readable topic of the real recordings is shown by a widget that fits it."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from pathlib import Path
+
+import pytest
+
+import robowidgets
+from robowidgets._widget_choice import choose_widgets
+from robowidgets.kinds import load
+from robowidgets.recording import Recording
+from robowidgets.repair import RecordingError
+
+FITTING = {
+    "LaserScan": "laser", "Twist": "speed", "TwistStamped": "speed", "Odometry": "speed", "Range": "sonar",
+    "PoseStamped": "path", "PoseWithCovarianceStamped": "path", "PoseArray": "path", "NavSatFix": "path",
+    "TFMessage": "path", "OccupancyGrid": "path", "Path": "path", "String": "events", "Log": "events",
+    "DiagnosticArray": "events", "Imu": "message", "BatteryState": "message", "JointState": "message",
+    "PointCloud2": "message", "Image": "message", "MarkerArray": "message", "Float64": "message",
+}  # fmt: skip
+"""Short types, and the name of the widget that is the best for them."""
+
+
+def recordings_in(folder: Path) -> list[Path]:
+    found = [path for path in sorted(folder.rglob("*")) if (path / "metadata.yaml").exists()]
+    files = [path for path in sorted(folder.rglob("*")) if path.suffix in (".bag", ".mcap", ".db3", ".log")]
+    return [*found, *(path for path in files if path.parent not in found)]
+
+
+def shown(recording: Recording, topic: str) -> str:
+    """The name of the widget that shows a topic, which has packed its first message."""
+    (choice, *_) = choose_widgets(recording.topics, [topic])
+    widget = choice.make()
+    widget.follow_player()
+    try:
+        track = load(choice.shown.frames)(recording, choice, widget)
+        assert list(track.frames(0.0, 0.5)), topic
+    finally:
+        widget.close()
+    return choice.shown.name
+
+
+@pytest.mark.slow
+def test_every_readable_topic_with_a_message_is_shown_by_a_widget_that_fits(data: Path) -> None:
+    """Of each type one topic is packed, too: that with the fewest messages in the first recording that has it."""
+    tried: dict[str, str] = {}
+    without: defaultdict[str, list[str]] = defaultdict(list)
+    for path in recordings_in(data):
+        try:
+            recording = robowidgets.open(path)
+        except RecordingError:
+            continue
+        with recording:
+            for topic in sorted(recording.topics, key=lambda topic: topic.count):
+                if not topic.count or topic.problem or recording.why_unreadable(topic.name):
+                    continue
+                if not choose_widgets(recording.topics, [topic.name]):
+                    without[path.name].append(topic.name)
+                elif topic.type not in tried and topic.count < 20_000:
+                    tried[topic.type] = shown(recording, topic.name)
+    assert without == {}
+    assert len(tried) > 80
+    by_type = {name.rpartition("/")[2]: widget for name, widget in tried.items()}
+    assert {name: by_type[name] for name in FITTING if name in by_type} == {
+        name: widget for name, widget in FITTING.items() if name in by_type
+    }
+
+
+def test_a_recording_that_opened_to_nothing_opens_to_what_it_has(data: Path) -> None:
+    with robowidgets.open(data / "topics" / "car_gps") as recording:
+        player = recording.show()
+        assert [view.choice.shown.name for view in player.views][:1] == ["path"]
+        player.close()
