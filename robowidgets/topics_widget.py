@@ -121,6 +121,11 @@ class TopicsWidget(FrontEndWidget):
             self._looked_at = [name for name in looked_at[:MOST_LOOKED_AT] if isinstance(name, str)]
             self.tell_values(self._seconds)
             return
+        more = content.get("more") if isinstance(content, dict) else None
+        if isinstance(more, list) and self._values_of is not None:
+            missing = [name for name in more if name in self._looked_at]
+            self.send({"values": self._values_of(missing), "at": self._seconds})
+            return
         name = content.get("toggle") if isinstance(content, dict) else None
         if not isinstance(name, str) or self._on_toggle is None:
             return

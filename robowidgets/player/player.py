@@ -423,6 +423,7 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
                     at = self.recording.at if name in of_kind else self.recording.message_at
                     moment = at(name, self.bar.time)
                 except RecordingError:  # it cannot be read, as its row says, or the recording is closed
+                    values[name] = ""
                     continue
                 values[name] = brief(moment.sample) if moment else "nothing yet"
         return values

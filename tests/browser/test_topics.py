@@ -148,7 +148,7 @@ def test_keys_walk_fold_filter_and_show(plain_page: Open, path: Path) -> None:
     expect(at).to_have_attribute("aria-expanded", "false")
     expect(row(nb, "/camera/white_balance")).to_have_count(0)
     nb.python("player.time = 20.0")
-    expect(row(nb, "/voltage").locator(".rw-topic-value")).to_have_text("175.5")
+    expect(row(nb, "/voltage").locator(".rw-topic-value")).to_have_text("180")
     expect(shown.locator(".rw-topics-head")).to_contain_text("at 20.00 s")
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
@@ -215,3 +216,60 @@ def test_a_row_that_cannot_work_is_refused() -> None:
         kinds.add(replace(FIELDS, name="more", gathers=False))
     with pytest.raises(ValueError, match="module:name"):
         kinds.add(replace(ANY, name="more", widget="x"))
+
+
+class TestAnArrangement:
+    def test_is_what_is_on_show_and_may_be_set_and_given_again(self, recording: Recording) -> None:
+        player = recording.show("/says", "/temperature")
+        try:
+            assert player.arrangement == ["/says", "/temperature"]
+            player.topic_list._on_page(None, {"toggle": "/place", "on": True}, None)
+            player.topic_list._on_page(None, {"toggle": "/temperature", "on": False}, None)
+            assert player.arrangement == ["/says", "/place"]
+            assert shown(player) == [("WordsWidget", ("/says",)), ("AnyWidget", ("/place",))]
+            kept = player.views[0].widget
+            player.arrangement = ["/says", ["/temperature.data", "/place.y"], ["/place.x"]]
+            assert player.views[0].widget is kept, "what stays is the same widget"
+            assert [view.choice.fields for view in player.views[1:]] == [NUMBERS, ("/place.x",)]
+            again = recording.show(arrangement=json.loads(json.dumps(player.arrangement)))
+            assert shown(again) == shown(player)
+            again.close()
+        finally:
+            player.close()
+
+    def test_is_refused_where_it_is_none_or_names_what_is_not_there(self, recording: Recording) -> None:
+        for wrong in ("/says", [1], [[]], {"/says": 1}):
+            with pytest.raises(TypeError, match=r"arrangement: expected a list of topics"):
+                recording.show(arrangement=wrong)
+        with pytest.raises(UnknownTopicError, match="did you mean '/says'"):
+            recording.show(arrangement=["/say"])
+
+    def test_all_may_be_taken_off(self, recording: Recording) -> None:
+        player = recording.show("/says")
+        try:
+            player.topic_list._on_page(None, {"toggle": "/says", "on": False}, None)
+            assert (player.arrangement, player.views) == ([], ())
+            player.topic_list._on_page(None, {"toggle": "/says", "on": True}, None)
+            assert player.arrangement == ["/says"]
+        finally:
+            player.close()
+
+    def test_names_the_widget_that_is_to_show_a_topic(self, tmp_path: Path) -> None:
+        path = recorded.write(tmp_path / "x", {"/odom": "nav_msgs/msg/Odometry"}, [(0, "/odom", {}), (1, "/odom", {})])
+        with robowidgets.open(path) as recording:
+            player = recording.show("/odom as path", "/odom as anything")
+        try:
+            assert shown(player) == [("PathWidget", ("/odom",)), ("AnyWidget", ("/odom",))]
+        finally:
+            player.close()
+
+    def test_of_a_feed_keeps_what_a_person_took_off_while_others_come(self) -> None:
+        script = Scripted(ODOM, SCAN)
+        with Feed(script) as feed:
+            view = feed.show()
+            view.topic_list._on_page(None, {"toggle": "/scan", "on": False}, None)
+            assert view.arrangement == ["/odom"]
+            script.listener.on_topics((ODOM, SCAN, NUMBER))
+            view.topic_list._on_page(None, {"toggle": "/temperature", "on": True}, None)
+            assert view.arrangement == ["/odom", "/temperature"]
+            assert view.widgets.keys() == {"/odom", "/temperature"}

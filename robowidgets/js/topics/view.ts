@@ -19,6 +19,8 @@ const BUSY_MS = 700;
 const LONG_MS = 500;
 /** Milliseconds between two looks at the values of other rows. */
 const LOOK_MS = 250;
+/** Values that are asked for at most. */
+const MOST_VALUES = 100;
 
 const NO_ROW: TopicRow = { name: "", type: "", messages: null, rate: null, widget: "", problem: "" };
 
@@ -65,7 +67,9 @@ export class TopicsView {
   readonly #pending = new Map<string, boolean>();
   #isBusy = false;
   #values: Record<string, string> = {};
-  #asked = "";
+  #asked: string[] = [];
+  /** The time at which these are their values. */
+  #valuesAt: number | null = null;
   readonly #look: () => void;
   #timer: ReturnType<typeof setTimeout> | undefined;
   #room = 0;
@@ -309,7 +313,12 @@ export class TopicsView {
   #onMessage({ done, values, at }: Message): void {
     if (done !== undefined) this.#onDone(done);
     if (!values) return;
-    this.#values = values;
+    const isMore = (at ?? null) === this.#valuesAt;
+    this.#values = { ...(isMore && this.#values), ...values };
+    this.#valuesAt = at ?? null;
+    // Python reads for a moment at a time.
+    const missing = this.#asked.filter((name) => !(name in this.#values));
+    if (missing.length && Object.keys(values).length) this.#model.send({ more: missing });
     setText(this.#when, at === null || at === undefined ? "now" : `at ${toFixed(at, 2)} s`);
     for (const { element, row } of this.#lines) if (row) this.#writeValue(element, row);
     this.#drawFoot();
@@ -323,11 +332,10 @@ export class TopicsView {
   /** Asks for the values of the rows on the page; what is folded is not sent. */
   #askForValues(): void {
     if (!this.#body.clientHeight || !this.#canChange) return;
-    const names = this.#lines
-      .filter(({ row }) => row && !row.problem && row.messages !== 0)
-      .map(({ row }) => row?.name);
-    if (names.join("\n") === this.#asked) return;
-    this.#asked = names.join("\n");
+    const rows = this.#lines.flatMap(({ row }) => (row && !row.problem && row.messages !== 0 ? [row] : []));
+    const names = rows.slice(0, MOST_VALUES).map(({ name }) => name);
+    if (names.join("\n") === this.#asked.join("\n")) return;
+    this.#asked = names;
     this.#model.send({ look: names });
   }
 
