@@ -7,6 +7,7 @@ process and without, and how soon a command reaches the robot.
 from __future__ import annotations
 
 import argparse
+import json
 import math
 import os
 import signal
@@ -18,9 +19,11 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from statistics import median
+from statistics import median, quantiles
 
-from .stopping import OPEN, SYSTEM, available, robot
+from robowidgets.feeds._guard.process import LAST_ZERO
+
+from .stopping import BESIDE, OPEN, STAND_IN, SYSTEM, available, robot
 
 WITHIN = 0.6
 """Seconds within which zero is due."""
@@ -78,6 +81,28 @@ time.sleep(60)
 }
 
 
+LATENCY = """
+import json, sys, time
+sys.path.append({system!r}) if {ros1} else None
+from robowidgets import feeds
+feed = {opened}
+sent = {{}}
+def go(scan):
+    speed = round(0.05 + 0.0001 * len(sent), 4)
+    sent[speed] = time.monotonic()
+    feed.drive(speed)
+while feed.status:
+    time.sleep(0.05)
+feed.drive(0.01)
+feed.connect("/scan", go)
+while len(sent) < {count}:
+    time.sleep(0.1)
+feed.close()
+print(json.dumps(list(sent.items())))
+"""
+"""Each scan is answered by a speed of its own."""
+
+
 @dataclass
 class Fault:
     """Seconds from a fault to zero, each time; infinite where none came, or something moved after it."""
@@ -90,7 +115,7 @@ class Fault:
 
 @contextmanager
 def driving(
-    name: str, where: str, fault: str, *, guarded: bool = True
+    name: str, where: str, path: Path, fault: str, *, guarded: bool = True
 ) -> Iterator[tuple[subprocess.Popen[str], float]]:
     """A process that drives a robot and has a fault; with the monotonic time of that."""
     code = DRIVER.format(
@@ -100,6 +125,8 @@ def driving(
         held=HELD,
         fault=FAULTS[fault].format(step=STEP),
     )
+    if name == "ros2":
+        code = STAND_IN.format(path=str(path), folder=BESIDE) + code
     environment = {**os.environ, "ROBOWIDGETS_GUARD": "on" if guarded else "off"}
     command = [sys.executable, "-c", code]
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True, env=environment) as process:
@@ -139,7 +166,7 @@ def measured(name: str, times: int, *, guarded: bool) -> list[Fault]:
             for fault in FAULTS:
                 seconds = []
                 for _ in range(times):
-                    with driving(name, where, fault, guarded=guarded) as (_process, at):
+                    with driving(name, where, path, fault, guarded=guarded) as (_process, at):
                         watched = HELD - 0.2 if fault.startswith("GIL") else WATCHED
                         seconds.append(until_zero(path, at, watched))
                 found.append(Fault(name, fault, guarded, seconds))
@@ -158,15 +185,65 @@ def told(one: Fault) -> str:
     )
 
 
+def latency(name: str, count: int, *, guarded: bool) -> list[float]:
+    """Seconds from the call of a function with a scan until its speed is at the robot."""
+    environment = {**os.environ, "ROBOWIDGETS_GUARD": "on" if guarded else "off"}
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder, "heard.txt")
+        path.touch()
+        with robot(name, path) as where:
+            code = LATENCY.format(
+                system=SYSTEM, ros1=name == "ros1", opened=OPEN[name].format(where=where), count=count
+            )
+            if name == "ros2":
+                code = STAND_IN.format(path=str(path), folder=BESIDE) + code
+            run = subprocess.run([sys.executable, "-c", code], stdout=subprocess.PIPE, env=environment, check=True)
+            came = {speed: at for at, speed in reversed(heard(path, 0.0))}
+    return [came[speed] - at for speed, at in json.loads(run.stdout) if speed in came]
+
+
+def left_behind(name: str, kernels: int) -> int:
+    """How many guards are there more after so many processes ended, in every way in turn, than before."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder, "heard.txt")
+        path.touch()
+        with robot(name, path) as where:
+            before = guards()
+            ends = [fault for fault in FAULTS if not fault.startswith("GIL")]
+            for number in range(kernels):
+                with driving(name, where, path, ends[number % len(ends)]):
+                    pass
+            until = time.monotonic() + LAST_ZERO
+            while guards() - before and time.monotonic() < until:
+                time.sleep(0.1)
+            return len(guards() - before)
+
+
+def guards() -> set[str]:
+    """The processes on this machine that are guards."""
+    found = subprocess.run(["pgrep", "-f", "robowidgets.feeds._guard.process"], stdout=subprocess.PIPE, text=True)
+    return set(found.stdout.split())
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(prog="python -m benchmarks.guard", description=__doc__)
     parser.add_argument("--times", type=int, default=50, help="how often each fault is tried")
-    parser.add_argument("--feeds", nargs="+", default=[name for name in available() if name != "ros2"])
+    parser.add_argument("--feeds", nargs="+", default=available())
     parser.add_argument("--without", action="store_true", help="without the guard, too")
+    parser.add_argument("--latency", type=int, default=0, metavar="SCANS", help="of so many scans only")
+    parser.add_argument("--left", type=int, default=0, metavar="KERNELS", help="what so many leave behind only")
     options = parser.parse_args()
     for name in options.feeds:
+        if options.left:
+            print(f"{name:10} {options.left} ended, guards left: {left_behind(name, options.left)}", flush=True)
+            continue
         for guarded in (True, False) if options.without else (True,):
-            measured(name, options.times, guarded=guarded)
+            if not options.latency:
+                measured(name, options.times, guarded=guarded)
+                continue
+            took = [1000 * seconds for seconds in latency(name, options.latency, guarded=guarded)]
+            way = "guard" if guarded else "kernel"
+            print(f"{name:10} {way:7} median {median(took):.2f} ms, p95 {quantiles(took, n=20)[-1]:.2f} ms", flush=True)
 
 
 if __name__ == "__main__":

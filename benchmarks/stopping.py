@@ -38,24 +38,12 @@ OPEN = {
     "ros2": "feeds.ros2(domain_id=7)",
 }
 STAND_IN = """
-import pytest, threading, time
-from tests.unit.feeds.fake_rclpy import get_message, install
-graph = install(pytest.MonkeyPatch())
-def note(message):
-    with open({path!r}, "a") as log:
-        print(time.monotonic(), message.linear.x, message.angular.z, file=log)
-def scans():
-    scan = get_message("sensor_msgs/msg/LaserScan")()
-    scan.range_max = 10.0
-    while True:
-        scanner.publish(scan)
-        time.sleep(0.1)
-base = graph.node("base")
-base.create_subscription(get_message("geometry_msgs/msg/Twist"), "/cmd_vel", print, 10).receive = note
-scanner = base.create_publisher(get_message("sensor_msgs/msg/LaserScan"), "/scan", 10)
-threading.Thread(target=scans, daemon=True).start()
+import os, sys
+os.environ["ROBOT_LOG"] = {path!r}
+sys.path.insert(0, {folder!r})
 """
-"""rclpy is in no registry: a stand-in waits and wakes as it does, and logs what leaves the process."""
+"""rclpy is in no registry: a stand-in waits and wakes as it does, and logs what leaves each process."""
+BESIDE = str(Path(__file__).parents[1] / "tests" / "unit" / "feeds" / "beside")
 SETUP = """
 import sys, time
 sys.path.append({system!r}) if {ros1} else None
@@ -219,7 +207,7 @@ def measured(name: str, times: int = TIMES) -> list[Stopped]:
         with robot(name, path) as where:
             setup = SETUP.format(system=SYSTEM, ros1=name == "ros1", opened=OPEN[name].format(where=where))
             if name == "ros2":
-                setup = STAND_IN.format(path=str(path)) + setup
+                setup = STAND_IN.format(path=str(path), folder=BESIDE) + setup
             kernel = Kernel()
             try:
                 kernel.run(setup)

@@ -2,21 +2,18 @@
 
 from __future__ import annotations
 
-import subprocess
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 
-from benchmarks.guard import FAULTS, driving, heard, robot
+from benchmarks.guard import FAULTS, driving, guards, heard, robot
 from benchmarks.stopping import available
 
 from ..waiting import wait_for
 
-NAMES = [name for name in available() if name != "ros2"]
 
-
-@pytest.fixture(scope="module", params=NAMES)
+@pytest.fixture(scope="module", params=available())
 def there(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[str, str, Path]]:
     """A middleware, where its robot is, and the log of the robot."""
     path = tmp_path_factory.mktemp("robot") / "heard.txt"
@@ -25,18 +22,12 @@ def there(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFacto
         yield request.param, where, path
 
 
-def guards() -> set[str]:
-    """The processes that are guards, on this machine."""
-    listed = subprocess.run(["pgrep", "-f", "robowidgets.feeds._guard.process"], capture_output=True, text=True)
-    return set(listed.stdout.split())
-
-
 @pytest.mark.slow
 @pytest.mark.parametrize("fault", FAULTS)
 def test_the_robot_gets_zero_and_nothing_moves_after_it(there: tuple[str, str, Path], fault: str) -> None:
     name, where, path = there
     before = guards()
-    with driving(name, where, fault) as (process, at):
+    with driving(name, where, path, fault) as (process, at):
         wait_for(lambda: heard(path, at) and heard(path, at)[-1][1] == 0.0, "zero comes")
         zero = next(time for time, speed in heard(path, at) if speed == 0.0)
         if not fault.startswith("GIL"):  # a cell or a step goes on, and may drive again
