@@ -68,8 +68,8 @@ class PlotCard(NamedWidget):
         pacer.mark(self)
 
     def within(self, start: float, end: float) -> dict[str, Any]:
-        """What of its traits differs in a page of a stretch of a recording: it looks at the stretch."""
-        return {"view": (start, end)}
+        """What of its traits differs in a page of a stretch of a recording: it looks at that, and adds no lines."""
+        return {"view": (start, end), "_choices": []}
 
     def sent_frames(self) -> list[TimedFrame]:
         """No frames, since all of its history is on show: what `to_html` plays."""
