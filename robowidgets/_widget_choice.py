@@ -256,19 +256,6 @@ def of_topic(topic: str, entries: Iterable[Entry], known: Collection[str]) -> li
     return [entry for entry in entries if any(wish.topic == topic for wish in wishes([entry], known))]
 
 
-def of_choice(choice: WidgetChoice, entries: Iterable[Entry], known: Mapping[str, Shown]) -> list[Entry]:
-    """Those entries that ask for a widget, and for no other."""
-
-    def asks(wish: AskedFor) -> bool:
-        if wish.field:
-            return f"{wish.topic}.{wish.field}" in choice.fields
-        of_kind = wish.topic in known and known[wish.topic].widget
-        is_row = wish.row == choice.shown.name or not (wish.row or of_kind)
-        return is_row and not choice.fields and wish.topic in choice.asked
-
-    return [entry for entry in entries if all(map(asks, wishes([entry], known)))]
-
-
 def _frozen(entries: Iterable[Entry]) -> list[Entry]:
     return [entry if isinstance(entry, str) else tuple(entry) for entry in entries]
 
