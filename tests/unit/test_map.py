@@ -199,10 +199,10 @@ class TestMapFiles:
         assert load_map(self.write(tmp_path, [[0, 100, 101, 255]], mode="raw")).values.tolist() == [[0, 100, -1, -1]]
 
     def test_a_png_is_read_too(self, tmp_path: Path) -> None:
-        from PIL import Image
+        images = pytest.importorskip("PIL.Image")
 
         path = self.write(tmp_path, [[0, 255]], image="map.png")
-        Image.fromarray(np.array([[0, 255]], np.uint8)).save(tmp_path / "map.png")
+        images.fromarray(np.array([[0, 255]], np.uint8)).save(tmp_path / "map.png")
         assert load_map(path).values.tolist() == [[100, 0]]
 
     @pytest.mark.parametrize(
