@@ -75,9 +75,9 @@ class Outside:
         where = answer(self._robot)
         self._bare = start("hear", name, where)
         assert answer(self._bare) == "ready"
-        self._feed = feed_of(name, where)
+        self.feed = feed_of(name, where)
         first = threading.Event()
-        self._feed.connect("/scan", note, lambda _: first.set(), *lasers)
+        self.feed.connect("/scan", note, lambda _: first.set(), *lasers)
         while not first.wait(0.05):
             ask(self._robot, "put 0")
 
@@ -91,9 +91,18 @@ class Outside:
         ask(self._bare, f"take {Path('bare.npy').absolute()}")
         assert answer(self._bare) == "done"
 
+    def publish_beside(self) -> None:
+        """Have the robot publish all its other topics, too."""
+        ask(self._robot, "beside")
+
+    def rate(self) -> float:
+        """How many messages per second these have been."""
+        ask(self._robot, "rate")
+        return float(answer(self._robot))
+
     def close(self) -> None:
         """End the feed and the processes."""
-        self._feed.close()
+        self.feed.close()
         for process in (self._robot, self._bare, self._master):
             if process is not None:
                 process.kill()

@@ -1,8 +1,9 @@
 """A robot and a bare subscriber, each in a process of its own, that speak one middleware and know nothing of feeds.
 
 `python -m benchmarks.middleware publish NAME WHERE` prints where it can be reached, and does what lines on its input
-say: `put NUMBER`, or `pace FIRST HZ SECONDS FILE`, after which FILE holds when each scan was published. A publisher's
-WHERE is empty. `python -m benchmarks.middleware hear NAME WHERE` notes when each scan came to its callback;
+say: `put NUMBER`, or `pace FIRST HZ SECONDS FILE`, after which FILE holds when each scan was published; `beside` has it
+publish all topics of `topics_robot` from then on, and `rate` prints how many messages per second these were. A
+publisher's WHERE is empty. `python -m benchmarks.middleware hear NAME WHERE` notes when each scan came to its callback;
 `take FILE` writes that down. `python -m benchmarks.middleware obey NAME FILE` publishes a scan ten times a second and
 writes each command on /cmd_vel into FILE, with the time of its arrival: a robot that has no watchdog of its own.
 """
@@ -20,6 +21,7 @@ from typing import Any
 import numpy as np
 
 from .scan import ANGLE_INCREMENT, ANGLE_MIN, RANGE_MAX, RANGE_MIN, encode
+from .topics_robot import Robot
 
 DOMAIN = 87
 SYSTEM = "/usr/lib/python3/dist-packages"
@@ -57,6 +59,19 @@ class Dds:
             writer.write(LaserScan(Header(Time(number, 0), "laser"), *GEOMETRY, ranges, []))
 
         return publish
+
+    def sender(self, topic: str, kind: str) -> Any:
+        from cyclonedds.core import Policy, Qos
+        from cyclonedds.pub import DataWriter
+        from cyclonedds.topic import Topic
+        from cyclonedds.util import duration
+
+        from robowidgets.feeds._dds_types import struct
+
+        raw = struct(kind)  # its messages are bytes
+        qos = Qos(Policy.Reliability.Reliable(duration(milliseconds=100)), Policy.History.KeepLast(10))
+        writer = DataWriter(self._participant, Topic(self._participant, f"rt{topic}", raw), qos)
+        return lambda message: writer.write(raw(message))
 
     def obey(self, call: Any) -> None:
         from cyclonedds.core import Policy, Qos
@@ -126,6 +141,14 @@ class Foxglove:
             channel.log(bytes(store.serialize_cdr(message, kind)))
 
         return publish
+
+    def sender(self, topic: str, kind: str) -> Any:
+        import foxglove
+        from rosbags.typesys import Stores, get_typestore
+
+        text, _ = get_typestore(Stores.ROS2_HUMBLE).generate_msgdef(kind, ros_version=2)
+        schema = foxglove.Schema(name=kind, encoding="ros2msg", data=text.encode())
+        return foxglove.Channel(topic, schema=schema, message_encoding="cdr").log
 
     def hear(self, call: Any) -> None:
         import asyncio
@@ -283,8 +306,16 @@ def publish(name: str, where: str) -> None:
     robot = NAMES[name](where)
     send = robot.publisher()
     print(robot.where, flush=True)
+    beside: Robot | None = None
     for line in sys.stdin:
         do, *given = line.split()
+        if do == "beside":
+            sys.setswitchinterval(0.0005)  # both threads are one robot, of which each is to be on time
+            beside = Robot(robot.sender)
+            continue
+        if do == "rate":
+            print(beside.rate() if beside else 0.0, flush=True)
+            continue
         if do == "put":
             send(int(given[0]))
             continue

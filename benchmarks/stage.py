@@ -70,13 +70,13 @@ class Show:
         self._svg = svg
         self._folder = notebook.lab.files
 
-    def first_paint(self) -> float:
-        """Display the widgets; milliseconds from running the cell until dots are to be seen."""
+    def first_paint(self, view: str = VIEW) -> float:
+        """Display the widgets; milliseconds until dots are to be seen in the elements of a selector."""
         cell = self.notebook.append("source.show()")
         return float(
             self._page.evaluate(
                 "([path, cell, view, svg]) => bench.firstPaint(() => driver.start(path, cell), view, svg)",
-                [self.notebook.path, cell, VIEW, self._svg],
+                [self.notebook.path, cell, view, self._svg],
             )
         )
 

@@ -20,6 +20,8 @@ from .plots import Plotted
 from .programs import Found
 from .recordings import Reading
 from .stopping import Stopped
+from .topics import NAMES as SHOWN
+from .topics import Beside
 
 COLUMNS = {
     "first_paint": "cell to first paint, ms",
@@ -257,6 +259,25 @@ def layers(costs: Mapping[str, Cost], drags: Mapping[int, float]) -> str:
     followed = [[f"{count:,}", say(frames)] for count, frames in drags.items()]
     heads = ["", "plain", "everything on", "ratio"]
     return f"{markdown(heads, body)}\n\n{markdown(['rays', 'frames per s in which a drag follows'], followed)}"
+
+
+def topics(found: Mapping[str, Beside]) -> str:
+    """The laser beside other topics, one line for each that is on show."""
+    alone = found["alone"]
+    body = [
+        [
+            SHOWN[name],
+            *(say(figure) for figure in (one.bare, one.handed, one.painted, one.painted_p95)),
+            times(one.painted / alone.painted),
+            *(say(figure) for figure in (one.per_second, one.kernel, one.page, one.rate)),
+        ]
+        for name, one in found.items()
+    ]
+    heads = [
+        *("on show", "bare subscriber's callback, ms", "handed on by the feed", "painted", "p95", "of alone"),
+        *("painted per s of 40", "kernel: % of one core", "page: %", "messages per s beside the scans"),
+    ]
+    return markdown(heads, body)
 
 
 def markdown(head: Sequence[str], body: Iterable[Sequence[str]]) -> str:

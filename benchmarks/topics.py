@@ -1,0 +1,92 @@
+"""What is measured of a robot of thirty topics: the laser's latency beside them, and the CPU of kernel and page."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass, fields
+from statistics import mean, median
+
+import numpy as np
+
+from .feeds import since_published
+from .measure import PATIENCE, quantile
+from .stage import Stage
+
+NAMES = {
+    "alone": "the laser alone, of a robot of one topic",
+    "beside": "the laser alone, of a robot of 30",
+    "listed": "`feed.show()`, and the list of topics",
+    "cards": "laser, speed, a plot and a message at 1 kHz, events, a map, and the list",
+}
+MIDDLEWARES = ("dds", "foxglove")
+SETTLING = 3000
+"""Milliseconds for which all of it runs before anything counts."""
+
+
+@dataclass(frozen=True)
+class Beside:
+    """The laser at 40 Hz beside what is on show. Milliseconds since publishing, and per cent of a core."""
+
+    bare: float
+    """To the callback of a bare subscriber, in a process of its own."""
+    handed: float
+    """To a function that is connected to the feed."""
+    painted: float
+    painted_p95: float
+    per_second: float
+    """Scans that are painted, of 40."""
+    kernel: float
+    page: float
+    """Of the page's main thread."""
+    rate: float
+    """Messages per second that the robot sends beside its scans."""
+
+
+@dataclass(frozen=True)
+class Compared:
+    """The medians of some repeats of each, and how many processes wait for a core meanwhile."""
+
+    figures: dict[str, Beside]
+    load: float
+
+
+def compare(stage: Stage, middleware: str, seconds: float, repeats: int) -> Compared:
+    """All that is on show in turn, each in fresh notebooks."""
+    found: dict[str, list[Beside]] = {name: [] for name in NAMES}
+    loads = []
+    for _ in range(repeats):
+        for name, ones in found.items():
+            ones.append(once(stage, f"{middleware}-{name}", seconds))
+            loads.append(os.getloadavg()[0])
+            print(f"{middleware}, {NAMES[name]}: {ones[-1]}; load {loads[-1]:.1f}", flush=True)
+    middle = {
+        name: Beside(*(median(getattr(one, field.name) for one in ones) for field in fields(Beside)))
+        for name, ones in found.items()
+    }
+    return Compared(middle, mean(loads))
+
+
+def once(stage: Stage, name: str, seconds: float) -> Beside:
+    """One fresh notebook."""
+    with stage.show(name, module="topics_kernel") as show:
+        show.first_paint(".rw-laser")
+        show.notebook.page.wait_for_timeout(SETTLING)
+        show.learn()
+        before = show.page_cpu()
+        run = show.run(f"pace(40, {seconds})", PATIENCE)
+        page = (show.page_cpu() - before) / 1000
+        rate = float(show.notebook.python("print(source.rate())"))
+        bare, handed = (since_published(stage, run, file) for file in ("bare.npy", "heard.npy"))
+        show.notebook.python("source.close()")
+    if run.unread:
+        print(f"  {run.unread} frames of {name} said no number")
+    return Beside(
+        bare=float(np.nanmedian(bare)),
+        handed=float(np.nanmedian(handed)),
+        painted=quantile(run, 50),
+        painted_p95=quantile(run, 95),
+        per_second=len(run.painted) / run.seconds,
+        kernel=100 * run.cpu / run.seconds,
+        page=100 * page / run.seconds,
+        rate=rate,
+    )
