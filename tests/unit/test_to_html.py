@@ -91,7 +91,7 @@ class Part:
 
 @pytest.mark.slow
 def test_real_recordings_take_what_was_promised(tmp_path: Path, data: Path) -> None:
-    """At most 0.6 times their topics as MCAP with zstd and 150 kB, but for readings that are noise to the last bit."""
+    """At most 0.6 times their topics as MCAP with zstd and 170 kB, but for readings that are noise."""
     for name in ("hokuyo_people.bag", "tilt_laser.bag", "urg_681.bag", "neato_fsm_zstd.mcap", "edmonton.log.gz"):
         file = data / "good" / name
         with robowidgets.open(file) as recording:
@@ -99,7 +99,7 @@ def test_real_recordings_take_what_was_promised(tmp_path: Path, data: Path) -> N
             size = recording.to_html(tmp_path / "a.html").stat().st_size
         with closing(open_source(file)) as source:
             mcap = write(Part(source, topics), tmp_path / "a.mcap").size
-        assert size <= 0.6 * mcap + 150_000, name
+        assert size <= 0.6 * mcap + 170_000, name
 
 
 @pytest.mark.slow
@@ -117,7 +117,7 @@ def test_a_scanner_whose_number_of_rays_changes_takes_no_more(tmp_path: Path) ->
         mcap = write(source, tmp_path / "a.mcap").size
     with robowidgets.open(path) as recording:
         size = recording.to_html(tmp_path / "a.html", scanogram=True).stat().st_size
-    assert size <= 0.6 * mcap + 150_000
+    assert size <= 0.6 * mcap + 170_000
 
 
 def test_every_second_scan_makes_it_smaller_and_is_said(tmp_path: Path) -> None:
