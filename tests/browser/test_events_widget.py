@@ -129,6 +129,23 @@ def test_live_the_newest_stays_in_view_unless_a_person_points_at_the_list_or_fre
     expect(row(card, "while frozen")).to_be_visible()
 
 
+def test_a_drawing_that_changes_no_row_leaves_the_list_as_it_is(plain_page: Callable[..., PlainPage]) -> None:
+    nb = plain_page([ROBOT])
+    card = nb.widget(0).locator(".rw-card")
+    expect(row(card, "over current")).to_be_visible()
+    card.locator(".rw-events-list").evaluate(
+        """(list) => {
+            window.scrolled = 0;
+            const { get, set } = Object.getOwnPropertyDescriptor(Element.prototype, "scrollTop");
+            const count = function (top) { window.scrolled++; set.call(this, top); };
+            Object.defineProperty(list, "scrollTop", { get, set: count });
+        }"""
+    )
+    nb.python("events.title = 'drawn anew'")
+    expect(card.locator(".rw-title")).to_have_text("drawn anew")
+    assert nb.page.evaluate("window.scrolled") == 0
+
+
 def test_hostile_texts_stay_texts_and_long_ones_are_cut_and_told(plain_page: Callable[..., PlainPage]) -> None:
     nb = plain_page([HOSTILE])
     card = nb.widget(0).locator(".rw-card")

@@ -1,5 +1,5 @@
 import { make, setHidden, setText } from "../shared/dom.ts";
-import { on } from "../shared/events.ts";
+import { on, onAbort } from "../shared/events.ts";
 import { levelOf, type Row } from "./rows.ts";
 import { describeRow, type Times, toLine, toTimes, toTimeText } from "./text.ts";
 
@@ -29,6 +29,12 @@ interface Line {
   shown: Row | null;
 }
 
+/** Whether two show the same. */
+function isAlike(a: Listing, b: Listing): boolean {
+  const isSameTimes = a.times.start === b.times.start && a.times.span.join() === b.times.span.join();
+  return isSameTimes && a.rows === b.rows && a.current === b.current && a.open === b.open;
+}
+
 /**
  * Rows of which only those in view are in the page. What is in view sticks to the top of what scrolls, so that a picture
  * of the card, which knows of no scrolling, shows the same.
@@ -43,6 +49,7 @@ export class List {
   /** Pixels by which the open row is higher than the others. */
   #extra = 0;
   #isPointedAt = false;
+  #isLive = false;
   /** Whether it stays at its end, where rows come. */
   #follows = true;
 
@@ -54,6 +61,9 @@ export class List {
     this.#sizer.append(this.#window);
     this.root.append(this.#sizer);
     on(this.root, "scroll", () => this.#onScroll(), signal);
+    const observer = new ResizeObserver(() => this.#onResize());
+    observer.observe(this.root);
+    onAbort(signal, () => observer.disconnect());
     const rowOf = ({ target }: Event) => {
       const line = this.#lines.find(({ root }) => target instanceof Node && root.contains(target));
       return line?.shown ?? null;
@@ -88,18 +98,31 @@ export class List {
 
   #setPointed(isPointedAt: boolean): void {
     this.#isPointedAt = isPointedAt;
+    if (!isPointedAt && this.#isLive && this.#listing.current < 0) this.#follow();
   }
 
   /** @param isLive whether rows come at the end, where it stays, unless a person has scrolled away */
   update(listing: Listing, isLive: boolean): void {
     const before = this.#listing;
+    const isSame = isLive === this.#isLive && isAlike(listing, before);
+    this.#isLive = isLive;
+    // Where it scrolls to needs the page laid out, which a drawing that changes nothing here must not wait for.
+    if (isSame) return;
     this.#listing = listing;
     if (listing.open === null) this.#extra = 0;
     this.#layOut();
     if (this.#isPointedAt) return;
-    if (isLive && listing.current < 0) {
-      if (this.#follows) this.root.scrollTop = this.root.scrollHeight;
-    } else if (listing.current !== before.current || listing.rows !== before.rows) this.reveal(listing.current);
+    if (isLive && listing.current < 0) this.#follow();
+    else if (listing.current !== before.current || listing.rows !== before.rows) this.reveal(listing.current);
+  }
+
+  #follow(): void {
+    if (this.#follows) this.root.scrollTop = this.root.scrollHeight;
+  }
+
+  #onResize(): void {
+    this.#layOut();
+    if (!this.#isPointedAt && this.#isLive && this.#listing.current < 0) this.#follow();
   }
 
   /** Scrolls as far as it must to have a row in view. */
