@@ -28,9 +28,12 @@ def open(path: str | os.PathLike[str]) -> Recording:  # noqa: A001  # the name t
     Args:
         path: a ROS bag (``.bag``), a rosbag2 folder, a lone ``.db3`` or ``.mcap``, or a CARMEN log (``.log``, ``.clf``,
             gzipped or not). The readable parts of a damaged file are read, and `Recording.problems` lists the damage.
+            Or its URL as text, such as ``"s3://bucket/drive.mcap"``, of any kind that fsspec reads (extra ``remote``):
+            it is fetched once, and again when it has changed. Copies take up to 10 GB, or what the environment variable
+            ``ROBOWIDGETS_CACHE_SIZE`` says, in the folder that ``ROBOWIDGETS_CACHE`` names.
 
     Raises:
-        RecordingError: nothing of it can be read. The text gives the reason.
+        RecordingError: nothing of it can be read, or fetched. The text gives the reason.
 
     Example:
         >>> recording = robowidgets.open("drive.bag")  # doctest: +SKIP
@@ -142,7 +145,7 @@ class Recording(RecordingData):
         # Imported lazily: reading samples needs no widget.
         from .player.player import Player
 
-        again = open(self.path)
+        again = open(self.path if self.url is None or self.path.exists() else self.url)
         again.memory = self.memory
         try:
             return Player(again, topics, scanogram, rerun, arrangement)

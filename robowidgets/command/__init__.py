@@ -12,6 +12,7 @@ from pathlib import Path
 import robowidgets
 
 from .. import fleet
+from ..recordings.remote import is_url
 from . import _lab, _notebooks
 from ._error import CommandError
 from ._export import add_export, export
@@ -41,7 +42,7 @@ def _open_tour(arguments: argparse.Namespace) -> None:
 
 
 def _open_recording(arguments: argparse.Namespace) -> None:
-    file = Path(os.path.abspath(arguments.file))
+    file = arguments.file if is_url(arguments.file) else Path(os.path.abspath(arguments.file))
     with robowidgets.open(file):
         pass
     _in_lab(lambda folder: _notebooks.write_for(file, folder), arguments)
@@ -55,7 +56,7 @@ def _print_info(arguments: argparse.Namespace) -> None:
         return
     with robowidgets.open(file) as recording:
         facts = {
-            "path": str(recording.path),
+            "path": recording.url or str(recording.path),
             "start_ns": recording.start_ns,
             "seconds": recording.duration,
             "topics": [topic._asdict() for topic in recording.topics],
@@ -181,9 +182,9 @@ def _parser() -> argparse.ArgumentParser:
     add_export(page)
     page.set_defaults(do=_write_page, failed=2)
 
-    of_file = "a .bag, .db3, .mcap, a rosbag2 folder, or a CARMEN log (.log, .clf, gzipped too)"
+    of_file = "a .bag, .db3, .mcap, a rosbag2 folder, a CARMEN log (.log, .clf, gzipped too), or its URL"
     for command in (show, mend, page):
-        command.add_argument("file", type=Path, metavar="FILE", help=of_file)
+        command.add_argument("file", type=_file, metavar="FILE", help=of_file)
     for command in (info, spans, doctor):
         command.add_argument(
             "files",
@@ -207,6 +208,10 @@ def _parser() -> argparse.ArgumentParser:
             "--no-browser", dest="browser", action="store_false", help="only print the address, open no browser"
         )
     return parser
+
+
+def _file(text: str) -> Path | str:
+    return text if is_url(text) else Path(text)
 
 
 def _port(text: str) -> int:

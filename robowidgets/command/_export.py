@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import os
 import re
 from collections.abc import Callable
 from pathlib import Path
@@ -10,6 +11,7 @@ from pathlib import Path
 import robowidgets
 
 from .._core.text import megabytes
+from ..recordings.remote import without_secrets
 from ._error import CommandError
 
 _MEGA = 1_000_000
@@ -45,7 +47,7 @@ def export(arguments: argparse.Namespace, warn: Callable[[str], None]) -> str:
         CommandError: the recording has no such stretch, or the page would be too large.
         OSError: the file cannot be written, or is there already.
     """
-    name = arguments.file.absolute().name
+    name = Path(os.path.abspath(without_secrets(str(arguments.file)))).name
     output = arguments.output or Path(f"{Path(name).stem or name}.html")
     part = {name: getattr(arguments, name) for name in ("start", "end", "every")} | {"topics": arguments.topic}
     with robowidgets.open(arguments.file) as recording:

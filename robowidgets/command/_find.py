@@ -18,6 +18,7 @@ import robowidgets
 
 from .. import fleet
 from ..kinds import LASER, SPEED, TOUCH
+from ..recordings.remote import is_url
 from ..recordings.topics import UnnamedTopicError
 from ..samples.checks import DEGREES, OF_DEGREES
 from ..samples.sector import ALL_ROUND, SECTORS, Asked, to_sector
@@ -129,6 +130,10 @@ def add_find(parser: argparse.ArgumentParser) -> None:
     )
 
 
+def _is_there(word: str) -> bool:
+    return is_url(word) or Path(word).exists()
+
+
 def readable(words: Iterable[str]) -> list[str]:
     """The words of a command, as argparse can read them.
 
@@ -138,11 +143,7 @@ def readable(words: Iterable[str]) -> list[str]:
     read: list[str] = []
     given = list(words)
     for word, after in zip(given, [*given[1:], ""], strict=False):
-        if (
-            read[-1:] in (["--touched"], ["--event"])
-            and Path(word).exists()
-            and not any(Path(one).exists() for one in read[1:])
-        ):
+        if read[-1:] in (["--touched"], ["--event"]) and _is_there(word) and not any(map(_is_there, read[1:])):
             read.insert(1, word)
             continue
         if read[-1:] == ["--sector"] and word.isalpha() and not DEGREES.fullmatch(after):

@@ -9,6 +9,8 @@ from itertools import chain, count
 from pathlib import Path
 from typing import Any
 
+from ..recordings.remote import without_secrets
+
 _PACKAGE = Path(__file__).parents[1]
 TOUR = "tour.ipynb"
 FOLDER = "robowidgets-notebooks"
@@ -34,9 +36,9 @@ def copy_shipped(folder: Path) -> Path:
     return folder / TOUR
 
 
-def write_for(recording: Path, folder: Path) -> Path:
+def write_for(recording: Path | str, folder: Path) -> Path:
     """A notebook in a folder that opens a recording and shows it; one that is there for it already stays as it is."""
-    name = re.sub(r"[^\w-]+", "-", recording.stem, flags=re.ASCII).strip("-") or "recording"
+    name = re.sub(r"[^\w-]+", "-", Path(without_secrets(str(recording))).stem, flags=re.ASCII).strip("-") or "recording"
     opened = f"recording = robowidgets.open({str(recording)!r})"
     cells = [
         _cell("markdown", "look", "# A recording\n\nOne widget per topic it knows how to show, and a player:"),

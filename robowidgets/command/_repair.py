@@ -9,6 +9,7 @@ from pathlib import Path
 
 from .._core.text import many, megabytes
 from ..recordings.files import open_source
+from ..recordings.remote import fetch
 from ..repair.write import write
 from ._error import CommandError
 
@@ -16,12 +17,13 @@ _PACKED = (".gz", ".zst", ".zstd", ".active")
 _SUFFIXES = (".bag", ".clf", ".db3", ".log", ".mcap")
 
 
-def repair(file: Path, output: Path | None, *, force: bool) -> Iterator[str]:
+def repair(file: Path | str, output: Path | None, *, force: bool) -> Iterator[str]:
     """Write a recording as an MCAP file.
 
     Args:
-        file: the recording.
-        output: the MCAP file; None for one beside the recording, with ``_repaired`` at the end of its name.
+        file: the recording, or its URL.
+        output: the MCAP file; None for one beside the recording, with ``_repaired`` at the end of its name; of a URL it
+            goes to the working directory.
         force: whether to replace a file that is there already.
 
     Returns:
@@ -32,6 +34,13 @@ def repair(file: Path, output: Path | None, *, force: bool) -> Iterator[str]:
         OSError: the output is there already, or belongs to the recording.
         CommandError: the name of the output is none of an MCAP file.
     """
+    if isinstance(file, str):
+        fetched = fetch(file)
+        try:
+            yield from repair(fetched.path, output or Path(_beside(fetched.path).name), force=force)
+        finally:
+            fetched.close()
+        return
     recording = file.absolute().parent if file.name == "metadata.yaml" else file
     output = _beside(recording) if output is None else output
     _check(recording, output, force)

@@ -8,6 +8,8 @@ from typing import Any, NamedTuple
 
 from .._core.progress import Progress, without_bars
 from ..kinds import KINDS
+from ..recordings.remote import is_url, without_secrets
+from ..repair import RecordingError
 from ._engine import LONGEST, each
 from ._fleet_table import Unread
 from ._identity import NotIdentifiedError, identity_of
@@ -51,14 +53,16 @@ def gather(
     places = places_of(paths)
     kept = _kept(question) if keep else None
     unread = [Unread(str(place.path), place.problem) for place in places if place.problem]
-    states: dict[str, str] = {}
+    states: dict[str, str | None] = {}
     for place in places:
         if not place.problem:
             try:
                 states[str(place.path)] = state_of(place.path)
             except OSError as error:
                 unread.append(Unread(str(place.path), f"cannot be read: {error.strerror or error}"))
-    before = {path: kept.get(state) for path, state in states.items()} if kept else {}
+            except RecordingError as error:
+                unread.append(Unread(str(place.path), str(error)))
+    before = {path: kept.get(state) for path, state in states.items() if state} if kept else {}
     results = {path: result for path, result in before.items() if result is not None}
     missing = [path for path in states if path not in results]
     count = sum(map(found, results.values()))
@@ -72,15 +76,17 @@ def gather(
                 else:
                     results[path] = result
                     count += found(result)
-                    if kept:
-                        kept.add(states[path], result)
+                    if kept and (state := states[path]):
+                        kept.add(state, result)
                 bar.update(1, f"{count:,} found" if count else "")
         except KeyboardInterrupt:
             is_cut = True
         finally:
             work.close()
     order = {str(place.path): i for i, place in enumerate(places)}
-    unread = [Unread(path, problem.removeprefix(f"{os.path.basename(path)}: ")) for path, problem in unread]
+    for i, (path, problem) in enumerate(unread):
+        name = without_secrets(path) if is_url(path) else os.path.basename(path)
+        unread[i] = Unread(path, problem.removeprefix(f"{name}: "))
     unread += [Unread(path, result["problem"]) for path, result in results.items() if "problem" in result]
     read = {path: results[path] for path in states if path in results and "problem" not in results[path]}
     rows = {

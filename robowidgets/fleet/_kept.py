@@ -3,31 +3,23 @@
 from __future__ import annotations
 
 import json
-import os
 from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
+from .._core.cache_folder import cache_folder
+from ..recordings import remote
 from ..repair import find_files
 
-FOLDER = "ROBOWIDGETS_CACHE"
-"""The environment variable that names the folder."""
 
-
-def cache_folder() -> Path:
-    """Where results are kept: the folder that ``ROBOWIDGETS_CACHE`` names, else that of the system for such files."""
-    if given := os.environ.get(FOLDER):
-        return Path(given).expanduser()
-    base = os.environ.get("LOCALAPPDATA" if os.name == "nt" else "XDG_CACHE_HOME")
-    return (Path(base) if base else Path.home() / ".cache") / "robowidgets"
-
-
-def state_of(path: Path) -> str:
-    """What changes whenever a recording does: size and time of its files.
+def state_of(path: Path | str) -> str | None:
+    """What changes whenever a recording does: size and time of its files; None where a server does not tell.
 
     Raises:
-        OSError: it cannot be looked at.
+        OSError: it cannot be looked at. RecordingError: nor can it behind its URL.
     """
+    if isinstance(path, str):
+        return remote.state_of(path)
     files = [path, path / "metadata.yaml", *find_files(path)] if path.is_dir() else [path]
     stats = [(file.name, file.stat()) for file in files if file.exists()]
     return json.dumps([str(path), *((name, stat.st_size, stat.st_mtime_ns) for name, stat in stats)])

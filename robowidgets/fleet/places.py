@@ -1,23 +1,25 @@
-"""Which recordings some paths name: files, folders with all that is in them, and patterns."""
+"""Which recordings some paths name: files, folders with all that is in them, patterns, and URLs of all these."""
 
 from __future__ import annotations
 
 import glob
 import os
 from collections.abc import Iterable, Iterator
+from itertools import starmap
 from pathlib import Path
 from typing import NamedTuple
 
 from ..recordings.files import is_one_recording
+from ..recordings.remote import is_url, recordings_at
 from ..repair import find_files, is_carmen, natural
 
 PathLike = str | os.PathLike[str]
 
 
 class NamedPath(NamedTuple):
-    """A recording, or what was named as one: its path, and why nothing is read there; empty if it is to be read."""
+    """A recording, or what was named as one: its path or URL, and why nothing is read there; empty if it is to be."""
 
-    path: Path
+    path: Path | str
     problem: str = ""
 
 
@@ -26,12 +28,13 @@ def places_of(paths: Iterable[PathLike]) -> list[NamedPath]:
 
     Args:
         paths: files, folders with recordings at any depth, or patterns such as ``"runs/*.mcap"`` (``**`` for any
-            depth). A folder of rosbag2, and a folder that holds the parts of one recording alone, count as one.
+            depth); or their URLs, such as ``"s3://bucket/runs/*.mcap"``. A folder of rosbag2, and a folder that holds
+            the parts of one recording alone, count as one; behind a URL, only one of rosbag2.
 
     Raises:
         TypeError: a path is no path. ValueError: none is given.
     """
-    found: dict[Path, NamedPath] = {}
+    found: dict[Path | str, NamedPath] = {}
     for path in paths:
         if not isinstance(path, (str, os.PathLike)):
             raise TypeError(f"expected the path of a recording, a folder or a pattern, got {path!r}")
@@ -42,13 +45,16 @@ def places_of(paths: Iterable[PathLike]) -> list[NamedPath]:
     return list(found.values())
 
 
-def the_only(paths: Iterable[PathLike]) -> Path | None:
+def the_only(paths: Iterable[PathLike]) -> Path | str | None:
     """The only recording that some paths name, or the path that names none; None where they name several."""
     places = places_of(paths)
     return places[0].path if len(places) == 1 else None
 
 
 def _named(text: str) -> Iterator[NamedPath]:
+    if is_url(text):
+        yield from starmap(NamedPath, recordings_at(text))
+        return
     path = Path(os.path.abspath(Path(text).expanduser()))
     if path.is_dir():
         there = list(_within(path))
@@ -81,5 +87,5 @@ def _within(folder: Path) -> Iterator[NamedPath]:
             yield from _within(path)
 
 
-def _real(path: Path) -> Path:
-    return Path(os.path.realpath(path))
+def _real(path: Path | str) -> Path | str:
+    return path if isinstance(path, str) else Path(os.path.realpath(path))

@@ -33,6 +33,7 @@ from .events import Events, RecordedEvent, has_events
 from .files import open_source
 from .odometry import places_of
 from .program_log import PROGRAM, STATES, ProgramVersion, spans_of, version_of
+from .remote import fetch, held, is_url, without_secrets
 from .time_slice import TimeSlice
 from .times import seconds_at, span_ns, to_ns
 from .topics import Moment, TimedMessage, Topic, UnknownTopicError, check, check_known, named, only, shown, wanted
@@ -58,7 +59,7 @@ class RecordingData:
     Printed, it is a table of its topics. As a context manager it closes the file. One thread at a time may read it.
 
     Args:
-        path: the file or folder, as for `robowidgets.open`.
+        path: the file, the folder or the URL, as for `robowidgets.open`.
 
     Raises:
         RecordingError: nothing of it can be read. The text gives the reason.
@@ -69,8 +70,13 @@ class RecordingData:
         if not isinstance(path, (str, bytes, os.PathLike)):
             raise TypeError(f"path: expected the path of a recording, as text or as a pathlib.Path, got {path!r}")
         # Absolute, because the working directory may have changed when a player opens the file again.
-        self._path = Path(os.fsdecode(path)).expanduser().absolute()
-        self._messages = Messages(open_source(self._path))
+        self._file = fetch(path) if is_url(path) else held(Path(os.fsdecode(path)).expanduser().absolute())
+        self._path, self._url = self._file.path, self._file.url
+        try:
+            self._messages = Messages(open_source(self._path))
+        except BaseException:
+            self._file.close()
+            raise
         self._closed = False
         self.preferred: frozenset[str] = frozenset()
         """Names of topics that are meant where a kind has several and none is named."""
@@ -82,8 +88,13 @@ class RecordingData:
 
     @property
     def path(self) -> Path:
-        """The file or folder of the recording."""
+        """The file or folder of the recording; of one behind a URL, its copy."""
         return self._path
+
+    @property
+    def url(self) -> str | None:
+        """The URL that it was fetched from; None for a file of this machine."""
+        return self._url
 
     @property
     def topics(self) -> tuple[Topic, ...]:
@@ -420,6 +431,7 @@ class RecordingData:
         self._series.clear()
         self._fields.clear()
         self._messages.close()
+        self._file.close()
 
     def __enter__(self) -> Self:
         return self
@@ -446,7 +458,9 @@ class RecordingData:
         return table_of(self._heading(), self.topics, self.problems)
 
     def _heading(self) -> str:
-        return heading(str(self.path), self.topics, self.duration, self.start_ns)
+        return heading(
+            without_secrets(self._url) if self._url else str(self.path), self.topics, self.duration, self.start_ns
+        )
 
     def check(self, name: str) -> None:
         """Check that the recording has a topic of this name that a widget shows.

@@ -29,8 +29,8 @@ _OPENERS = {
     b"\x89MCAP0\r\n": _rosbags.open_mcap,
     b"SQLite format 3\0": _rosbags.open_sqlite,
 }
-_METADATA = "metadata.yaml"
-_SUFFIX = re.compile(r"\.(bag|db3|mcap)(\.zstd?)?$")
+METADATA = "metadata.yaml"
+SUFFIX = re.compile(r"\.(bag|db3|mcap)(\.zstd?)?$")
 _NUMBER = re.compile(r"\d+")
 _NAMED = re.compile(r"^\s*-\s+(?:path:\s+)?['\"]?([^'\"\n]*\.(?:db3|mcap)(?:\.zstd)?)['\"]?\s*$", re.MULTILINE)
 _COUNT = re.compile(r"^  message_count:\s*(\d+)", re.MULTILINE)
@@ -49,7 +49,7 @@ def open_source(path: Path) -> Source:
         RecordingError: the path does not exist, or nothing of it can be read. The text gives the reason.
     """
     try:
-        return _open(path.parent if path.name == _METADATA else path)
+        return _open(path.parent if path.name == METADATA else path)
     except OSError as error:
         raise RecordingError(f"{path}: cannot be read: {error.strerror or error}") from None
 
@@ -112,7 +112,7 @@ def _open_folder(path: Path) -> Source:
         raise RecordingError(f"{path}: {len(files)} recordings in this folder: open one of them: {there}")
     missing = sorted(name for name in named if not (path / name).exists())
     if missing:
-        problems.append(f"{_METADATA} names {', '.join(missing)}, not in the folder: read the files that are")
+        problems.append(f"{METADATA} names {', '.join(missing)}, not in the folder: read the files that are")
 
     def open_chain() -> Chain:
         chain = _open_chain(files)
@@ -124,19 +124,19 @@ def _open_folder(path: Path) -> Source:
 
 def is_one_recording(folder: Path) -> bool:
     """Whether a folder is one recording: it has metadata of rosbag2, or several files, all of them parts of one."""
-    if (folder / _METADATA).exists():
+    if (folder / METADATA).exists():
         return True
     files = find_files(folder)
     return len(files) > 1 and _are_parts(files)
 
 
 def _are_parts(files: Sequence[Path]) -> bool:
-    return _counts_up([file.name for file in files]) and _follow_on(files)
+    return counts_up([file.name for file in files]) and _follow_on(files)
 
 
-def _counts_up(names: Sequence[str]) -> bool:
+def counts_up(names: Sequence[str]) -> bool:
     """Whether the names are those of the parts of one recording: equal except for a last number, which counts up."""
-    stems = [_SUFFIX.sub("", name) for name in names]
+    stems = [SUFFIX.sub("", name) for name in names]
     numbers = [int(found[-1]) for stem in stems if (found := _NUMBER.findall(stem))]
     alike = len({_NUMBER.sub("", stem) for stem in stems}) == 1
     first = min(numbers, default=0)
@@ -189,16 +189,16 @@ def _disagreement(metadata: str, source: Source) -> list[str]:
         stated = f"{int(stated_ns[1]) / 1e9:,.1f} s, the files hold {(end - start) / 1e9:,.1f} s"
     else:
         return []
-    return [f"{_METADATA} tells of {stated}: read what they hold"]
+    return [f"{METADATA} tells of {stated}: read what they hold"]
 
 
 def _metadata(path: Path) -> tuple[str | None, list[str]]:
     """The text of the metadata, None without a file, and a line when it is of no use."""
     try:
-        text = (path / _METADATA).read_text(errors="replace")
+        text = (path / METADATA).read_text(errors="replace")
     except FileNotFoundError:
         return None, []
     except OSError as error:
-        return "", [f"{_METADATA} cannot be read ({error.strerror or error}): read the files without it"]
+        return "", [f"{METADATA} cannot be read ({error.strerror or error}): read the files without it"]
     is_known = _NAMED.search(text) or _COUNT.search(text)
-    return text, [] if is_known else [f"{_METADATA} is no metadata of rosbag2, or damaged: read the files without it"]
+    return text, [] if is_known else [f"{METADATA} is no metadata of rosbag2, or damaged: read the files without it"]

@@ -1,0 +1,320 @@
+"""Recordings behind a URL: in object storage, on a web server, or wherever fsspec reads from."""
+
+from __future__ import annotations
+
+import glob
+import json
+import os
+import re
+from collections.abc import Callable, Iterator
+from contextlib import suppress
+from hashlib import sha256
+from pathlib import Path
+from typing import Any, NamedTuple, NoReturn, TypeGuard
+from urllib.parse import unquote, urlsplit
+from urllib.request import url2pathname
+from uuid import uuid4
+
+from .._core.progress import Progress
+from .._core.text import listed, many, megabytes
+from ..messages.decoding import one_line
+from ..repair import RecordingError
+from ._copies import Copy, find, holding, make
+from .files import METADATA, SUFFIX, counts_up
+
+_URL = re.compile(r"[A-Za-z][A-Za-z0-9+.-]+(://|::)")
+_SECRETS = re.compile(r"(?<=://)[^/@]*@|(?<=.)\?.*")
+_OTHER = re.compile(r"\.(log|clf)(\.gz)?$")
+_UNSAFE = re.compile(r"[^\w.+ -]")
+_FROM = ".url"
+"""The file beside a copy that says where it is from."""
+_BLOCK = 8 << 20
+_STATE = (
+    "etag", "content-md5", "md5hash", "md5", "generation", "versionid", "lastmodified", "last-modified",
+    "last_modified", "mtime", "modified", "updated", "created",
+)  # fmt: skip
+"""What drivers call the things that change with an object, beside its size."""
+_LONGEST = 60.0
+"""Seconds without an answer from a web server."""
+_CREDENTIALS = (
+    "give credentials as its driver takes them (of s3: ~/.aws/credentials or AWS_ACCESS_KEY_ID and "
+    "AWS_SECRET_ACCESS_KEY; FSSPEC_S3_ANON=true for what is public)"
+)
+_NO_CREDENTIALS = (
+    "NoCredentialsError",
+    "PartialCredentialsError",
+    "DefaultCredentialsError",
+    "ClientAuthenticationError",
+)
+
+
+class _Object(NamedTuple):
+    """One file of a recording: where it is for its file system, its name here, its bytes, and its state."""
+
+    path: str
+    name: str
+    size: int | None
+    state: str
+
+
+def is_url(path: Any) -> TypeGuard[str]:
+    """Whether it is the URL of what lies elsewhere, as text."""
+    return isinstance(path, str) and _URL.match(path) is not None
+
+
+def without_secrets(url: str) -> str:
+    """A URL as it is shown: without a password, and without what a web server is asked, which may be a signature."""
+    return _SECRETS.sub("", url)
+
+
+class Fetched:
+    """A recording that was fetched, or the copy of it that was there; it stays until this is closed.
+
+    Attributes:
+        path: the file or the folder here.
+        url: where it is from; None for what is no copy.
+    """
+
+    def __init__(self, path: Path, url: str | None = None, copy: Copy | None = None) -> None:
+        self.path, self.url, self._copy = path, url, copy
+
+    def close(self) -> None:
+        """Let the copy be removed when room is needed; doing it again does nothing."""
+        if self._copy is not None:
+            self._copy.close()
+
+
+def held(path: Path) -> Fetched:
+    """A path of this machine; if it is that of a copy, it stays until this is closed."""
+    copy = holding(path)
+    return Fetched(path) if copy is None else Fetched(path, (copy.folder / _FROM).read_text(encoding="utf-8"), copy)
+
+
+def fetch(url: str) -> Fetched:
+    """The recording at a URL, as a file or folder of this machine; it is fetched if no copy of its state is here.
+
+    Raises:
+        RecordingError: it cannot be fetched or kept; the text says why, and what to do.
+    """
+    if url.lower().startswith(("file://", "local://")):
+        return held(Path(url2pathname(urlsplit(url).path)))
+    shown = without_secrets(url)
+    system, path = _system(url)
+    objects, is_folder = _objects(system, path, shown)
+    key = f"{_short(url)}-{_short(_state(objects))}"
+    name = _safe(_name(path)) or "recording"
+
+    def write(folder: Path) -> None:
+        (folder / _FROM).write_text(url, encoding="utf-8")
+        _download(system, objects, folder / name if is_folder else folder, name, shown)
+
+    copy = find(key)
+    if copy is None:
+        try:
+            copy = make(
+                key,
+                sum(one.size or 0 for one in objects),
+                write,
+            )
+        except RecordingError as error:
+            message = str(error)
+            raise RecordingError(message if message.startswith(shown) else f"{shown}: {message}") from None
+        except OSError as error:
+            raise RecordingError(f"{shown}: its copy cannot be written: {error.strerror or error}") from None
+    return Fetched(copy.folder / (name if is_folder else objects[0].name), url, copy)
+
+
+def state_of(url: str) -> str | None:
+    """What changes whenever the recording at a URL does; None where its server does not tell.
+
+    Raises:
+        RecordingError: it cannot be looked at.
+    """
+    objects, _ = _objects(*_system(url), without_secrets(url))
+    return f"{_short(url)}-{_short(_state(objects))}" if all(one.state for one in objects) else None
+
+
+def recordings_at(url: str) -> Iterator[tuple[str, str]]:
+    """The recordings that a URL names, as URLs, each with the reason why nothing is read there; empty if it is read.
+
+    A URL may be a pattern such as ``s3://bucket/runs/*.mcap``, or a folder: of rosbag2, which is one recording, or
+    with recordings at any depth.
+    """
+    shown = without_secrets(url)
+    try:
+        system, path = _system(url)
+        if not _is_pattern(url):
+            yield from _within(system, path, url)
+            return
+        matches = sorted(_asked(lambda: system.glob(path), shown))
+        for match in matches:
+            yield from _within(system, match, _url(system, match, url))
+        if not matches:
+            yield url, "nothing matches this pattern"
+    except RecordingError as error:
+        yield url, str(error).removeprefix(f"{shown}: ")
+
+
+def _within(system: Any, path: str, url: str) -> Iterator[tuple[str, str]]:
+    shown = without_secrets(url)
+    if not _is_folder(system, path, shown):
+        yield (url.removesuffix(f"/{METADATA}"), "")
+        return
+    there = _asked(lambda: system.find(path), shown)
+    folders = {one.rpartition("/")[0] for one in there if _name(one) == METADATA}
+    found = {one for one in there if SUFFIX.search(_name(one)) or _OTHER.search(_name(one))}
+    found = {one for one in found if one.rpartition("/")[0] not in folders} | folders
+    yield from ((_url(system, one, url), "") for one in sorted(found))
+    if not found:
+        yield url, "no recording in this folder"
+
+
+def _url(system: Any, path: str, beside: str) -> str:
+    """The URL of a path, in the chain of another."""
+    _, chained, rest = beside.partition("::")
+    return f"{system.unstrip_protocol(path)}{chained}{rest}"
+
+
+def _is_pattern(url: str) -> bool:
+    is_web = url.lower().startswith(("http://", "https://"))
+    return glob.has_magic(without_secrets(url) if is_web else url)
+
+
+def _system(url: str) -> tuple[Any, str]:
+    """The file system of a URL, and the path in it."""
+    shown = without_secrets(url)
+    try:
+        from fsspec.core import url_to_fs
+    except ImportError:
+        raise RecordingError(f'{shown}: needs fsspec; type: pip install "robowidgets[remote]"') from None
+    options: dict[str, Any] = {}
+    try:
+        if url.lower().startswith(("http://", "https://")):
+            from aiohttp import ClientTimeout
+
+            # Streamed, since not all servers send parts: for a large file no time is too long in all.
+            options = {
+                "client_kwargs": {"timeout": ClientTimeout(total=None, sock_connect=_LONGEST, sock_read=_LONGEST)},
+                "headers": {"Accept-Encoding": "identity"},
+                "block_size": 0,
+            }
+        system, path = url_to_fs(url, **options)
+    except ImportError as error:
+        raise RecordingError(
+            f"{shown}: its driver is missing ({one_line(error)}); for s3 and http type: "
+            'pip install "robowidgets[remote]"'
+        ) from None
+    except Exception as error:
+        _fail(error, shown)
+    return system, path.removesuffix(f"/{METADATA}")
+
+
+def _objects(system: Any, path: str, shown: str) -> tuple[list[_Object], bool]:
+    """The files of the recording at a path, and whether it is a folder."""
+    if not _is_folder(system, path, shown):
+        return [_object(_asked(lambda: system.info(path), shown), path)], False
+    there = {_name(one["name"]): one for one in _asked(lambda: system.ls(path, detail=True), shown)}
+    names = sorted(name for name in there if SUFFIX.search(name))
+    if not names:
+        raise RecordingError(f"{shown}: no recording in this folder: expected .db3, .mcap or .bag files")
+    if METADATA in there:
+        names.append(METADATA)
+    elif len(names) > 1 and not counts_up(names):
+        raise RecordingError(f"{shown}: {len(names)} recordings in this folder: open one of them: {listed(names, 5)}")
+    return [_object(there[name], there[name]["name"]) for name in names], True
+
+
+def _is_folder(system: Any, path: str, shown: str) -> bool:
+    system.invalidate_cache()  # of listings: an object may have changed since
+    return path.endswith("/") or bool(_asked(lambda: system.info(path), shown)["type"] == "directory")
+
+
+def _object(info: dict[str, Any], path: str) -> _Object:
+    size = info.get("size")
+    known = {name.lower(): str(value) for name, value in info.items() if name.lower() in _STATE and value}
+    state = json.dumps([size, sorted(known.items())]) if known else ""
+    return _Object(path, _safe(_name(path)) or "recording", size, state)
+
+
+def _state(objects: list[_Object]) -> str:
+    """A text for the state of the files; another one each time where a server does not tell."""
+    return json.dumps([(one.name, one.state or uuid4().hex) for one in objects])
+
+
+def _download(system: Any, objects: list[_Object], folder: Path, name: str, shown: str) -> None:
+    folder.mkdir(exist_ok=True)
+    total = sum(one.size or 0 for one in objects)
+    done = 0
+    with Progress(total or None, f"Fetching {name}", "B") as bar:
+        for one in objects:
+            got = 0
+            try:
+                with system.open(one.path, "rb") as source, (folder / one.name).open("wb") as target:
+                    while block := source.read(_BLOCK):
+                        _write(target.write, block, shown)
+                        got += len(block)
+                        bar.update(len(block))
+            except RecordingError:
+                raise
+            except Exception as error:
+                of = f" of {megabytes(total)}" if total else ""
+                _fail(error, shown, f" after {megabytes(done + got)}{of}, nothing of which is kept")
+            if one.size is not None and got != one.size:
+                raise RecordingError(
+                    f"{shown}: the connection was lost, or it changed: {many(got, 'byte')} came of {one.size:,}, "
+                    "none of which is kept; open it again"
+                )
+            done += got
+
+
+def _write(write: Callable[[bytes], Any], block: bytes, shown: str) -> None:
+    try:
+        write(block)
+    except OSError as error:
+        raise RecordingError(f"{shown}: its copy cannot be written: {error.strerror or error}") from None
+
+
+def _asked(ask: Callable[[], Any], shown: str) -> Any:
+    try:
+        return ask()
+    except Exception as error:
+        _fail(error, shown)
+
+
+def _fail(error: Exception, shown: str, when: str = "") -> NoReturn:
+    """Raise the error of a driver, of which each has its own kinds, as ours."""
+    causes: list[BaseException] = [error]
+    while (cause := causes[-1].__cause__) is not None and cause not in causes:
+        causes.append(cause)
+    codes = {code for cause in causes if (code := _status(cause)) is not None}
+    text = without_secrets(one_line(causes[-1] if isinstance(causes[-1], Exception) else error))
+    kinds = {type(cause).__name__ for cause in causes}
+    if any(isinstance(cause, PermissionError) for cause in causes) or codes & {401, 403} or kinds & {*_NO_CREDENTIALS}:
+        text = f"no permission to read it ({text}): {_CREDENTIALS}"
+    elif codes & {404, 410} or (isinstance(error, FileNotFoundError) and len(causes) == 1):
+        text = "no such object, nor a folder with any"
+    else:
+        text = f"cannot be read{when}: {type(causes[-1]).__name__}: {text}"
+    raise RecordingError(f"{shown}: {text}") from None
+
+
+def _status(error: BaseException) -> int | None:
+    """The status of HTTP in an error of a driver."""
+    with suppress(Exception):
+        code = getattr(error, "status", None) or error.response["ResponseMetadata"]["HTTPStatusCode"]  # type: ignore[attr-defined]
+        return int(code)
+    return None
+
+
+def _name(path: str) -> str:
+    return unquote(without_secrets(path).rstrip("/").rpartition("/")[2])
+
+
+def _safe(name: str) -> str:
+    """A name for a file here."""
+    stem, suffix = os.path.splitext(_UNSAFE.sub("_", name).lstrip("."))
+    return stem[:100] + suffix[:20]
+
+
+def _short(text: str) -> str:
+    return sha256(text.encode()).hexdigest()[:24]
