@@ -152,10 +152,17 @@ class AskedFor(NamedTuple):
 
 
 def wish_of(name: str, known: Collection[str]) -> AskedFor:
-    """What a name asks for, among the topics there are."""
+    """What a name asks for, among the topics there are.
+
+    Raises:
+        ValueError: it asks for a widget of fields, and names none.
+    """
     shown, by, row = name.rpartition(AS)
     if name not in known and by and row in _rows():
-        return AskedFor(*topic_and_field(shown, known), row)
+        wish = AskedFor(*topic_and_field(shown, known), row)
+        if row in ASKED and ASKED[row].of_fields and not wish.field:
+            raise ValueError(f"{name!r} names no field of its messages to show; name one, as '{shown}.FIELD'")
+        return wish
     return AskedFor(*topic_and_field(name, known))
 
 

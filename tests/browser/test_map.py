@@ -62,6 +62,8 @@ def test_layers_are_drawn_in_one_frame_and_the_list_says_what_each_is_and_which_
         nb.resize(width)
         await_drawing(card)
         shoot(card, f"map-{theme}-{width}")
+        is_listed = card.locator(".rw-layers").is_visible()
+        expect(card.get_by_title("List of the layers")).to_have_text("Layers" if is_listed else "Layers, 1 not drawn")
     expect(fact(card, "/sonar/left")).to_have_text("not drawn: no transform to map")
     expect(fact(card, "/map")).to_contain_text("302 × 205 cells of 0.05 m")
     expect(fact(card, "/scan")).to_contain_text("readings")

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import base64
 from collections.abc import Callable
+from itertools import pairwise
 from pathlib import Path
+from textwrap import dedent
 
 import pytest
 from playwright.sync_api import Browser, Locator, Page, expect
@@ -52,6 +54,27 @@ def ink(card: Locator) -> int:
         .reduce((count, alpha) => count + (alpha > 0), 0), 0)"""
     painted: int = card.evaluate(read)
     return painted
+
+
+def test_least_mean_and_most_of_many_digits_stand_apart_beside_the_graphs(plain_page: Callable[..., PlainPage]) -> None:
+    cell = """
+        from robowidgets import PlotWidget
+        plot = PlotWidget()
+        plot.set_line("vx", [0.0, 1.0, 2.0, 3.0], [-0.003626, -0.0009539, 0.001937, -0.0011733])
+        plot
+    """
+    nb = plain_page([dedent(cell)])
+    nb.resize(760)
+    numbers = nb.widget(0).locator(".rw-plot-line").locator(".rw-plot-least, .rw-plot-mean, .rw-plot-most")
+    expect(numbers).to_have_text(["\u22120.003626", "\u22120.000954", "0.001937"])
+    edges = numbers.evaluate_all(
+        """(cells) => cells.map((cell) => {
+            const text = new Range();
+            text.selectNodeContents(cell);
+            return [text.getBoundingClientRect().left, text.getBoundingClientRect().right];
+        })"""
+    )
+    assert all(end + 6 <= start for (_, end), (start, _) in pairwise(edges)), edges
 
 
 @pytest.mark.parametrize(("theme", "scale"), LOOKS)

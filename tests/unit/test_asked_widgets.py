@@ -143,6 +143,11 @@ def test_a_topic_whose_messages_cannot_be_read_says_why(tmp_path: Path) -> None:
             Player(recording, ("/odd",))
 
 
+def test_a_plot_of_a_topic_without_a_field_is_an_error_that_says_so(recording: Recording) -> None:
+    with pytest.raises(ValueError, match=r"'/place as lines' names no field .*, as '/place\.FIELD'"):
+        recording.show("/place as lines")
+
+
 def test_a_page_has_the_frames_of_widgets_that_were_asked_for(recording: Recording, tmp_path: Path) -> None:
     rows = (replace(row, widget="tests.unit.test_asked_widgets:PagedWidget") for row in (ANY,))
     for row in rows:

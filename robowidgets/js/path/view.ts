@@ -412,10 +412,19 @@ export class PathView {
     follow.ariaPressed = String(isFollowing);
     measure.ariaPressed = String(this.#isMeasuring);
     layers.ariaPressed = String(!this.#panel.root.hidden);
+    const count = this.#panel.root.hidden ? this.#countMissing() : 0;
+    setText(layers, count ? `Layers, ${count} not drawn` : "Layers");
     this.#card.picture.dataset.cursor = this.#isMeasuring ? "measure" : "";
     const { frames = [] } = this.#model.get("_map");
     if (hasLayers) this.#tools.updateFrames(frames, this.#stream.about.frame_id ?? "", lacksKernel(this.#model));
     else setHidden(frame, true);
+  }
+
+  /** How many layers that were asked for are not drawn: scans, which come along, are not. */
+  #countMissing(): number {
+    const { missing = {} } = this.#stream.about;
+    const asked = (this.#model.get("_map").layers ?? []).filter(({ kind }) => kind !== "scan");
+    return asked.filter(({ name }) => missing[name]).length;
   }
 
   #updatePanel(now: PoseFrame | null, robot: Shown | undefined): void {

@@ -97,3 +97,11 @@ export function toFacts(count: number | null, rate: number | null): string[] {
   if (rate !== null) facts.push(`${rate.toFixed(rate < 1 ? 2 : 1)} Hz`);
   return facts;
 }
+
+/** What fits into a row of what a topic says: its first number or word, without the names that lead to it. */
+export function toFewWords(said: string): string {
+  if (said === "nothing yet") return "\u2013";
+  if (said.startsWith('"')) return said.replaceAll('"', "");
+  const [first = ""] = said.split(/, (?![^[]*\])/);
+  return first.replace(/^nearest /, "").replace(/^[A-Za-z_]\S*\.(?=\S+ )/, "");
+}

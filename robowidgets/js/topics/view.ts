@@ -6,7 +6,7 @@ import { lacksKernel, type Model, NO_KERNEL, onChange, onMessage, setTraits } fr
 import { perAnimationFrame, throttle } from "../shared/schedule.ts";
 import { followTheme } from "../shared/theme.ts";
 import { Cards } from "./cards.ts";
-import { type Group, nameIn, shortType, toCount, toFacts, toFolded, toGroups, toRate } from "./groups.ts";
+import { type Group, nameIn, shortType, toCount, toFacts, toFewWords, toFolded, toGroups, toRate } from "./groups.ts";
 import { makeTypeIcon } from "./icons.ts";
 import type { TopicRow, TopicsTraits } from "./traits.ts";
 
@@ -326,7 +326,7 @@ export class TopicsView {
 
   #writeValue(line: HTMLElement, row: TopicRow): void {
     const cell = line.querySelector<HTMLElement>(".rw-topic-value");
-    if (cell) setText(cell, this.#values[row.name] ?? "");
+    if (cell) setText(cell, toFewWords(this.#values[row.name] ?? ""));
   }
 
   /** Asks for the values of the rows on the page; what is folded is not sent. */
