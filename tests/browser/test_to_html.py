@@ -100,6 +100,15 @@ def test_a_page_plays_and_its_numbers_are_those_of_the_recording(offline: Callab
     expect(bar.locator(".rw-play")).to_have_attribute("title", "Play (space)")
 
 
+def test_the_bar_is_as_wide_as_the_page_and_no_card_is_wider(offline: Callable[..., Page], file: Path) -> None:
+    page = offline(file, viewport={"width": 1280, "height": 800})
+    bar = page.locator(".rw-player")
+    for width in (1280, 400):
+        page.set_viewport_size({"width": width, "height": 800})
+        expect(bar).to_have_js_property("offsetWidth", width - 24)
+        assert page.evaluate("document.documentElement.scrollWidth") == width
+
+
 def test_a_zoomed_scanogram_shows_the_measured_ranges(offline: Callable[..., Page], file: Path) -> None:
     page = offline(file, viewport={"width": 1280, "height": 800})
     picture = page.locator(".rw-scanogram .rw-picture")
