@@ -40,6 +40,12 @@ def test_every_field_is_readable_at_every_width(plain_page: Callable[..., PlainP
     expect(value(card, "angular_velocity_covariance")).to_have_text("all 0: not known")
     expect(value(card, "linear_acceleration_covariance")).to_have_text("−1: not measured")
     battery, large = (nb.widget(i).locator(".rw-card") for i in (1, 4))
+    nb.resize(296)
+    percentage = battery.locator('[data-rw-row="percentage"] b')
+    expect(percentage).to_have_text("86.7")
+    cut = "(number) => { const text = new Range(); text.selectNodeContents(number); return "
+    cut += "text.getBoundingClientRect().width - number.getBoundingClientRect().width }"
+    assert percentage.evaluate(cut) <= 0.02
     expect(battery.locator('[data-rw-row="power_supply_status"] b')).to_have_text("DISCHARGING")
     expect(battery.locator('[data-rw-row="design_capacity"] b')).to_have_text("not measured (NaN)")
     expect(large.locator(".rw-message-value")).to_have_text(["0.867", "16.21", "DISCHARGING", "true"])
