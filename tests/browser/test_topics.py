@@ -195,3 +195,25 @@ def test_pictures_of_the_list_at_each_width(plain_page: Open, path: Path, theme:
         assert box is not None
         assert box["width"] == (width if width < 900 else 284)
         shoot(nb.output(2), f"topics-{width}-{theme}")
+
+
+@pytest.mark.parametrize("width", [920, 1300, 1500])
+def test_the_list_of_a_robot_leaves_the_bar_and_the_pictures_their_place(plain_page: Open, width: int) -> None:
+    opens = "from robowidgets import feeds; robot = feeds.simulator(wander=False)"
+    nb = plain_page([opens, "(view := robot.show('/scan', '/odom', '/cmd_vel', '/bumper'))"])
+    nb.resize(width, 720)
+    laser = nb.output(1).locator(".rw-laser")
+    expect(laser.locator(".rw-title")).to_have_text("/scan")
+    nb.output(1).locator(".rw-topics-rail").click()
+    listed = nb.output(1).locator(".rw-topics")
+    expect(listed).to_be_visible()
+    bar, there, picture = (
+        nb.output(1).locator(one).bounding_box() for one in (".rw-stop-bar", ".rw-topics", ".rw-laser")
+    )
+    shoot(nb.output(1), f"topics-robot-{width}")
+    assert bar is not None
+    assert there is not None
+    assert picture is not None
+    assert there["y"] == pytest.approx(bar["y"] + bar["height"], abs=12)
+    assert there["x"] == pytest.approx(bar["x"], abs=4)
+    assert picture["y"] < bar["y"] + 100
