@@ -67,8 +67,14 @@ export function drawMap(context: Context, projection: Projection, scene: Scene, 
     for (const one of of("scan")) drawScan(context, projection, one.state.points, theme);
     for (const { state } of of("goal")) drawGoal(context, projection, state, theme);
     for (const shape of scene.shapes) drawPlacedShape(context, projection, shape, theme);
-    for (const one of poses.filter(({ isRobot }) => isRobot))
-      drawBody(context, toPixel(projection, one.state), headingOf(one.state), ROBOT, theme.ink, theme);
+    for (const { state } of poses.filter(({ isRobot }) => isRobot)) {
+      const at = toPixel(projection, state);
+      if (Number.isNaN(state.yaw)) {
+        // A position says nothing of the heading: GPS.
+        circle(context, at, ROBOT / 2);
+        fill(context, theme.ink);
+      } else drawBody(context, at, state.yaw, ROBOT, theme.ink, theme);
+    }
     if (named) {
       circle(context, toPixel(projection, named), 5.5);
       stroke(context, theme.pointer, 2);
@@ -76,10 +82,6 @@ export function drawMap(context: Context, projection: Projection, scene: Scene, 
   });
   drawNames(context, projection, scene, theme);
   drawScale(context, projection, theme);
-}
-
-function headingOf({ yaw }: Pose): number {
-  return Number.isNaN(yaw) ? 0 : yaw;
 }
 
 /** Round metres that take at least so many pixels. */
