@@ -21,7 +21,7 @@ from .middleware import Advert, FeedError, HasOutlet, Middleware, NotConnectedYe
 CONNECT_TIMEOUT = 2.0
 """Seconds after the first `drive` on a topic, and at the end, in which a speed waits for a subscriber to connect."""
 
-START_TIMEOUT = 10.0
+START_TIMEOUT = 30.0
 """Seconds for which the first `drive` waits for the guard to start."""
 
 RETRY_PAUSE = 0.05

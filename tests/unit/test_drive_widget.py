@@ -686,6 +686,7 @@ class TestProgram:
             "cause": "",
             "status": "",
             "topic": "",
+            "sender": "",
         }
 
 
