@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import gc
+import itertools
 import re
 import threading
 import time
@@ -74,17 +75,23 @@ class TestLamp:
     def test_is_never_of_another_scan_than_the_one_on_show(self, laser: LaserWidget) -> None:
         page = Page(laser)
         wall = laser.watch(lambda scan: time.sleep(0.003) or scan.distance() < 0.5, name="wall")
-        for i in range(200):
-            show(laser, 0.4 if i % 2 else 1.0)
-            time.sleep(0.001)
-        wait_for(lambda: sequence(page.state) == 200, "the last scan is shown")
-        shown = [state for state in page.history if state["_frame"] and "judged" in state["_about"]]
-        assert len(shown) > 5
-        for state in shown:
+        count = itertools.count()
+
+        def judged() -> list[dict[str, Any]]:
+            return [state for state in page.history if state["_frame"] and "judged" in state["_about"]]
+
+        def several_are_judged() -> bool:
+            show(laser, 0.4 if next(count) % 2 else 1.0)
+            return sum(state["_about"]["lamps"][0]["state"] != "unknown" for state in judged()) > 5
+
+        wait_for(several_are_judged, "several scans are shown with their verdicts")
+        for state in judged():
             about = state["_about"]
             assert about["judged"] == sequence(state)
-            assert about["lamps"][0]["state"] == ("false" if sequence(state) % 2 else "true")
-        assert wall.value is True
+            right = "false" if sequence(state) % 2 else "true"
+            assert about["lamps"][0]["state"] in (right, "unknown"), "unknown where the machine was held up"
+        show(laser, 0.4)
+        wait_for(lambda: wall.value is True, "the last scan is judged")
 
     def test_of_a_slow_function_is_unknown_and_holds_no_picture_back(self, laser: LaserWidget) -> None:
         page = Page(laser)
