@@ -20,7 +20,7 @@ Timed = tuple[int, Event]
 
 _ROS1_LEVELS = {1: Level.DEBUG, 2: Level.INFO, 4: Level.WARN, 8: Level.ERROR, 16: Level.FATAL}
 _STATUS_LEVELS = {0: Level.INFO, 1: Level.WARN, 2: Level.ERROR, 3: Level.WARN}
-_STALE = 3
+_STATUS_WORDS = {0: "OK", 3: "stale"}
 
 _RANGE = "sensor_msgs/msg/Range"
 """Of these only some are of touch sensors, and a distance is no event."""
@@ -147,7 +147,7 @@ class EventReader:
         name, code = str(get(status, "name")), _whole("level", get(status, "level"))
         said = str(get(status, "message"))
         level = _STATUS_LEVELS.get(code, Level.ERROR)
-        word = "stale" if code == _STALE else ("OK" if level is Level.INFO else "")
+        word = _STATUS_WORDS.get(code, "")
         text = ": ".join(filter(None, (word if word.lower() != said.lower() else "", said))) or word or f"level {code}"
         if self._statuses.get(name) == (level, text):
             return []

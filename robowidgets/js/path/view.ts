@@ -397,7 +397,7 @@ export class PathView {
     const isBeside = width >= BESIDE;
     if (isBeside && root.parentElement !== picture) picture.append(root);
     else if (!isBeside && root.previousElementSibling !== picture) picture.after(root);
-    root.classList.toggle("rw-beside", isBeside);
+    root.classList.toggle("rw-layers-beside", isBeside);
     this.#card.root.classList.toggle("rw-map", hasLayers);
     return this.#isBeside;
   }
