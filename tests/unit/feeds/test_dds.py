@@ -16,6 +16,7 @@ import threading
 import time
 import weakref
 from collections.abc import Callable, Iterator
+from contextlib import closing
 from pathlib import Path
 from typing import Any
 from uuid import UUID
@@ -402,15 +403,14 @@ def test_the_first_message_waits_for_a_subscriber_that_is_known_a_moment_later(
 
 def test_the_first_message_waits_for_a_moment_when_nobody_comes(heard: Ears) -> None:
     clock, reads = ManualClock(), ("robowidgets-dds",)
-    dds = Dds(DOMAIN, interface="lo", clock=clock)
-    dds.open(heard)
-    wait_for(lambda: heard.connected, "it takes part")
-    publishing = clock.beside(lambda: dds.publish("/cmd_vel", TWIST, {}))
-    clock.advance(0.299, reads)
-    assert publishing.is_alive()
-    clock.advance(0.006, reads)  # it looks every 5 ms
-    publishing.join()
-    dds.close()
+    with closing(Dds(DOMAIN, interface="lo", clock=clock)) as dds:
+        dds.open(heard)
+        wait_for(lambda: heard.connected, "it takes part")
+        publishing = clock.beside(lambda: dds.publish("/cmd_vel", TWIST, {}))
+        clock.advance(0.299, reads)
+        assert publishing.is_alive()
+        clock.advance(0.006, reads)  # it looks every 5 ms
+        publishing.join()
 
 
 def test_subscribers_of_two_types_match_before_the_first_message(
