@@ -184,7 +184,8 @@ def choose_widgets(topics: Iterable[Shown], entries: Sequence[Entry] | None = No
     listed = list(topics)
     if entries is None:
         return _by_kind(listed)
-    known = {topic.name: topic for topic in listed}
+    # Of several types under one name, that which is shown.
+    known = {topic.name: topic for topic in listed} | {topic.name: topic for topic in listed if topic.widget}
     asked = wishes([entry for entry in entries if isinstance(entry, str)], known)
     whole = {wish.topic for wish in asked if not wish.field and not wish.row}
     chosen = list(_by_kind([topic for topic in listed if topic.name in whole]))
