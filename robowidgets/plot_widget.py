@@ -155,7 +155,8 @@ class PlotWidget(PlotCard):
     def __init__(self, *fields: str, **kwargs: Any) -> None:
         self._add_line: Callable[[str], object] | None = None
         self._by_name: dict[str, GrowingLine] = {}
-        self._lock, self._send_lock = threading.Lock(), threading.RLock()
+        self._lock = threading.Lock()
+        self._send_lock = threading.RLock()
         self._began: float | None = None
         self._is_live = self._is_new = False
         self._edition = 0

@@ -5,9 +5,10 @@ from __future__ import annotations
 import sys
 from collections import deque
 from collections.abc import Callable, Generator, Iterable, Iterator
-from concurrent.futures import FIRST_COMPLETED, Executor, Future, wait
+from concurrent.futures import Executor, Future
 from contextlib import contextmanager
 from functools import lru_cache
+from queue import SimpleQueue
 from typing import Any, NamedTuple
 
 from .._core.inform import inform
@@ -84,28 +85,34 @@ def _by(
 ) -> Iterator[Done]:
     """What an executor makes of what waits, until it breaks: what was under way then is suspect."""
     under_way: dict[Future[Any], str] = {}
+    done: SimpleQueue[Future[Any]] = SimpleQueue()
     is_whole = True
     try:
         while is_whole and (waiting or under_way):
             while waiting and len(under_way) < ahead:
                 path = waiting.popleft()
                 try:
-                    under_way[executor.submit(work, task, path, longest)] = path
+                    future = executor.submit(work, task, path, longest)
                 except Exception:  # whatever an executor says that has broken, or was shut down
                     waiting.appendleft(path)
                     is_whole = False
                     break
-            for future in wait(under_way, return_when=FIRST_COMPLETED).done if under_way else ():
-                path = under_way.pop(future)
-                try:
-                    answer = future.result()
-                except BaseException as error:
-                    if isinstance(error, KeyboardInterrupt):
-                        raise
-                    suspects.append(path)  # what a job raises comes as an answer
-                    is_whole = False
-                else:
-                    yield _answered(path, answer)
+                under_way[future] = path
+                future.add_done_callback(done.put)
+            if not under_way:
+                break
+            # Not concurrent.futures.wait(): an interrupt may leave the lock of its Condition held for ever.
+            future = done.get()
+            path = under_way.pop(future)
+            try:
+                answer = future.result()
+            except BaseException as error:
+                if isinstance(error, KeyboardInterrupt):
+                    raise
+                suspects.append(path)  # what a job raises comes as an answer
+                is_whole = False
+            else:
+                yield _answered(path, answer)
     finally:
         for future in under_way:
             future.cancel()

@@ -97,7 +97,7 @@ def test_zero_goes_out_at_once_but_not_again_and_again(watchdog: CommandWatchdog
 
 def test_what_a_slow_sink_kept_waiting_too_long_is_not_sent(watchdog: CommandWatchdog, sink: Sink) -> None:
     sink.gate.clear()
-    first = watchdog.drive(FORWARD, hold=0.05)
+    first = watchdog.drive(FORWARD, hold=60.0)
     wait_for(lambda: sink.got, "the sink is at work")
     late = watchdog.drive(LEFT, hold=0.05)
     time.sleep(0.06)

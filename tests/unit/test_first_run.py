@@ -171,10 +171,8 @@ def test_it_can_be_stopped_while_a_cell_runs(sent, tmp_path):
             stderr=output,
         )
     try:
-        deadline = time.monotonic() + 60
         while not begun.exists():
             assert process.poll() is None, log.read_text()
-            assert time.monotonic() < deadline, log.read_text()
             time.sleep(0.05)
         process.send_signal(sent)
         assert process.wait(30) == 0
