@@ -355,7 +355,7 @@ export class PlotView {
     if (document.activeElement !== this.#seconds) this.#seconds.value = String(this.#model.get("shift"));
     const looking = this.#looking;
     setText(this.#empty, lacksKernel(this.#model) ? NO_KERNEL : "waiting for values");
-    this.#empty.hidden = looking !== null;
+    setHidden(this.#empty, looking !== null);
     this.#card.root.classList.toggle("rw-plot-wide", this.#card.width >= WIDE);
     // Until the lines of these names are there, as right after another one came.
     const isWhole = looking !== null && lines.length === names.length;
@@ -366,14 +366,14 @@ export class PlotView {
   #updateButtons(live: boolean): void {
     const paused = this.#model.get("paused");
     const view = this.#model.get("view");
-    this.#freeze.hidden = !live;
+    setHidden(this.#freeze, !live);
     this.#freeze.ariaPressed = String(paused);
     setLabel(this.#freeze, paused ? "Show the newest again (space)" : "Freeze the picture (space)");
     if (this.#freeze.dataset.state !== String(paused)) {
       this.#freeze.dataset.state = String(paused);
       this.#freeze.replaceChildren(makeIcon(paused ? PLAY : PAUSE), make("span", "", paused ? "Frozen" : "Freeze"));
     }
-    this.#follow.hidden = !live || (view === null && this.#model.get("window") !== null);
+    setHidden(this.#follow, !live || (view === null && this.#model.get("window") !== null));
     const isOver = this.#model.get("x_over_y") !== null;
     setHidden(this.#over, !isOver && this.#entries.length < 2);
     this.#over.ariaPressed = String(isOver);
@@ -389,7 +389,7 @@ export class PlotView {
       .map(({ unit, entries }) => ({ unit, entries: entries.filter(({ left }) => !left) }))
       .filter(isDrawn);
     const over = this.#axes;
-    this.#graphs.hidden = over !== null;
+    setHidden(this.#graphs, over !== null);
     const count = Math.max(1, drawn.length);
     const graph = count === 1 ? ONE_GRAPH : GRAPH;
     const wanted = over ? ONE_OVER_OTHER : count * graph + TIMES;
@@ -418,7 +418,7 @@ export class PlotView {
       this.#light(this.#picked);
     }
     this.#states.root.style.marginRight = `${right}px`;
-    this.#legend.root.hidden = !groups.length;
+    setHidden(this.#legend.root, !groups.length);
     for (const [i, chart] of this.#charts.entries()) chart.draw(toShown(chart.group, i));
     if (looking && groups.length) this.#askFor(looking);
   }

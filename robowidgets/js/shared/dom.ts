@@ -34,8 +34,8 @@ export function setTip(element: HTMLElement, tip: string): void {
 
 /** Sets the label of a button, for screen readers and as its tooltip. */
 export function setLabel(button: HTMLButtonElement, label: string): void {
-  button.title = label;
-  button.ariaLabel = label;
+  setTip(button, label);
+  if (button.ariaLabel !== label) button.ariaLabel = label;
 }
 
 /** A button that calls back. */

@@ -1,4 +1,4 @@
-import { make, setText } from "../shared/dom.ts";
+import { make, setHidden, setText } from "../shared/dom.ts";
 import { toAge, toCount, toMetres, toShortMetres } from "../shared/format.ts";
 import { CLASSES } from "../shared/frames/classes.ts";
 import { READING, type Validity } from "../shared/frames/scan.ts";
@@ -11,6 +11,8 @@ export class Footer {
   readonly #silent = make("span", "rw-sonar-silent");
   readonly #near = make("b", "rw-sonar-near");
   readonly #nearest = make("span", "rw-nearest");
+  /** Of the nearest thing: a word, its distance, its sensor and its index. */
+  readonly #words = [make("span", ""), make("b", ""), make("span", ""), make("b", "rw-index")] as const;
 
   constructor(element: HTMLElement) {
     const counts = make("span", "rw-counts");
@@ -27,6 +29,7 @@ export class Footer {
     });
     counts.append(this.#silent);
     const end = make("span", "rw-sonar-end");
+    this.#nearest.append(...this.#words);
     end.append(this.#near, this.#nearest);
     element.append(counts, end);
   }
@@ -37,7 +40,7 @@ export class Footer {
       const found = live.filter(({ sonar }) => sonar.kind === kind).length;
       setText(count, toCount(found));
       // A class that has been counted stays: a live legend does not jump.
-      if (found || (cones.length && kind === READING)) item.hidden = false;
+      if (found || (cones.length && kind === READING)) setHidden(item, false);
     }
     const silent = cones.filter(({ hasCome, isSilent }) => isSilent || !hasCome);
     setText(this.#silent, silent.length ? `\u25CC ${listed(silent.map(wordsOf))}` : "");
@@ -45,16 +48,11 @@ export class Footer {
     setText(this.#near, alarms.length ? `\u25B2 ${listed(alarms)} below ${toShortMetres(near ?? 0)}` : "");
     const nearest = live[nearestOf(live.map(({ sonar }) => sonar))];
     const isReading = nearest?.sonar.kind === READING;
-    this.#nearest.replaceChildren(
-      ...(nearest
-        ? [
-            isReading ? "nearest " : "too close",
-            make("b", "", isReading ? toMetres(nearest.sonar.range, reach) : ""),
-            ` ${nearest.name} `,
-            make("b", "rw-index", `[${nearest.index}]`),
-          ]
-        : []),
-    );
+    const [word, distance, name, index] = this.#words;
+    setText(word, !nearest ? "" : isReading ? "nearest " : "too close");
+    setText(distance, nearest && isReading ? toMetres(nearest.sonar.range, reach) : "");
+    setText(name, nearest ? ` ${nearest.name} ` : "");
+    setText(index, nearest ? `[${nearest.index}]` : "");
   }
 }
 

@@ -1,6 +1,6 @@
 import { Canvas } from "../shared/canvas.ts";
 import { CopyCode } from "../shared/copy.ts";
-import { make, makeButton, pointIn, setText } from "../shared/dom.ts";
+import { make, makeButton, pointIn, setHidden, setText } from "../shared/dom.ts";
 import { isPlain, on, onAbort } from "../shared/events.ts";
 import { toMany, toShortMetres } from "../shared/format.ts";
 import { FARTHEST_VIEW } from "../shared/frames/scan.ts";
@@ -134,7 +134,7 @@ export class SonarView implements Zoom {
     const hasCome = cones.some((cone) => cone.hasCome);
     card.update([cones.length ? toMany(cones.length, "sensor") : ""], "range");
     setText(this.#empty, hasCome ? "" : card.waiting("range"));
-    this.#empty.hidden = hasCome;
+    setHidden(this.#empty, hasCome);
     this.#viewRange = resolveRange(model.get("view_range"), cones, this.#viewRange);
     setText(this.#range, hasCome ? toShortMetres(this.#viewRange) : "");
     this.#fit.ariaPressed = String(hasCome && model.get("view_range") === fitReadings(cones));
