@@ -26,6 +26,7 @@ import os, sys, time
 import robowidgets.behaviors.simulation as simulation
 import robowidgets.player.player as player
 import robowidgets.samples.scan as scan
+from pathlib import Path
 from IPython.display import display
 from tests.odd_ranges import MET, ODD, odd_ranges
 
@@ -43,7 +44,7 @@ def odd_floats(name, values):
 scan.floats = odd_floats
 
 for i, odd in enumerate(MET):
-    robowidgets.SAMPLE = f"{sys.argv[1]}/{i}.mcap"
+    robowidgets.SAMPLE = Path(sys.argv[1], f"{i}.mcap")
     names = {"__name__": "__main__", "display": display}
     print("with", odd, file=sys.stderr)
     os.mkdir(str(i))  # for what examples write

@@ -7,10 +7,12 @@ from pathlib import Path
 
 import pytest
 
+from ..waiting import wait_for
+
+pytest.importorskip("playwright", reason="the benchmarks, whose robots these are, need Playwright")
+
 from benchmarks.guard import FAULTS, driving, guards, heard, robot
 from benchmarks.stopping import available
-
-from ..waiting import wait_for
 
 EVERY = "foxglove"
 """The middleware on which every fault is tried; on the others, one that ends the process, and one that freezes it."""
