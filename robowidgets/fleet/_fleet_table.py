@@ -170,9 +170,11 @@ def date(arrow: Any) -> Any:
 
 
 def short(files: Sequence[str]) -> dict[str, str]:
-    """The names of files without the folder that all of them are in."""
-    folders = [os.path.dirname(file) for file in files]
-    base = os.path.commonpath(folders) if folders else ""
+    """The names of files without the folder that all of them are in; files and URLs together have none."""
+    try:
+        base = os.path.commonpath([os.path.dirname(file) for file in files])
+    except ValueError:
+        return {file: file for file in files}
     return {file: os.path.relpath(file, base) for file in files}
 
 

@@ -20,7 +20,7 @@ import robowidgets
 from robowidgets import conditions
 from robowidgets.command import main
 from robowidgets.fleet import find
-from robowidgets.fleet.hits import Hits
+from robowidgets.fleet.hits import Hit, Hits
 
 from . import executors
 from .executors import Here
@@ -252,6 +252,14 @@ def test_a_function_that_cannot_be_sent_is_refused_with_the_reason(runs: Path) -
     lock = Event()
     with pytest.raises(TypeError, match="cannot be sent to another process: cannot pickle"):
         find(lambda moment: lock.is_set() and moment.scan, runs)
+
+
+def test_files_and_urls_which_have_no_folder_in_common_are_named_whole() -> None:
+    files = ["/runs/a.mcap", "s3://bucket/b.mcap"]
+    hits = Hits(
+        "near", [Hit(file, "/scan", 0.0, 1.0, 1.0, 0, 1) for file in files], chosen={}, problems={}, files=files
+    )
+    assert all(f"\n  {file}" in repr(hits) for file in files)
 
 
 @pytest.mark.parametrize("executor", [3, object()])
