@@ -52,7 +52,7 @@ def each(
     """
     waiting = deque(paths)
     if executor is None and (len(waiting) <= 1 or sys.platform == "emscripten"):
-        yield from (_answered(path, _call(job, path, longest)) for path in waiting)
+        yield from (Done(path, *_call(job, path, longest)) for path in waiting)
         return
     from cloudpickle import dumps
 
@@ -106,13 +106,13 @@ def _by(
             path = under_way.pop(future)
             try:
                 answer = future.result()
-            except BaseException as error:
-                if isinstance(error, KeyboardInterrupt):
-                    raise
+            except KeyboardInterrupt:
+                raise
+            except BaseException:
                 suspects.append(path)  # what a job raises comes as an answer
                 is_whole = False
             else:
-                yield _answered(path, answer)
+                yield Done(path, *answer)
     finally:
         for future in under_way:
             future.cancel()
@@ -156,10 +156,6 @@ def _call(job: Callable[[str], Any], path: str, longest: float) -> tuple[Any, st
             thread.abandon()
             thread.end()
     return answer[0] if answer else (None, f"took longer than {longest:g} s")
-
-
-def _answered(path: str, answer: tuple[Any, str]) -> Done:
-    return Done(path, *answer)
 
 
 def _executor(given: Any) -> Executor:

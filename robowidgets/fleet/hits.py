@@ -9,7 +9,8 @@ from pathlib import Path
 from typing import Any, ClassVar, NamedTuple, overload
 
 from .._core.tables import Table
-from .._core.text import as_date, degrees_of, listed, many
+from .._core.text import as_date, listed, many
+from ..search.spans import cell
 from ._fleet_table import SHOWN, FleetTable, date, date_of, number, short, text, texts, whole
 
 
@@ -125,12 +126,8 @@ def _cell(hit: Hit, head: str, names: Mapping[str, str]) -> str:
     value = getattr(hit, head)
     if head == "file":
         return names[value]
+    if head == "topic":
+        return str(value)
     if head == "date":
         return "" if value is None else as_date(hit.start_ns)
-    if head == "silent":
-        return ", ".join(value)
-    if value is None or head == "topic":
-        return value or ""
-    if head == "angle":
-        return degrees_of(value)
-    return f"[{value}]" if head == "index" else f"{value:.2f}" + " m" * (head == "nearest")
+    return cell(value, head)

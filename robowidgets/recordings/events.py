@@ -14,7 +14,7 @@ from .._core.text import many
 from ..kinds import TOUCH
 from ..messages.event import SAID_TYPES, EventReader
 from ..samples.event import Event, Level
-from .columns import tables
+from .columns.tables import Columns
 from .program_log import PROGRAM, STATES, version_of
 from .topics import TimedMessage, Topic
 
@@ -38,7 +38,7 @@ class RecordedEvent(NamedTuple):
     stamp_ns: int
 
 
-class Events(Sequence[RecordedEvent]):
+class Events(Columns, Sequence[RecordedEvent]):
     """A table of events; printed, it shows the first of them.
 
     Args:
@@ -72,30 +72,6 @@ class Events(Sequence[RecordedEvent]):
             columns[name] = np.empty(len(self), object)
             columns[name][:] = values
         return columns
-
-    def to_pandas(self) -> Any:
-        """A pandas DataFrame: a row for each event, by seconds from the start.
-
-        Raises:
-            ImportError: pandas is not installed.
-        """
-        return tables.to_pandas(self.to_numpy())
-
-    def to_polars(self) -> Any:
-        """A polars DataFrame: a row for each event.
-
-        Raises:
-            ImportError: polars is not installed.
-        """
-        return tables.to_polars(self.to_numpy())
-
-    def to_arrow(self) -> Any:
-        """An Arrow table: a row for each event.
-
-        Raises:
-            ImportError: pyarrow is not installed.
-        """
-        return tables.to_arrow(self.to_numpy())
 
     def __len__(self) -> int:
         return len(self._events)

@@ -87,7 +87,7 @@ class Spans(Sequence[Span]):
     def _table(self) -> Table:
         """The first spans, a row for each."""
         heads = self.heads
-        rows = [tuple(_cell(getattr(span, head), head) for head in heads) for span in self._spans[:_SHOWN]]
+        rows = [tuple(cell(getattr(span, head), head) for head in heads) for span in self._spans[:_SHOWN]]
         more = [f"  ... and {len(self) - _SHOWN:,} more"] if len(self) > _SHOWN else []
         stopped = [] if self.is_complete else [f"stopped at {self.until:.2f} s: nothing after that was looked at"]
         problems = [*stopped, *self.problems]
@@ -99,7 +99,7 @@ class Spans(Sequence[Span]):
         return f"{self.condition}: {often(len(self))}, {self.seconds:.2f} s together"
 
 
-def _cell(value: Any, head: str) -> str:
+def cell(value: Any, head: str) -> str:
     """A value of a span as a person reads it: seconds, metres, an index, degrees, or names of topics."""
     if head == "silent":
         return ", ".join(value)

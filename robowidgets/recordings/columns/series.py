@@ -15,10 +15,10 @@ from ...repair import RecordingError
 from ...samples.checks import frozen
 from ..times import span_ns, to_ns
 from ..topics import Moment
-from . import tables
 from ._clock_problems import about_clock
 from ._decoders import Decoder, SampleDecoder
 from ._store import Store
+from .tables import Columns
 
 if TYPE_CHECKING:
     from typing_extensions import Self
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 Taken = TypeVar("Taken")
 
 
-class Series(Generic[Taken]):
+class Series(Columns, Generic[Taken]):
     """Samples of one topic, each with its time, in the order of time.
 
     By index: ``series[3]`` is a `Moment` (with ``sample``, ``time_ns`` and ``seconds``), ``series[10:20]`` a shorter
@@ -156,30 +156,6 @@ class Series(Generic[Taken]):
     def to_numpy(self) -> dict[str, NDArray[Any]]:
         """The columns by name; times as ``times_ns``, ``seconds`` and ``stamps_ns``."""
         return {"times_ns": self.times_ns, "seconds": self.seconds, "stamps_ns": self.stamps_ns}
-
-    def to_pandas(self) -> Any:
-        """A pandas DataFrame: a row for each sample, by seconds from the start.
-
-        Raises:
-            ImportError: pandas is not installed.
-        """
-        return tables.to_pandas(self.to_numpy())
-
-    def to_polars(self) -> Any:
-        """A polars DataFrame: a row for each sample, its ranges as an array.
-
-        Raises:
-            ImportError: polars is not installed.
-        """
-        return tables.to_polars(self.to_numpy())
-
-    def to_arrow(self) -> Any:
-        """An Arrow table: a row for each sample, its ranges as a list of fixed size.
-
-        Raises:
-            ImportError: pyarrow is not installed.
-        """
-        return tables.to_arrow(self.to_numpy())
 
     def __repr__(self) -> str:
         times = self.seconds

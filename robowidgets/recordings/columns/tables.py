@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from importlib import import_module
 from typing import Any
@@ -10,6 +11,38 @@ import numpy as np
 from numpy.typing import NDArray
 
 TIMES = ("times_ns", "seconds", "stamps_ns")
+
+
+class Columns(ABC):
+    """Columns by name, which become tables of other libraries."""
+
+    @abstractmethod
+    def to_numpy(self) -> dict[str, NDArray[Any]]:
+        """The columns by name; times as ``times_ns``, ``seconds`` and ``stamps_ns``."""
+
+    def to_pandas(self) -> Any:
+        """A pandas DataFrame: a row for each time, by seconds from the start.
+
+        Raises:
+            ImportError: pandas is not installed.
+        """
+        return to_pandas(self.to_numpy())
+
+    def to_polars(self) -> Any:
+        """A polars DataFrame: a row for each time, ranges of scans as an array.
+
+        Raises:
+            ImportError: polars is not installed.
+        """
+        return to_polars(self.to_numpy())
+
+    def to_arrow(self) -> Any:
+        """An Arrow table: a row for each time, ranges of scans as a list of fixed size.
+
+        Raises:
+            ImportError: pyarrow is not installed.
+        """
+        return to_arrow(self.to_numpy())
 
 
 def to_pandas(columns: Mapping[str, NDArray[Any]]) -> Any:
