@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import re
 import threading
+from collections.abc import Iterator
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -15,6 +16,8 @@ from nbclient import NotebookClient
 
 from robowidgets import lessons
 from robowidgets.driving.command_watchdog import Velocity
+from robowidgets.lessons import _progress, _texts
+from robowidgets.lessons._progress import read as read_progress
 
 from .conftest import ROOT
 from .unit.waiting import wait_for
@@ -22,6 +25,16 @@ from .unit.waiting import wait_for
 NOTEBOOKS = sorted((ROOT / "notebooks").glob("*.ipynb"))
 WIDGET = "application/vnd.jupyter.widget-view+json"
 LONGEST_CELL_SECONDS = 120
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
+    """The folder in which the cells run, where lessons keep how far a student is."""
+    monkeypatch.chdir(tmp_path)
+    yield tmp_path
+    _progress.forget()
+    _texts.speak("en")
+
 
 named = pytest.mark.parametrize("file", NOTEBOOKS, ids=lambda file: file.stem)
 
@@ -98,7 +111,9 @@ def test_a_task_of_the_lesson_is_wrong_as_it_stands_and_right_with_its_solution(
         assert bool(names["result"]) is is_right, names["result"]
 
 
-def test_the_lesson_on_programs_runs_to_its_end_with_each_task_wrong_as_it_stands_and_right_with_its_solution() -> None:
+def test_the_lesson_on_programs_runs_to_its_end_with_each_task_wrong_as_it_stands_and_right_with_its_solution(
+    folder: Path,
+) -> None:
     cells = read(ROOT / "notebooks" / "from_code_to_behavior.ipynb").cells
     sources = {cell.id: cell.source for cell in cells}
     names: dict[str, Any] = {}
@@ -107,7 +122,7 @@ def test_the_lesson_on_programs_runs_to_its_end_with_each_task_wrong_as_it_stand
         for cell in cells:
             if cell.cell_type == "code":
                 exec(cell.source, names)
-                robots.append(names["robot"])
+                robots += [names["robot"]] if "robot" in names else []
             if re.fullmatch(r"task-\d", cell.id):
                 tasks += 1
                 assert not names["result"], f"{cell.id} is right as it stands"
@@ -119,6 +134,9 @@ def test_the_lesson_on_programs_runs_to_its_end_with_each_task_wrong_as_it_stand
         for robot in robots:
             robot.close()
     assert tasks == 7
+    # A cell that runs by `exec` has no text that Python knows, so that its answers as they stand are tries, too.
+    kept = read_progress(folder / _progress.FILE)
+    assert [task for task in kept if kept[task].done] == list(_progress.TASKS[5:])
 
 
 def test_the_lesson_on_robots_has_a_program_drive_one_and_shows_its_speeds_on_a_recording() -> None:

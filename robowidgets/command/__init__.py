@@ -13,7 +13,7 @@ import robowidgets
 
 from .. import fleet
 from ..recordings.remote import is_url
-from . import _lab, _notebooks
+from . import _lab, _lessons, _notebooks
 from ._error import CommandError
 from ._export import add_export, export
 from ._find import add_find, find, readable
@@ -95,7 +95,15 @@ def _write_page(arguments: argparse.Namespace) -> None:
     _say(export(arguments, _warn))
 
 
-def _in_lab(make_notebook: Callable[[Path], Path], arguments: argparse.Namespace) -> None:
+def _lessons_or_summary(arguments: argparse.Namespace) -> int:
+    if arguments.summary:
+        return _lessons.print_summary(arguments, _say)
+    language = _lessons.language_of(arguments)
+    _in_lab(lambda f: _notebooks.copy_shipped(f, _notebooks.LESSON, language), arguments, runs_cells=False)
+    return 0
+
+
+def _in_lab(make_notebook: Callable[[Path], Path], arguments: argparse.Namespace, *, runs_cells: bool = True) -> None:
     if not _lab.is_installed():
         raise CommandError('JupyterLab is not installed here; type: pip install "robowidgets[lab]"')
     folder = arguments.folder.absolute()
@@ -104,8 +112,9 @@ def _in_lab(make_notebook: Callable[[Path], Path], arguments: argparse.Namespace
     folder.mkdir(parents=True, exist_ok=True)
     notebook = make_notebook(folder)
     _say(f"Opening {notebook} in JupyterLab. It is yours: it stays there as you save it. Ctrl-C ends JupyterLab.")
-    _say("First its cells are run, so that their widgets are there and live when the page opens ...")
-    _lab.run(notebook, arguments.port, arguments.browser, _say)
+    if runs_cells:
+        _say("First its cells are run, so that their widgets are there and live when the page opens ...")
+    _lab.run(notebook, arguments.port, arguments.browser, _say, runs_cells=runs_cells)
 
 
 def _say(text: str) -> None:
@@ -134,6 +143,14 @@ def _parser() -> argparse.ArgumentParser:
         "open", help="open a recording in JupyterLab", description="Open a recording in JupyterLab."
     )
     show.set_defaults(do=_open_recording)
+    lessons = commands.add_parser(
+        "lessons",
+        help="open the lessons in JupyterLab, or see how far a class is",
+        description="Open the lessons in JupyterLab, in a language; or see how far a class is with them.",
+        epilog="With --summary it exits with 1 when a file in the folder could not be read.",
+    )
+    _lessons.add_lessons(lessons)
+    lessons.set_defaults(do=_lessons_or_summary)
     info = commands.add_parser(
         "info",
         help="print what a recording holds",
@@ -194,18 +211,19 @@ def _parser() -> argparse.ArgumentParser:
         )
     for command in (info, doctor):
         command.add_argument("--json", action="store_true", help="print it as JSON")
+    for command in (demo, lessons, show):
+        command.add_argument(
+            "--port", type=_port, help="port on 127.0.0.1, 0 for any free one (default: the first free one from 8888)"
+        )
+        command.add_argument(
+            "--no-browser", dest="browser", action="store_false", help="only print the address, open no browser"
+        )
     for command in (demo, show):
         command.add_argument(
             "--folder",
             type=Path,
             default=Path(_notebooks.FOLDER),
             help=f"folder for the notebooks (default: {_notebooks.FOLDER}); what is there already stays as it is",
-        )
-        command.add_argument(
-            "--port", type=_port, help="port on 127.0.0.1, 0 for any free one (default: the first free one from 8888)"
-        )
-        command.add_argument(
-            "--no-browser", dest="browser", action="store_false", help="only print the address, open no browser"
         )
     return parser
 

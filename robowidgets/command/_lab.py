@@ -40,8 +40,10 @@ def arguments(notebook: Path, port: int | None, browser: bool) -> list[str]:
     return options
 
 
-def run(notebook: Path, port: int | None, browser: bool, say: Callable[[str], None]) -> None:
-    """Run the notebook's cells, then JupyterLab with the notebook open, until it is stopped.
+def run(
+    notebook: Path, port: int | None, browser: bool, say: Callable[[str], None], *, runs_cells: bool = True
+) -> None:
+    """Run the notebook's cells, if asked to, then JupyterLab with the notebook open, until it is stopped.
 
     JupyterLab makes a new random token, which it prints with its address. `say` takes lines for the person who waits.
     """
@@ -52,6 +54,10 @@ def run(notebook: Path, port: int | None, browser: bool, say: Callable[[str], No
 
     server = LabApp.initialize_server(arguments(notebook, port, browser))
     server.web_app.settings["page_config_hook"] = _without_announcements
+
+    if not runs_cells:
+        server.start()
+        return
 
     # A server that is stopped interrupts the running cell, so the run ends while its event loop still runs.
     def say_if_open(line: str) -> None:

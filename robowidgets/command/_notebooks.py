@@ -9,11 +9,14 @@ from itertools import chain, count
 from pathlib import Path
 from typing import Any
 
+from ..lessons import ENGLISH
 from ..recordings.remote import without_secrets
 
 _PACKAGE = Path(__file__).parents[1]
 TOUR = "tour.ipynb"
+LESSON = "from_picture_to_code.ipynb"
 FOLDER = "robowidgets-notebooks"
+LESSONS_FOLDER = "robowidgets-lessons"
 
 
 def shipped() -> Path:
@@ -28,12 +31,19 @@ def shipped() -> Path:
     raise FileNotFoundError("robowidgets was installed without its notebooks; install it again")
 
 
-def copy_shipped(folder: Path) -> Path:
-    """The tour in a folder, with the other notebooks beside it; those that are there already stay as they are."""
+def copy_shipped(folder: Path, first: str = TOUR, language: str = ENGLISH) -> Path:
+    """One notebook in a folder, with the others beside it; those that are there already stay as they are.
+
+    Args:
+        folder: the folder.
+        first: name of the one notebook.
+        language: of the lessons; the others are English.
+    """
     for notebook in shipped().glob("*.ipynb"):
+        there = shipped() / language / notebook.name
         if not (folder / notebook.name).exists():
-            shutil.copyfile(notebook, folder / notebook.name)
-    return folder / TOUR
+            shutil.copyfile(there if there.exists() else notebook, folder / notebook.name)
+    return folder / first
 
 
 def write_for(recording: Path | str, folder: Path) -> Path:

@@ -3,6 +3,10 @@
 The simulator is all they need.
 """
 
-from ._check import Result, check, example
+from ._check import check, example
+from ._progress import Progress, progress, report
+from ._result import Result
+from ._summary import Summary, summary
+from ._texts import ENGLISH, languages
 
-__all__ = ["Result", "check", "example"]
+__all__ = ["ENGLISH", "Progress", "Result", "Summary", "check", "example", "languages", "progress", "report", "summary"]

@@ -9,11 +9,12 @@ from math import inf
 from typing import Any
 
 from .._core.platform_fixes import capture_prints, release_prints
-from .._core.policies import ANSWER, NO_RETURN
+from .._core.policies import ANSWER
 from .._core.user_function import error_in, line_of
 from .._core.user_threads import UserThread, frames_of
 from ..behaviors.prints import Prints
 from ..samples.hints import hearing
+from ._texts import say
 
 CASE_S = 10.0
 """Seconds that all calls of a case may take together, by what nine of ten take at least: others may have waited for a
@@ -21,10 +22,19 @@ computer that is busy, which is no fault of the answer."""
 
 
 class WrongError(Exception):
-    """What is wrong with an answer, in words for the person who wrote it, and what to do, if that is not in them."""
+    """What is wrong with an answer, in words for the person who wrote it, and what to do, if that is not in them.
 
-    def __init__(self, what: str, advice: str = "") -> None:
-        super().__init__(what)
+    Args:
+        text: English, with a field in braces for each value: as `say` takes it.
+        advice: what to do, in the language of the lesson.
+
+    Attributes:
+        fault: `text`, by which the same fault is known in all languages.
+    """
+
+    def __init__(self, text: str, *, advice: str = "", **values: Any) -> None:
+        super().__init__(say(text, **values))
+        self.fault = text
         self.advice = advice
 
 
@@ -78,7 +88,7 @@ class Bounded:
 
             self._run(UserThread(run, "lesson"), function)
             if raised:
-                raise BrokenError(f"it raised an error, {error_in(raised[0])}") from None
+                raise BrokenError("it raised an error, {error}", error=error_in(raised[0])) from None
             return returned[0] if returned else None
 
         return within_limit
@@ -100,17 +110,24 @@ class Bounded:
             thread.end()  # it would take the processor from all others
             thread.join(ANSWER.grace)
             where = f"{line}: " if line else ""
-            raise BrokenError(f"{where}{NO_RETURN}{_AT_ONCE}")
+            raise BrokenError(
+                "{where}a step has not returned for half a second, and was abandoned. A step returns at once: it does "
+                "not sleep or wait, and its loops end",
+                where=where,
+            )
         calls, together = len(self._took), sum(self._took)
         if together > CASE_S and (least := sorted(self._took)[calls // 10]) * calls > CASE_S:
-            raise BrokenError(f"its {calls} steps took {together:.0f} s, {least:.2g} s each{_AT_ONCE}")
+            raise BrokenError(
+                "its {calls} steps took {together:.0f} s, {each:.2g} s each. A step returns at once: it does not sleep "
+                "or wait, and its loops end",
+                calls=calls,
+                together=together,
+                each=least,
+            )
 
     def _take_print(self, text: str) -> bool:
         self.prints.add(text, 0.0)
         return True
-
-
-_AT_ONCE = ". A step returns at once: it does not sleep or wait, and its loops end"
 
 
 def call(function: Callable[..., Any], sample: Any) -> Any:
@@ -128,7 +145,9 @@ def number(answer: Any, what: str) -> float:
             raise TypeError
         return float(answer)
     except (TypeError, ValueError):
-        raise BrokenError(f"it returned {_short(answer)}: expected a number, the {what}") from None
+        raise BrokenError(
+            "it returned {answer}: expected a number, the {what}", answer=_short(answer), what=what
+        ) from None
 
 
 def yes_or_no(answer: Any) -> bool:
@@ -138,7 +157,7 @@ def yes_or_no(answer: Any) -> bool:
             return bool(answer)
     except (TypeError, ValueError):  # an array has no truth of its own
         pass
-    raise BrokenError(f"it returned {_short(answer)}: expected True or False")
+    raise BrokenError("it returned {answer}: expected True or False", answer=_short(answer))
 
 
 def pair(answer: Any, what: str) -> tuple[float, float]:
@@ -146,7 +165,9 @@ def pair(answer: Any, what: str) -> tuple[float, float]:
     try:
         first, second = answer
     except (TypeError, ValueError):
-        raise BrokenError(f"it returned {_short(answer)}: expected two numbers, {what}") from None
+        raise BrokenError(
+            "it returned {answer}: expected two numbers, {what}", answer=_short(answer), what=what
+        ) from None
     return number(first, what), number(second, what)
 
 

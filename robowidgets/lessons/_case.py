@@ -13,6 +13,7 @@ from ..samples import Pose, Scan
 from ..samples.sector import Asked
 from ..simulator import Motors, Robot
 from ._bounded import WrongError, beyond, call, number
+from ._texts import say
 
 Answer = Callable[..., Any]
 
@@ -46,11 +47,24 @@ def nearest_in(sector: Asked, title: str, scan: Scan, hint: str) -> Case:
     expected, ray = scan.distance(sector), scan.nearest(sector)
 
     def judge(answer: Answer) -> None:
-        given = number(call(answer, scan), "distance in metres")
+        given = number(call(answer, scan), say("distance in metres"))
         if given != expected and not abs(given - expected) <= _EXACT_M:
-            what = f"it is {expected:.2f} m, at ranges[{ray.index}]" if ray else "nothing is in range, which is inf"
             origin, advice = _origin(given, scan, sector, hint)
-            raise WrongError(f"you returned {given:.4g}; {what}{origin}", advice)
+            if ray is None:
+                raise WrongError(
+                    "you returned {given:.4g}; nothing is in range, which is inf{origin}",
+                    given=given,
+                    origin=origin,
+                    advice=advice,
+                )
+            raise WrongError(
+                "you returned {given:.4g}; it is {expected:.2f} m, at ranges[{index}]{origin}",
+                given=given,
+                expected=expected,
+                index=ray.index,
+                origin=origin,
+                advice=advice,
+            )
 
     return Case(title, scan, judge)
 
@@ -58,15 +72,16 @@ def nearest_in(sector: Asked, title: str, scan: Scan, hint: str) -> Case:
 def _origin(given: float, scan: Scan, sector: Asked, hint: str) -> tuple[str, str]:
     """Where a wrong distance comes from, as far as the scan tells, and what to do then."""
     if isnan(given):
-        return "", hint if scan.nearest(sector) is None else "nan is no distance: scan.distance() leaves it out"
+        return "", hint if scan.nearest(sector) is None else say("nan is no distance: scan.distance() leaves it out")
     if isinf(given):
-        return "", "inf says that nothing is in range"
+        return "", say("inf says that nothing is in range")
     found = np.flatnonzero(np.abs(scan.ranges - np.float32(given)) <= _SAME_M)
     if not found.size:
-        return f". No ray says {given:.4g}", "Is it computed from the scan?"
+        return say(". No ray says {given:.4g}", given=given), say("Is it computed from the scan?")
     inside = np.intersect1d(found, scan.indices(sector))
     index = int(inside[0] if inside.size else found[0])
-    return f". ranges[{index}], at {degrees(scan[index].angle):.0f}°, says that", hint
+    angle = degrees(scan[index].angle)
+    return say(". ranges[{index}], at {angle:.0f}°, says that", index=index, angle=angle), hint
 
 
 def touches(robot: Robot) -> bool:
@@ -79,9 +94,10 @@ def why_hit(robot: Robot, else_: str) -> str:
     scan = robot.scan()
     ahead, near = scan.at(0.0), scan.nearest(("-90deg", "90deg"))
     if ahead and near and ahead.range > near.range + 0.3:
-        return (
-            f"it is at {degrees(near.angle):.0f}°, and the ray straight ahead passes it: one ray is not enough, take a "
-            "sector as wide as the robot"
+        return say(
+            "it is at {angle:.0f}°, and the ray straight ahead passes it: one ray is not enough, take a sector as wide "
+            "as the robot",
+            angle=degrees(near.angle),
         )
     return else_
 
@@ -90,16 +106,31 @@ def check_rest(robot: Robot, start: Pose, ahead: float, low: float, high: float)
     """`WrongError` unless a robot has come to rest between two distances from what is ahead, at an x in metres."""
     left, speed = ahead - robot.pose.x, robot.speed().linear[0]
     if robot.pose == start:
-        raise WrongError(f"it did not move in {robot.time:.0f} s: return a speed above 0 while there is room ahead")
+        raise WrongError(
+            "it did not move in {seconds:.0f} s: return a speed above 0 while there is room ahead", seconds=robot.time
+        )
     if abs(speed) > 0.02:
         shown = beyond(speed, -0.02, 0.02)
-        raise WrongError(f"after {robot.time:.0f} s it still drives with {shown} m/s, {left:.2f} m from what is ahead")
+        raise WrongError(
+            "after {seconds:.0f} s it still drives with {speed} m/s, {left:.2f} m from what is ahead",
+            seconds=robot.time,
+            speed=shown,
+            left=left,
+        )
     if not low <= left <= high:
-        why = "it needs a few centimetres to stop, so stop earlier"
+        why = say("it needs a few centimetres to stop, so stop earlier")
         if left > high:
             near = robot.scan().nearest("front")
-            why = "drive closer"
+            why = say("drive closer")
             if near is not None and near.range <= high + _BESIDE_M:
-                why = f"what is at {degrees(near.angle):.0f}° is beside its way, so take a narrower sector"
+                why = say(
+                    "what is at {angle:.0f}° is beside its way, so take a narrower sector", angle=degrees(near.angle)
+                )
         shown = beyond(left, low, high)
-        raise WrongError(f"it stands {shown} m from what is ahead, not {low:g} to {high:g} m: {why}")
+        raise WrongError(
+            "it stands {left} m from what is ahead, not {low:g} to {high:g} m: {why}",
+            left=shown,
+            low=low,
+            high=high,
+            why=why,
+        )

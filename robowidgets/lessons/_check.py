@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from html import escape
 from typing import Any
 
 from ..behaviors.simulation import function_of
 from ._bounded import Bounded, BrokenError, WrongError
 from ._case import Case
 from ._programs import back_off, follow_wall, stop_before_wall, wall_ahead
+from ._progress import keep
+from ._result import Result
 from ._tasks import bumper_reflex, fits_through, nearest_on_the_left, slow_in_doorway, stop_at_wall
 
 TASKS: dict[str, Callable[[], Sequence[Case]]] = {
@@ -22,56 +23,12 @@ TASKS: dict[str, Callable[[], Sequence[Case]]] = {
 """By the name that the answer has, in the order of the two lessons."""
 
 
-_PRINTED = "It printed last:"
-
-
-class Result:
-    """What the check of an answer found; true when the answer is right, and printed in plain words.
-
-    Args:
-        name: of the task.
-        wrong: a line for each case that is wrong; a function that gives no answer is tried no further.
-        right: the number of cases that are right.
-        cases: the number of all cases.
-        sample: the first scan, or touch, on which it was wrong; None when all is right.
-        prints: the last lines that the function printed.
-    """
-
-    def __init__(
-        self, name: str, wrong: Sequence[str], right: int, cases: int, sample: Any = None, prints: Sequence[str] = ()
-    ) -> None:
-        self.name = name
-        self.prints = tuple(prints)
-        self.wrong = tuple(wrong)
-        self.right = right
-        self.cases = cases
-        self.sample = sample
-
-    def __bool__(self) -> bool:
-        return not self.wrong
-
-    def __repr__(self) -> str:
-        printed = [_PRINTED, *(f"  {line}" for line in self.prints)] if self.prints else []
-        return "\n".join((self._head(), *(f"  - {line}" for line in self.wrong), *printed))
-
-    def _repr_html_(self) -> str:
-        # A notebook breaks the lines of text in the middle of words.
-        lines = "".join(f"<li>{escape(line)}</li>" for line in self.wrong)
-        printed = "\n".join(map(escape, self.prints))
-        printed = printed and f"<div>{_PRINTED}</div><pre>{printed}</pre>"
-        return f"<div>{escape(self._head())}</div><ul>{lines}</ul>{printed}"
-
-    def _head(self) -> str:
-        if not self.wrong:
-            return f"{self.name}: right in all {self.cases} cases. Well done!"
-        return f"{self.name}: right in {self.right} of {self.cases} cases. Still wrong:"
-
-
 def check(function: Callable[..., Any], task: str | None = None) -> Result:
     """Check the answer to a task: a function, or a program or state machine that drives the simulated robot.
 
     It never raises what the function raises. A step has half a second, as on a live robot, and all steps of a case have
     10 s of the computer's time together. What the function prints is kept: the last three lines are in the result.
+    After `progress` the result is kept, and said in the language of the lesson.
 
     Args:
         function: ``nearest_on_the_left(scan)``, ``fits_through(scan)``, ``stop_at_wall(scan)``,
@@ -95,13 +52,15 @@ def check(function: Callable[..., Any], task: str | None = None) -> Result:
         raise TypeError(f"check: expected the function that answers a task, without brackets, got {function!r}")
     name = task or str(getattr(function, "__name__", "") or getattr(function, "name", ""))
     cases = _cases("check", name, "" if task else f"; name the task, as in check({name}, 'stop_before_wall')")
-    return judged(function, name, cases, Bounded())
+    result = judged(function, name, cases, Bounded())
+    keep(function, name, result)
+    return result
 
 
 def judged(function: Callable[..., Any], name: str, cases: Sequence[Case], bounded: Bounded) -> Result:
     """The result of a function on some cases, within limits."""
     right, wrong, told = 0, list[str](), set[str]()
-    sample = None
+    sample, fault = None, ""
     for case in cases:
         bounded.begin_case()
         error = _error_of(case, function, bounded)
@@ -113,10 +72,10 @@ def judged(function: Callable[..., Any], name: str, cases: Sequence[Case], bound
         advice += [error.advice] if error.advice and not hints else []
         told.update(hints)
         wrong.append(". ".join((f"{case.title}: {error}", *advice)))
-        sample = case.sample if sample is None else sample
+        sample, fault = (case.sample if sample is None else sample), fault or error.fault
         if isinstance(error, BrokenError):
             break
-    return Result(name, wrong, right, len(cases), sample, [text for _, text in bounded.prints.lines])
+    return Result(name, wrong, right, len(cases), sample, [text for _, text in bounded.prints.lines], fault)
 
 
 def example(name: str) -> Any:
@@ -132,7 +91,7 @@ def _error_of(case: Case, function: Callable[..., Any], bounded: Bounded) -> Wro
     try:
         answer = function_of(function)
     except (TypeError, ValueError) as error:
-        return BrokenError(str(error))
+        return BrokenError("{error}", error=error)
     try:
         case.judge(bounded.of(answer))
     except WrongError as error:

@@ -14,6 +14,7 @@ from ..samples import Scan
 from ..simulator import Robot, Scanner, World
 from ._bounded import BrokenError, WrongError, beyond
 from ._case import MOTORS, Answer, Case, check_rest, nearest_in, touches, why_hit
+from ._texts import say
 
 _WALL_AHEAD = (2.5, -4.0, 2.5, 4.0)
 
@@ -30,11 +31,23 @@ def wall_ahead() -> Sequence[Case]:
     circle = Scanner(360, 2 * pi)
     ahead = partial(nearest_in, ("-20deg", "20deg"))
     return [
-        ahead("a wall ahead", Robot(world, seed=11).scan(), "Take the nearest of all rays there"),
-        ahead("a wall close beside", Robot(beside, seed=11).scan(), "Look 20 degrees to both sides, and no farther"),
-        ahead("a chair leg", Robot(chair_leg, seed=11).scan(), "One ray is not enough: take a sector"),
-        ahead("rays that fail", Robot(world, scanner=failing, seed=11).scan(), "Take the nearest of all rays there"),
-        ahead("another scanner", Robot(world, scanner=circle, seed=11).scan(), "Ask for angles, not for a slice"),
+        ahead(say("a wall ahead"), Robot(world, seed=11).scan(), say("Take the nearest of all rays there")),
+        ahead(
+            say("a wall close beside"),
+            Robot(beside, seed=11).scan(),
+            say("Look 20 degrees to both sides, and no farther"),
+        ),
+        ahead(say("a chair leg"), Robot(chair_leg, seed=11).scan(), say("One ray is not enough: take a sector")),
+        ahead(
+            say("rays that fail"),
+            Robot(world, scanner=failing, seed=11).scan(),
+            say("Take the nearest of all rays there"),
+        ),
+        ahead(
+            say("another scanner"),
+            Robot(world, scanner=circle, seed=11).scan(),
+            say("Ask for angles, not for a slice"),
+        ),
     ]
 
 
@@ -46,10 +59,10 @@ def stop_before_wall() -> Sequence[Case]:
     beside = (1.0, 0.3, 2.5, 0.3)
     leg = (1.5, 0.05, 0.02)
     return [
-        _stop("a wall ahead", World([_WALL_AHEAD]), _WALL_AHEAD[0]),
-        _stop("a wall ahead, and one close beside the way", World([_WALL_AHEAD, beside]), _WALL_AHEAD[0]),
-        _stop("a chair leg ahead", World([_WALL_AHEAD], [leg]), leg[0] - leg[2]),
-        _blind("a covered scanner, which sends NaN alone"),
+        _stop(say("a wall ahead"), World([_WALL_AHEAD]), _WALL_AHEAD[0]),
+        _stop(say("a wall ahead, and one close beside the way"), World([_WALL_AHEAD, beside]), _WALL_AHEAD[0]),
+        _stop(say("a chair leg ahead"), World([_WALL_AHEAD], [leg]), leg[0] - leg[2]),
+        _blind(say("a covered scanner, which sends NaN alone")),
     ]
 
 
@@ -59,8 +72,8 @@ def _stop(title: str, world: World, ahead: float) -> Case:
         start = robot.pose
         for _ in _steps(answer, robot, 25):
             if touches(robot):
-                why = why_hit(robot, "return Drive() where something is near ahead")
-                raise WrongError(f"it hit what is ahead at {robot.time:.1f} s: {why}")
+                why = why_hit(robot, say("return Drive() where something is near ahead"))
+                raise WrongError("it hit what is ahead at {seconds:.1f} s: {why}", seconds=robot.time, why=why)
         check_rest(robot, start, ahead, 0.4, 0.6)
 
     return Case(title, Robot(world, seed=12).scan(), judge)
@@ -90,9 +103,12 @@ def _blind(title: str, seconds: float = 0.0) -> Case:
         for _ in _steps(answer, robot, seconds + 2):
             robot.is_covered = robot.time >= seconds
             if robot.time > (seconds + 1 if seconds else 0) and robot.speed().linear[0] > 0.02:
-                when = f"at {robot.time:.1f} s " if seconds else ""
                 raise WrongError(
-                    f"{when}it drives blind. Drive while the distance is greater: no comparison with NaN is true"
+                    "at {seconds:.1f} s it drives blind. Drive while the distance is greater: no comparison with NaN "
+                    "is true"
+                    if seconds
+                    else "it drives blind. Drive while the distance is greater: no comparison with NaN is true",
+                    seconds=robot.time,
                 )
 
     return Case(title, covered().scan(), judge)
@@ -105,10 +121,10 @@ def follow_wall() -> Sequence[Case]:
     """Drive to the wall, turn left, and drive on with the wall on the right, round the corners of a room."""
     room = [(-2.5, -2.5, 2.5, -2.5), (2.5, -2.5, 2.5, 2.5), (2.5, 2.5, -2.5, 2.5), (-2.5, 2.5, -2.5, -2.5)]
     return [
-        _follow("a wall ahead", World([(2.5, -4.0, 2.5, 9.0)]), 30),
-        _follow("the corners of a room", World(room), 60),
-        _blind("a covered scanner, which sends NaN alone"),
-        _blind("a scanner that is covered on the way", 20),
+        _follow(say("a wall ahead"), World([(2.5, -4.0, 2.5, 9.0)]), 30),
+        _follow(say("the corners of a room"), World(room), 60),
+        _blind(say("a covered scanner, which sends NaN alone")),
+        _blind(say("a scanner that is covered on the way"), 20),
     ]
 
 
@@ -120,19 +136,29 @@ def _follow(title: str, world: World, seconds: float) -> Case:
             distance = world.clearance(*robot.pose[:2])
             way, before = way + dist(before[:2], robot.pose[:2]), robot.pose
             if touches(robot):
-                raise WrongError(f"it hit the wall at {robot.time:.1f} s: turn left sooner")
+                raise WrongError("it hit the wall at {seconds:.1f} s: turn left sooner", seconds=robot.time)
             if distance < 0.7 and arrived == inf:
                 arrived, way = robot.time, 0.0
             if robot.time > arrived + 5 and not 0.3 <= distance <= 0.7:
-                to_do = "turn right where it is far" if distance > 0.7 else "turn left where it is near"
-                shown = beyond(distance, 0.3, 0.7)
-                raise WrongError(f"at {robot.time:.1f} s the wall is {shown} m away, not 0.3 to 0.7 m: {to_do}")
+                raise WrongError(
+                    "at {seconds:.1f} s the wall is {away} m away, not 0.3 to 0.7 m: turn right where it is far"
+                    if distance > 0.7
+                    else "at {seconds:.1f} s the wall is {away} m away, not 0.3 to 0.7 m: turn left where it is near",
+                    seconds=robot.time,
+                    away=beyond(distance, 0.3, 0.7),
+                )
         if arrived == inf:
-            raise WrongError(f"after {seconds:g} s it has not come to the wall: drive on while there is room ahead")
+            raise WrongError(
+                "after {seconds:g} s it has not come to the wall: drive on while there is room ahead", seconds=seconds
+            )
         expected = 0.1 * (seconds - arrived)
         if way < expected:
             shown = beyond(way, low=round(expected, 1), least=1)
-            raise WrongError(f"it went {shown} m along the wall, not {expected:.1f} m or more: turn left, and drive on")
+            raise WrongError(
+                "it went {way} m along the wall, not {expected:.1f} m or more: turn left, and drive on",
+                way=shown,
+                expected=expected,
+            )
         if not robot.scan().distance("right") < 0.8:
             raise WrongError("the wall is not on its right: turn left at the wall")
 
@@ -146,8 +172,8 @@ def back_off() -> Sequence[Case]:
     """Drive back from what was bumped into, turn, and drive on."""
     hall = World([(4.0, -4.0, 4.0, 4.0)])
     return [
-        _bump("a low box ahead", hall, (1.2, 0.0, 0.1)),
-        _bump("a low box a little to the left", hall, (1.2, 0.12, 0.1)),
+        _bump(say("a low box ahead"), hall, (1.2, 0.0, 0.1)),
+        _bump(say("a low box a little to the left"), hall, (1.2, 0.12, 0.1)),
     ]
 
 
@@ -174,7 +200,10 @@ def _bump(title: str, world: World, box: tuple[float, float, float]) -> Case:
                 touched_at, bumps = robot.time, bumps + 1
             was_touched = touched
             if touched and robot.time > touched_at + 1:
-                raise WrongError(f"it still pushes 1 s after it bumped into the box at {touched_at:.1f} s: drive back")
+                raise WrongError(
+                    "it still pushes 1 s after it bumped into the box at {seconds:.1f} s: drive back",
+                    seconds=touched_at,
+                )
             if bumps > 3:
                 raise WrongError("it bumped into the same box for the fourth time: after driving back, turn for longer")
         if not bumps:
@@ -195,6 +224,6 @@ def _steps(program: Any, robot: Robot, seconds: float) -> Iterator[None]:
         for _ in simulate(program, robot, seconds):
             yield
     except (TypeError, ValueError) as error:
-        raise BrokenError(str(error)) from None
+        raise BrokenError("{error}", error=error) from None
     if robot.pose == start and seconds > 10:
-        raise BrokenError(f"it did not move in {seconds:g} s: does it return a Drive with a speed?")
+        raise BrokenError("it did not move in {seconds:g} s: does it return a Drive with a speed?", seconds=seconds)

@@ -13,6 +13,7 @@ from ..samples import Scan, Touch, TouchMode
 from ..simulator import Robot, Scanner, World
 from ._bounded import WrongError, call, number, pair, yes_or_no
 from ._case import MOTORS, Answer, Case, check_rest, nearest_in, touches, why_hit
+from ._texts import say
 
 _STEP_S = 0.1
 
@@ -32,15 +33,19 @@ def nearest_on_the_left() -> Sequence[Case]:
     free = Robot(World([(2.0, -4.0, 2.0, 1.5)]), seed=6).scan()
     on_the_left = partial(nearest_in, "left")
     return [
-        on_the_left("a hall", hall, 'scan.distance("left") takes the nearest of all rays there'),
-        on_the_left("something near on the right", near_right, 'Look on the left alone, as scan.distance("left") does'),
+        on_the_left(say("a hall"), hall, say('scan.distance("left") takes the nearest of all rays there')),
         on_the_left(
-            "a scanner that counts clockwise",
-            _clockwise(circle),
-            "Its left has other indices: ask for angles, not for a slice",
+            say("something near on the right"), near_right, say('Look on the left alone, as scan.distance("left") does')
         ),
-        on_the_left("a scanner that sends 0.0 for nothing", zeros, "0.0 is its code for nothing seen, and no distance"),
-        on_the_left("nothing on the left", free, "The least of nothing is inf: there is room"),
+        on_the_left(
+            say("a scanner that counts clockwise"),
+            _clockwise(circle),
+            say("Its left has other indices: ask for angles, not for a slice"),
+        ),
+        on_the_left(
+            say("a scanner that sends 0.0 for nothing"), zeros, say("0.0 is its code for nothing seen, and no distance")
+        ),
+        on_the_left(say("nothing on the left"), free, say("The least of nothing is inf: there is room")),
     ]
 
 
@@ -62,11 +67,11 @@ def _clockwise(scan: Scan) -> Scan:
 def fits_through() -> Sequence[Case]:
     """Whether the wall that stands 1 m ahead has a gap of at least 0.6 m."""
     widths = {
-        "a gap of 0.9 m": (0.9, 0.0),
-        "a gap of 0.4 m": (0.4, 0.0),
-        "a gap of 0.75 m, to the right": (0.75, -0.4),
-        "a gap of 0.5 m, to the left": (0.5, 0.5),
-        "no gap": (0.0, 0.0),
+        say("a gap of 0.9 m"): (0.9, 0.0),
+        say("a gap of 0.4 m"): (0.4, 0.0),
+        say("a gap of 0.75 m, to the right"): (0.75, -0.4),
+        say("a gap of 0.5 m, to the left"): (0.5, 0.5),
+        say("no gap"): (0.0, 0.0),
     }
     return [_gap(title, *gap) for title, gap in widths.items()]
 
@@ -78,8 +83,13 @@ def _gap(title: str, width: float, centre: float) -> Case:
 
     def judge(answer: Answer) -> None:
         if yes_or_no(call(answer, scan)) != (width >= 0.6):
-            says = "True, and the robot would get stuck" if width < 0.6 else "False, and the robot would fit"
-            raise WrongError(f"you returned {says}. How far apart are the readings on both sides of the gap?")
+            raise WrongError(
+                "you returned True, and the robot would get stuck. How far apart are the readings on both sides of the "
+                "gap?"
+                if width < 0.6
+                else "you returned False, and the robot would fit. How far apart are the readings on both sides of the "
+                "gap?"
+            )
 
     return Case(title, scan, judge)
 
@@ -95,28 +105,32 @@ def stop_at_wall() -> Sequence[Case]:
     covered = replace(covered, ranges=np.full(len(covered), nan, np.float32))
 
     def blind(answer: Answer) -> None:
-        speed = number(call(answer, covered), "speed forward in m/s")
+        speed = number(call(answer, covered), say("speed forward in m/s"))
         if not speed <= 0:
             raise WrongError(
-                f"you returned {speed:.4g} m/s, and the robot drives blind. Drive while the distance is greater than "
-                "a limit: no comparison with NaN is true"
+                "you returned {speed:.4g} m/s, and the robot drives blind. Drive while the distance is greater than a "
+                "limit: no comparison with NaN is true",
+                speed=speed,
             )
 
-    legs = (("left", (1.5, 0.05, 0.02)), ("right", (1.5, -0.05, 0.02)))  # no single ray sees both
+    left, right = (1.5, 0.05, 0.02), (1.5, -0.05, 0.02)  # no single ray sees both
     return [
-        _stop("a wall ahead", World([ahead]), ahead[0]),
-        _stop("a wall ahead and one close beside", World([ahead, beside]), ahead[0]),
-        *(_stop(f"a chair leg ahead, to the {side}", World([ahead], [leg]), leg[0] - leg[2]) for side, leg in legs),
-        Case("a covered scanner, which sends NaN alone", covered, blind),
+        _stop(say("a wall ahead"), World([ahead]), ahead[0]),
+        _stop(say("a wall ahead and one close beside"), World([ahead, beside]), ahead[0]),
+        _stop(say("a chair leg ahead, to the left"), World([ahead], [left]), left[0] - left[2]),
+        _stop(say("a chair leg ahead, to the right"), World([ahead], [right]), right[0] - right[2]),
+        Case(say("a covered scanner, which sends NaN alone"), covered, blind),
     ]
 
 
 def _drive(robot: Robot, answer: Answer) -> None:
-    speed = number(call(answer, robot.scan()), "speed forward in m/s")
+    speed = number(call(answer, robot.scan()), say("speed forward in m/s"))
     if not isfinite(speed):
         raise WrongError(
-            f"at {robot.time:.1f} s it returned {speed:g} m/s: a distance is inf when nothing is in range, and nan "
-            "where it is unknown. Return a limited speed for the one, and 0 for the other"
+            "at {seconds:.1f} s it returned {speed:g} m/s: a distance is inf when nothing is in range, and nan where "
+            "it is unknown. Return a limited speed for the one, and 0 for the other",
+            seconds=robot.time,
+            speed=speed,
         )
     robot.drive(speed, 0.0)
     robot.step(_STEP_S)
@@ -129,8 +143,8 @@ def _stop(title: str, world: World, ahead: float) -> Case:
         while robot.time < 25:
             _drive(robot, answer)
             if touches(robot):
-                why = why_hit(robot, "slow down earlier")
-                raise WrongError(f"it hit what is ahead at {robot.time:.1f} s: {why}")
+                why = why_hit(robot, say("slow down earlier"))
+                raise WrongError("it hit what is ahead at {seconds:.1f} s: {why}", seconds=robot.time, why=why)
         check_rest(robot, start, ahead, 0.35, 0.45)
 
     return Case(title, Robot(world, seed=9).scan(), judge)
@@ -143,26 +157,26 @@ def bumper_reflex() -> Sequence[Case]:
     """Speed forward and turn: on while free, back from a touch and away from its side, none where nothing is known."""
 
     def free(linear: float, turn: float) -> str:
-        return "" if linear > 0 and turn == 0 else "nothing is touched: drive forward, and do not turn"
+        return "" if linear > 0 and turn == 0 else say("nothing is touched: drive forward, and do not turn")
 
     def left(linear: float, turn: float) -> str:
-        return "" if linear < 0 and turn < 0 else "back up and turn right: the turn is below 0 (clockwise)"
+        return "" if linear < 0 and turn < 0 else say("back up and turn right: the turn is below 0 (clockwise)")
 
     def right(linear: float, turn: float) -> str:
-        return "" if linear < 0 and turn > 0 else "back up and turn left: the turn is above 0 (counter-clockwise)"
+        return "" if linear < 0 and turn > 0 else say("back up and turn left: the turn is above 0 (counter-clockwise)")
 
     def centre(linear: float, _turn: float) -> str:
-        return "" if linear < 0 else "back up: the speed forward is below 0"
+        return "" if linear < 0 else say("back up: the speed forward is below 0")
 
     def unknown(linear: float, turn: float) -> str:
-        return "" if linear == turn == 0 else "None is no False: stand still while a bumper is unknown"
+        return "" if linear == turn == 0 else say("None is no False: stand still while a bumper is unknown")
 
     return [
-        _reflex("nothing touched", (False, False, False), free),
-        _reflex("the left one touched", (True, False, False), left),
-        _reflex("the right one touched", (False, False, True), right),
-        _reflex("the center one touched", (False, True, False), centre),
-        _reflex("all unknown", (None, None, None), unknown),
+        _reflex(say("nothing touched"), (False, False, False), free),
+        _reflex(say("the left one touched"), (True, False, False), left),
+        _reflex(say("the right one touched"), (False, False, True), right),
+        _reflex(say("the center one touched"), (False, True, False), centre),
+        _reflex(say("all unknown"), (None, None, None), unknown),
     ]
 
 
@@ -171,10 +185,12 @@ def _reflex(title: str, states: tuple[bool | None, ...], rule: Callable[[float, 
     touch = Touch(dict(zip(sensors, states, strict=True)), TouchMode.LEVEL, sensors)
 
     def judge(answer: Answer) -> None:
-        linear, turn = pair(call(answer, touch), "speed forward and turn")
+        linear, turn = pair(call(answer, touch), say("speed forward and turn"))
         wrong = _no_speed(linear, turn) or rule(linear, turn)
         if wrong:
-            raise WrongError(f"you returned {linear:g} m/s and {turn:g} rad/s; {wrong}")
+            raise WrongError(
+                "you returned {linear:g} m/s and {turn:g} rad/s; {wrong}", linear=linear, turn=turn, wrong=wrong
+            )
 
     return Case(title, touch, judge)
 
@@ -182,14 +198,21 @@ def _reflex(title: str, states: tuple[bool | None, ...], rule: Callable[[float, 
 def _no_speed(linear: float, turn: float) -> str:
     """Why no robot of this size drives with these speeds; empty if one may."""
     if not (isfinite(linear) and isfinite(turn)):
-        return "a speed is a finite number"
+        return say("a speed is a finite number")
     if abs(turn) > _FASTEST_TURN:
-        return (
-            f"{turn:g} rad/s are {abs(turn) / (2 * pi):.1f} turns a second. Are they degrees? "
-            f"math.radians({turn:g}) makes {radians(turn):.2f} of them"
+        return say(
+            "{turn:g} rad/s are {turns:.1f} turns a second. Are they degrees? math.radians({turn:g}) makes "
+            "{radians:.2f} of them",
+            turn=turn,
+            turns=abs(turn) / (2 * pi),
+            radians=radians(turn),
         )
     if abs(linear) > _FASTEST:
-        return f"{linear:g} m/s are {abs(linear) * 3.6:.0f} km/h. Are they centimetres? The speed is in m/s"
+        return say(
+            "{linear:g} m/s are {fast:.0f} km/h. Are they centimetres? The speed is in m/s",
+            linear=linear,
+            fast=abs(linear) * 3.6,
+        )
     return ""
 
 
@@ -204,8 +227,8 @@ def slow_in_doorway() -> Sequence[Case]:
     door = [*faces, (-0.05, -0.5, 0.05, -0.5), (-0.05, 0.5, 0.05, 0.5)]
     beside = [(-4.0, 0.4, 4.0, 0.4)]
     return [
-        _doorway("through a door", World([*room, *door]), has_door=True),
-        _doorway("along a wall on the left", World([*room, *beside]), has_door=False),
+        _doorway(say("through a door"), World([*room, *door]), has_door=True),
+        _doorway(say("along a wall on the left"), World([*room, *beside]), has_door=False),
     ]
 
 
@@ -217,7 +240,8 @@ def _doorway(title: str, world: World, *, has_door: bool) -> Case:
         fastest_inside, slowest_outside = 0.0, inf
         while robot.pose.x < 2.5:
             if robot.time > 40:
-                raise WrongError(f"after 40 s it is no farther than {robot.pose.x + 3:.1f} m of 5.5 m: drive on")
+                way = robot.pose.x + 3
+                raise WrongError("after 40 s it is no farther than {way:.1f} m of 5.5 m: drive on", way=way)
             _drive(robot, answer)
             x, speed = robot.pose.x, robot.speed().linear[0]
             if has_door and abs(x) < 0.05:
@@ -225,9 +249,15 @@ def _doorway(title: str, world: World, *, has_door: bool) -> Case:
             if (abs(x) > 1.0 or not has_door) and robot.time > 1.0:
                 slowest_outside = min(slowest_outside, speed)
         if fastest_inside > 0.25:
-            raise WrongError(f"it drives through the door with {fastest_inside:.2f} m/s: 0.2 m/s is asked for")
+            raise WrongError(
+                "it drives through the door with {speed:.2f} m/s: 0.2 m/s is asked for", speed=fastest_inside
+            )
         if slowest_outside < 0.4:
-            where = "in the open" if has_door else "beside a single wall"
-            raise WrongError(f"{where} it drives with {slowest_outside:.2f} m/s: 0.5 m/s is asked for")
+            raise WrongError(
+                "in the open it drives with {speed:.2f} m/s: 0.5 m/s is asked for"
+                if has_door
+                else "beside a single wall it drives with {speed:.2f} m/s: 0.5 m/s is asked for",
+                speed=slowest_outside,
+            )
 
     return Case(title, at_door, judge)

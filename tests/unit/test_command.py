@@ -32,7 +32,7 @@ def one_line(capsys):
 def lab(monkeypatch):
     """What JupyterLab would be started with, instead of starting it."""
     started = []
-    monkeypatch.setattr(_lab, "run", lambda *arguments: started.append(arguments[:3]))
+    monkeypatch.setattr(_lab, "run", lambda *arguments, **_options: started.append(arguments[:3]))
     return started
 
 
@@ -191,7 +191,7 @@ def test_a_demo_opens_the_browser_at_a_port_of_jupyterlabs_choice(lab, here):
 
 
 def test_the_terminal_says_what_takes_the_time_and_what_went_wrong(monkeypatch, capsys, here):
-    monkeypatch.setattr(_lab, "run", lambda *arguments: arguments[-1]("A cell failed."))
+    monkeypatch.setattr(_lab, "run", lambda *arguments, **_: arguments[-1]("A cell failed."))
     main(["demo"])
     opening, running, failed = capsys.readouterr().out.splitlines()
     assert "tour.ipynb in JupyterLab" in opening

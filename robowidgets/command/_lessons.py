@@ -1,0 +1,52 @@
+"""The command ``robowidgets lessons``: the lessons in a language, and how far a class is."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Callable
+from pathlib import Path
+
+from .. import lessons
+from . import _notebooks
+from ._error import CommandError
+
+PAGE = "summary.html"
+
+
+def add_lessons(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments of the command."""
+    parser.add_argument(
+        "folder",
+        type=Path,
+        nargs="?",
+        default=Path(_notebooks.LESSONS_FOLDER),
+        metavar="FOLDER",
+        help=f"folder for the lessons (default: {_notebooks.LESSONS_FOLDER}); what is there already stays as it is",
+    )
+    parser.add_argument(
+        "--language", default=lessons.ENGLISH, help=f"of the lessons and their checks: {', '.join(lessons.languages())}"
+    )
+    parser.add_argument(
+        "--summary",
+        action="store_true",
+        help=f"print how far the students are whose reports are in FOLDER, and write it as a page (FOLDER/{PAGE})",
+    )
+
+
+def language_of(arguments: argparse.Namespace) -> str:
+    """The language that is asked for; CommandError if no lesson is written in it."""
+    if arguments.language not in lessons.languages():
+        raise CommandError(
+            f"--language: no lesson is written in {arguments.language!r}; there are {', '.join(lessons.languages())}"
+        )
+    return str(arguments.language)
+
+
+def print_summary(arguments: argparse.Namespace, say: Callable[[str], None]) -> int:
+    """Print how far a class is, and write it as a page; returns 1 when a file could not be read."""
+    found = lessons.summary(arguments.folder)
+    say(str(found))
+    page = arguments.folder / PAGE
+    found.to_html(page)
+    say(f"\nAs a page, with the answers of those who are stuck: {page}")
+    return 1 if found.problems else 0

@@ -1,0 +1,305 @@
+"""How far a student is: kept in a file beside the notebook, shown in a line, and handed in as a report."""
+
+from __future__ import annotations
+
+import hashlib
+import io
+import json
+import linecache
+import os
+import tokenize
+from collections.abc import Callable, Mapping
+from dataclasses import asdict, dataclass, fields, replace
+from datetime import datetime, timezone
+from html import escape
+from pathlib import Path
+from typing import Any
+
+from ..behaviors.machine import Machine
+from ..behaviors.program import Program
+from ._result import Result
+from ._texts import ENGLISH, say, speak
+
+FILE = "robowidgets-progress.json"
+KIND = "robowidgets lessons"
+AS_STATES = " as states"
+
+TASKS = (
+    *("nearest_on_the_left", "fits_through", "stop_at_wall", "bumper_reflex", "slow_in_doorway"),
+    *("wall_ahead", "stop_before_wall", "follow_wall", "back_off"),
+    *(f"{task}{AS_STATES}" for task in ("stop_before_wall", "follow_wall", "back_off")),
+)
+"""All tasks of the lessons in their order; those that are answered by a program and by a state machine are two."""
+
+LONGEST_TEXT, LONGEST_ANSWER, LONGEST_FILE = 500, 4000, 1_000_000
+"""Characters that are kept of a text and of an answer, and bytes of a file that is read."""
+
+_GIVEN = frozenset(
+    [
+        "0c216b8cf5c7",
+        "3fbfced9594f",
+        "aa5701eb281c",
+        "a4d769271174",
+        "0a24a8d9e232",
+        "25f7113ce953",
+        "59feae781a9c",
+        "baa7ad10cdf7",
+        "0e21331f4bf3",
+        "ceb2acfc1339",
+        "a627764c45a8",
+        "cdaac3c68026",
+    ]
+)
+"""Fingerprints of the answers as the lessons give them: checking one unchanged is no try."""
+
+
+class ReportError(ValueError):
+    """A file is no report of a student, or a damaged one; says what is wrong with it."""
+
+
+@dataclass(frozen=True)
+class Task:
+    """How far a student is with one task.
+
+    Attributes:
+        tries: different answers that were checked, up to the first that was right.
+        done: whether one was right.
+        first, last: when the first one was checked, and the one that is kept: of a done task the right one.
+        right, cases: in how many of its cases the one that is kept is right.
+        fault: what was wrong in the first wrong case, the same in all languages.
+        wrong: the line on that, in the language of the lesson.
+        answer: the text of the cell with the one that is kept.
+    """
+
+    tries: int = 0
+    done: bool = False
+    first: str = ""
+    last: str = ""
+    right: int = 0
+    cases: int = 0
+    fault: str = ""
+    wrong: str = ""
+    answer: str = ""
+
+
+class Progress:
+    """How many tasks are done, as a line that follows the checks.
+
+    Attributes:
+        tasks: the names of all tasks, in the order of the lessons.
+    """
+
+    tasks = TASKS
+
+    def __init__(self, file: Path, now: Callable[[], datetime] = lambda: datetime.now(timezone.utc)) -> None:
+        from ipywidgets import HTML
+
+        self._file = file
+        self._now = now
+        self._line: Any = HTML()
+        self._problem = ""
+        self._read()
+        self._show()
+
+    @property
+    def done(self) -> tuple[str, ...]:
+        """The names of the tasks that are done, in the order of the lessons."""
+        kept = self._read()
+        return tuple(task for task in TASKS if task in kept and kept[task].done)
+
+    def __repr__(self) -> str:
+        line = say("{done} of {all} done", done=len(self.done), all=len(TASKS))
+        return f"{line}. {self._problem}" if self._problem else line
+
+    def _repr_mimebundle_(self, **kwargs: Any) -> Any:
+        return self._line._repr_mimebundle_(**kwargs)
+
+    def keep(self, task: str, answer: str, result: Result) -> None:
+        """Keep the result of a check, and show it in the line, which also says what cannot be kept."""
+        kept = self._read()
+        before = kept.get(task, Task())
+        if fingerprint(answer) in _GIVEN or (before.done and not result):
+            return
+        now = self._now().isoformat(timespec="seconds")
+        answer = answer[:LONGEST_ANSWER]
+        kept[task] = Task(
+            tries=before.tries + (not before.done and (answer != before.answer or not answer)),
+            done=before.done or bool(result),
+            first=before.first or now,
+            last=now,
+            right=result.right,
+            cases=result.cases,
+            fault=result.fault[:LONGEST_TEXT],
+            wrong=result.wrong[0][:LONGEST_TEXT] if result.wrong else "",
+            answer=answer,
+        )
+        try:
+            write(self._file, kept)
+        except OSError as error:
+            self._problem = say("It cannot be kept: {error}", error=error)
+        self._show()
+
+    def report(self, file: Path) -> int:
+        """Write what is kept as a report; returns how many tasks are done."""
+        write(file, self._read())
+        return len(self.done)
+
+    def _read(self) -> dict[str, Task]:
+        if not self._file.exists():
+            return {}
+        try:
+            return read(self._file)
+        except (ReportError, OSError) as error:
+            aside = self._file.with_suffix(".damaged.json")
+            self._problem = say("{error}. It is {aside} now, and a new one begins", error=error, aside=aside.name)
+            try:
+                os.replace(self._file, aside)
+            except OSError as why:
+                self._problem = say("It cannot be kept: {error}", error=why)
+            return {}
+
+    def _show(self) -> None:
+        done = set(self.done)
+        boxes = "".join(
+            f'<span title="{escape(task, quote=True)}" style="display:inline-block;width:.8em;height:.8em;'
+            f"margin-right:.2em;border-radius:.15em;border:1px solid #2e9e5b;"
+            f'background:{"#2e9e5b" if task in done else "transparent"}"></span>'
+            for task in TASKS
+        )
+        line = escape(say("{done} of {all} done", done=len(done), all=len(TASKS)))
+        problem = f"<div>{escape(self._problem)}</div>" if self._problem else ""
+        self._line.value = f'<span aria-hidden="true">{boxes}</span> <b>{line}</b>{problem}'
+
+
+_current: Progress | None = None
+
+
+def progress(language: str = ENGLISH) -> Progress:
+    """Show how many tasks of the lessons are done, in a line that follows the checks.
+
+    From now on checks keep their results in ``robowidgets-progress.json``, in the folder of the notebook, and speak the
+    language of the lesson.
+
+    Args:
+        language: its code, such as ``"de"``.
+
+    Raises:
+        ValueError: the lessons are not written in it.
+    """
+    global _current
+    speak(language)
+    _current = Progress(Path(FILE).absolute())
+    return _current
+
+
+def report(file: str | os.PathLike[str]) -> str:
+    """Write a file to hand in, which says how far you are, with your answers.
+
+    Args:
+        file: its name, such as ``"ada.json"``: the teacher sees you under it.
+
+    Returns:
+        A line that says what is in it.
+
+    Raises:
+        ValueError: the name does not end with ``.json``.
+        FileExistsError: there is another file of this name, which is no report.
+    """
+    path = Path(file)
+    if path.suffix != ".json" or path.name == FILE:
+        raise ValueError(f"report: expected a file name with your own name, such as 'ada.json', got {str(file)!r}")
+    if path.exists():
+        try:
+            read(path)
+        except ReportError as error:
+            raise FileExistsError(f"report: {path} is another file, which stays as it is ({error})") from None
+    done = (_current or Progress(Path(FILE).absolute())).report(path)
+    return say("{file}: {done} of {all} done. Hand in this file", file=path.name, done=done, all=len(TASKS))
+
+
+def forget() -> None:
+    """Have checks keep nothing from now on."""
+    global _current
+    _current = None
+
+
+def keep(function: Any, name: str, result: Result) -> None:
+    """Keep the result of a check, if `progress` was asked for."""
+    if _current is not None:
+        function = function.version.function if isinstance(function, Program) else function
+        described = function.cls if isinstance(function, Machine) else function
+        is_machine = isinstance(described, type)
+        task = f"{name}{AS_STATES}" if is_machine and f"{name}{AS_STATES}" in TASKS else name
+        _current.keep(task, _cell_of(described), result)
+
+
+def _cell_of(answer: Any) -> str:
+    """The text of the cell, or the file, in which an answer is written; empty where Python does not have it."""
+    parts = [answer, *(vars(answer).values() if isinstance(answer, type) else ())]
+    code = next((part.__code__ for part in parts if hasattr(part, "__code__")), None)
+    return "".join(linecache.getlines(code.co_filename)) if code is not None else ""
+
+
+def fingerprint(cell: str) -> str:
+    """Of the answer in a cell, without its check, comments and blanks: the same in all languages."""
+    skipped = {tokenize.COMMENT, tokenize.NL, tokenize.NEWLINE, tokenize.INDENT, tokenize.DEDENT, tokenize.ENDMARKER}
+    text = cell.partition("\nresult = ")[0]
+    try:
+        words = [t.string for t in tokenize.generate_tokens(io.StringIO(text).readline) if t.type not in skipped]
+    except (tokenize.TokenError, SyntaxError):  # a magic of IPython, which is in none that is given
+        return ""
+    return hashlib.sha256(" ".join(words).encode()).hexdigest()[:12]
+
+
+# -- the file ----------------------------------------------------------------------------------------------------------
+
+
+def write(file: Path, tasks: Mapping[str, Task]) -> None:
+    """Write a file at once: who reads it meanwhile gets all or nothing of it."""
+    text = json.dumps({"kind": KIND, "version": 1, "tasks": {k: asdict(v) for k, v in tasks.items()}}, indent=1)
+    part = file.with_name(f".{file.name}.{os.getpid()}.part")
+    try:
+        part.write_text(text, encoding="utf-8")
+        os.replace(part, file)
+    except OSError:
+        part.unlink(missing_ok=True)
+        raise
+
+
+def read(file: Path) -> dict[str, Task]:
+    """The tasks in a file, which may come from anywhere: nothing in it is run, and all of it is text.
+
+    Raises:
+        ReportError: it is none, or damaged.
+        OSError: it cannot be read.
+    """
+    if file.stat().st_size > LONGEST_FILE:
+        raise ReportError(f"{file.name} is too large for a report: {file.stat().st_size / 1e6:.1f} MB")
+    try:
+        held = json.loads(file.read_bytes())
+    except (ValueError, RecursionError) as error:
+        raise ReportError(f"{file.name} is damaged: {error}") from None
+    if not isinstance(held, dict) or held.get("kind") != KIND:
+        raise ReportError(f"{file.name} is no report of the lessons")
+    if held.get("version") != 1:
+        raise ReportError(f"{file.name} is of version {held.get('version')!r:.20}, and this robowidgets reads 1")
+    tasks = held.get("tasks")
+    if not isinstance(tasks, dict):
+        raise ReportError(f"{file.name} is damaged: it has no tasks")
+    return {task: _task(file, task, row) for task, row in tasks.items()}
+
+
+def _task(file: Path, name: str, row: Any) -> Task:
+    if name not in TASKS:
+        raise ReportError(f"{file.name} has a task that is not known here: {name!r:.60}")
+    if not isinstance(row, dict):
+        raise ReportError(f"{file.name} is damaged at {name}")
+    empty = Task()
+    values: dict[str, Any] = {}
+    for field in fields(Task):
+        default = getattr(empty, field.name)
+        value = row.get(field.name, default)
+        if type(value) is not type(default) or (isinstance(value, int) and not 0 <= value < 1_000_000):
+            raise ReportError(f"{file.name} is damaged at {name}: {field.name} is {value!r:.60}")
+        values[field.name] = value[:LONGEST_ANSWER] if isinstance(value, str) else value
+    return replace(empty, **values)

@@ -1,0 +1,65 @@
+"""What the check of an answer found."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from html import escape
+from typing import Any
+
+from ._texts import say
+
+
+class Result:
+    """What the check of an answer found; true when the answer is right, and printed in plain words.
+
+    Args:
+        name: of the task.
+        wrong: a line for each case that is wrong; a function that gives no answer is tried no further.
+        right: the number of cases that are right.
+        cases: the number of all cases.
+        sample: the first scan, or touch, on which it was wrong; None when all is right.
+        prints: the last lines that the function printed.
+        fault: what is wrong in the first of these cases, as it is known in all languages.
+    """
+
+    def __init__(
+        self,
+        name: str,
+        wrong: Sequence[str],
+        right: int,
+        cases: int,
+        sample: Any = None,
+        prints: Sequence[str] = (),
+        fault: str = "",
+    ) -> None:
+        self.name = name
+        self.prints = tuple(prints)
+        self.wrong = tuple(wrong)
+        self.right = right
+        self.cases = cases
+        self.sample = sample
+        self.fault = fault
+
+    def __bool__(self) -> bool:
+        return not self.wrong
+
+    def __repr__(self) -> str:
+        printed = [say("It printed last:"), *(f"  {line}" for line in self.prints)] if self.prints else []
+        return "\n".join((self._head(), *(f"  - {line}" for line in self.wrong), *printed))
+
+    def _repr_html_(self) -> str:
+        # A notebook breaks the lines of text in the middle of words.
+        lines = "".join(f"<li>{escape(line)}</li>" for line in self.wrong)
+        printed = "\n".join(map(escape, self.prints))
+        printed = printed and f"<div>{escape(say('It printed last:'))}</div><pre>{printed}</pre>"
+        return f"<div>{escape(self._head())}</div><ul>{lines}</ul>{printed}"
+
+    def _head(self) -> str:
+        if not self.wrong:
+            return say("{name}: right in all {cases} cases. Well done!", name=self.name, cases=self.cases)
+        return say(
+            "{name}: right in {right} of {cases} cases. Still wrong:",
+            name=self.name,
+            right=self.right,
+            cases=self.cases,
+        )

@@ -1,0 +1,190 @@
+"""A class at a glance: who has done which task, and who is stuck where, from the reports that were handed in."""
+
+from __future__ import annotations
+
+import os
+from collections import Counter
+from collections.abc import Iterable, Iterator, Mapping
+from html import escape
+from pathlib import Path
+from typing import NamedTuple
+
+from ._progress import FILE, TASKS, ReportError, Task, read
+
+STUCK = 3
+"""Different answers that were wrong, from which on a student counts as stuck."""
+
+
+class Fault(NamedTuple):
+    """What is wrong in the answers of those who are stuck at a task, the most common first."""
+
+    task: str
+    students: tuple[str, ...]
+    faults: tuple[tuple[str, int], ...]
+
+
+class Summary:
+    """How far the students of a class are. A notebook shows it as a picture; printed it is a table.
+
+    Args:
+        students: the tasks of each, by name.
+        problems: a line for each file that is no report, or damaged.
+    """
+
+    def __init__(self, students: Mapping[str, Mapping[str, Task]], problems: Iterable[str] = ()) -> None:
+        self.students = {name: dict(students[name]) for name in sorted(students, key=str.casefold)}
+        self.problems = tuple(problems)
+
+    @property
+    def stuck(self) -> tuple[Fault, ...]:
+        """The tasks at which somebody is stuck, the one with most students first."""
+        found = []
+        for task in TASKS:
+            names = tuple(name for name, tasks in self.students.items() if _is_stuck(tasks.get(task)))
+            if names:
+                faults = Counter(self.students[name][task].fault for name in names)
+                found.append(Fault(task, names, tuple(faults.most_common(3))))
+        return tuple(sorted(found, key=lambda fault: -len(fault.students)))
+
+    def __repr__(self) -> str:
+        width = max((len(_plain(name)) for name in self.students), default=0)
+        numbers = "".join(f"{number:>4}" for number in range(1, len(TASKS) + 1))
+        lines = [f"{'':{width}}{numbers}  done"]
+        for name, tasks in self.students.items():
+            marks = "".join(f"{_mark(tasks.get(task)):>4}" for task in TASKS)
+            lines.append(f"{_plain(name):{width}}{marks}{_done(tasks):>6}")
+        lines.append(f"{'done by':{width}}{''.join(f'{self._done_by(task):>4}' for task in TASKS)}")
+        lines += ["", *(f"{number:>4}  {task}" for number, task in enumerate(TASKS, 1))]
+        lines.append(f"   ✓  done;  a number: different answers that were wrong; {STUCK} or more: stuck")
+        for fault in self.stuck:
+            names = ", ".join(map(_plain, fault.students))
+            lines += ["", f"{len(fault.students)} stuck at {fault.task}: {names}"]
+            lines += [f"  {count} ×  {_plain(text)}" for text, count in fault.faults if text]
+        return "\n".join([*lines, *(f"\nnot read: {_plain(problem)}" for problem in self.problems)])
+
+    def _done_by(self, task: str) -> int:
+        return sum(task in tasks and tasks[task].done for tasks in self.students.values())
+
+    def _repr_html_(self) -> str:
+        head = "".join(f'<th class="rw-task"><span>{escape(task.replace("_", " "))}</span></th>' for task in TASKS)
+        rows = "".join(
+            f"<tr><th>{escape(name)}</th>{''.join(_cell(task, tasks.get(task)) for task in TASKS)}"
+            f"<td class='rw-done'>{_done(tasks)}</td></tr>"
+            for name, tasks in self.students.items()
+        )
+        most = max(len(self.students), 1)
+        bars = "".join(
+            f'<td class="rw-bar"><i style="height:{2.4 * done / most:.2f}em"></i>{done}</td>'
+            for done in map(self._done_by, TASKS)
+        )
+        problems = "".join(f"<li>{escape(problem)}</li>" for problem in self.problems)
+        return (
+            f'<div class="rw-class"><style>{_STYLE}</style>'
+            f"<table><thead><tr><th></th>{head}<th>done</th></tr></thead><tbody>{rows}</tbody>"
+            f"<tfoot><tr><th>done by, of {len(self.students)}</th>{bars}<td></td></tr></tfoot></table>"
+            f'<p><b class="rw-yes">✓</b> done <b class="rw-try">1</b> wrong answers so far '
+            f'<b class="rw-stuck">{STUCK}</b> stuck: {STUCK} or more different answers were wrong</p>'
+            f"{''.join(self._stuck_html())}"
+            f"{f'<h3>Not read</h3><ul>{problems}</ul>' if problems else ''}</div>"
+        )
+
+    def _stuck_html(self) -> Iterator[str]:
+        for fault in self.stuck:
+            yield f"<h3>{len(fault.students)} stuck at {escape(fault.task.replace('_', ' '))}</h3><ul>"
+            yield from (f"<li>{count} × {escape(text)}</li>" for text, count in fault.faults if text)
+            yield "</ul>"
+            for name in fault.students:
+                task = self.students[name][fault.task]
+                yield f"<details><summary>{escape(name)}: {escape(task.wrong)}</summary>"
+                yield f"<pre>{escape(task.answer)}</pre></details>"
+
+    def to_html(self, file: str | os.PathLike[str]) -> None:
+        """Write the picture as a page of its own, which loads nothing."""
+        Path(file).write_text(
+            '<!doctype html><html lang="en"><meta charset="utf-8">'
+            "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; style-src 'unsafe-inline'\">"
+            '<meta name="viewport" content="width=device-width"><title>The class at a glance</title>'
+            "<style>:root { color-scheme: light dark } body { font: 15px system-ui, sans-serif; margin: 2em }</style>"
+            f"<h1>The class at a glance</h1>{self._repr_html_()}</html>",
+            encoding="utf-8",
+        )
+
+
+def summary(folder: str | os.PathLike[str]) -> Summary:
+    """How far a class is, from a folder with the reports of its students, at any depth.
+
+    Reports are files that `report` wrote, each with the name of its student, and the ``robowidgets-progress.json`` of
+    notebooks' folders, which belong to the student after whom the first folder is named. A file that is damaged, or
+    none of these, is named in ``problems``. Nothing in them is run.
+
+    Raises:
+        NotADirectoryError: there is no such folder.
+    """
+    root = Path(folder)
+    if not root.is_dir():
+        raise NotADirectoryError(f"summary: there is no folder {str(folder)!r}; name the one with the reports")
+    found, problems = list[tuple[Path, dict[str, Task]]](), list[str]()
+    for file in sorted(root.rglob("*.json")):
+        within = file.relative_to(root)
+        if any(part.startswith(".") for part in within.parts):
+            continue
+        try:
+            found.append((within, read(file)))
+        except (ReportError, OSError) as error:
+            problems.append(str(error) if within.parent == Path() else f"{within.parent}: {error}")
+    stems = Counter(file.stem for file, _ in found if file.name != FILE)
+    students: dict[str, dict[str, Task]] = {}
+    for file, tasks in found:
+        above = file.parts[0] if len(file.parts) > 1 else root.resolve().name
+        name = above if file.name == FILE else file.stem if stems[file.stem] == 1 else f"{above}/{file.stem}"
+        of = students.setdefault(name, {})
+        for task, row in tasks.items():
+            if task not in of or (row.done, row.last) > (of[task].done, of[task].last):
+                of[task] = row
+    return Summary(students, problems)
+
+
+def _is_stuck(task: Task | None) -> bool:
+    return task is not None and not task.done and task.tries >= STUCK
+
+
+def _done(tasks: Mapping[str, Task]) -> int:
+    return sum(task.done for task in tasks.values())
+
+
+def _mark(task: Task | None) -> str:
+    return "·" if task is None else "✓" if task.done else str(task.tries)
+
+
+def _cell(name: str, task: Task | None) -> str:
+    if task is None:
+        return "<td></td>"
+    kind = "yes" if task.done else "stuck" if _is_stuck(task) else "try"
+    told = f"{name}: {'done' if task.done else task.wrong}"
+    return f'<td class="rw-{kind}" title="{escape(told, quote=True)}">{_mark(task)}</td>'
+
+
+def _plain(text: str) -> str:
+    """A text of somebody else in one line of a terminal, without what would move its cursor."""
+    return "".join(c if c.isprintable() else "�" for c in text)
+
+
+_STYLE = """
+.rw-class { overflow-x: auto; }
+.rw-class table { border-collapse: separate; border-spacing: 3px; font-variant-numeric: tabular-nums; }
+.rw-class th { font-weight: 500; text-align: left; padding-right: .6em; background: none; white-space: nowrap; }
+.rw-class thead th { vertical-align: bottom; }
+.rw-class .rw-task { padding: 0; text-align: center; }
+.rw-class .rw-task span { writing-mode: vertical-rl; transform: rotate(180deg); }
+.rw-class tbody td { width: 2.1em; min-width: 2.1em; height: 1.7em; padding: 0; text-align: center; border-radius: 3px;
+  box-shadow: inset 0 0 0 1px #8885; }
+.rw-class tbody .rw-done { box-shadow: none; text-align: right; }
+.rw-class .rw-bar { vertical-align: bottom; text-align: center; padding: 0; }
+.rw-class .rw-bar i { display: block; background: #1f7a46; border-radius: 2px 2px 0 0; margin: 0 .3em; }
+.rw-class p b { display: inline-block; min-width: 1.6em; text-align: center; border-radius: 3px; margin-left: .8em; }
+.rw-class p b:first-child { margin-left: 0; }
+.rw-class .rw-yes { background: #1f7a46; color: #fff; }
+.rw-class .rw-try { background: #f0d48a; color: #000; }
+.rw-class .rw-stuck { background: #c2410c; color: #fff; font-weight: 600; }
+.rw-class pre { padding: .6em; border-left: 3px solid #8885; overflow-x: auto; }
+"""

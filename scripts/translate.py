@@ -1,0 +1,163 @@
+"""Gather what the lessons say, and write the lessons in each language in which `robowidgets/lessons/texts` has a file.
+
+Run it after a change of a lesson, of what a check says, or of a translation. It adds new texts to each ``.po`` file,
+for somebody to translate, marks those whose English has changed as fuzzy, and writes the compiled ``.mo`` files and
+``notebooks/LANGUAGE``. Exits with 1 while a translation is missing. A new language begins with an empty ``.po`` file.
+"""
+
+from __future__ import annotations
+
+import ast
+import io
+import json
+import re
+import sys
+from collections.abc import Callable, Iterator
+from datetime import datetime, timezone
+from pathlib import Path
+from typing import Any
+
+from babel.messages.catalog import Catalog
+from babel.messages.mofile import write_mo
+from babel.messages.pofile import read_po, write_po
+
+ROOT = Path(__file__).parents[1]
+CHECKS = ROOT / "robowidgets" / "lessons"
+TEXTS = CHECKS / "texts"
+NOTEBOOKS = ROOT / "notebooks"
+LESSONS = ("from_picture_to_code", "from_code_to_behavior", "from_behavior_to_robot")
+
+SPEAKS = {"say", "WrongError", "BrokenError"}
+SOLUTION = re.compile(r"(?<=<summary>)\w+(?=</summary>)")
+TEXT = re.compile(r'"([^"]*)"')
+WORDS = re.compile(r"[A-Za-z,;] ")
+FIELD = re.compile(r"\{[^}]*\}")
+EPOCH = datetime(2026, 1, 1, tzinfo=timezone.utc)
+
+Translate = Callable[[str], str]
+
+
+def said_by_checks() -> Iterator[tuple[str, str]]:
+    """(text, file) of all that the checks say."""
+    for file in sorted(CHECKS.glob("*.py")):
+        for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id in SPEAKS:
+                for text in literals(node.args[0]):
+                    yield text, f"{file.stem}.py"
+
+
+def literals(node: ast.expr) -> Iterator[str]:
+    """The texts that an argument may be: a literal, or one of two."""
+    if isinstance(node, ast.IfExp):
+        yield from (*literals(node.body), *literals(node.orelse))
+    elif isinstance(node, ast.Constant) and isinstance(node.value, str):
+        if FIELD.sub("", node.value):
+            yield node.value
+    elif not (isinstance(node, ast.Name) and node.id == "text"):  # that hands on what it was given
+        raise ValueError(f"line {node.lineno}: a text for a person stands as a literal where it is said")
+
+
+def lesson(name: str) -> dict[str, Any]:
+    """An English lesson."""
+    notebook: dict[str, Any] = json.loads((NOTEBOOKS / f"{name}.ipynb").read_text(encoding="utf-8"))
+    return notebook
+
+
+def translated(notebook: dict[str, Any], language: str, translate: Translate) -> dict[str, Any]:
+    """A lesson in another language: its texts, and the comments and texts in its code."""
+    cells = []
+    for cell in notebook["cells"]:
+        text = "".join(cell["source"])
+        if cell["id"].startswith("solution-"):
+            text = SOLUTION.sub(lambda found: translate(found[0]), in_code(text, translate))
+        elif cell["id"] == "lesson-progress":
+            text = text.replace("progress()", f'progress("{language}")')
+        else:
+            text = translate(text) if cell["cell_type"] == "markdown" else in_code(text, translate)
+        cells.append(cell | {"source": text.splitlines(keepends=True)})
+    return notebook | {"cells": cells}
+
+
+def in_code(text: str, translate: Translate) -> str:
+    """Code whose lines with words are translated."""
+    return "\n".join(translate(line) if has_words(line) else line for line in text.split("\n"))
+
+
+def has_words(line: str) -> bool:
+    """Whether a line of code has words for a person: a comment, or a text with blanks that is no move of a machine."""
+    return "# " in line or any(WORDS.search(text) and "->" not in text for text in TEXT.findall(line))
+
+
+def all_texts() -> Catalog:
+    """All that is to be translated, and where it stands."""
+    catalog = empty()
+    for text, file in said_by_checks():
+        catalog.add(text, locations=[(file, 0)], flags=["python-brace-format"] if "{" in text else [])
+    for name in LESSONS:
+
+        def gather(text: str, name: str = name) -> str:
+            catalog.add(text, locations=[(f"{name}.ipynb", 0)])
+            return text
+
+        translated(lesson(name), "en", gather)
+    return catalog
+
+
+def empty(language: str | None = None) -> Catalog:
+    """A catalogue without texts, whose head is the same in each run."""
+    return Catalog(locale=language, project="robowidgets", creation_date=EPOCH, revision_date=EPOCH, fuzzy=False)
+
+
+def update(file: Path, english: Catalog) -> tuple[Catalog, list[str]]:
+    """The catalogue of a language with all texts, and those that it lacks."""
+    with file.open("rb") as opened:
+        held = read_po(opened, locale=file.stem)
+    held.update(english)
+    catalog = empty(file.stem)
+    for message in english:
+        if message.id:
+            of = held.get(message.id)
+            flags = message.flags | ({"fuzzy"} if of is not None and of.fuzzy else set())
+            catalog.add(message.id, of.string if of else "", message.locations, flags)
+    return catalog, [str(message.id) for message in catalog if message.id and (not message.string or message.fuzzy)]
+
+
+def files_of(language: str, catalog: Catalog) -> dict[Path, bytes]:
+    """All files of a language."""
+
+    def translate(text: str) -> str:
+        message = catalog.get(text)
+        return str(message.string) if message is not None and message.string else text
+
+    po, mo = io.BytesIO(), io.BytesIO()
+    write_po(po, catalog, width=110, include_lineno=False, ignore_obsolete=True)
+    spoken = empty(language)
+    for message in catalog:
+        if message.id and any(str(file).endswith(".py") for file, _ in message.locations):
+            spoken.add(message.id, message.string, flags=message.flags)
+    write_mo(mo, spoken)
+    made = {TEXTS / f"{language}.po": po.getvalue(), TEXTS / f"{language}.mo": mo.getvalue()}
+    for name in LESSONS:
+        notebook = translated(lesson(name), language, translate)
+        text = json.dumps(notebook, indent=1, ensure_ascii=False) + "\n"
+        made[NOTEBOOKS / language / f"{name}.ipynb"] = text.encode()
+    return made
+
+
+def main() -> int:
+    """Write all files; returns 1 while a translation is missing."""
+    english, missing = all_texts(), 0
+    for file in sorted(TEXTS.glob("*.po")):
+        catalog, lacks = update(file, english)
+        for made, content in files_of(file.stem, catalog).items():
+            made.parent.mkdir(exist_ok=True)
+            made.write_bytes(content)
+        missing += len(lacks)
+        print(f"{file.stem}: {len(lacks)} of {len(english)} texts are to be translated")
+        for text in lacks:
+            print(f"  {text.splitlines()[0]}")
+    return 1 if missing else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

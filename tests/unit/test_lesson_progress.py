@@ -1,0 +1,219 @@
+"""How far a student is: kept beside the notebook, shown in a line, handed in, and summed up for a class."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from robowidgets import Touch, lessons
+from robowidgets.command import main
+from robowidgets.lessons import _progress, _texts
+from robowidgets.lessons._progress import FILE, TASKS, ReportError, Task, fingerprint, read, write
+
+from ..conftest import ROOT
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
+    """The folder of a notebook, in which nothing is done yet."""
+    monkeypatch.chdir(tmp_path)
+    yield tmp_path
+    _progress.forget()
+    _texts.speak("en")
+
+
+def bumper_reflex(touch: Touch) -> tuple[float, float]:
+    touched = touch.touched
+    if None in touched.values():
+        return 0.0, 0.0
+    if any(touched.values()):
+        return -0.2, -1.0 if touched["left"] else 1.0
+    return 0.3, 0.0
+
+
+def wrong(turn: int) -> object:
+    """Another wrong answer for each number, as a cell of a notebook has it."""
+    import linecache
+
+    source = f"def bumper_reflex(touch):\n    return 0.3, {turn}\n\n\nresult = lessons.check(bumper_reflex)\nresult"
+    linecache.cache[f"<cell {turn}>"] = (len(source), None, source.splitlines(keepends=True), f"<cell {turn}>")
+    names: dict[str, object] = {"lessons": lessons}
+    exec(compile(source, f"<cell {turn}>", "exec"), names)
+    return names["result"]
+
+
+class TestProgress:
+    def test_checks_keep_nothing_before_it_is_asked_for_and_then_its_line_follows_them(self, folder: Path) -> None:
+        lessons.check(bumper_reflex)
+        assert list(folder.iterdir()) == []
+        progress = lessons.progress()
+        line = progress._line
+        assert repr(progress) == "0 of 12 done"
+        wrong(1)
+        assert repr(progress) == "0 of 12 done"
+        lessons.check(bumper_reflex)
+        assert repr(progress) == "1 of 12 done"
+        assert "<b>1 of 12 done</b>" in line.value
+        assert progress.done == ("bumper_reflex",)
+        assert "application/vnd.jupyter.widget-view+json" in progress._repr_mimebundle_()
+        assert repr(lessons.progress()) == "1 of 12 done"  # of a kernel that starts anew
+
+    def test_tries_are_different_answers_until_one_is_right_which_stays(self) -> None:
+        lessons.progress()
+        for turn in (1, 1, 2, 3):
+            wrong(turn)
+        kept = read(Path(FILE))["bumper_reflex"]
+        assert (kept.tries, kept.done, kept.right, kept.cases) == (3, False, 0, 5)
+        assert kept.fault == "you returned {linear:g} m/s and {turn:g} rad/s; {wrong}"
+        assert kept.wrong.startswith("nothing touched: you returned 0.3 m/s and 3 rad/s; nothing is touched:")
+        assert kept.answer.startswith("def bumper_reflex(touch):\n    return 0.3, 3\n")
+        lessons.check(bumper_reflex)
+        right = read(Path(FILE))["bumper_reflex"]
+        assert (right.tries, right.done, right.right, right.wrong) == (4, True, 5, "")
+        wrong(4)
+        assert read(Path(FILE))["bumper_reflex"] == right
+
+    def test_the_answers_that_the_lessons_give_are_no_tries(self) -> None:
+        given = set()
+        for name in ("from_picture_to_code", "from_code_to_behavior"):
+            for cell in json.loads((ROOT / "notebooks" / f"{name}.ipynb").read_text("utf-8"))["cells"]:
+                if re.fullmatch(r"task-\d", cell["id"]):
+                    given.add(fingerprint("".join(cell["source"])))
+        assert given == _progress._GIVEN, "put these into _GIVEN: " + " ".join(sorted(given))
+        assert len(given) == len(TASKS)
+        assert fingerprint("def f():  # ein\n    return 1\n\nresult = 2") == fingerprint("def f():\n  return 1  # a")
+        assert fingerprint("def f():\n    return 2") != fingerprint("def f():\n    return 1")
+
+    def test_a_damaged_file_is_told_kept_aside_and_begun_anew(self, folder: Path) -> None:
+        (folder / FILE).write_text('{"kind": "robowidgets les', encoding="utf-8")
+        progress = lessons.progress()
+        assert repr(progress).startswith(f"0 of 12 done. {FILE} is damaged: ")
+        lessons.check(bumper_reflex)
+        assert progress.done == ("bumper_reflex",)
+        assert (folder / "robowidgets-progress.damaged.json").read_text("utf-8").endswith(" les")
+
+    def test_where_nothing_can_be_written_the_check_works_and_the_line_says_so(self, folder: Path) -> None:
+        progress = lessons.progress()
+        (folder / f".{FILE}.{os.getpid()}.part").mkdir()
+        assert lessons.check(bumper_reflex)
+        assert "It cannot be kept: " in repr(progress)
+
+    def test_a_program_and_a_state_machine_are_two_tasks(self) -> None:
+        class Stands:
+            def still() -> None:  # type: ignore[misc]
+                pass
+
+            moves = "still -> still after 1"
+
+        lessons.progress()
+        lessons.check(Stands, "stop_before_wall")
+        lessons.check(lambda: None, "stop_before_wall")
+        assert set(read(Path(FILE))) == {"stop_before_wall", "stop_before_wall as states"}
+
+
+class TestReport:
+    def test_it_is_what_was_kept_under_the_name_of_the_student(self, folder: Path) -> None:
+        lessons.progress()
+        lessons.check(bumper_reflex)
+        assert lessons.report("ada.json") == "ada.json: 1 of 12 done. Hand in this file"
+        assert read(folder / "ada.json") == read(folder / FILE)
+        assert lessons.report("ada.json")  # again, over the report of before
+        for name in ("ada", "ada.txt", FILE):
+            with pytest.raises(ValueError, match="expected a file name with your own name"):
+                lessons.report(name)
+        (folder / "mine.json").write_text('{"front": 1}', encoding="utf-8")
+        with pytest.raises(FileExistsError, match="another file, which stays as it is"):
+            lessons.report("mine.json")
+        assert (folder / "mine.json").read_text("utf-8") == '{"front": 1}'
+
+    @pytest.mark.parametrize(
+        ("text", "said"),
+        [
+            ("", "is damaged: Expecting value"),
+            ("[" * 100_000, "is damaged"),
+            ('{"kind": "x"}', "is no report of the lessons"),
+            ('{"kind": "robowidgets lessons", "version": 2}', "is of version 2"),
+            ('{"kind": "robowidgets lessons", "version": 1}', "it has no tasks"),
+            ('{"kind": "robowidgets lessons", "version": 1, "tasks": {"x": {}}}', "not known here: 'x'"),
+            ('{"kind": "robowidgets lessons", "version": 1, "tasks": {"wall_ahead": 3}}', "is damaged at wall_ahead"),
+            (
+                '{"kind": "robowidgets lessons", "version": 1, "tasks": {"wall_ahead": {"done": "yes"}}}',
+                "is damaged at wall_ahead: done is 'yes'",
+            ),
+            (
+                '{"kind": "robowidgets lessons", "version": 1, "tasks": {"wall_ahead": {"tries": -1}}}',
+                "is damaged at wall_ahead: tries is -1",
+            ),
+            (" " * 1_000_001, "is too large for a report: 1.0 MB"),
+        ],
+    )
+    def test_one_that_is_damaged_or_none_is_refused_with_what_is_wrong(
+        self, folder: Path, text: str, said: str
+    ) -> None:
+        (folder / "ada.json").write_text(text, encoding="utf-8")
+        with pytest.raises(ReportError, match=re.escape(said)):
+            read(folder / "ada.json")
+
+
+class TestSummary:
+    def hand_in(self, folder: Path) -> None:
+        stuck = Task(
+            tries=4, fault="drive closer", wrong="<b>drive closer</b>", answer="</pre><script>alert(1)</script>"
+        )
+        write(folder / "ada.json", {"fits_through": Task(done=True, tries=2), "wall_ahead": Task(done=True)})
+        write(folder / "\x1b[2J<i>bo.json", {"fits_through": stuck, "wall_ahead": Task(tries=1)})
+        for name in ("cy", "di"):
+            (folder / name / "lesson").mkdir(parents=True)
+            write(folder / name / "lesson" / FILE, {"fits_through": stuck})
+        (folder / "cy" / "second").mkdir()
+        write(folder / "cy" / "second" / FILE, {"fits_through": Task(done=True), "wall_ahead": stuck})
+        (folder / "torn.json").write_text('{"kind"', encoding="utf-8")
+
+    def test_a_class_is_seen_at_a_glance_as_a_table(self, folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+        self.hand_in(folder)
+        assert main(["lessons", "--summary", str(folder)]) == 1
+        said = capsys.readouterr().out
+        rows = {line.split()[0]: line.split()[1:] for line in said.splitlines() if line.strip()}
+        assert rows["ada"] == ["·", "✓", *"···", "✓", *"······", "2"]
+        assert rows["cy"] == ["·", "✓", *"···", "4", *"······", "1"]  # of both of its folders
+        assert "2 stuck at fits_through: �[2J<i>bo, di\n  2 ×  drive closer" in said
+        assert "not read: torn.json is damaged: " in said
+        assert "\x1b" not in said
+        with pytest.raises(NotADirectoryError, match="there is no folder 'none'"):
+            lessons.summary("none")
+
+    def test_its_page_shows_texts_of_students_as_text(self, folder: Path) -> None:
+        self.hand_in(folder)
+        found = lessons.summary(folder)
+        found.to_html(folder / "page.html")
+        page = (folder / "page.html").read_text("utf-8")
+        assert "<script" not in page
+        assert "&lt;/pre&gt;&lt;script&gt;" in page
+        assert "&lt;i&gt;bo" in page
+        assert "default-src 'none'" in page
+        assert found._repr_html_() in page
+
+    def test_reports_of_the_same_name_are_told_apart_by_their_folders(self, folder: Path) -> None:
+        for name in ("ada", "bo"):
+            (folder / name).mkdir()
+            write(folder / name / "report.json", {})
+        assert list(lessons.summary(folder).students) == ["ada/report", "bo/report"]
+
+
+def test_the_command_puts_the_lessons_into_a_folder_and_runs_no_cell(
+    folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    from robowidgets.command import _lab
+
+    opened: list[object] = []
+    monkeypatch.setattr(_lab, "run", lambda notebook, *_, runs_cells: opened.append((notebook, runs_cells)))
+    assert main(["lessons", "mine"]) == 0
+    assert opened == [(folder / "mine" / "from_picture_to_code.ipynb", False)]
+    assert (folder / "mine" / "from_code_to_behavior.ipynb").exists()
+    assert main(["lessons", "--language", "xx"]) == 1
+    assert "no lesson is written in 'xx'; there are en" in capsys.readouterr().err
