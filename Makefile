@@ -20,7 +20,7 @@ export PIP_DISABLE_PIP_VERSION_CHECK := 1
 # The tests start hundreds of processes and kernels: the package is compiled for the first of them.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: demo setup build watch lab lint sizes format check test test-floor test-newest test-js test-unit test-ros1 test-notebooks test-docs test-wheel test-browser bench pictures clean
+.PHONY: demo setup build watch lab lint sizes format check test test-floor test-newest test-js test-unit test-ros1 test-notebooks test-docs test-wheel test-browser site bench pictures clean
 .NOTPARALLEL:
 .DELETE_ON_ERROR:
 
@@ -42,6 +42,8 @@ lint: setup build
 	.venv/bin/ruff check .
 	.venv/bin/ruff format --check .
 	.venv/bin/mypy
+	.venv/bin/check-jsonschema --quiet --builtin-schema vendor.github-workflows .github/workflows/*.yml
+	.venv/bin/check-jsonschema --quiet --builtin-schema vendor.citation-file-format CITATION.cff
 	cd $(JS) && npm run --silent check
 
 # What each widget weighs, and what more of it costs: figures, no limit.
@@ -95,6 +97,11 @@ test-browser: setup build $(EXPORT_MODULES)
 	scripts/firefox.sh
 	$(PYTEST) --numprocesses 3 --dist worksteal tests/browser
 
+# The documentation as a folder of files that any web server serves.
+site: setup build
+	.venv/bin/pip install --quiet --group site
+	.venv/bin/python scripts/docs_site.py site
+
 bench: setup build
 	scripts/chromium.sh
 	.venv/bin/pip install --quiet --group bench
@@ -113,7 +120,7 @@ pictures: setup build
 
 clean:
 	rm -rf .venv .venv-floor .venv-newest $(JS)/node_modules tests/browser/node_modules robowidgets/static
-	rm -rf tests/screenshots benchmarks/results .pytest_cache .mypy_cache .ruff_cache dist
+	rm -rf site tests/screenshots benchmarks/results .pytest_cache .mypy_cache .ruff_cache dist
 
 # What the demo needs, Node for the front end included, and no more. Not compiled: only a small part is ever imported.
 $(RUNNABLE): pyproject.toml scripts/venv.sh scripts/apt.sh

@@ -57,7 +57,7 @@ def plot(
         TypeError: neither a recording nor a feed, no field, or a field that is no number.
         ValueError: more than eight numbers; or no place of one recording is near one of the other.
 
-    Example:
+    Examples:
         >>> import robowidgets
         >>> recording = robowidgets.open(robowidgets.SAMPLE)
         >>> robowidgets.plot(recording, "/odom.twist.twist.linear.x", "/cmd_vel.twist.linear.x").names

@@ -24,7 +24,7 @@ def together(*widgets: RobotWidget[Any]) -> ipywidgets.Box:
     Raises:
         TypeError: something is no widget that can be frozen, or there is none.
 
-    Example:
+    Examples:
         >>> from robowidgets import LaserWidget, SpeedWidget, together
         >>> laser, speed = LaserWidget(), SpeedWidget()
         >>> view = together(laser, speed)

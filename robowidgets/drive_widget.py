@@ -72,7 +72,7 @@ class DriveWidget(DrivingWidget):
 
     Source: geometry_msgs/Twist, REP-103.
 
-    Example:
+    Examples:
         >>> from robowidgets.simulator import Robot, World
         >>> robot = Robot(World.rooms())
         >>> pad = DriveWidget(send=robot.drive, linear_limit=0.3)

@@ -77,7 +77,7 @@ class EventsWidget(RobotWidget[Event]):
 
     Source: rcl_interfaces/Log, rosgraph_msgs/Log, diagnostic_msgs/DiagnosticArray, sensor_msgs/Joy, std_msgs/String.
 
-    Example:
+    Examples:
         >>> events = EventsWidget(title="robot")
         >>> events.add("lost the line", level="WARN", source="follower")
         >>> events.update("/chatter", {"data": "hello"})

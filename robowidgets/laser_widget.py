@@ -120,7 +120,7 @@ class LaserWidget(
 
     Source: sensor_msgs/LaserScan; Campusano and Fabry, "From Robots to Humans: Visualizations for Robot Sensor Data".
 
-    Example:
+    Examples:
         >>> laser = LaserWidget(title="/scan", ray_angles=["-20deg", 0, "20deg"])
         >>> laser.update(ranges=[1.0, 1.5, 2.0], angle_min=-0.5, angle_increment=0.5, range_min=0.1, range_max=4.0)
         >>> laser.scan.distance()

@@ -48,7 +48,7 @@ class MachineWidget(RobotWidget[MachineStep]):
         TypeError: no feed, or an unknown keyword.
         traitlets.TraitError: a value out of its range.
 
-    Example:
+    Examples:
         >>> from robowidgets import feeds
         >>> class Walker:
         ...     forward = turn = None

@@ -77,7 +77,7 @@ class MessageWidget(RobotWidget[Received]):
 
     Source: REP-103, and the definition of the message.
 
-    Example:
+    Examples:
         >>> battery = MessageWidget(title="battery", fields=["percentage", "voltage"])
         >>> battery.update({"voltage": 16.21, "percentage": 0.867})
         >>> battery["voltage"]

@@ -94,7 +94,7 @@ class PathWidget(DrawsShapes[PathPoint]):
     Source: nav_msgs/Odometry, REP-105; Campusano and Fabry, "From Robots to Humans: Visualizations for Robot Sensor
     Data": x and y over time make more sense as a map.
 
-    Example:
+    Examples:
         >>> path = PathWidget(title="/odom")
         >>> for i in range(5):
         ...     path.update(x=0.1 * i, y=0.0, yaw=0.0, time=0.5 * i)
@@ -215,7 +215,7 @@ class PathWidget(DrawsShapes[PathPoint]):
             TypeError: no such message. ValueError: a number or a name that cannot be, or more than 30 layers. In a
                 callback nothing is raised; widget and log say it.
 
-        Example:
+        Examples:
             >>> path = PathWidget()
             >>> pose = {"position": {"x": 1, "y": 2}, "orientation": {"x": 0, "y": 0, "z": 0, "w": 1}}
             >>> path.put("goal", {"header": {"frame_id": "map"}, "pose": pose})
@@ -314,7 +314,7 @@ class PathWidget(DrawsShapes[PathPoint]):
         Raises:
             KeyError: there is no layer of one of the names.
 
-        Example:
+        Examples:
             >>> plot.set_line("off the plan", *path.distance("/odom", "/plan"))  # doctest: +SKIP
         """
         with self._newest.lock:
@@ -347,7 +347,7 @@ class PathWidget(DrawsShapes[PathPoint]):
             TypeError: no shape, or something is no text or number. ValueError: the name, the colour or the lifetime
                 cannot be, or there are too many shapes. In a callback nothing is raised; widget and log say it.
 
-        Example:
+        Examples:
             >>> from robowidgets import Line, PathWidget
             >>> path = PathWidget()
             >>> path.draw("door 2", Line((5.0, -0.6), (6.0, -0.6)), frame="odom")

@@ -86,7 +86,7 @@ class PlotWidget(PlotCard):
         TypeError: an unknown keyword.
         traitlets.TraitError: a value out of its range.
 
-    Example:
+    Examples:
         >>> plot = PlotWidget(title="run", units={"set": "m/s", "measured": "m/s"})
         >>> plot.set_line("set", [0.0, 1.0, 2.0], [0.2, 0.2, 0.0])
         >>> for i in range(20):

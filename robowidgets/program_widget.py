@@ -30,7 +30,7 @@ class ProgramWidget(DrivingWidget):
     Raises:
         TypeError: something else.
 
-    Example:
+    Examples:
         >>> from robowidgets import feeds
         >>> with feeds.simulator(wander=False) as robot:
         ...     widget = ProgramWidget(robot)

@@ -35,7 +35,7 @@ def open(path: str | os.PathLike[str]) -> Recording:  # noqa: A001  # the name t
     Raises:
         RecordingError: nothing of it can be read, or fetched. The text gives the reason.
 
-    Example:
+    Examples:
         >>> recording = robowidgets.open("drive.bag")  # doctest: +SKIP
         >>> recording.at("/scan", 12.5).sample.distance()  # doctest: +SKIP
     """
@@ -82,7 +82,7 @@ class Recording(RecordingData):
             UnknownTopicError: a condition needs a missing topic, or does not name one of several.
             RecordingError: the recording is closed, or the function failed; the text gives the time.
 
-        Example:
+        Examples:
             >>> recording.find(lambda moment: moment.touch.touched["left"] and moment.speed.linear[0] > 0.1)
             ... # doctest: +SKIP
         """
@@ -101,7 +101,7 @@ class Recording(RecordingData):
         Raises:
             RecordingError: the recording is closed.
 
-        Example:
+        Examples:
             >>> import robowidgets
             >>> robowidgets.open(robowidgets.SAMPLE).doctor().problems
             ()
@@ -139,7 +139,7 @@ class Recording(RecordingData):
             RecordingError: the file does not exist any more.
             TypeError: a name is no text, for example a list of names.
 
-        Example:
+        Examples:
             >>> recording.show("/scan", "/odom")  # doctest: +SKIP
         """
         # Imported lazily: reading samples needs no widget.
@@ -165,7 +165,7 @@ class Recording(RecordingData):
             TypeError: an unknown keyword.
             RecordingError: the recording is closed.
 
-        Example:
+        Examples:
             >>> import robowidgets
             >>> robowidgets.open(robowidgets.SAMPLE).wires()
             <WiresView: <WiresWidget sample.mcap: 4 topics, 0 parts of the notebook>>
@@ -217,7 +217,7 @@ class Recording(RecordingData):
                 make it smaller.
             TypeError: a time is no number. OSError: the file cannot be written.
 
-        Example:
+        Examples:
             >>> recording.to_html("bump.html", start=10, end=20, note="It turns too late.")  # doctest: +SKIP
         """
         with self._shown(topics, marks) as player:

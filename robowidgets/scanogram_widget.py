@@ -77,7 +77,7 @@ class ScanogramWidget(NamedWidget):
 
     Source: sensor_msgs/LaserScan, REP-117.
 
-    Example:
+    Examples:
         >>> scanogram = ScanogramWidget(title="/scan")
         >>> scanogram.update(
         ...     times_ns=[0, 100_000_000], ranges=[[1.0, 2.0], [1.1, 2.0]],

@@ -62,7 +62,7 @@ class SonarWidget(RobotWidget[Ranges]):
 
     Source: sensor_msgs/Range, REP-103, REP-117.
 
-    Example:
+    Examples:
         >>> sonars = SonarWidget(title="sonars", poses={"left": "90deg", "front": 0.0}, near=0.3)
         >>> sonars.update("front", 0.42)
         >>> sonars.update(left=Range(1.5, min_range=0.1, max_range=5.0))

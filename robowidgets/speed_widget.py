@@ -101,7 +101,7 @@ class SpeedWidget(RobotWidget[Reading]):
     Source: geometry_msgs/Twist, nav_msgs/Odometry, REP-103; Campusano and Fabry, "From Robots to Humans: Visualizations
     for Robot Sensor Data".
 
-    Example:
+    Examples:
         >>> speed = SpeedWidget(title="/odom", linear_limits=(-0.2, 0.5), planar=True)
         >>> speed.update(linear=(0.62, 0.0, 0.0), angular=(0.0, 0.0, -0.3))
         >>> speed.over_limits

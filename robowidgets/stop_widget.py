@@ -24,7 +24,7 @@ class StopWidget(DrivingWidget):
     Raises:
         TypeError: something else.
 
-    Example:
+    Examples:
         >>> bar = StopWidget(CommandWatchdog(print))
         >>> bar.stopped
         False

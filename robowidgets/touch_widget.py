@@ -50,7 +50,7 @@ class TouchWidget(RobotWidget[Touch]):
 
     Source: the dialects in `robowidgets.messages.dialects`.
 
-    Example:
+    Examples:
         >>> touch = TouchWidget(title="/bumper", angles={"left": 0.9, "right": -0.9})
         >>> touch.update(left=True, right=False)
         >>> touch.states["left"].name, touch.touches["left"]

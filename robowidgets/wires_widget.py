@@ -146,7 +146,7 @@ class WiresWidget(RobotWidget[Wiring]):
         TypeError: an unknown keyword, or a source that is none.
         traitlets.TraitError: a value out of its range.
 
-    Example:
+    Examples:
         >>> from robowidgets import feeds
         >>> with feeds.simulator(wander=False) as robot:
         ...     widget = robot.wires().wires

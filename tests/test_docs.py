@@ -175,6 +175,12 @@ def test_every_path_in_the_map_of_the_code_is_there() -> None:
     assert [path for path in sorted(paths) if not any(ROOT.glob(path))] == []
 
 
+def test_the_site_leads_to_every_page_of_the_documentation() -> None:
+    config = (ROOT / "scripts" / "zensical.toml").read_text("utf-8")
+    pages = {str(path.relative_to(ROOT / "docs")) for path in ROOT.glob("docs/**/*.md")} - {"README.md"}
+    assert sorted(pages - set(re.findall(r'"([^"]+\.md)"', config))) == []
+
+
 def test_the_page_on_a_new_sensor_shows_the_code_that_the_tests_build() -> None:
     folder = ROOT / "tests" / "fourth_kind"
     shown = re.findall(

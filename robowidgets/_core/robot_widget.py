@@ -165,7 +165,7 @@ class RobotWidget(PacedWidget, Generic[S]):
                 condition and a number would have it; there are more than eight numbers; a player of a recording moves
                 this widget, and shows verdicts on lasers only: `Recording.find` finds the condition.
 
-        Example:
+        Examples:
             >>> from robowidgets import LaserWidget
             >>> laser = LaserWidget()
             >>> wall = laser.watch(lambda scan: scan.distance("front") < 0.5, name="wall")
@@ -217,7 +217,7 @@ class RobotWidget(PacedWidget, Generic[S]):
         Raises:
             TypeError: no path. ValueError: a name that does not end in .html. OSError: the file cannot be written.
 
-        Example:
+        Examples:
             >>> laser.to_html("wall.html", note="The reading that it stopped for.")  # doctest: +SKIP
         """
         target = checked_output("to_html", path, (".html", ".htm"))

@@ -20,7 +20,7 @@ class Drive:
     Raises:
         TypeError: no number. ValueError: NaN or infinite.
 
-    Example:
+    Examples:
         >>> Drive(0.2)
         Drive(linear=0.2, angular=0.0)
         >>> Drive(lateral=-0.07)

@@ -134,7 +134,7 @@ class Machine:
     Raises:
         TypeError, ValueError: the class describes no machine; the text says why.
 
-    Example:
+    Examples:
         >>> class Escapement:
         ...     tick = tock = None
         ...     moves = "tick -> tock after 0.5", "tock -> tick after 0.5"

@@ -62,7 +62,7 @@ def simulate(
     Raises:
         TypeError, ValueError: as `program` of a feed. ValueError: the robot has no sensor that it asks for.
 
-    Example:
+    Examples:
         >>> from robowidgets.simulator import Robot, World
         >>> robot = Robot(World.rooms(), seed=1)
         >>> steps = list(simulate(lambda: Drive(0.2), robot, 2.0))

@@ -53,7 +53,7 @@ class Variables(Observed):
 
     Numbers (a distance may be inf or NaN), switches (True and False) and texts. Any thread may read and set them.
 
-    Example:
+    Examples:
         >>> variables = Variables()
         >>> variables.slider("near", 0.6, 0.2, 2.0, "m")
         >>> variables.go = True

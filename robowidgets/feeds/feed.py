@@ -45,7 +45,7 @@ class Feed:
     Raises:
         FeedError: it can never work. The text gives the reason and the next step.
 
-    Example:
+    Examples:
         >>> from robowidgets import LaserWidget, feeds
         >>> laser = LaserWidget()
         >>> with feeds.simulator() as feed:
@@ -159,7 +159,7 @@ class Feed:
             TypeError, ValueError: no name, or no number of seconds above 0, or a message is no scan.
             FeedError: the feed is closed.
 
-        Example:
+        Examples:
             >>> for scan in feed.scans("/scan", timeout=0.5):  # doctest: +SKIP
             ...     feed.drive(0.2 if scan.distance() > 0.6 else 0.0)
         """
@@ -184,7 +184,7 @@ class Feed:
             TypeError: a name is no text, but a list of them, say; or beside is neither True nor False.
             FeedError: the feed is closed.
 
-        Example:
+        Examples:
             >>> feed.show("/scan", "/odom")  # doctest: +SKIP
         """
         from ._feed_view import FeedView
@@ -209,7 +209,7 @@ class Feed:
             TypeError: an unknown keyword.
             FeedError: the feed is closed.
 
-        Example:
+        Examples:
             >>> feed.wires()  # doctest: +SKIP
         """
         from ..wires_widget import WiresView
@@ -238,7 +238,7 @@ class Feed:
             OSError: the file exists, or cannot be written.
             FeedError: the feed is closed.
 
-        Example:
+        Examples:
             >>> with feed.record("run.mcap"):  # doctest: +SKIP
             ...     time.sleep(10)
         """
@@ -323,7 +323,7 @@ class Feed:
             TypeError: no function, or it asks for something unknown. ValueError: the rate is out of range.
             FeedError: the feed is closed.
 
-        Example:
+        Examples:
             >>> from robowidgets import feeds
             >>> from robowidgets.behaviors import Drive
             >>> with feeds.simulator(wander=False) as robot:
@@ -370,7 +370,7 @@ class Feed:
             TypeError: no such condition, a lambda without a name, or something unknown is asked for.
             ValueError: the name is empty or too long. FeedError: the feed is closed.
 
-        Example:
+        Examples:
             >>> from robowidgets import conditions, feeds
             >>> with feeds.simulator() as robot:
             ...     near = robot.watch(conditions.nearest_below(5.0) & (conditions.field("/odom.linear[0]") < 1.0))

@@ -130,7 +130,7 @@ def recording(path: str | os.PathLike[str], *, speed: float = 1.0, loop: bool = 
         TypeError: no path, the speed is no number, or loop is neither True nor False. ValueError: the speed is not
             finite and above 0.
 
-    Example:
+    Examples:
         >>> from robowidgets import SAMPLE, feeds
         >>> with feeds.recording(SAMPLE, speed=10) as feed:
         ...     view = feed.show()

@@ -301,7 +301,7 @@ def ros1(name: str = "robowidgets") -> Feed:
     Raises:
         FeedError: rospy cannot be imported or was shut down, or the name or ROS_MASTER_URI is invalid.
 
-    Example:
+    Examples:
         >>> from robowidgets import feeds
         >>> feed = feeds.ros1()  # doctest: +SKIP
     """

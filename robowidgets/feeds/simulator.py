@@ -196,7 +196,7 @@ def simulator(
             neither True nor False; a `Robot` is given with room or scanner.
         ValueError: hz is out of range, or nothing has this name.
 
-    Example:
+    Examples:
         >>> from robowidgets import feeds
         >>> with feeds.simulator(room="maze", seed=3) as feed:
         ...     view = feed.show()

@@ -48,7 +48,7 @@ def find(
     Raises:
         TypeError: no condition, no path, or ``executor`` has no ``submit``. ValueError: no path.
 
-    Example:
+    Examples:
         >>> from robowidgets import conditions
         >>> robowidgets.find(conditions.nearest_below(0.3), "runs/", "more/*.mcap")  # doctest: +SKIP
     """

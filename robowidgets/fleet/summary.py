@@ -111,7 +111,7 @@ def summary(
     Raises:
         TypeError: as `find`. ValueError: as `find`.
 
-    Example:
+    Examples:
         >>> robowidgets.summary("runs/").to_pandas()  # doctest: +SKIP
     """
     names = (topics,) if isinstance(topics, str) else tuple(topics)

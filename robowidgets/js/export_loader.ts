@@ -4,7 +4,7 @@ import { explain, findParts, readPart } from "./export/parts.ts";
 async function load(): Promise<void> {
   const [element] = findParts("program");
   if (!element) throw new Error("this page is not whole");
-  const { facts, bytes } = await readPart<{ texts: ["style" | "script", number][] }>(element);
+  const { facts, bytes } = await readPart<{ texts: ["style" | "script", number][] }>(element.textContent);
   let at = 0;
   for (const [tag, length] of facts.texts) {
     const added = document.createElement(tag);

@@ -35,7 +35,7 @@ class Footprint:
         TypeError: something is no number, no sector or no such widget.
         ValueError: there is neither a radius nor a polygon, or both, or a number is out of range.
 
-    Example:
+    Examples:
         >>> body = Footprint(radius=0.18, bumpers={"left": ("15deg", "80deg"), "right": ("-80deg", "-15deg")})
     """
 
@@ -89,7 +89,7 @@ class HasFootprint(FreezableWidget):
         Raises:
             TypeError: something else is assigned.
 
-        Example:
+        Examples:
             >>> laser.footprint = Footprint(radius=0.18, speed=speed, touch=touch)  # doctest: +SKIP
         """
         return self._footprint

@@ -33,7 +33,7 @@ class Selection:
         sector: its angles and limits.
         scan: the scan on show.
 
-    Example:
+    Examples:
         >>> laser.selection.indices, laser.selection.values  # doctest: +SKIP
     """
 
@@ -103,7 +103,7 @@ class HasSectors(traitlets.HasTraits):
 
         "front", "left", "back" and "right" can be read also where they are not kept.
 
-        Example:
+        Examples:
             >>> laser.sectors["ahead"] = Sector("-15deg", "15deg", near=0.5)  # doctest: +SKIP
         """
         return Sectors(lambda: self._sectors, self._keep_sectors)
@@ -203,7 +203,7 @@ class HasSectors(traitlets.HasTraits):
             TypeError: it is none of these. ValueError: it names no ray, or no scan has come that says how many there
                 are.
 
-        Example:
+        Examples:
             >>> laser.highlight(slice(240, 300))  # doctest: +SKIP
         """
         if rays is None:

@@ -41,7 +41,7 @@ def check(function: Callable[..., Any], task: str | None = None) -> Result:
         TypeError: it is no function.
         ValueError: no task has this name.
 
-    Example:
+    Examples:
         >>> from robowidgets import lessons
         >>> def nearest_on_the_left(scan):
         ...     return scan.distance("left")

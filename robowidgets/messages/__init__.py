@@ -33,7 +33,7 @@ def add_definitions(*sources: str | os.PathLike[str]) -> tuple[str, ...]:
             added then.
         TypeError: neither a path nor a text.
 
-    Example:
+    Examples:
         >>> add_definitions("MSG: my_msgs/Status\nstd_msgs/Header header\nfloat32 charge\n")
         ('my_msgs/msg/Status',)
     """

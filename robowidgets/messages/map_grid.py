@@ -74,7 +74,7 @@ def load_map(path: str | os.PathLike[str], frame: str = "map") -> MapGrid:
     Raises:
         OSError: a file cannot be read. ValueError: it is no such file; the text says what was expected.
 
-    Example:
+    Examples:
         >>> path.ground = robowidgets.load_map("map.yaml")  # doctest: +SKIP
     """
     # Imported lazily: few programs have a map.

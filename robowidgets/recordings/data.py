@@ -184,7 +184,7 @@ class RecordingData:
             UnknownTopicError: the recording has no such topic, or its messages cannot be read; the text says why.
             RecordingError: the recording is closed.
 
-        Example:
+        Examples:
             >>> for moment in recording.messages("/imu", 2, 5):  # doctest: +SKIP
             ...     print(moment.seconds, moment.message.linear_acceleration.x)
         """
@@ -230,7 +230,7 @@ class RecordingData:
             TypeError, ValueError: no level, no text, or no time.
             RecordingError: the recording is closed, or the events would take more than `memory`.
 
-        Example:
+        Examples:
             >>> recording.events("/rosout", level="WARN").to_pandas()  # doctest: +SKIP
         """
         least, words = None if level is None else to_level("level", level), to_words("text", text)
@@ -347,7 +347,7 @@ class RecordingData:
             UnknownTopicError: the recording has no such topic, or its messages cannot be read; the text says why.
             RecordingError: the recording is closed.
 
-        Example:
+        Examples:
             >>> import robowidgets
             >>> fields = robowidgets.open(robowidgets.SAMPLE).fields("/odom")
             >>> fields["pose.pose.position.x"].shape == fields.seconds.shape

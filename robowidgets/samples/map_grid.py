@@ -36,7 +36,7 @@ class MapGrid(HasAge):
     Raises:
         ValueError: it has no cells, too many of them, or a resolution or an origin that cannot be.
 
-    Example:
+    Examples:
         >>> grid = MapGrid(np.array([[0, 100], [255, 0]], np.uint8), 0.05, Pose(-1.0, 0.0, 0.0))
         >>> grid[0, 1], grid[1, 0]
         (100, -1)

@@ -13,7 +13,7 @@ class Problem(NamedTuple):
 
     As text it is one line of at most 200 characters: names from a file may be of any length, and are cut.
 
-    Example:
+    Examples:
         >>> print(Problem("frame_id is empty", "set it in the driver"))
         frame_id is empty; set it in the driver
     """

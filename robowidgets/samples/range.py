@@ -41,7 +41,7 @@ class Range(HasAge):
 
     Source: sensor_msgs/Range, REP-117.
 
-    Example:
+    Examples:
         >>> front = Range(0.42, min_range=0.1, max_range=5.0)
         >>> front.distance, front.validity.name
         (0.42, 'READING')

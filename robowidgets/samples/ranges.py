@@ -27,7 +27,7 @@ class Ranges(HasAge, Mapping[str, Range]):
         readings: sensor name to its newest range.
         times: when each came, in seconds of one clock; -inf: it has not come yet. Empty: when it arrived here.
 
-    Example:
+    Examples:
         >>> sonars = Ranges({"front": Range(0.42), "left": Range(1.5)})
         >>> sonars["front"].distance, sonars.nearest
         (0.42, 'front')

@@ -62,7 +62,7 @@ class Scan(HasAge):
 
     Source: sensor_msgs/LaserScan, REP-103, REP-117.
 
-    Example:
+    Examples:
         >>> scan = Scan([1.0, 2.5, float("inf")], angle_min=-0.5, angle_increment=0.5, range_min=0.1, range_max=30.0)
         >>> scan.distance(), scan.distance("left")
         (1.0, nan)
@@ -293,7 +293,7 @@ class Scan(HasAge):
         Args:
             sector: as in `distance`, with the same errors.
 
-        Example:
+        Examples:
             >>> scan = Scan([1.0, 2.0, 3.0, 4.0], 0.0, 1.5708, 0.1, 30.0)
             >>> scan.indices(("-100deg", "10deg"))
             array([3, 0])
@@ -323,7 +323,7 @@ class Scan(HasAge):
         intensities of another number; no reading at all, or a third or more of the rays outside the limits. A
         scanner that turns clockwise is in order, and so are codes for "nothing seen", such as 0.0.
 
-        Example:
+        Examples:
             >>> scan = Scan([0.0, 0.0], angle_min=0.0, angle_increment=0.5, range_min=0.1, range_max=3.5)
             >>> for problem in scan.problems():
             ...     print(problem)

@@ -45,7 +45,7 @@ class Sector:
         TypeError: something is no number.
         ValueError: an angle is beyond a full turn, a limit is not above 0, or stop is above warning.
 
-    Example:
+    Examples:
         >>> Sector("-15deg", "15deg", near=0.5)
         Sector('-15deg', '15deg', near=0.5)
     """

@@ -31,7 +31,7 @@ class Speed(HasAge):
 
     Source: geometry_msgs/Twist, nav_msgs/Odometry, ackermann_msgs/AckermannDrive, REP-103.
 
-    Example:
+    Examples:
         >>> Speed(linear=(0.5, 0.0, 0.0), angular=(0.0, 0.0, 0.1)).values[5]
         0.1
     """

@@ -25,7 +25,7 @@ def spread(scans: Iterable[Scan]) -> NDArray[np.float32]:
     Raises:
         TypeError: something is no `Scan`. ValueError: there is none, or their numbers of rays differ.
 
-    Example:
+    Examples:
         >>> scans = [Scan([2.0 + noise, 3.0], 0.0, 0.1, 0.1, 10.0) for noise in (0.0, 0.01, 0.02)]
         >>> spread(scans).round(4)
         array([0.009, 0.   ], dtype=float32)

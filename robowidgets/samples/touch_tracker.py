@@ -64,7 +64,7 @@ class TouchTracker:
         TypeError: a time is not a number.
         ValueError: a time is negative or NaN, or the hold infinite.
 
-    Example:
+    Examples:
         >>> tracker = TouchTracker()
         >>> tracker.apply(Touch({"left": True, "right": False}), now_ns=0)
         >>> tracker.states(now_ns=10)["left"].touches

@@ -130,7 +130,7 @@ _TracedScan.__name__ = "Scan"  # for errors of the function, such as an attribut
 class Trace:
     """What a function of samples reads while it is called once.
 
-    Example:
+    Examples:
         >>> trace = Trace()
         >>> scan = Scan([1.0, 0.4], angle_min=0.0, angle_increment=0.1, range_min=0.1, range_max=4.0)
         >>> trace.verdict(trace.of(scan).distance() < 0.5).rays.tolist()

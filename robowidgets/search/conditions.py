@@ -4,7 +4,7 @@
 scan or speed before a silence is stale one usual step after its time; a silence is a pause of more than 2 s and more
 than two usual steps. The state of a touch sensor lasts until its next message.
 
-Example:
+Examples:
     >>> from robowidgets import conditions
     >>> recording.find(conditions.touched() & conditions.nearest_below(0.3))  # doctest: +SKIP
 """
@@ -113,7 +113,7 @@ def event(topic: str | None = None, level: str | int | None = None, text: str | 
     Raises:
         TypeError, ValueError: no name, no level or no text.
 
-    Example:
+    Examples:
         >>> from robowidgets import conditions
         >>> print(conditions.event("/rosout", level="WARN", text="lost"))
         WARN or more with 'lost' on /rosout
@@ -137,7 +137,7 @@ def field(name: str) -> Field:
             UnknownFieldError, which name the nearest ones, and TypeError for what is neither a number, a flag nor a
             text.
 
-    Example:
+    Examples:
         >>> import robowidgets
         >>> from robowidgets import conditions
         >>> recording = robowidgets.open(robowidgets.SAMPLE)

@@ -100,7 +100,7 @@ class DrawsShapes(RobotWidget[S]):
                 cannot be, or there are too many shapes. In a callback (another thread; a task, timer or button of a
                 notebook) nothing is raised; widget and log say it.
 
-        Example:
+        Examples:
             >>> from robowidgets import LaserWidget, Line
             >>> laser = LaserWidget()
             >>> laser.draw("wall", Line((1, -1), (1, 1)), lifetime=0.5)

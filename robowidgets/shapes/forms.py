@@ -65,7 +65,7 @@ class Line(Shape):
     Raises:
         TypeError: something is no place. ValueError: there are fewer than two, or one is not finite.
 
-    Example:
+    Examples:
         >>> wall = Line((1, -1), (1, 1))
         >>> gap = Line(240, 300)
     """
@@ -83,7 +83,7 @@ class Points(Shape):
     Args:
         places: a sequence of places as `Line` takes them, or an array of shape (N, 2).
 
-    Example:
+    Examples:
         >>> corner = Points([(1.2, 0.4), (2.0, -0.3)])
         >>> cluster = Points(range(240, 300))
     """
@@ -97,7 +97,7 @@ class Points(Shape):
 class Polygon(Shape):
     """A closed outline through three or more places, given as to `Points`.
 
-    Example:
+    Examples:
         >>> box = Polygon([(0.5, -0.5), (1.5, -0.5), (1.5, 0.5), (0.5, 0.5)])
     """
 
@@ -114,7 +114,7 @@ class Text(Shape):
         place: as `Line` takes it.
         text: 1 to 60 characters, plain text.
 
-    Example:
+    Examples:
         >>> door = Text((2.0, 0.5), "door")
     """
 
@@ -132,7 +132,7 @@ class Arc(Shape):
         start, end: from the first counter-clockwise to the second, radians or text like "20deg".
         center: a place, as `Line` takes it; the scanner by default.
 
-    Example:
+    Examples:
         >>> stop_zone = Arc(0.4, "-60deg", "60deg")
     """
 
@@ -155,7 +155,7 @@ class Arrow(Shape):
         place: as `Line` takes it.
         yaw: direction, radians or text like "20deg", counter-clockwise from the scanner's forward.
 
-    Example:
+    Examples:
         >>> target = Arrow((2.0, 0.5), "30deg")
     """
 

@@ -3,7 +3,7 @@
 It has two driven wheels, a laser scanner and three bumpers, and returns the samples that the widgets show.
 Simulated time only passes in `Robot.step`, and the same seed gives the same bytes.
 
-Example:
+Examples:
     >>> from robowidgets.simulator import Robot, World
     >>> robot = Robot(World.rooms(), seed=1)
     >>> robot.drive(0.5, 0.0)

@@ -63,7 +63,7 @@ class Robot(Observed):
         TypeError: something is not a number, or a world, scanner or motors of another type.
         ValueError: a value is out of range, or the body does not fit at the pose.
 
-    Example:
+    Examples:
         >>> robot = Robot(World.rooms(), seed=1)
         >>> robot.drive(0.5, 0.0)
         >>> robot.step(0.1)
@@ -256,7 +256,7 @@ class Robot(Observed):
             TypeError: until is neither a number nor a function. ValueError: a number is out of range.
             TimeoutError: the limit has passed.
 
-        Example:
+        Examples:
             >>> from robowidgets.simulator import room, wander
             >>> robot = Robot(room("maze"))
             >>> robot.run(until=lambda: any(robot.touch().touched.values()), behavior=wander(robot))

@@ -62,7 +62,7 @@ def room(name: str, seed: int = 1) -> World:
         TypeError: the name is no text, or the seed no whole number.
         ValueError: no room has this name, or the seed is below 0.
 
-    Example:
+    Examples:
         >>> from robowidgets.simulator import Robot
         >>> Robot(room("corridor")).pose
         Pose(x=1.25, y=5.25, yaw=0.0)

@@ -55,7 +55,7 @@ class Scanner:
         TypeError: something is not a number.
         ValueError: a value is out of range.
 
-    Example:
+    Examples:
         >>> pr2 = Scanner(ray_count=1040, field_of_view="259.75deg", range_max=30.0)
     """
 

@@ -33,7 +33,7 @@ class Sonars:
         TypeError: something is not a number.
         ValueError: a value is out of range.
 
-    Example:
+    Examples:
         >>> three = Sonars({"left": (0.1, 0.1, 0.8), "front": (0.15, 0.0, 0.0), "right": (0.1, -0.1, -0.8)})
         >>> world = World(walls=[(2.0, -3.0, 2.0, 3.0)])
         >>> round(three.nearest(world, Pose(0.0, 0.0, 0.0), "front"), 2)

@@ -56,7 +56,7 @@ class View(BeatingWidget, FreezableWidget):
     Raises:
         TypeError: something else, or an unknown keyword.
 
-    Example:
+    Examples:
         >>> from robowidgets.simulator import Robot, View, room
         >>> view = View(Robot(room("maze")))
         >>> view

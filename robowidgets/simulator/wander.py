@@ -17,7 +17,7 @@ def wander(robot: Robot, linear: float = 0.5, angular: float = 1.2) -> Iterator[
         linear: speed forward, m/s; at most 0.3 in a world with drops, so that it stops in time.
         angular: speed of a turn, rad/s.
 
-    Example:
+    Examples:
         >>> from robowidgets.simulator import Robot, World
         >>> robot = Robot(World.rooms())
         >>> for _ in wander(robot):

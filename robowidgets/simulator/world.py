@@ -39,7 +39,7 @@ class World:
         ValueError: wrong shape, a value that is not finite, a wall without length, a drop without area, or a radius
             that is not above 0.
 
-    Example:
+    Examples:
         >>> world = World(walls=[(3.0, -2.0, 3.0, 2.0)], obstacles=[(1.0, 1.0, 0.2)])
         >>> world.clearance(1.0, -1.0)
         1.8
@@ -82,7 +82,7 @@ class World:
             TypeError: it is no text, or the cell no number.
             ValueError: another character, two starts, no free floor, or a cell that is not above 0.
 
-        Example:
+        Examples:
             >>> world = World.from_text('''
             ...     ########
             ...     #>...o.#
@@ -109,7 +109,7 @@ class World:
             TypeError: it is neither. OSError: a file cannot be read.
             ValueError: something in the map is missing or out of range, or no cell is free.
 
-        Example:
+        Examples:
             >>> info = {"width": 3, "height": 2, "resolution": 0.5}
             >>> World.from_map({"info": info, "data": [100, 0, 0, 100, 0, 0]}).walls.tolist()
             [[0.5, 0.0, 0.5, 1.0]]

@@ -69,7 +69,7 @@ async function partOf(number: number, times: number[], size = 8): Promise<HTMLEl
 }
 
 test("a part is a JSON text and bytes, deflated, in base85", async () => {
-  const { facts, bytes } = await readPart<{ segment: number }>(await partOf(3, [30]));
+  const { facts, bytes } = await readPart<{ segment: number }>((await partOf(3, [30])).textContent);
   assert.equal(facts.segment, 3);
   assert.equal(bytes.length, 24 + 8);
 });

@@ -50,7 +50,7 @@ export class Segments {
   async read(number: number): Promise<SegmentMessage> {
     const element = this.#elements[number - this.#first];
     if (!element) throw new Error(`segment ${number} is not in this page`);
-    const { facts, bytes } = await readPart<PackedTracks & { segment: number }>(element);
+    const { facts, bytes } = await readPart<PackedTracks & { segment: number }>(element.textContent);
     const tracks = unpackTracks(facts, new Taker(bytes));
     const abouts = facts.tracks.map((track) => track.abouts);
     const message: SegmentMessage = { segment: facts.segment, drop: [], abouts, tracks };

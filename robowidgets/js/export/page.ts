@@ -8,7 +8,7 @@ import { ScanogramMaker } from "./scanogram.ts";
 import { build, FOREVER, type Script, type Shown } from "./views.ts";
 
 /** What Python says of the page; robowidgets/export/models.py. */
-interface PageFacts {
+export interface PageFacts {
   models: { id: string; widget: string; state: Record<string, unknown> }[];
   /** Model, trait and number of bytes of each binary trait, which follow one after the other. */
   buffers: [string, string, number][];
@@ -37,8 +37,9 @@ type Widgets = Record<string, () => Script>;
 export async function start(widgets: Widgets): Promise<void> {
   const [place, element] = [document.querySelector("main"), findParts("page")[0]];
   if (!place || !element) throw new Error("this page is not whole");
-  const { facts, bytes } = await readPart<PageFacts>(element);
-  const models = toModels(facts, bytes);
+  const { facts, bytes } = await readPart<PageFacts>(element.textContent);
+  const css = [...document.querySelectorAll("style")].map((style) => style.textContent).join("\n");
+  const models = toModels(facts, bytes, css);
   await haveRun(Object.values(facts.keys));
   const scripts = new Map<string, Script>();
   for (const { id, widget } of facts.models) scripts.set(id, scriptOf(widget, facts, widgets));
@@ -56,7 +57,12 @@ export async function start(widgets: Widgets): Promise<void> {
   await maker?.run();
 }
 
-function toModels(facts: PageFacts, bytes: Uint8Array<ArrayBuffer>): Map<string, PageModel> {
+/** @param css what the widgets put into a picture that is saved */
+export function toModels(
+  facts: Pick<PageFacts, "models" | "buffers">,
+  bytes: Uint8Array<ArrayBuffer>,
+  css: string,
+): Map<string, PageModel> {
   const states = new Map(facts.models.map(({ id, state }) => [id, state]));
   let at = bytes.byteOffset;
   for (const [id, trait, length] of facts.buffers) {
@@ -64,7 +70,6 @@ function toModels(facts: PageFacts, bytes: Uint8Array<ArrayBuffer>): Map<string,
     if (state) state[trait] = new DataView(bytes.buffer, at, length);
     at += length;
   }
-  const css = [...document.querySelectorAll("style")].map((style) => style.textContent).join("\n");
   const models = new Map<string, PageModel>();
   for (const [id, state] of states) models.set(id, new PageModel({ ...state, _style: css }, models));
   return models;

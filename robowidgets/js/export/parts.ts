@@ -10,8 +10,8 @@ export function findParts(kind: string): HTMLElement[] {
 }
 
 /** Inflates a part: a uint32 with the length of a JSON text, that text, and bytes; deflated, in base85. */
-export async function readPart<F>(element: HTMLElement): Promise<Part<F>> {
-  const packed = fromBase85(element.textContent);
+export async function readPart<F>(part: string): Promise<Part<F>> {
+  const packed = fromBase85(part);
   const stream = new Blob([packed]).stream().pipeThrough(new DecompressionStream("deflate"));
   const all = await new Response(stream).arrayBuffer();
   const length = new DataView(all).getUint32(0, true);

@@ -53,7 +53,7 @@ class Fields(Series[Any]):
 
     Where a message has no such value, a number is NaN, a text None, and an integer or a flag masked.
 
-    Example:
+    Examples:
         >>> fields = recording.fields("/imu")  # doctest: +SKIP
         >>> fields["linear_acceleration.x"].max()  # doctest: +SKIP
     """

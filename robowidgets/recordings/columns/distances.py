@@ -14,7 +14,7 @@ from .series import Series
 class Distances(Series[Range]):
     """The ranges of a sonar as columns; see `Series` for the ways to select from them.
 
-    Example:
+    Examples:
         >>> front = recording.series("/sonar/front")  # doctest: +SKIP
         >>> np.nanmin(front.distances)  # doctest: +SKIP
     """

@@ -31,7 +31,7 @@ class Scans(Series[Scan]):
 
     If the scanner changes its number of rays, ``ranges`` raises an error, and `groups` has one series for each number.
 
-    Example:
+    Examples:
         >>> scans = recording.scans("/scan")  # doctest: +SKIP
         >>> scans.between(20, 25).distances("front").min()  # doctest: +SKIP
     """
@@ -113,7 +113,7 @@ class Scans(Series[Scan]):
         Raises:
             RecordingError: as `ranges`.
 
-        Example:
+        Examples:
             >>> recording.scans("/scan")[-50:].spread()  # doctest: +SKIP
         """
         columns = self._of_rays("spread", self.ray_count, lambda chunk: readings(chunk.ranges, chunk.like))

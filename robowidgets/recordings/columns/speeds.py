@@ -17,7 +17,7 @@ from .series import Series
 class Speeds(Series[Speed]):
     """The speeds of a topic as columns; see `Series` for the ways to select from them.
 
-    Example:
+    Examples:
         >>> speeds = recording.speeds("/odom")  # doctest: +SKIP
         >>> speeds.linear[:, 0].max()  # doctest: +SKIP
     """

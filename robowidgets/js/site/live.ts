@@ -1,0 +1,76 @@
+import { type PageFacts, toModels } from "../export/page.ts";
+import { readPart } from "../export/parts.ts";
+import { build, FOREVER, type Script } from "../export/views.ts";
+
+/**
+ * Puts widgets into a page of the documentation, from what they showed when the page was built; scripts/docs_site.py
+ * writes their states. They answer to the pointer as in a notebook, without a kernel.
+ */
+
+/** Scripts and stylesheets of the widgets, as the package ships them. */
+const WIDGETS = new URL("./widgets/", import.meta.url);
+
+/** A screen before a widget is seen, it is asked for. */
+const AHEAD = "100%";
+
+/** The theme's styles do not reach the widgets, nor theirs the page. */
+const BOXES = `
+:host { display: block; }
+.rw-page-box { display: flex; }
+.rw-page-item { box-sizing: border-box; }`;
+
+const texts = new Map<string, Promise<string>>();
+
+function textOf(url: URL): Promise<string> {
+  const known = texts.get(url.href) ?? fetch(url).then((answer) => (answer.ok ? answer.text() : refuse(url, answer)));
+  texts.set(url.href, known);
+  return known;
+}
+
+function refuse(url: URL, answer: Response): never {
+  throw new Error(`${url.pathname}: ${answer.status} ${answer.statusText}`);
+}
+
+async function show(place: HTMLElement): Promise<void> {
+  const text = await textOf(new URL(place.dataset.rwLive ?? "", document.baseURI));
+  const { facts, bytes } = await readPart<Pick<PageFacts, "models" | "buffers" | "shown">>(text);
+  const names = [...new Set(facts.models.map(({ widget }) => widget))];
+  const made = new Map<string, Script | (() => Script)>();
+  for (const name of names) made.set(name, (await import(new URL(`${name}.js`, WIDGETS).href)).default);
+  const css = (await Promise.all(names.map((name) => textOf(new URL(`${name}.css`, WIDGETS))))).join("\n");
+  const models = toModels(facts, bytes, css);
+  const scripts = new Map<string, Script>();
+  for (const { id, widget } of facts.models) {
+    const script = made.get(widget) as Script | (() => Script);
+    scripts.set(id, typeof script === "function" ? script() : script);
+  }
+  for (const [id, model] of models) scripts.get(id)?.initialize?.({ model, signal: FOREVER });
+  const root = place.attachShadow({ mode: "open" });
+  const style = document.createElement("style");
+  style.textContent = BOXES + css;
+  root.append(style, build(facts.shown, models, scripts));
+}
+
+/** Tells the widgets which of the theme's colours the reader has chosen. */
+function followScheme(): void {
+  const tell = () => {
+    document.body.dataset.theme = document.body.dataset.mdColorScheme === "slate" ? "dark" : "light";
+  };
+  new MutationObserver(tell).observe(document.body, { attributes: true, attributeFilter: ["data-md-color-scheme"] });
+  tell();
+}
+
+followScheme();
+const seen = new IntersectionObserver(
+  (entries) => {
+    for (const { isIntersecting, target } of entries) {
+      if (!isIntersecting) continue;
+      seen.unobserve(target);
+      show(target as HTMLElement).catch((error) => {
+        target.textContent = `This widget cannot be shown: ${error.message}`;
+      });
+    }
+  },
+  { rootMargin: AHEAD },
+);
+for (const place of document.querySelectorAll("[data-rw-live]")) seen.observe(place);
