@@ -12,6 +12,12 @@ from ._core.front_end import FrontEndWidget, bundle
 from ._core.platform_fixes import route_by_message
 from ._core.traits import Flag
 
+SILENT_S = 3.0
+"""Seconds without a message after which a topic is silent, at least."""
+
+INTERVALS = 3
+"""Intervals without a message after which it is."""
+
 MOST_LOOKED_AT = 100
 """Topics of which values are sent at most: a page shows no more at once."""
 
@@ -31,6 +37,26 @@ class TopicRow(NamedTuple):
     rate: float | None = None
     widget: str = ""
     problem: str = ""
+
+
+class TopicNow(NamedTuple):
+    """What a topic of a running robot says now, in words, and how often.
+
+    ``rate`` and ``messages`` are None while they are unknown, ``age``, the seconds since the last message, too.
+    """
+
+    value: str
+    rate: float | None = None
+    messages: int | None = None
+    age: float | None = None
+
+    @property
+    def told(self) -> dict[str, Any]:
+        """Rate and count as the page shows them, and for how long the topic is silent where it is."""
+        told: dict[str, Any] = {"rate": self.rate, "messages": self.messages}
+        if self.rate and self.age is not None and self.age > max(INTERVALS / self.rate, SILENT_S):
+            told |= {"rate": 0.0, "silent": round(self.age)}
+        return told
 
 
 class ShownBy(Protocol):
@@ -56,6 +82,8 @@ class TopicsWidget(FrontEndWidget):
     Args:
         on_toggle: called with the name of a topic and whether it is to be shown, perhaps in another thread.
         values_of: what some topics say, in words; None: nobody knows.
+        on_look: called with the names of the topics that a page looks at, every ten seconds, and with none when it does
+            so no longer: then `tell_now` is called while it does. None: it is no robot.
         folded: whether only a rail of it is there; None: as the room allows.
     """
 
@@ -77,9 +105,10 @@ class TopicsWidget(FrontEndWidget):
         self,
         on_toggle: Callable[[str, bool], None] | None = None,
         values_of: Callable[[Sequence[str]], Mapping[str, str]] | None = None,
+        on_look: Callable[[Sequence[str]], object] | None = None,
         **kwargs: Any,
     ) -> None:
-        self._on_toggle, self._values_of = on_toggle, values_of
+        self._on_toggle, self._values_of, self._on_look = on_toggle, values_of, on_look
         self._looked_at: list[str] = []
         self._seconds: float | None = None
         super().__init__(**kwargs)
@@ -109,17 +138,27 @@ class TopicsWidget(FrontEndWidget):
         if self._looked_at and self._values_of is not None:
             self.send({"values": self._values_of(self._looked_at), "at": seconds})
 
+    def tell_now(self, topics: Mapping[str, TopicNow] | None) -> None:
+        """Have the page show what topics say now; None: nobody listens to them any more."""
+        if self.comm is not None:
+            values = {name: topic.value for name, topic in (topics or {}).items()}
+            self.send({"values": values, "now": {name: topic.told for name, topic in (topics or {}).items()}})
+
     def close(self) -> None:
         """Remove it from the page."""
-        self._on_toggle = self._values_of = None
+        self._on_toggle = self._values_of = self._on_look = None
         super().close()
 
     def _on_page(self, _widget: Any, content: Any, _buffers: Any) -> None:
         """Show a topic or take it off. In the main thread or a subshell's."""
         looked_at = content.get("look") if isinstance(content, dict) else None
         if isinstance(looked_at, list):
-            self._looked_at = [name for name in looked_at[:MOST_LOOKED_AT] if isinstance(name, str)]
-            self.tell_values(self._seconds)
+            before, self._looked_at = self._looked_at, [name for name in looked_at if isinstance(name, str)]
+            del self._looked_at[MOST_LOOKED_AT:]
+            if self._on_look is not None:
+                self._on_look(self._looked_at)
+            elif before != self._looked_at:
+                self.tell_values(self._seconds)
             return
         more = content.get("more") if isinstance(content, dict) else None
         if isinstance(more, list) and self._values_of is not None:

@@ -23,6 +23,7 @@ from ..messages.standard import TWIST
 from ..samples import Speed
 from ._callbacks import FunctionCaller
 from ._driver import Driver
+from ._listening import Listening
 from ._open_feeds import open_feeds
 from ._program_inputs import FeedInputs
 from ._subscription import Target, sorted_targets
@@ -58,6 +59,7 @@ class Connection(Observed):
         unsent: why zero could not be sent when it was closed; empty if it was.
         sent_count: the number of speeds that were sent, zero too.
         driver, watchdog, programs: what drives the robot.
+        listening: what its topics say while somebody looks at a list of them.
     """
 
     def __init__(self, middleware: Middleware, is_deleted: Callable[[], bool], clock: Clock) -> None:
@@ -67,7 +69,7 @@ class Connection(Observed):
         self._lock = threading.RLock()
         self._changed = self.clock.condition(self._lock)
         self.functions = FunctionCaller(self._show_status)
-        self._table = SubscriptionTable(f"connecting to {middleware.where}", self.functions)
+        self._table = SubscriptionTable(f"connecting to {middleware.where}", self.functions, clock.now)
         self.adverts: tuple[Advert, ...] = ()
         self.nobody = self.unsent = ""
         self.sent_count = 0
@@ -81,6 +83,7 @@ class Connection(Observed):
         self.driver = Driver(self, middleware)
         self.watchdog = self.driver.watchdog
         self.programs = Programs(_robot_of(self, is_deleted))
+        self.listening = Listening(self)
         self._trail_poses = TrailPoses(self)
 
     def open(self) -> None:
@@ -129,13 +132,17 @@ class Connection(Observed):
         if not targets:
             raise TypeError(f"connect({topic!r}) needs a widget, or a function of a sample")
         of_widgets, functions = sorted_targets(topic, targets)
-        self._connect(topic, of_widgets)
+        there = {function.call for function in self.functions.functions if function.topic == topic}
+        kept = self._connect(topic, of_widgets)
         with self._lock:
             for target in of_widgets:
                 if not target.is_ours:
                     self.functions.connect(topic, [target.call], raw=True, each=target.on_missed is not None)
             self.functions.connect(topic, functions, raw, each)
             self._table.prune()
+        new = [call for call in (*functions, *(one.call for one in of_widgets if not one.is_ours)) if call not in there]
+        for message in kept:
+            self.functions.put(self.topic_of(topic), message, new, each=False)
         self._subscribe()
         self._trail_poses.look()
 
@@ -190,8 +197,8 @@ class Connection(Observed):
         with self._lock:
             if self.is_closed:
                 return
-            self._table.down, self.nobody, self._reached = "", "", True
-            self._table.show_all()
+            self.nobody, self._reached = "", True
+            self._table.begin()
             self._changed.notify_all()
         self.driver.on_connected()
         self._call_observers()
@@ -395,11 +402,17 @@ class Connection(Observed):
         here = any(advert.name == topic and advert.wanted for advert in self.adverts)
         return self.is_listed and (here or bool(self.adverts and not known))
 
-    def _connect(self, topic: str, targets: Sequence[Target]) -> None:
+    def _connect(self, topic: str, targets: Sequence[Target]) -> tuple[Any, ...]:
+        """Add targets; returns the message that its publisher keeps for latecomers, as `SubscriptionTable.connect`."""
         with self._lock:
             self.check_open()
-            self._table.connect(topic, targets)
+            there = self._table.by_topic.get(topic)
+            new = [target for target in targets if there is None or target not in there.targets]
+            kept = self._table.connect(topic, targets)
+            subscription = self._table.by_topic[topic]
         self._subscribe()
+        subscription.pass_kept(kept, new)  # without the lock, as a message
+        return kept
 
     def _list_topics(self) -> None:
         adverts = list(self.adverts)

@@ -23,10 +23,11 @@ from ..message_widget import MessageWidget
 from ..program_widget import ProgramWidget
 from ..speed_widget import SpeedWidget
 from ..stop_widget import StopWidget
-from ..topics_widget import TopicRow, TopicsWidget
+from ..topics_widget import TopicNow, TopicRow, TopicsWidget
 from ._connection import Connection
+from ._listening import Heard
 from ._probes import Probes
-from ._topics import FeedTopic
+from ._topics import FeedTopic, brief_of
 from .middleware import FeedError
 
 
@@ -76,10 +77,11 @@ class FeedView(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no type
         self._shown: dict[WidgetChoice, SampleWidget] = {}
         self._probes = Probes(self._connection)
         self._closed = False
+        self._looked_at: tuple[str, ...] = ()
         self.refresh = CoalescedCall(self._refresh)
         self._status = ipywidgets.HTML()
         self._screen = OneScreen()
-        self.topic_list = TopicsWidget(self._on_toggle)
+        self.topic_list = TopicsWidget(self._on_toggle, on_look=self._on_look)
         self._stop = StopWidget(feed)
         self.program: ProgramWidget | None = None
         self.machine: MachineWidget | None = None
@@ -123,6 +125,7 @@ class FeedView(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no type
     def close(self) -> None:
         """Remove it from the page; doing it again does nothing."""
         self._connection.unobserve(self.refresh)
+        self._connection.listening.look(self._on_heard, None)
         self._closed = True
         self.refresh()
         for widget in (self._bar, self._stop, self.program, self.machine, self.room, self.topic_list, self._screen):
@@ -185,6 +188,19 @@ class FeedView(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no type
         else:
             self.on_show.take_off(of_topic(topic, self._entries(), self._known))
         self.refresh()
+
+    def _on_look(self, names: Sequence[str]) -> None:
+        """A page shows these topics in the list, or, without any, the list no longer."""
+        if not self._closed:
+            self._looked_at = tuple(names)
+            self._connection.listening.look(self._on_heard, (lambda: self._looked_at) if names else None)
+
+    def _on_heard(self, is_seen: bool) -> None:
+        """Tell what the topics in the list say now, and how often. In the thread of timers."""
+        listening = self._connection.listening
+        heard = {name: one for name in self._looked_at if (one := listening.of(name)) is not None}
+        now = {name: _now(self._connection.topic_of(name), one, listening.now) for name, one in heard.items()}
+        self.topic_list.tell_now(now if is_seen else None)
 
     def _add_program(self) -> bool:
         """Make the widgets of the program and of its state machine once they are there; returns whether it made one."""
@@ -304,6 +320,14 @@ def _row(topic: FeedTopic) -> TopicRow:
     asked = asked_of_type(topic.type)
     row = topic.widget or (asked.name if asked else "")
     return TopicRow(topic.name, topic.type, widget=row, problem="" if row else _not_shown(topic))
+
+
+def _now(topic: FeedTopic, heard: Heard, now: float) -> TopicNow:
+    """What a topic says now, for the list."""
+    if not heard.count:
+        return TopicNow("" if heard.is_glanced_at else "nothing yet")
+    counted = (None, None) if heard.is_glanced_at else (heard.count, heard.age(now))
+    return TopicNow(brief_of(heard.message, topic), heard.rate, *counted)
 
 
 def _not_shown(topic: FeedTopic) -> str:

@@ -15,6 +15,12 @@ from ..kinds import asked_of_widget, role_of, sensor_of
 from ._topics import FeedTopic, no_such
 from ._two_scanners import TwoScanners
 
+SOON = 1.0
+"""Seconds within which a message comes that a publisher kept."""
+
+RARE = 2.0
+"""Seconds between messages of a topic of which the last is kept, at least."""
+
 _PACKAGE = __name__.partition(".")[0]
 
 
@@ -117,14 +123,23 @@ def sorted_targets(topic: str, targets: Sequence[Any]) -> tuple[list[Target], li
 class Subscription:
     """A topic, the targets of its messages, and its status.
 
+    Args:
+        topic: its name.
+        now: the clock.
+
     Attributes:
         trouble: the reason why no message comes or can be read, as the middleware reports it.
         receives: whether messages come now.
         has_received: whether one ever came.
     """
 
-    def __init__(self, topic: str) -> None:
-        self.topic = topic
+    def __init__(self, topic: str, now: Callable[[], float]) -> None:
+        self.topic, self._now = topic, now
+        self._since = now()
+        """When messages could come at the earliest: somebody connects, the robot is there, the topic appears."""
+        self._is_offered = self._is_of_sensor = False
+        self._count, self._first_at, self._last_at = 0, 0.0, 0.0
+        self._last: Any = None
         self.targets: tuple[Target, ...] = ()
         self.type = ""
         self.trouble = ""
@@ -148,6 +163,8 @@ class Subscription:
             newest: whether those get it that take the newest one.
             each: whether those get it that take each.
         """
+        if newest:
+            self._note(message)
         before = (self.receives, self._failed, self._scanners.status)
         takers = [one for one in self.targets if one.is_ours and (newest if one.on_missed is None else each)]
         failures = [self._pass_on(target, message) for target in takers]
@@ -157,6 +174,34 @@ class Subscription:
         self.receives = self.has_received = True
         return before != (True, self._failed, self._scanners.status)
 
+    def _note(self, message: Any) -> None:
+        now = self._now()
+        if not self._count:
+            self._first_at = now
+        self._count, self._last_at, self._last = self._count + 1, now, message
+
+    @property
+    def kept(self) -> tuple[Any, ...]:
+        """The last message, where a publisher keeps it for those who come later; else nothing.
+
+        A publisher keeps it, as far as this can be told of any middleware, that sent the first one as soon as it was
+        asked and others rarely. Of a sensor nothing is kept: what comes late may drive by it.
+        """
+        came_at_once = self._count and self._first_at - self._since < SOON
+        is_rare = self._count == 1 or self._last_at - self._first_at > RARE * (self._count - 1)
+        return (self._last,) if came_at_once and is_rare and self.receives and not self._is_of_sensor else ()
+
+    def pass_kept(self, kept: tuple[Any, ...], targets: Sequence[Target]) -> None:
+        """Pass what was `kept` to targets that came later, but to those that take each message."""
+        for message in kept:
+            for target in targets:
+                if target.is_ours and target.on_missed is None:
+                    self._pass_on(target, message)
+
+    def begin(self) -> None:
+        """Messages can come from now on: the robot is connected, perhaps again."""
+        self._since, self._count, self._last = self._now(), 0, None
+
     def miss(self, count: int) -> None:
         """Tell those who take each message how many they do not get."""
         for target in self.targets:
@@ -165,8 +210,12 @@ class Subscription:
 
     def update(self, topic: FeedTopic | None) -> None:
         """Update the type of the topic; None: the topic is missing."""
-        if topic is None or not topic.offered:
+        is_offered = topic is not None and topic.offered
+        if not is_offered:
             self.receives = False
+        elif not self._is_offered:
+            self.begin()
+        self._is_offered, self._is_of_sensor = is_offered, topic is not None and topic.widget is not None
         kind = topic.type if topic else ""
         if kind and self.type and kind != self.type:
             self._retyped = f"{self.topic} was {self.type} and is now {kind}"

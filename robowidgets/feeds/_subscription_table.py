@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from typing import Any
 from uuid import uuid4
 
 from .._core.sample_widget import SampleWidget
@@ -20,6 +21,7 @@ class SubscriptionTable:
     Args:
         down: the initial reason why no message comes on any topic.
         functions: the connected functions.
+        now: the clock.
 
     Attributes:
         robot: the name by which the page knows all widgets of the feed.
@@ -27,8 +29,8 @@ class SubscriptionTable:
         down: the reason why no message comes on any topic; empty while messages can come.
     """
 
-    def __init__(self, down: str, functions: FunctionCaller) -> None:
-        self._functions = functions
+    def __init__(self, down: str, functions: FunctionCaller, now: Callable[[], float]) -> None:
+        self._functions, self._now = functions, now
         self.robot = uuid4().hex
         self.by_topic: dict[str, Subscription] = {}
         self.topics: dict[str, FeedTopic] | None = None
@@ -40,8 +42,8 @@ class SubscriptionTable:
         """The widgets that are connected, once each."""
         return tuple(self._widgets)
 
-    def connect(self, topic: str, targets: Sequence[Target]) -> None:
-        """Add targets to a topic, except those that it has already.
+    def connect(self, topic: str, targets: Sequence[Target]) -> tuple[Any, ...]:
+        """Add targets to a topic, except those that it has already; returns what its publisher keeps for latecomers.
 
         Raises:
             ValueError: a widget has the sensor of this name from another topic.
@@ -55,8 +57,9 @@ class SubscriptionTable:
                 )
         subscription = self.by_topic.get(topic)
         if subscription is None:
-            subscription = self.by_topic[topic] = Subscription(topic)
+            subscription = self.by_topic[topic] = Subscription(topic, self._now)
             subscription.update((self.topics or {}).get(topic))
+        kept = subscription.kept
         for target in targets:
             if target in subscription.targets:
                 continue
@@ -64,6 +67,14 @@ class SubscriptionTable:
             if target.widget is not None:
                 self._widgets.setdefault(target.widget, []).append((subscription, target))
         self.show(subscription)
+        return kept
+
+    def begin(self) -> None:
+        """Have messages come: the robot is connected, perhaps again."""
+        self.down = ""
+        for subscription in self.by_topic.values():
+            subscription.begin()
+        self.show_all()
 
     def disconnect(self, topic: str, targets: Sequence[Target] | None) -> None:
         """Remove these targets from a topic; None: its widgets."""
@@ -108,7 +119,7 @@ class SubscriptionTable:
 
     def status_of(self, topic: str) -> str:
         """The problems of a topic, connected or not; empty if there are none."""
-        status = self.down or (self.by_topic.get(topic) or Subscription(topic)).status(self.topics)
+        status = self.down or (self.by_topic.get(topic) or Subscription(topic, self._now)).status(self.topics)
         return "; ".join(filter(None, (status, self._functions.status_of(topic))))
 
     def show(self, subscription: Subscription) -> None:

@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 from .._core.tables import Table
 from .._core.text import many
 from ..kinds import KINDS, counts_every_message, is_standard, is_undecided, kind_of_message, kind_of_type, widgets_of
+from ..messages.brief import brief
 from .middleware import EVENTS, Advert
 
 _HEADS = ("topic", "type", "published", "heard", "widget")
@@ -63,6 +64,14 @@ def sample_of(message: Any, topic: FeedTopic) -> Any:
     """
     widget = topic.widget or (decided(topic, message).widget if is_open(topic) or not topic.type else None)
     return message if widget is None else KINDS[widget].read(message)
+
+
+def brief_of(message: Any, topic: FeedTopic | None) -> str:
+    """A message in a few words, as the sample in it where there is one."""
+    try:
+        return brief(message if topic is None else sample_of(message, topic))
+    except (TypeError, ValueError):
+        return brief(message)
 
 
 def queue_length(type_name: str) -> int:

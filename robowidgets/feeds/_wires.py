@@ -2,56 +2,26 @@
 
 from __future__ import annotations
 
-import threading
 from collections.abc import Collection, Iterable
-from functools import partial
-from math import isfinite
+from contextlib import suppress
 from typing import Any
 
-from .._core.clock import Scheduler
-from .._core.clock import scheduler as threads
 from .._core.observed import Observed
-from .._core.rate import RateMeter
 from .._core.text import many
 from ..behaviors.machine import Machine
 from ..behaviors.program import ENDED, Program
 from ..message_widget import MessageWidget
 from ..messages.brief import brief
-from ..messages.infrastructure import is_infrastructure, is_large
+from ..messages.infrastructure import is_infrastructure
 from ..samples import Speed
 from ..wires_widget import NotebookPart, Wire, Wiring
 from ._connection import Connection
 from ._subscription import Target
-from ._topics import FeedTopic, sample_of, unlisted
+from ._topics import FeedTopic, brief_of, unlisted
 from .middleware import FeedError
-
-PERIOD = 0.5
-"""Seconds between two looks at the wires."""
-
-SEEN_FOR = 40.0
-"""Seconds for which it counts that a page shows the wires. A page says so every ten."""
-
-MOST_HEARD = 60
-"""Topics that are listened to, beside those that are connected to something."""
-
 
 _MOST_GOT = 120
 """Characters for all that a step got."""
-
-
-class _Heard:
-    """The messages of a topic, as far as they are counted and the last one is kept."""
-
-    def __init__(self) -> None:
-        self.target: Target | None = None
-        self.count, self.came_at, self.message = 0, 0.0, None
-        self.rate: float | None = None
-        self._meter = RateMeter()
-
-    def measure(self) -> None:
-        """Measure the rate; again and again, since the meter sees the counter only then."""
-        rate = self._meter.rate(self.count, self.came_at)
-        self.rate = round(rate, 2) if isfinite(rate) else None
 
 
 class FeedWires(Observed):
@@ -61,17 +31,11 @@ class FeedWires(Observed):
 
     Args:
         connection: that of the feed.
-        scheduler: has the time.
     """
 
-    def __init__(self, connection: Connection, scheduler: Scheduler = threads) -> None:
+    def __init__(self, connection: Connection) -> None:
         super().__init__()
-        self._connection, self._scheduler = connection, scheduler
-        self._now = scheduler.clock.now
-        self._lock = threading.RLock()
-        self._heard: dict[str, _Heard] = {}
-        self._seen_until = float("-inf")
-        self._ticks = False
+        self._connection = connection
 
     @property
     def name(self) -> str:
@@ -90,12 +54,7 @@ class FeedWires(Observed):
 
     def look(self, is_seen: bool) -> None:
         """See `WiresSource`."""
-        with self._lock:
-            self._seen_until = self._now() + SEEN_FOR if is_seen else float("-inf")
-            if not is_seen or self._ticks:
-                return
-            self._ticks = True
-        self._scheduler.call_at(self._now(), self._tick)
+        self._connection.listening.look(self._on_heard, self._worth_hearing if is_seen else None)
 
     def show(self, topic: str, widget: MessageWidget) -> None:
         """See `WiresSource`."""
@@ -133,47 +92,17 @@ class FeedWires(Observed):
             note = f"asking who publishes what: {asked} of {many(len(connection.adverts), 'topic')} so far"
         return Wiring(tuple(wires), parts, tells, note)
 
-    def _tick(self) -> None:
-        """Listen to what is to be seen, and have it shown; or end that. In the thread of timers."""
-        with self._lock:
-            is_seen = self._now() < self._seen_until and not self._connection.is_closed
-            self._ticks = is_seen
-        try:
+    def _on_heard(self, is_seen: bool) -> None:
+        """Have what was heard shown; or end that. In the thread of timers."""
+        with suppress(FeedError):  # it was closed meanwhile, and says so
             self._connection.middleware.ask_for_nodes(is_seen)
-            self._hear(self._wanted() if is_seen else ())
-        except FeedError:  # it was closed meanwhile, and says so
-            pass
-        for heard in self._heard.values():
-            heard.measure()
         self._call_observers()
-        if is_seen:
-            self._scheduler.call_at(self._now() + PERIOD, self._tick)
 
-    def _wanted(self) -> list[str]:
-        """The topics to listen to: small ones, and those that are listened to anyway."""
-        topics, connected = self._connection.topics, self._connection.connected
-        used = {function.topic for function in self._connection.functions.functions}
-        for name, targets in connected.items():
-            heard = self._heard.get(name)
-            if any(heard is None or target is not heard.target for target in targets):
-                used.add(name)
-        small = [topic.name for topic in topics if topic.name not in used and _is_small(topic)]
-        return [topic.name for topic in topics if topic.name in used] + small[:MOST_HEARD]
-
-    def _hear(self, wanted: Iterable[str]) -> None:
-        names = set(wanted)
-        for name in self._heard.keys() - names:
-            heard = self._heard.pop(name)
-            if heard.target is not None:
-                self._connection.detach(name, heard.target)
-        for name in names - self._heard.keys():
-            self._heard[name] = heard = _Heard()
-            heard.target = Target(partial(self._take, heard), None)
-            self._connection.attach_target(name, heard.target)
-
-    def _take(self, heard: _Heard, message: Any) -> None:
-        """Keep a message. In the thread of the transport."""
-        heard.count, heard.came_at, heard.message = heard.count + 1, self._now(), message
+    def _worth_hearing(self) -> list[str]:
+        """The topics to listen to: not those that every node has, unless something takes their messages anyway."""
+        topics, used = self._connection.topics, self._connection.listening.used
+        others = [topic.name for topic in topics if topic.name not in used and not is_infrastructure(topic.name)]
+        return [*used, *others]
 
     def _wire(self, topic: FeedTopic, publishers: Collection[str], subscribers: Collection[str]) -> Wire:
         wire = Wire(
@@ -185,7 +114,8 @@ class FeedWires(Observed):
             topic.wanted,
             is_infrastructure=is_infrastructure(topic.name),
         )
-        heard = self._heard.get(topic.name)
+        listening = self._connection.listening
+        heard = listening.of(topic.name)
         if heard is None:
             return wire
         note = self._connection.trouble_of(topic.name)
@@ -194,8 +124,8 @@ class FeedWires(Observed):
         return wire._replace(
             is_heard=True,
             rate=heard.rate,
-            value=_brief(heard.message, topic),
-            age=round(self._now() - heard.came_at, 2),
+            value=brief_of(heard.message, topic),
+            age=None if heard.is_glanced_at else heard.age(listening.now),
             note=note,
         )
 
@@ -204,7 +134,7 @@ class FeedWires(Observed):
         watchdog = connection.watchdog
         for function in connection.functions.functions:
             drives = watchdog in function.driven
-            got, gave = ("", "") if not function.runs else (_brief(function.got, None), brief(function.gave))
+            got, gave = ("", "") if not function.runs else (brief_of(function.got, None), brief(function.gave))
             yield NotebookPart(
                 "function", function.name, (function.topic,), (), drives, function.runs, got, gave, function.problem
             )
@@ -233,7 +163,7 @@ class FeedWires(Observed):
 def _part_of(program: Program) -> NotebookPart:
     function = program.version.function
     state = f"{function.active_text}: " if isinstance(function, Machine) else ""
-    got = ", ".join(f"{name} {_brief(value, None)}" for name, value in program.got.items())
+    got = ", ".join(f"{name} {brief_of(value, None)}" for name, value in program.got.items())
     drive = program.returned
     speed = brief(Speed((drive.linear, drive.lateral, 0.0), (0.0, 0.0, drive.angular)))
     gave = f"{state}{'as before, ' if program.kept else ''}{speed}" if program.steps else ""
@@ -241,16 +171,3 @@ def _part_of(program: Program) -> NotebookPart:
     return NotebookPart(
         "program", program.name, program.topics, (), True, program.steps, got[:_MOST_GOT], gave, problem
     )
-
-
-def _is_small(topic: FeedTopic) -> bool:
-    is_known = topic.offered and topic.type and not is_infrastructure(topic.name)
-    return bool(is_known) and not is_large(topic.type)
-
-
-def _brief(message: Any, topic: FeedTopic | None) -> str:
-    """A message in a few words, as the sample in it where there is one."""
-    try:
-        return brief(message if topic is None else sample_of(message, topic))
-    except (TypeError, ValueError):
-        return brief(message)

@@ -20,6 +20,7 @@ from robowidgets.recordings.files import open_source
 from ..fourth_kind.asked import ANY, AnyWidget, added
 from ..fourth_kind.number_widget import build
 from ..unit.recordings import recorded
+from ..unit.waiting import wait_for
 from .chromium import LOOKS, shoot
 from .plain_page import PlainPage
 
@@ -217,3 +218,18 @@ def test_the_list_of_a_robot_leaves_the_bar_and_the_pictures_their_place(plain_p
     assert there["y"] == pytest.approx(bar["y"] + bar["height"], abs=12)
     assert there["x"] == pytest.approx(bar["x"], abs=4)
     assert picture["y"] < bar["y"] + 100
+
+
+def test_the_list_of_a_robot_says_what_comes_now_and_how_often_until_it_is_folded(plain_page: Open) -> None:
+    opens = "from robowidgets import feeds; robot = feeds.simulator(wander=False)"
+    nb = plain_page(["import time", opens, "(view := robot.show('/scan'))"])
+    nb.output(2).locator(".rw-topics-rail").click()
+    expect(row(nb, "/scan").locator(".rw-topic-rate")).to_have_text(re.compile(r"^(\d+|\d\.\d)$"))
+    expect(row(nb, "/odom").locator(".rw-topic-rate")).to_have_text(re.compile(r"^(\d+|\d\.\d)$"))
+    expect(row(nb, "/odom").locator(".rw-topic-value")).to_have_text("0 m/s")
+    row(nb, "/odom").hover()
+    expect(nb.output(2).locator(".rw-topics-foot-facts")).to_contain_text("Hz")
+    shoot(nb.output(2), "topics-robot-now")
+    nb.output(2).locator(".rw-topics-fold").click()
+    heard = "print(*robot.connection.connected)"
+    wait_for(lambda: nb.python(heard).strip() == "/scan", "it listens to nothing more")

@@ -1,9 +1,10 @@
 import { make, makeButton, makeSvg, mount, setHidden, setLabel, setText } from "../shared/dom.ts";
 import { isPlain, on, onAbort } from "../shared/events.ts";
-import { toFixed } from "../shared/format.ts";
+import { toAge, toFixed } from "../shared/format.ts";
 import { keepKeys } from "../shared/keys.ts";
 import { lacksKernel, type Model, NO_KERNEL, onChange, onMessage, setTraits } from "../shared/model.ts";
 import { perAnimationFrame, throttle } from "../shared/schedule.ts";
+import { watchSeen } from "../shared/seen.ts";
 import { followTheme } from "../shared/theme.ts";
 import { Cards } from "./cards.ts";
 import { type Group, nameIn, shortType, toCount, toFacts, toFewWords, toFolded, toGroups, toRate } from "./groups.ts";
@@ -24,11 +25,20 @@ const MOST_VALUES = 100;
 
 const NO_ROW: TopicRow = { name: "", type: "", messages: null, rate: null, widget: "", problem: "" };
 
-/** What Python says: that it has done what was asked for, or what topics say at a time. */
+/** What Python says: that it has done what was asked for, or what topics say at a time, or what a robot's say now. */
 interface Message {
   done?: string;
   values?: Record<string, string>;
   at?: number | null;
+  now?: Record<string, Now>;
+}
+
+/** How often a topic of a robot comes now; what is not known is null. */
+interface Now {
+  rate: number | null;
+  messages: number | null;
+  /** The seconds for which it is silent, where it is. */
+  silent?: number;
 }
 
 /** A row or a heading on the page. */
@@ -68,6 +78,8 @@ export class TopicsView {
   #isBusy = false;
   #values: Record<string, string> = {};
   #asked: string[] = [];
+  #now: Record<string, Now> = {};
+  #isSeen = false;
   /** The time at which these are their values. */
   #valuesAt: number | null = null;
   readonly #look: () => void;
@@ -99,6 +111,11 @@ export class TopicsView {
     onChange(model, ["_rows", "_shown", "folded", "_fixed", "_error"], this.#redraw, signal);
     onMessage(model, (message: Message) => this.#onMessage(message), signal);
     this.#look = throttle(() => this.#askForValues(), LOOK_MS, signal);
+    const onBeat = (isSeen: boolean) => {
+      this.#isSeen = isSeen;
+      this.#askForValues(true);
+    };
+    watchSeen(this.#body, onBeat, signal);
     // Not for each row: there may be many.
     const size = new ResizeObserver(() => this.#onSize());
     size.observe(this.#body);
@@ -221,7 +238,8 @@ export class TopicsView {
   }
 
   #makeRow(group: Group, row: TopicRow): HTMLElement {
-    const { name, type, messages: count, rate, problem } = row;
+    const { name, type, problem } = row;
+    const { messages: count, rate } = this.#countsOf(row);
     const line = make("div", "rw-topic");
     line.role = "row";
     line.tabIndex = -1;
@@ -240,9 +258,8 @@ export class TopicsView {
     line.append(make("span", "rw-topic-square"), makeTypeIcon(short), makeName(nameIn(group, name)));
     if (problem) line.append(make("span", "rw-topic-why", problem));
     else line.append(make("span", "rw-topic-type", short), make("span", "rw-topic-value"));
+    if (!problem) line.append(make("span", "rw-topic-rate"));
     this.#writeValue(line, row);
-    const number = this.#showsCounts ? toCount(count) : toRate(count, rate);
-    if (!problem) line.append(make("span", "rw-topic-rate", count === 0 ? "none" : number));
     for (const cell of line.children) cell.role = "gridcell";
     return line;
   }
@@ -250,7 +267,8 @@ export class TopicsView {
   #drawFoot(): void {
     const row = this.#row;
     const error = this.#model.get("_error");
-    const { name, type, messages: count, rate, widget, problem } = row ?? NO_ROW;
+    const { name, type, widget, problem } = row ?? NO_ROW;
+    const { messages: count, rate } = this.#countsOf(row ?? NO_ROW);
     setText(this.#footName, name);
     setText(this.#footType, type);
     this.#footName.title = name;
@@ -260,7 +278,9 @@ export class TopicsView {
     const waits = this.#pending.size > 0 && this.#isBusy;
     const text = waits
       ? "the kernel is busy: it follows when the cell ends"
-      : error || problem || [this.#values[name] ?? "", ...toFacts(count, rate), ...by].filter(Boolean).join(" · ");
+      : error ||
+        problem ||
+        [this.#values[name] ?? "", ...this.#silence(name), ...toFacts(count, rate), ...by].filter(Boolean).join(" · ");
     const help =
       lacksKernel(this.#model) && !this.#model.get("_fixed") ? NO_KERNEL : "point at a topic, or type / to filter";
     setText(this.#footFacts, text || (row ? "" : help));
@@ -310,14 +330,15 @@ export class TopicsView {
     this.#redraw();
   }
 
-  #onMessage({ done, values, at }: Message): void {
+  #onMessage({ done, values, at, now }: Message): void {
     if (done !== undefined) this.#onDone(done);
     if (!values) return;
-    const isMore = (at ?? null) === this.#valuesAt;
+    const isMore = !now && (at ?? null) === this.#valuesAt;
     this.#values = { ...(isMore && this.#values), ...values };
     this.#valuesAt = at ?? null;
+    this.#now = now ?? {};
     // Python reads for a moment at a time.
-    const missing = this.#asked.filter((name) => !(name in this.#values));
+    const missing = now ? [] : this.#asked.filter((name) => !(name in this.#values));
     if (missing.length && Object.keys(values).length) this.#model.send({ more: missing });
     setText(this.#when, at === null || at === undefined ? "now" : `at ${toFixed(at, 2)} s`);
     for (const { element, row } of this.#lines) if (row) this.#writeValue(element, row);
@@ -327,14 +348,28 @@ export class TopicsView {
   #writeValue(line: HTMLElement, row: TopicRow): void {
     const cell = line.querySelector<HTMLElement>(".rw-topic-value");
     if (cell) setText(cell, toFewWords(this.#values[row.name] ?? ""));
+    const { messages: count, rate } = this.#countsOf(row);
+    const number = this.#showsCounts ? toCount(count) : toRate(count, rate);
+    const rated = line.querySelector<HTMLElement>(".rw-topic-rate");
+    if (rated) setText(rated, count === 0 ? "none" : number);
   }
 
-  /** Asks for the values of the rows on the page; what is folded is not sent. */
-  #askForValues(): void {
-    if (!this.#body.clientHeight || !this.#canChange) return;
+  /** Count and rate: those of the recording, or those of now. */
+  #countsOf(row: TopicRow): { messages: number | null; rate: number | null } {
+    return this.#now[row.name] ?? row;
+  }
+
+  #silence(name: string): string[] {
+    const seconds = this.#now[name]?.silent;
+    return seconds === undefined ? [] : [`silent for ${toAge(1000 * seconds, 0)}`];
+  }
+
+  /** Asks for the values of the rows on the page; what is folded is not sent. @param again even if Python knows */
+  #askForValues(again = false): void {
+    if (!this.#canChange) return;
     const rows = this.#lines.flatMap(({ row }) => (row && !row.problem && row.messages !== 0 ? [row] : []));
-    const names = rows.slice(0, MOST_VALUES).map(({ name }) => name);
-    if (names.join("\n") === this.#asked.join("\n")) return;
+    const names = this.#isSeen ? rows.slice(0, MOST_VALUES).map(({ name }) => name) : [];
+    if (!again && names.join("\n") === this.#asked.join("\n")) return;
     this.#asked = names;
     this.#model.send({ look: names });
   }

@@ -1,9 +1,10 @@
 import type { Point } from "../shared/box.ts";
 import { isDragged, make, makeButton, pointIn, setHidden, setLabel, setText } from "../shared/dom.ts";
-import { isPlain, on, onAbort } from "../shared/events.ts";
+import { isPlain, on } from "../shared/events.ts";
 import { toMany } from "../shared/format.ts";
 import { lacksKernel, type Model, onChange, setTraits } from "../shared/model.ts";
 import { SampleCard } from "../shared/sample_card.ts";
+import { watchSeen } from "../shared/seen.ts";
 import type { Stream } from "../shared/stream.ts";
 import { Board } from "./board.ts";
 import { around, type Graph, type Item, toGraph } from "./graph.ts";
@@ -15,7 +16,6 @@ import { describe } from "./words.ts";
 
 const [LEAST_HEIGHT, MOST_HEIGHT, PADDING] = [150, 420, 12];
 const STEP = 1.3;
-const LOOK_MS = 10_000;
 const HINT = "point at a box to see its wires, click to keep it";
 const ARROWS: Record<string, [number, number]> = {
   ArrowRight: [1, 0],
@@ -51,7 +51,6 @@ export class WiresView {
   #picked: string | null = null;
   #reached: string | null = null;
   #press: { at: Point; sight: Sight; drags: boolean } | null = null;
-  #isSeen = false;
 
   constructor(model: Model<WiresTraits>, element: HTMLElement, stream: Stream<WiringFrame>, signal: AbortSignal) {
     this.#model = model;
@@ -90,30 +89,8 @@ export class WiresView {
     on(picture, "wheel", (event) => this.#onWheel(event), signal, { passive: false });
     on(picture, "focusin", (event) => this.#onFocus(event), signal);
     on(root, "keydown", (event) => this.#onKey(event), signal);
-    this.#watchSeen(root, signal);
-  }
-
-  /** Tells Python whether anybody sees the picture: while nobody does, the robot is asked nothing for it. */
-  #watchSeen(root: HTMLElement, signal: AbortSignal): void {
-    let isOnScreen = false;
-    const tell = () => {
-      const isSeen = isOnScreen && document.visibilityState === "visible";
-      if (!isSeen && !this.#isSeen) return;
-      this.#isSeen = isSeen;
-      if (!lacksKernel(this.#model)) this.#model.send({ look: isSeen });
-    };
-    const observer = new IntersectionObserver((entries) => {
-      isOnScreen = entries.at(-1)?.isIntersecting ?? false;
-      tell();
-    });
-    observer.observe(root);
-    on(document, "visibilitychange", tell, signal);
-    const timer = setInterval(tell, LOOK_MS);
-    // Python notices by itself that nobody says so any more: where the model is closed, nothing can be sent.
-    onAbort(signal, () => {
-      observer.disconnect();
-      clearInterval(timer);
-    });
+    // While nobody sees the picture, the robot is asked nothing for it.
+    watchSeen(root, (isSeen) => !lacksKernel(model) && model.send({ look: isSeen }), signal);
   }
 
   #draw(): void {

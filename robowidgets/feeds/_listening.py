@@ -1,0 +1,228 @@
+"""What the topics of a robot say, and how often, while somebody looks."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable, Iterable
+from contextlib import suppress
+from functools import partial
+from math import isfinite
+from typing import Any, NamedTuple, Protocol
+
+from .._core.clock import Scheduler
+from .._core.clock import scheduler as threads
+from .._core.rate import RateMeter
+from ..messages.infrastructure import is_large
+from ._callbacks import FunctionCaller
+from ._links import TopicLink
+from ._subscription import Target
+from .middleware import FeedError
+
+PERIOD = 0.5
+"""Seconds between two looks."""
+
+SEEN_FOR = 40.0
+"""Seconds for which it counts that somebody looks. A page says so every ten."""
+
+MOST_HEARD = 60
+"""Topics that are listened to at most, beside those that are connected to something."""
+
+FAST = 100.0
+"""Messages per second from which a topic is only glanced at, as one with large messages is."""
+
+GLANCE = 3
+"""Messages of a large topic in a glance, which give a rate."""
+
+PATIENCE = 2.0
+"""Seconds for which a glance lasts at most."""
+
+PAUSE = 15.0
+"""Seconds between two glances at a topic."""
+
+
+class Listened(TopicLink, Protocol):
+    """A connection, as this knows it."""
+
+    functions: FunctionCaller
+
+    @property
+    def is_closed(self) -> bool:
+        """Whether nothing comes any more."""
+
+    @property
+    def connected(self) -> dict[str, tuple[Target, ...]]:
+        """What takes the messages of each topic, but for connected functions."""
+
+
+class Heard:
+    """The messages of a topic, as far as they are counted and the last one is kept.
+
+    Attributes:
+        count: the number of messages that came.
+        came_at: when the last one came.
+        message: the last one.
+        rate: messages per second; None while it is unknown.
+        is_glanced_at: whether it is listened to now and then alone, so that its count says little.
+    """
+
+    def __init__(self) -> None:
+        self.count, self.came_at, self.message = 0, 0.0, None
+        self.rate: float | None = None
+        self.is_glanced_at = False
+        self.target: Target | None = None
+        self.again_at = float("-inf")
+        """The time from which it is glanced at again."""
+        self.begin(float("-inf"))
+
+    def begin(self, until: float) -> None:
+        """Measure the rate anew: nobody listened for a while."""
+        self.until, self._first_at, self.came, self.is_measured = until, 0.0, 0, False
+        self._meter = RateMeter()
+
+    def take(self, message: Any, now: float) -> None:
+        """Keep a message."""
+        self._first_at = self._first_at if self.came else now
+        self.count, self.came, self.came_at, self.message = self.count + 1, self.came + 1, now, message
+
+    def measure(self) -> None:
+        """Measure the rate; again and again, since the meter sees the counter only then."""
+        rate = self._meter.rate(self.came, self.came_at)
+        passed = self.came_at - self._first_at
+        if not isfinite(rate) and self.is_glanced_at and self.came >= GLANCE and passed > 0:
+            rate = (self.came - 1) / passed
+        if isfinite(rate):
+            self.rate, self.is_measured = round(rate, 2), True
+
+    def age(self, now: float) -> float:
+        """Seconds since the last message came."""
+        return round(now - self.came_at, 2)
+
+
+class _Looker(NamedTuple):
+    names: Callable[[], Iterable[str]]
+    until: float
+
+
+class Listening:
+    """Listens to topics of a feed while somebody looks, and for a moment after that.
+
+    It listens on to those that are small and slow. At a topic of large messages, or of very many, it glances now and
+    then, at one after the other, unless something else takes its messages anyway.
+
+    Args:
+        connection: that of the feed.
+        scheduler: has the time.
+    """
+
+    def __init__(self, connection: Listened, scheduler: Scheduler = threads) -> None:
+        self._connection, self._scheduler = connection, scheduler
+        self._now = scheduler.clock.now
+        self._lock = threading.RLock()
+        self._lookers: dict[Callable[[bool], object], _Looker] = {}
+        self._heard: dict[str, Heard] = {}
+        self._ticks = False
+
+    def look(self, on_heard: Callable[[bool], object], names: Callable[[], Iterable[str]] | None) -> None:
+        """Somebody looks at topics, and has to say so again within `SEEN_FOR`.
+
+        Args:
+            on_heard: called with True twice a second, in the thread of timers, and with False when that ends.
+            names: returns the names of the topics, the most wanted first; None: nobody looks any more.
+        """
+        with self._lock:
+            if names is None:
+                if on_heard in self._lookers:
+                    self._lookers[on_heard] = self._lookers[on_heard]._replace(until=float("-inf"))
+                return
+            self._lookers[on_heard] = _Looker(names, self._now() + SEEN_FOR)
+            if self._ticks:
+                return
+            self._ticks = True
+        self._scheduler.call_at(self._now(), self._tick)
+
+    def of(self, topic: str) -> Heard | None:
+        """What was heard of a topic; None while nobody listens to it."""
+        return self._heard.get(topic)
+
+    @property
+    def now(self) -> float:
+        """The time in seconds."""
+        return self._now()
+
+    @property
+    def used(self) -> set[str]:
+        """The topics whose messages something else takes."""
+        used = {function.topic for function in self._connection.functions.functions}
+        for name, targets in self._connection.connected.items():
+            heard = self._heard.get(name)
+            if any(heard is None or target is not heard.target for target in targets):
+                used.add(name)
+        return used
+
+    def _tick(self) -> None:
+        """Listen to what is to be seen, and have it shown; or end that. In the thread of timers."""
+        with self._lock:
+            now, is_closed = self._now(), self._connection.is_closed
+            gone = [one for one, looker in self._lookers.items() if is_closed or now >= looker.until]
+            for one in gone:
+                del self._lookers[one]
+            lookers = dict(self._lookers)
+            self._ticks = bool(lookers)
+        with suppress(FeedError):  # it was closed meanwhile, and says so
+            self._hear([name for looker in lookers.values() for name in looker.names()], now)
+        for heard in list(self._heard.values()):
+            heard.measure()
+        for on_heard in gone:
+            on_heard(False)
+        for on_heard in lookers:
+            on_heard(True)
+        if lookers:
+            self._scheduler.call_at(now + PERIOD, self._tick)
+
+    def _hear(self, names: Iterable[str], now: float) -> None:
+        """Listen to these topics, and to no others."""
+        topics, used = {topic.name: topic for topic in self._connection.topics}, self.used
+        wanted = dict.fromkeys(name for name in names if name in topics)
+        unused = [name for name in wanted if name not in used and topics[name].offered and topics[name].type]
+        heard_of = {*unused[:MOST_HEARD], *(wanted.keys() & used)}
+        for name in self._heard.keys() - heard_of:
+            self._let_go(name)
+            del self._heard[name]
+        glances = any(one.is_glanced_at and one.target is not None for one in self._heard.values())
+        for name in (name for name in wanted if name in heard_of):
+            heard = self._heard.setdefault(name, Heard())
+            large = is_large(topics[name].type)
+            heard.is_glanced_at = name not in used and (large or (heard.rate or 0) >= FAST)
+            if heard.target is not None:
+                if heard.is_glanced_at and (now >= heard.until or (heard.is_measured and not large)):
+                    self._let_go(name)
+            elif not heard.is_glanced_at or (now >= heard.again_at and not glances):
+                glances |= heard.is_glanced_at
+                heard.begin(now + PATIENCE)
+                heard.target = Target(partial(self._take, name, heard), None)
+                self._connection.attach_target(name, heard.target)
+
+    def _let_go(self, name: str) -> None:
+        """Listen to a topic no longer, for some time."""
+        with self._lock:
+            heard = self._heard.get(name)
+            if heard is None or heard.target is None:
+                return
+            target, heard.target = heard.target, None
+            heard.again_at = self._now() + PAUSE
+        self._connection.detach(name, target)
+
+    def _take(self, name: str, heard: Heard, message: Any) -> None:
+        """Keep a message. In the thread of the transport."""
+        now = self._now()
+        heard.take(message, now)
+        if heard.is_glanced_at and heard.came == GLANCE:
+            self._scheduler.call_at(now, partial(self._end_glance, name))
+
+    def _end_glance(self, name: str) -> None:
+        """A glance has shown enough messages, if they are large. In the thread of timers."""
+        heard = self._heard.get(name)
+        topic = next((topic for topic in self._connection.topics if topic.name == name), None)
+        if heard is not None and topic is not None and heard.is_glanced_at and is_large(topic.type):
+            heard.measure()
+            self._let_go(name)

@@ -1,0 +1,212 @@
+"""What a feed hears for the list of topics: rates and values while a page looks, and nothing that costs much."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+import pytest
+
+from robowidgets import MessageWidget
+from robowidgets._core.clock import Threads
+from robowidgets.feeds import Advert, Feed
+from robowidgets.feeds._listening import FAST, PATIENCE, PAUSE, PERIOD, SEEN_FOR, Listening
+from robowidgets.feeds._subscription import RARE, SOON
+from robowidgets.topics_widget import SILENT_S
+
+from ..clocks import ManualClock
+from ..waiting import wait_for
+from .scripted import IMU, SCAN, Scripted, scan
+
+NUMBER = Advert("/temperature", "std_msgs/msg/Float64")
+LEFT, RIGHT = Advert("/left", "sensor_msgs/msg/Image"), Advert("/right", "sensor_msgs/msg/Image")
+MAP = Advert("/map", "nav_msgs/msg/OccupancyGrid")
+PICTURE = {"height": 480, "width": 640}
+
+
+@pytest.fixture
+def clock() -> ManualClock:
+    return ManualClock()
+
+
+@pytest.fixture
+def script() -> Scripted:
+    return Scripted(SCAN, IMU, NUMBER, LEFT, RIGHT, MAP)
+
+
+@pytest.fixture
+def feed(script: Scripted, clock: ManualClock) -> Iterator[Feed]:
+    with Feed(script, clock=clock) as opened:
+        opened.connection.listening = Listening(opened.connection, Threads(clock))
+        yield opened
+
+
+class Looking:
+    """A page that looks at the list of topics of a robot."""
+
+    def __init__(self, feed: Feed, monkeypatch: pytest.MonkeyPatch, *shown: str) -> None:
+        self.view = feed.show(*shown)
+        self.told: list[dict[str, Any]] = []
+        monkeypatch.setattr(self.view.topic_list, "send", self.told.append)
+
+    def look(self, *names: str) -> None:
+        self.view.topic_list._on_page(None, {"look": [*names]}, None)
+
+    def says(self, name: str) -> dict[str, Any]:
+        """What the page was told of a topic last: in words, how often, how many."""
+        last = self.told[-1]
+        return {"value": last["values"].get(name), **last["now"].get(name, {})}
+
+
+@pytest.fixture
+def page(feed: Feed, monkeypatch: pytest.MonkeyPatch) -> Iterator[Looking]:
+    looking = Looking(feed, monkeypatch, "/scan")
+    yield looking
+    looking.view.close()
+
+
+def send(script: Scripted, clock: ManualClock, name: str, message: Any, times: int, every: float) -> None:
+    for _ in range(times):
+        script.listener.on_message(name, message)
+        clock.advance(every)
+
+
+def test_rates_and_values_come_of_the_topics_that_a_page_looks_at_and_of_no_others(
+    script: Scripted, page: Looking, clock: ManualClock
+) -> None:
+    clock.advance(60)
+    assert (script._followed, page.told) == ({"/scan"}, [])
+    page.look("/scan", "/temperature")
+    clock.advance()
+    assert script._followed == {"/scan", "/temperature"}
+    assert page.says("/temperature") == {"value": "nothing yet", "rate": None, "messages": None}
+    for _ in range(4):
+        script.listener.on_message("/temperature", {"data": 21.5})
+        send(script, clock, "/scan", scan(0.5), 5, 0.1)
+    assert page.says("/temperature") == {"value": "21.5", "rate": 2.0, "messages": 4}
+    assert page.says("/scan")["value"] == "nearest 0.5 m, 1 ray"
+    assert page.says("/scan")["rate"] == pytest.approx(10, abs=0.2)
+    assert page.says("/imu") == {"value": None}
+
+
+def test_a_list_that_is_folded_and_a_page_that_has_gone_cost_nothing(
+    script: Scripted, page: Looking, clock: ManualClock
+) -> None:
+    page.look("/temperature")
+    clock.advance()
+    assert "/temperature" in script._followed
+    page.look()
+    clock.advance(1)
+    assert (script._followed, page.told[-1]) == ({"/scan"}, {"values": {}, "now": {}})
+    page.look("/temperature")
+    clock.advance(SEEN_FOR - 1)
+    page.look("/temperature")
+    clock.advance(SEEN_FOR - 1)
+    assert "/temperature" in script._followed
+    clock.advance(2)
+    assert script._followed == {"/scan"}
+    told = len(page.told)
+    clock.advance(60)
+    assert len(page.told) == told
+    page.look("/temperature")
+    page.view.close()
+    clock.advance(1)
+    assert script._followed == frozenset()
+
+
+def test_large_topics_are_glanced_at_one_after_the_other_for_a_few_messages(
+    script: Scripted, page: Looking, clock: ManualClock
+) -> None:
+    page.look("/left", "/right")
+    clock.advance()
+    assert script._followed == {"/scan", "/left"}
+    send(script, clock, "/left", PICTURE, 3, 0.04)
+    assert script._followed == {"/scan"}
+    clock.advance(PERIOD)
+    assert page.says("/left") == {"value": "height 480, width 640", "rate": 25.0, "messages": None}
+    assert script._followed == {"/scan", "/right"}  # which is silent
+    clock.advance(PATIENCE + PERIOD)
+    assert script._followed == {"/scan"}
+    assert page.says("/right") == {"value": "", "rate": None, "messages": None}
+    clock.advance(PAUSE)
+    assert script.asked.count(("subscribe", "/left")) == 2
+
+
+def test_a_topic_that_is_very_fast_is_glanced_at_once_its_rate_is_known(
+    script: Scripted, page: Looking, clock: ManualClock
+) -> None:
+    page.look("/imu")
+    clock.advance()
+    send(script, clock, "/imu", {"data": 1.0}, 400, 0.005)
+    assert page.says("/imu")["rate"] == pytest.approx(2 * FAST, rel=0.02)
+    assert script._followed == {"/scan"}
+    clock.advance(PAUSE)
+    assert script._followed == {"/scan", "/imu"}
+    send(script, clock, "/imu", {"data": 1.0}, 150, 0.01)
+    assert page.says("/imu")["rate"] == pytest.approx(FAST, rel=0.02)
+
+
+def test_a_large_topic_that_is_shown_anyway_is_counted_in_full(
+    feed: Feed, script: Scripted, page: Looking, clock: ManualClock
+) -> None:
+    feed.connect("/left", MessageWidget())
+    page.look("/left")
+    clock.advance()
+    send(script, clock, "/left", PICTURE, 20, 0.1)
+    assert page.says("/left")["messages"] == 20
+    clock.advance(PATIENCE + 1)
+    assert "/left" in script._followed
+
+
+def test_a_topic_that_is_silent_says_so(script: Scripted, page: Looking, clock: ManualClock) -> None:
+    page.look("/temperature")
+    clock.advance()
+    send(script, clock, "/temperature", {"data": 21.5}, 20, 0.1)
+    assert "silent" not in page.says("/temperature")
+    clock.advance(SILENT_S + 1)
+    silent = page.says("/temperature")
+    assert (silent["value"], silent["rate"], silent["silent"]) == ("21.5", 0.0, 4)
+
+
+def test_who_comes_late_gets_what_a_publisher_keeps_and_nothing_old_of_a_sensor(
+    feed: Feed, script: Scripted, clock: ManualClock
+) -> None:
+    """The list listens to everything, so that whatever is connected then is not the first to ask."""
+    grid = {"info": {"width": 2, "height": 1}, "data": [0, 100]}
+    for name in ("/map", "/scan", "/temperature"):
+        feed.connect(name, MessageWidget())
+    clock.advance(SOON / 2)
+    script.listener.on_message("/map", grid)
+    script.listener.on_message("/scan", scan(0.5))
+    clock.advance(SOON)
+    script.listener.on_message("/temperature", {"data": 21.5})
+    clock.advance(60)
+    kept, scanned, warm = (MessageWidget() for _ in range(3))
+    got: list[Any] = []
+    for name, widget in (("/scan", scanned), ("/temperature", warm), ("/map", kept)):
+        feed.connect(name, widget, got.append, raw=True)
+    wait_for(lambda: bool(got), "the function is called")
+    assert (got, kept["data"], scanned.message, warm.message) == ([grid], [0, 100], None, None)
+
+    for _ in range(3):  # another map now and then is kept, too; many are no map that somebody keeps
+        script.listener.on_message("/map", {"data": [100]})
+        clock.advance(RARE * 2)
+    late = MessageWidget()
+    feed.connect("/map", late)
+    assert late["data"] == [100]
+    send(script, clock, "/map", grid, 100, 0.1)
+    later = MessageWidget()
+    feed.connect("/map", later)
+    assert later.message is None
+
+
+def test_what_was_kept_before_the_robot_was_lost_is_not_passed_on(
+    feed: Feed, script: Scripted, clock: ManualClock
+) -> None:
+    feed.connect("/map", MessageWidget())
+    script.listener.on_message("/map", {"data": [100]})
+    script.lose()
+    script.connect()
+    late = MessageWidget()
+    feed.connect("/map", late)
+    assert late.message is None
