@@ -31,7 +31,9 @@ def brief(value: Any) -> str:
     """
     if isinstance(value, Scan):
         near = value.nearest()
-        return (f"nearest {number(near.range)} m" if near else "no reading") + f", {len(value):,} ray{'' if len(value) == 1 else 's'}"
+        return (
+            f"nearest {number(near.range)} m" if near else "no reading"
+        ) + f", {len(value):,} ray{'' if len(value) == 1 else 's'}"
     if isinstance(value, Speed):
         x, y, yaw = value.linear[0], value.linear[1], value.angular[2]
         return ", ".join([f"{number(x)} m/s", *([f"{number(y)} m/s left"] if y else []), f"{number(yaw)} rad/s"])
