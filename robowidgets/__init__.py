@@ -42,7 +42,9 @@ from .touch_widget import TouchWidget
 if TYPE_CHECKING:
     from . import feeds, lessons, simulator
     from ._plot import plot as plot
+    from .fleet import drives as drives
     from .fleet import find as find
+    from .fleet import index as index
     from .fleet import summary as summary
     from .machine_widget import MachineWidget
     from .program_widget import ProgramWidget
@@ -95,8 +97,10 @@ __all__ = [
     "Validity",
     "WiresWidget",
     "conditions",
+    "drives",
     "feeds",
     "find",
+    "index",
     "lessons",
     "load_map",
     "plot",
@@ -114,7 +118,9 @@ _LATER = {
     "MachineWidget": ".machine_widget",
     "ProgramWidget": ".program_widget",
     "Recording": ".recording",
+    "drives": ".fleet",
     "find": ".fleet",
+    "index": ".fleet",
     "summary": ".fleet",
     "RecordingError": ".recordings",
     "WiresWidget": ".wires_widget",

@@ -15,7 +15,7 @@ import pytest
 from .conftest import ROOT
 
 FILES = sorted([*ROOT.glob("*.md"), *ROOT.glob("docs/**/*.md")])
-PROSE = {"text", "json", "toml"}
+PROSE = {"text", "json", "sql", "toml"}
 SHELL = {"bash", "sh"}
 # Commands that no test can type here, each with what stands for it.
 ELSEWHERE = {

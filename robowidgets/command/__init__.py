@@ -16,7 +16,7 @@ from ..recordings.remote import is_url
 from . import _lab, _lessons, _notebooks
 from ._error import CommandError
 from ._export import add_export, export
-from ._find import add_find, find, readable
+from ._find import add_find, add_topics, find, readable
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -81,6 +81,14 @@ def _print_report(arguments: argparse.Namespace) -> int:
         report = recording.doctor()
     _say(json.dumps(report.to_dict(), indent=2) if arguments.json else str(report))
     return 1 if report.problems else 0
+
+
+def _write_index(arguments: argparse.Namespace) -> int:
+    try:
+        _say(str(fleet.index(*arguments.files, output=arguments.output, topics=arguments.topics)))
+    except (ImportError, ValueError) as error:
+        raise CommandError(f"index: {error}") from None
+    return 0
 
 
 def _write_repaired(arguments: argparse.Namespace) -> None:
@@ -174,6 +182,16 @@ def _parser() -> argparse.ArgumentParser:
     )
     doctor.set_defaults(do=_print_report, failed=2)
 
+    seconds = commands.add_parser(
+        "index",
+        help="write what many recordings hold in each second, for fast questions",
+        description="Write what recordings hold in each second as a Parquet file, which find and SQL then ask instead.",
+        epilog="Recordings that an earlier index of this name has are read again only if they changed.",
+    )
+    seconds.add_argument("-o", "--output", required=True, metavar="OUT.parquet", help="where to write it")
+    add_topics(seconds)
+    seconds.set_defaults(do=_write_index, failed=2)
+
     mend = commands.add_parser(
         "repair",
         help="write a damaged recording as an MCAP file that every tool reads",
@@ -202,7 +220,7 @@ def _parser() -> argparse.ArgumentParser:
     of_file = "a .bag, .db3, .mcap, a rosbag2 folder, a CARMEN log (.log, .clf, gzipped too), or its URL"
     for command in (show, mend, page):
         command.add_argument("file", type=_file, metavar="FILE", help=of_file)
-    for command in (info, spans, doctor):
+    for command in (info, spans, doctor, seconds):
         command.add_argument(
             "files",
             nargs="+",

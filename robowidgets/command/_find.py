@@ -116,17 +116,22 @@ def add_find(parser: argparse.ArgumentParser) -> None:
     how.add_argument(
         "--silent", metavar="TOPIC", help="the topic with a gap (default: any of scans, measured speeds or sonars)"
     )
-    how.add_argument(
+    add_topics(how)
+    parser.add_argument(
+        "--json",
+        action="store_true",
+        help="print a list of spans as JSON, times in seconds; of several recordings, a line for each span",
+    )
+
+
+def add_topics(parser: Any) -> None:
+    """The argument that says which topics are meant in several recordings."""
+    parser.add_argument(
         "--topics",
         action="append",
         default=[],
         metavar="PATTERN",
         help="of several recordings: name or pattern, as '/front*', of the topics that are meant among several",
-    )
-    parser.add_argument(
-        "--json",
-        action="store_true",
-        help="print a list of spans as JSON, times in seconds; of several recordings, a line for each span",
     )
 
 
@@ -234,7 +239,7 @@ def find(arguments: argparse.Namespace, warn: Callable[[str], None]) -> tuple[st
         CommandError: the condition makes no sense.
         RecordingError: the recording cannot be read, or has no such topic.
     """
-    file = fleet.the_only(arguments.files)
+    file = None if fleet.is_index(arguments.files) else fleet.the_only(arguments.files)
     if file is None or arguments.topics:
         return _find_in_many(arguments, warn)
     with robowidgets.open(file) as recording:
@@ -257,7 +262,12 @@ def find(arguments: argparse.Namespace, warn: Callable[[str], None]) -> tuple[st
 
 def _find_in_many(arguments: argparse.Namespace, warn: Callable[[str], None]) -> tuple[str, int]:
     try:
-        hits = fleet.find(condition(arguments), *arguments.files, topics=arguments.topics)
+        if fleet.is_index(arguments.files):
+            if arguments.topics:
+                raise CommandError("find: --topics are those for which the index was written: give them to index")
+            hits = fleet.drives(arguments.files[0]).find(condition(arguments))
+        else:
+            hits = fleet.find(condition(arguments), *arguments.files, topics=arguments.topics)
     except (TypeError, ValueError) as error:
         raise CommandError(_in_options(str(error))) from None
     for one in hits.unread:

@@ -1,9 +1,23 @@
 """Many recordings at once: which there are, and what holds of each, in several processes or on a cluster."""
 
 from .check_up import CheckUp, doctor
+from .drives import Drives, drives, index, is_index
 from .hits import Hit, Hits
 from .places import the_only
 from .search import find
 from .summary import Summary, summary
 
-__all__ = ["CheckUp", "Hit", "Hits", "Summary", "doctor", "find", "summary", "the_only"]
+__all__ = [
+    "CheckUp",
+    "Drives",
+    "Hit",
+    "Hits",
+    "Summary",
+    "doctor",
+    "drives",
+    "find",
+    "index",
+    "is_index",
+    "summary",
+    "the_only",
+]

@@ -134,14 +134,19 @@ class FleetTable(ABC):
         """Lines on what was not read."""
         if not self.is_complete:
             yield f"stopped after {self.until:,} of {many(len(self.files), 'file')}: the same call goes on"
-        reasons: dict[str, list[str]] = {}
-        for file, problem in self.unread:
-            name = Path(file).name
-            reasons.setdefault(problem.replace(file, "").replace(name, "").strip(": "), []).append(name)
-        for reason, names in sorted(reasons.items(), key=lambda one: -len(one[1])):
-            yield f"not read: {listed(names)}: {reason}"
+        yield from not_read(self.unread)
         if self._note:
             yield self._note
+
+
+def not_read(unread: Sequence[Unread]) -> Iterator[str]:
+    """Lines on recordings that could not be read, one for each reason, those of most recordings first."""
+    reasons: dict[str, list[str]] = {}
+    for file, problem in unread:
+        name = Path(file).name
+        reasons.setdefault(problem.replace(file, "").replace(name, "").strip(": "), []).append(name)
+    for reason, names in sorted(reasons.items(), key=lambda one: -len(one[1])):
+        yield f"not read: {listed(names)}: {reason}"
 
 
 def text(arrow: Any) -> Any:
@@ -157,6 +162,11 @@ def texts(arrow: Any) -> Any:
 def number(arrow: Any) -> Any:
     """The type of numbers."""
     return arrow.float64()
+
+
+def short_number(arrow: Any) -> Any:
+    """The type of numbers that were measured with few digits."""
+    return arrow.float32()
 
 
 def whole(arrow: Any) -> Any:

@@ -4,16 +4,15 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Iterable
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Protocol
 
 from .._core.progress import Progress, without_bars
 from ..kinds import KINDS
 from ..recordings.remote import is_url, without_secrets
-from ..repair import RecordingError
 from ._engine import LONGEST, each
 from ._fleet_table import Unread
 from ._identity import NotIdentifiedError, identity_of
-from ._kept import Kept, state_of
+from ._kept import Kept, states_of
 from .places import PathLike, places_of
 
 
@@ -24,15 +23,28 @@ class FromAll(NamedTuple):
     rows: dict[str, Any]
 
 
+class Store(Protocol):
+    """Where results are kept for the next time."""
+
+    @property
+    def problem(self) -> str:
+        """Why they cannot be; empty while they can."""
+
+    def get(self, state: str) -> Any:
+        """The result for a recording in this state; None without one."""
+
+    def add(self, path: str, state: str | None, result: Any) -> Any:
+        """Keep the result for a recording, whose state may be unknown. Returns what of it stays in memory."""
+
+
 def gather(
     job: Callable[[str], dict[str, Any]],
     paths: Iterable[PathLike],
-    question: Any,
+    kept: Store | None,
     what: str,
     *,
     executor: Any = None,
     longest: float = LONGEST,
-    keep: bool = True,
     found: Callable[[Any], int] = lambda result: 0,  # noqa: ARG005
 ) -> FromAll:
     """What a job returns for each recording that some paths name.
@@ -40,28 +52,20 @@ def gather(
     Args:
         job: takes a path, and returns plain data: a mapping. One with ``problem`` says why there is nothing to tell.
         paths: as for `places_of`.
-        question: what the job asks: equal for what is computed equally. What `identity_of` cannot tell is not kept.
+        kept: where results are kept for the next time, and taken from; None: nowhere. See `kept_of`.
         what: for the bar: "Finding".
         executor: as for `each`.
         longest: as for `each`.
-        keep: whether results are kept for the next time, and those that were are taken.
         found: how much a result is, for the bar.
 
     Raises:
         TypeError, ValueError: as `places_of` and `each`.
     """
     places = places_of(paths)
-    kept = _kept(question) if keep else None
     unread = [Unread(str(place.path), place.problem) for place in places if place.problem]
-    states: dict[str, str | None] = {}
-    for place in places:
-        if not place.problem:
-            try:
-                states[str(place.path)] = state_of(place.path)
-            except OSError as error:
-                unread.append(Unread(str(place.path), f"cannot be read: {error.strerror or error}"))
-            except RecordingError as error:
-                unread.append(Unread(str(place.path), str(error)))
+    looked_at = states_of(place.path for place in places if not place.problem)
+    unread += [Unread(path, state.problem) for path, state in looked_at.items() if state.problem]
+    states = {path: state.text for path, state in looked_at.items() if not state.problem}
     before = {path: kept.get(state) for path, state in states.items() if state} if kept else {}
     results = {path: result for path, result in before.items() if result is not None}
     missing = [path for path in states if path not in results]
@@ -74,10 +78,8 @@ def gather(
                 if problem:
                     unread.append(Unread(path, problem))
                 else:
-                    results[path] = result
                     count += found(result)
-                    if kept and (state := states[path]):
-                        kept.add(state, result)
+                    results[path] = kept.add(path, states[path], result) if kept else result
                 bar.update(1, f"{count:,} found" if count else "")
         except KeyboardInterrupt:
             is_cut = True
@@ -98,10 +100,21 @@ def gather(
     return FromAll(read, rows)
 
 
-def _kept(question: Any) -> Kept | None:
-    """Where the results are kept; None where nothing tells whether the question is the same next time."""
+def kept_of(question: Any, keep: bool) -> Kept | None:
+    """Where the results for a question are kept; None where nothing tells whether it is the same next time.
+
+    Args:
+        question: what a job asks: equal for what is computed equally.
+        keep: whether they are to be kept.
+    """
+    identity = identity_or_none(question) if keep else None
+    return None if identity is None else Kept(identity)
+
+
+def identity_or_none(question: Any) -> str | None:
+    """The text for a question, as by `identity_of`; None where nothing tells whether it is the same next time."""
     try:
         # What is read of a topic is part of it: somebody may have added a kind.
-        return Kept(identity_of((question, {kind.name: kind.read for kind in KINDS.values()})))
+        return identity_of((question, {kind.name: kind.read for kind in KINDS.values()}))
     except NotIdentifiedError:
         return None

@@ -3,26 +3,70 @@
 from __future__ import annotations
 
 import json
+import sys
+from collections.abc import Iterable
 from hashlib import sha256
 from pathlib import Path
-from typing import Any
+from queue import Empty, SimpleQueue
+from threading import Thread
+from typing import Any, NamedTuple
 
 from .._core.cache_folder import cache_folder
 from ..recordings import remote
-from ..repair import find_files
+from ..repair import RecordingError, find_files
+
+_AT_ONCE = 16
+"""How many servers' answers are waited for at once."""
 
 
-def state_of(path: Path | str) -> str | None:
-    """What changes whenever a recording does: size and time of its files; None where a server does not tell.
+class State(NamedTuple):
+    """What changes whenever a recording does, None where a server does not tell; and why it cannot be looked at."""
 
-    Raises:
-        OSError: it cannot be looked at. RecordingError: nor can it behind its URL.
-    """
-    if isinstance(path, str):
-        return remote.state_of(path)
-    files = [path, path / "metadata.yaml", *find_files(path)] if path.is_dir() else [path]
-    stats = [(file.name, file.stat()) for file in files if file.exists()]
-    return json.dumps([str(path), *((name, stat.st_size, stat.st_mtime_ns) for name, stat in stats)])
+    text: str | None
+    problem: str = ""
+
+
+def states_of(paths: Iterable[Path | str]) -> dict[str, State]:
+    """The state of each recording: size and time of its files. Servers are asked for several at once."""
+    given = list(paths)
+    waiting: SimpleQueue[str] = SimpleQueue()
+    answers: SimpleQueue[tuple[str, State]] = SimpleQueue()
+    urls = [path for path in given if isinstance(path, str)]
+    for url in urls:
+        waiting.put(url)
+
+    def ask() -> None:
+        while True:
+            try:
+                url = waiting.get_nowait()
+            except Empty:
+                return
+            answers.put((url, _state_of(url)))
+
+    if len(urls) <= 1 or sys.platform == "emscripten":
+        ask()
+    else:
+        for _ in range(min(_AT_ONCE, len(urls))):
+            Thread(target=ask, name="robowidgets: states of recordings", daemon=True).start()
+    try:
+        told = dict(answers.get() for _ in urls)
+    finally:
+        while not waiting.empty():  # after an interrupt
+            waiting.get()
+    return {str(path): told[path] if isinstance(path, str) else _state_of(path) for path in given}
+
+
+def _state_of(path: Path | str) -> State:
+    try:
+        if isinstance(path, str):
+            return State(remote.state_of(path))
+        files = [path, path / "metadata.yaml", *find_files(path)] if path.is_dir() else [path]
+        stats = [(file.name, file.stat()) for file in files if file.exists()]
+    except OSError as error:
+        return State(None, f"cannot be read: {error.strerror or error}")
+    except RecordingError as error:
+        return State(None, str(error))
+    return State(json.dumps([str(path), *((name, stat.st_size, stat.st_mtime_ns) for name, stat in stats)]))
 
 
 class Kept:
@@ -54,10 +98,10 @@ class Kept:
         """The result for a recording in this state; None without one."""
         return self._results.get(state)
 
-    def add(self, state: str, result: Any) -> None:
-        """Keep a result. Where that fails, `problem` says why, and no more are kept."""
-        if self.problem:
-            return
+    def add(self, path: str, state: str | None, result: Any) -> Any:  # noqa: ARG002
+        """Keep a result, and return it. Where that fails, `problem` says why, and no more are kept."""
+        if self.problem or not state:
+            return result
         try:
             self._path.parent.mkdir(parents=True, exist_ok=True)
             # One write at the end of the file: a run beside this one may write to it, too.
@@ -65,3 +109,4 @@ class Kept:
                 file.write(f"\n{json.dumps([state, result])}\n".encode())
         except OSError as error:
             self.problem = f"results are not kept for the next time: {error}"
+        return result

@@ -14,7 +14,7 @@ from ..recording import open as open_recording
 from ..samples import Problem
 from ._engine import LONGEST
 from ._fleet_table import FleetTable, date, date_of, text
-from ._gather import gather
+from ._gather import gather, kept_of
 from .places import PathLike
 
 _FORM = 1
@@ -87,7 +87,8 @@ def doctor(*paths: PathLike, executor: Any = None, longest: float = LONGEST, kee
     Raises:
         TypeError: as `find`. ValueError: as `find`.
     """
-    gathered = gather(_check, paths, ("doctor", _FORM), "Checking", executor=executor, longest=longest, keep=keep)
+    kept = kept_of(("doctor", _FORM), keep)
+    gathered = gather(_check, paths, kept, "Checking", executor=executor, longest=longest)
     return CheckUp(gathered.results, **gathered.rows)
 
 

@@ -43,6 +43,7 @@ class Hits(FleetTable, Sequence[Hit]):
         hits: what was found, by recording and time.
         chosen: by recording, the topics that were chosen among several of a kind.
         problems: by recording, what is wrong with it, as in `Recording.problems`: spans may be missing.
+        told: a line on how it was searched.
         **rows: as `FleetTable`.
     """
 
@@ -65,6 +66,7 @@ class Hits(FleetTable, Sequence[Hit]):
         *,
         chosen: Mapping[str, Sequence[str]],
         problems: Mapping[str, Sequence[str]],
+        told: str = "",
         **rows: Any,
     ) -> None:
         super().__init__(**rows)
@@ -72,6 +74,7 @@ class Hits(FleetTable, Sequence[Hit]):
         self.chosen = {file: tuple(topics) for file, topics in chosen.items() if topics}
         self.problems = {file: tuple(lines) for file, lines in problems.items() if lines}
         self._hits = tuple(hits)
+        self._how = told
 
     def __len__(self) -> int:
         return len(self._hits)
@@ -108,7 +111,9 @@ class Hits(FleetTable, Sequence[Hit]):
         return f"{self.condition}: {len(self):,} in {len({hit.file for hit in self}):,} of {there}"
 
     def _told(self) -> Iterator[str]:
-        """Which topics were chosen."""
+        """How it was searched, and which topics were chosen."""
+        if self._how:
+            yield f"  {self._how}"
         if self.chosen:
             counts = Counter(topic for topics in self.chosen.values() for topic in topics)
             taken = listed([f"{topic} ({count:,})" for topic, count in counts.most_common()], 5)

@@ -10,7 +10,7 @@ from ..recording import open as open_recording
 from ..recordings.topics import UnknownTopicError
 from ..search.base import Condition, condition
 from ._engine import LONGEST
-from ._gather import gather
+from ._gather import FromAll, gather, kept_of
 from ._topics import chosen_of
 from .hits import Hit, Hits
 from .places import PathLike
@@ -54,16 +54,26 @@ def find(
     """
     wanted = condition(given)
     names = (topics,) if isinstance(topics, str) else tuple(topics)
-    gathered = gather(
-        _Search(wanted, names),
+    return hits_of(wanted, search(wanted, paths, names, executor, longest, keep))
+
+
+def search(
+    wanted: Condition, paths: Iterable[PathLike], topics: tuple[str, ...], executor: Any, longest: float, keep: bool
+) -> FromAll:
+    """What a search for a condition gives for each recording."""
+    return gather(
+        _Search(wanted, topics),
         paths,
-        ("find", _FORM, wanted, names),
+        kept_of(("find", _FORM, wanted, topics), keep),
         "Finding",
         executor=executor,
         longest=longest,
-        keep=keep,
         found=lambda result: len(result.get("spans", ())),
     )
+
+
+def hits_of(wanted: Condition, gathered: FromAll) -> Hits:
+    """The table of what came of a search."""
     results = gathered.results
     return Hits(
         str(wanted),

@@ -21,7 +21,7 @@ from ..samples.staleness import RECORDED
 from ..search import conditions
 from ._engine import LONGEST
 from ._fleet_table import SHOWN, FleetTable, date, date_of, number, short, text, whole
-from ._gather import gather
+from ._gather import gather, kept_of
 from ._topics import chosen_of
 from .places import PathLike
 
@@ -118,11 +118,10 @@ def summary(
     gathered = gather(
         _Summary(names),
         paths,
-        ("summary", _FORM, names),
+        kept_of(("summary", _FORM, names), keep),
         "Reading",
         executor=executor,
         longest=longest,
-        keep=keep,
     )
     return Summary([{"file": path, **result} for path, result in gathered.results.items()], **gathered.rows)
 

@@ -19,6 +19,7 @@ from ..samples.verdict import Trace, Verdict
 from ._silence import mark_stale
 from ._steps import NO, UNKNOWN, YES, Steps, combined, inverted, steps
 from .instant import TIME, Instant, NoSampleYetError, Now, OneSample, TracedMoment, samples_of, together
+from .seconds import Possible, Seconds
 
 if TYPE_CHECKING:
     from ..recordings import RecordingData
@@ -45,6 +46,11 @@ class Condition(ABC):
     def looked_at(self, search: Search) -> list[str]:
         """The topics that `steps` used in a search."""
         return self.topics(search.recording, search.topics)
+
+    def possible(self, rows: Seconds) -> Possible:
+        """What it may be in some seconds of an index; both where the index does not tell."""
+        anything = np.ones(len(rows), bool)
+        return Possible(anything, anything)
 
     @abstractmethod
     def judge(self, moment: Any) -> Verdict:
@@ -273,6 +279,11 @@ class _Joined(Condition):
     def steps(self, search: Search) -> Steps:
         return combined([part.steps(search) for part in self._parts], self._how)
 
+    def possible(self, rows: Seconds) -> Possible:
+        true, false = zip(*(part.possible(rows) for part in self._parts), strict=True)
+        other = np.max if self._how is np.min else np.min
+        return Possible(self._how(true, axis=0), other(false, axis=0))
+
     def judge(self, moment: Any) -> Verdict:
         verdicts = [part.judge(moment) for part in self._parts]
         value = VALUES[int(self._how([_code(verdict.value) for verdict in verdicts]))]
@@ -301,6 +312,10 @@ class _Not(Condition):
 
     def steps(self, search: Search) -> Steps:
         return inverted(self._part.steps(search))
+
+    def possible(self, rows: Seconds) -> Possible:
+        true, false = self._part.possible(rows)
+        return Possible(false, true)
 
     def judge(self, moment: Any) -> Verdict:
         verdict = self._part.judge(moment)

@@ -33,6 +33,7 @@ from ._fields import Field
 from ._steps import NO, UNKNOWN, YES, Steps, combined, steps
 from .base import VALUES, Condition, FunctionCondition
 from .instant import NoSampleYetError
+from .seconds import SPEEDS, Possible, Seconds
 
 if TYPE_CHECKING:
     from ..recordings import RecordingData
@@ -216,6 +217,9 @@ class _Touched(_OfOneTopic):
         states = touches.states if self._label is None else touches.states[:, [labels.index(self._label)]]
         return steps(touches.times_ns, self._test(states, touches.lists_touches))
 
+    def possible(self, rows: Seconds) -> Possible:
+        return rows.judged(self.kind, self._topic, rows.touched(self._label))
+
     def _judge(self, touch: Touch) -> Verdict:
         lists_touches = touch.mode is TouchMode.PRESENCE
         if self._label is not None and self._label not in touch.sensors and not lists_touches:
@@ -260,6 +264,9 @@ class _NearestBelow(_OfOneTopic):
 
         return search.over(search.recording.scans(self._topic), test)
 
+    def possible(self, rows: Seconds) -> Possible:
+        return rows.judged(self.kind, self._topic, rows.nearest(self._sector) < np.float32(self._distance))
+
     def _note_nearest(self, search: Search, chunk: ScanChunk, rows: NDArray[np.intp]) -> None:
         """Note the nearest things in those scans for which the condition is true."""
         if not rows.size:
@@ -301,6 +308,11 @@ class _SpeedAbove(_OfOneTopic):
     def steps(self, search: Search) -> Steps:
         return search.over(search.recording.speeds(self._topic), self._test)
 
+    def possible(self, rows: Seconds) -> Possible:
+        least, most = (rows[name] for name in SPEEDS[self._axis])
+        true = (most > self._limit) | (least < -self._limit)
+        return rows.judged(self.kind, self._topic, true, (least <= self._limit) & (most >= -self._limit))
+
     def _judge(self, speed: Speed) -> Verdict:
         value = VALUES[int(self._test(single_speed(speed, 0))[0])]
         size = abs(speed.values[AXES.index(self._axis)])
@@ -329,6 +341,12 @@ class _Gap(Condition):
         silences = [(name, self._of(search, name)) for name in self.topics(search.recording, None)]
         search.silences += silences
         return combined([when for _, when in silences], np.max)
+
+    def possible(self, rows: Seconds) -> Possible:
+        if self._topic is not None:
+            return super().possible(rows)
+        # NaN where there is no topic to ask. A little less, because the seconds of an index are rounded.
+        return Possible(~(rows["gap"] <= self._seconds * (1 - 1e-9)), np.ones(len(rows), bool))
 
     def judge(self, moment: Any) -> Verdict:  # noqa: ARG002
         raise TypeError(f"{self}: a gap lies between samples, so only Recording.find finds it")

@@ -1,0 +1,348 @@
+"""An index of many recordings: what each holds in each second, as one Parquet file."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from .._core.output_file import checked_output, whole_file
+from .._core.progress import without_bars
+from .._core.tables import Table
+from .._core.text import many
+from ..kinds import LASER, SPEED, TOUCH
+from ..recording import open as open_recording
+from ..recordings.columns.tables import library
+from ..recordings.remote import is_url
+from ..recordings.times import has_date
+from ..repair import RecordingError, natural
+from ..search.base import Condition, condition
+from ..search.instant import Instant
+from ..search.seconds import NEAREST, NUMBERS, SECOND, Seconds, Texts, seconds_of
+from ._engine import LONGEST
+from ._fleet_table import Unread, date, not_read, number, short_number, text, whole
+from ._gather import FromAll, gather, identity_or_none
+from ._kept import states_of
+from ._topics import chosen_of
+from .hits import Hits
+from .places import PathLike
+from .search import hits_of, search
+
+_FORM = 1
+_TEXTS = ("touched", "sensors", *(kind.sample_name for kind in (LASER, SPEED, TOUCH)))
+_COLUMNS: dict[str, Callable[[Any], Any]] = {
+    **dict.fromkeys(("file", "state", "problem"), text),
+    "start_ns": whole,
+    "second": whole,
+    "date": date,
+    **{name: short_number if name in NEAREST else number for name in NUMBERS},
+    **dict.fromkeys(_TEXTS, text),
+}
+"""The columns with their types."""
+_ROWS = 100_000
+"""Rows that are written at once: as many as a group of the file has."""
+_LATER = "not read before an interrupt: the same call goes on"
+
+
+class Drives:
+    """An index of recordings, as `index` wrote it: a row for each second of each.
+
+    The columns: ``file``, ``start_ns``, ``second`` from its start, and its ``date`` in UTC; ``nearest``, ``front``,
+    ``left``, ``back`` and ``right``, metres to the nearest thing there; ``linear_x_min`` to ``angular_z_max``, the
+    least and the greatest speed by axis in m/s and rad/s; ``touched``, the sensors that were, as text; ``gap``, the
+    longest silence in seconds that reaches into it; ``x``, ``y`` and ``yaw`` by odometry; ``scan``, ``speed`` and
+    ``touch``, the topics. What is not known is null. Seconds in which no message came have no row: a row holds until
+    the next one. Of a recording that could not be read there is one row with the reason as ``problem``.
+
+    Args:
+        path: the file, or a folder of such files.
+
+    Raises:
+        RecordingError: it is no such file.
+        ImportError: pyarrow is not installed.
+    """
+
+    def __init__(self, path: PathLike) -> None:
+        self.path = Path(os.fsdecode(path)).expanduser().absolute()
+        dataset, arrow = library("pyarrow.dataset", "drives"), library("pyarrow", "drives")
+        as_dictionary = dataset.ParquetReadOptions(dictionary_columns={"file", *_TEXTS})
+        try:
+            self.dataset = dataset.dataset(self.path, format=dataset.ParquetFileFormat(read_options=as_dictionary))
+            about = json.loads(self.dataset.schema.metadata[b"robowidgets"])
+        except (OSError, arrow.ArrowInvalid, KeyError, TypeError, ValueError) as error:
+            why = f" ({error})" if isinstance(error, OSError) else ""
+            raise RecordingError(
+                f"{self.path.name} is no index of drives{why}: robowidgets.index() writes one"
+            ) from None
+        if about["form"] != _FORM:
+            raise RecordingError(f"{self.path.name} was written by another version of robowidgets: index again")
+        self.topics: tuple[str, ...] = tuple(about["topics"])
+        """Names and patterns of the topics that are meant where a recording has several of a kind."""
+        self.identity: str | None = about["identity"]
+
+    @property
+    def files(self) -> tuple[str, ...]:
+        """The recordings, by name."""
+        return tuple(self.states)
+
+    @cached_property
+    def states(self) -> dict[str, str | None]:
+        """What each recording was when it was read: None where that was not known, or where it could not be."""
+        rows = self._first_rows.to_pylist()
+        found = {row["file"]: None if row["problem"] else row["state"] for row in rows}
+        return dict(sorted(found.items(), key=lambda one: natural(one[0])))
+
+    @property
+    def unread(self) -> tuple[Unread, ...]:
+        """The recordings that could not be read, and why."""
+        rows = self._first_rows.select(["file", "problem"]).to_pylist()
+        return tuple(Unread(row["file"], row["problem"]) for row in rows if row["problem"])
+
+    @cached_property
+    def _first_rows(self) -> Any:
+        """The first row of each recording."""
+        field = library("pyarrow.dataset", "drives").field("second")
+        return self.dataset.to_table(["file", "state", "problem"], filter=field.is_null() | (field == 0))
+
+    def to_arrow(self) -> Any:
+        """All of it as a pyarrow Table."""
+        return self.dataset.to_table()
+
+    def candidates(self, given: Condition | Callable[..., Any]) -> list[str]:
+        """The recordings in which a condition may have been true, as far as the index tells.
+
+        It tells of `nearest_below`, `speed_above`, `touched` and `gap`, and of what is joined of them. A recording that
+        could not be read then, or has changed since, is one of them.
+
+        Args:
+            given: as for `find`.
+
+        Raises:
+            TypeError: no condition.
+        """
+        wanted = condition(given)
+        asked = _Asked()
+        wanted.possible(Seconds(asked, asked))
+        found = {file for file, state in self.states.items() if state is None}
+        for batch in self.dataset.to_batches(columns=["file", *dict.fromkeys(asked.names)]):
+            columns = {name: batch.column(name) for name in batch.schema.names}
+            rows = Seconds(
+                {name: column.to_numpy(False) for name, column in columns.items() if name in NUMBERS},
+                {name: _texts(column) for name, column in columns.items() if name not in NUMBERS},
+            )
+            files = _texts(columns["file"])
+            found.update(files.texts[i] for i in np.unique(files.numbers[wanted.possible(rows).true]))
+        ruled_out = [file for file in self.files if file not in found]
+        now = states_of(file if is_url(file) else Path(file) for file in ruled_out)
+        found.update(file for file in ruled_out if now[file].text != self.states[file])
+        return [file for file in self.files if file in found]
+
+    def find(
+        self,
+        given: Condition | Callable[[Instant], Any],
+        *,
+        executor: Any = None,
+        longest: float = LONGEST,
+        keep: bool = True,
+    ) -> Hits:
+        """What `robowidgets.find` finds in these recordings, of which it reads the `candidates` alone.
+
+        Args:
+            given: as for `find`.
+            executor: as for `find`.
+            longest: as for `find`.
+            keep: as for `find`.
+
+        Raises:
+            TypeError: as `find`.
+        """
+        wanted = condition(given)
+        asked = self.candidates(wanted)
+        ruled_out = len(self.files) - len(asked)
+        found = FromAll({}, {"unread": [], "until": None, "note": ""})
+        if asked:
+            found = search(wanted, asked, self.topics, executor, longest, keep)
+        until = found.rows["until"]
+        told = f"by the index {many(ruled_out, 'file')} had no such moment, and were not read" if ruled_out else ""
+        found.rows.update(files=self.files, until=until and until + ruled_out, told=told)
+        return hits_of(wanted, found)
+
+    def __repr__(self) -> str:
+        return self._table().to_text()
+
+    def _repr_html_(self) -> str:
+        return self._table().to_html()
+
+    def _table(self) -> Table:
+        head = f"{self.path.name}: {many(len(self.files), 'recording')}, {many(self.dataset.count_rows(), 'row')}"
+        return Table(head, (), (), problems=list(not_read(self.unread)))
+
+
+def drives(path: PathLike) -> Drives:
+    """The index that `index` wrote; see `Drives`."""
+    return Drives(path)
+
+
+def is_index(paths: Sequence[PathLike]) -> bool:
+    """Whether paths name an index, rather than recordings."""
+    return len(paths) == 1 and Path(paths[0]).suffix == ".parquet"
+
+
+def index(
+    *paths: PathLike,
+    output: PathLike,
+    topics: str | Iterable[str] = (),
+    executor: Any = None,
+    longest: float = LONGEST,
+) -> Drives:
+    """Write what many recordings hold in each second, so that a question need not read them: see `Drives`.
+
+    It holds the recordings that are named, and no others. Those that an earlier index of this name has, and that have
+    not changed, are not read again. An interrupt (stop the cell, Ctrl-C) keeps what was read; the same call goes on.
+
+    Args:
+        *paths: as for `find`.
+        output: the file, such as ``"drives.parquet"``; an existing one is replaced when the new one is complete.
+        topics: as for `find`.
+        executor: as for `find`.
+        longest: as for `find`.
+
+    Raises:
+        TypeError: as `find`. ValueError: as `find`, or the name does not end in ``.parquet``.
+        ImportError: pyarrow is not installed. OSError: the file cannot be written.
+
+    Example:
+        >>> drives = robowidgets.index("runs/", output="drives.parquet")  # doctest: +SKIP
+        >>> drives.find(robowidgets.conditions.nearest_below(0.3))  # doctest: +SKIP
+    """
+    arrow, parquet = library("pyarrow", "index"), library("pyarrow.parquet", "index")
+    target = checked_output("index", output, (".parquet",))
+    names = (topics,) if isinstance(topics, str) else tuple(topics)
+    identity = identity_or_none(("index", _FORM, names))
+    about = json.dumps({"form": _FORM, "topics": names, "identity": identity})
+    schema = arrow.schema([(name, kind(arrow)) for name, kind in _COLUMNS.items()], {"robowidgets": about})
+    with whole_file(target) as file, parquet.ParquetWriter(file, schema, compression="zstd") as writer:
+        rows = _Rows(schema, writer, _earlier(target, identity))
+        gathered = gather(_Index(names), paths, rows, "Indexing", executor=executor, longest=longest)
+        unread = {one.file: one.problem for one in gathered.rows["unread"]}
+        later = {file: _LATER for file in gathered.rows["files"] if file not in gathered.results}
+        rows.finish({**later, **unread})
+    return Drives(target)
+
+
+class _Index:
+    """The rows of one recording.
+
+    Args:
+        topics: names and patterns of topics.
+    """
+
+    def __init__(self, topics: tuple[str, ...]) -> None:
+        self._topics = topics
+
+    def __call__(self, path: str) -> dict[str, Any]:
+        with open_recording(path) as recording, without_bars():
+            recording.preferred = frozenset(chosen_of(recording, self._topics))
+            return {**seconds_of(recording), "start_ns": recording.start_ns}
+
+
+class _Rows:
+    """The rows of an index that is being written.
+
+    Args:
+        schema: of its columns.
+        writer: takes tables.
+        earlier: an index that has some of the recordings.
+    """
+
+    problem = ""
+
+    def __init__(self, schema: Any, writer: Any, earlier: Drives | None) -> None:
+        self._arrow = library("pyarrow", "index")
+        self._schema, self._writer, self._earlier = schema, writer, earlier
+        self._states = {state for state in earlier.states.values() if state} if earlier else set()
+        self._again: set[str] = set()
+        self._tables: list[Any] = []
+
+    def get(self, state: str) -> Any:
+        """An empty result for a recording that the earlier index has."""
+        if state not in self._states:
+            return None
+        self._again.add(state)
+        return {}
+
+    def add(self, path: str, state: str | None, result: Any) -> Any:
+        """Write the rows of a recording; an empty result stays."""
+        start, second = result["start_ns"], result["second"]
+        columns = {"file": path, "state": state, **result}
+        if len(second) and has_date(start):
+            columns["date"] = (start + second * SECOND) // 1000
+        self._put(columns, max(1, len(second)))
+        return {}
+
+    def finish(self, unread: Mapping[str, str]) -> None:
+        """Write the rows of those that are not new, and of those that could not be read."""
+        for file, problem in unread.items():
+            self._put({"file": file, "problem": problem}, 1)
+        if self._earlier and self._again:
+            among = library("pyarrow.dataset", "index").field("state").isin(sorted(self._again))
+            for batch in self._earlier.dataset.to_batches(filter=among):
+                self._tables.append(self._arrow.Table.from_batches([batch]).cast(self._schema))
+                self._write(_ROWS)
+        self._write(1)
+
+    def _put(self, columns: Mapping[str, Any], count: int) -> None:
+        arrow = self._arrow
+        arrays = []
+        for column in self._schema:
+            values = columns.get(column.name)
+            if values is None or (not isinstance(values, (str, int)) and not len(values)):
+                arrays.append(arrow.nulls(count, column.type))
+            elif isinstance(values, (str, int)):
+                arrays.append(arrow.repeat(arrow.scalar(values, column.type), count))
+            else:
+                arrays.append(arrow.array(values, column.type, from_pandas=True))
+        self._tables.append(arrow.Table.from_arrays(arrays, schema=self._schema))
+        self._write(_ROWS)
+
+    def _write(self, least: int) -> None:
+        """Write what there is, if it is so many rows."""
+        if sum(len(table) for table in self._tables) >= least:
+            self._writer.write_table(self._arrow.concat_tables(self._tables))
+            self._tables.clear()
+
+
+class _Asked(Mapping[str, Any]):
+    """Columns without a row, which note which of them a condition looks at."""
+
+    def __init__(self) -> None:
+        self.names: list[str] = []
+
+    def __getitem__(self, name: str) -> Any:
+        self.names.append(name)
+        return np.empty(0) if name in NUMBERS else Texts(np.empty(0, int), [])
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(_COLUMNS)
+
+    def __len__(self) -> int:
+        return len(_COLUMNS)
+
+
+def _earlier(target: Path, identity: str | None) -> Drives | None:
+    """The index that is there, if its rows are computed as those of now."""
+    try:
+        there = Drives(target) if identity and target.exists() else None
+    except RecordingError:
+        return None
+    return there if there and there.identity == identity else None
+
+
+def _texts(column: Any) -> Texts:
+    """A dictionary column of pyarrow."""
+    return Texts(column.indices.fill_null(-1).to_numpy(False), column.dictionary.to_pylist())

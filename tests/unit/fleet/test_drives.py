@@ -1,0 +1,197 @@
+"""The index of many recordings, and what a search reads by it."""
+
+from __future__ import annotations
+
+import os
+import resource
+import sys
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+from shutil import copy
+from signal import SIGINT
+from threading import Event
+from typing import Any
+
+import numpy as np
+import pytest
+
+import robowidgets
+from robowidgets import conditions
+from robowidgets.command import main
+from robowidgets.fleet import drives, find, index
+from robowidgets.fleet.hits import Hits
+from robowidgets.search.base import Condition
+
+from .executors import Here
+
+DATA = Path(os.environ.get("ROBOWIDGETS_DATA", Path(__file__).parents[4] / "shared" / "data"))
+NEAR, NEVER = conditions.nearest_below(0.3), conditions.nearest_below(0.01)
+
+
+def rows(hits: Hits) -> list[tuple[Any, ...]]:
+    return sorted((tuple(hit) for hit in hits), key=repr)
+
+
+@pytest.fixture
+def output(tmp_path: Path) -> Path:
+    return tmp_path / "drives.parquet"
+
+
+@pytest.mark.slow
+@pytest.mark.timeout(600)
+@pytest.mark.skipif(not DATA.is_dir(), reason="needs the recordings of real robots")
+def test_no_hit_of_real_recordings_is_lost_and_fewer_are_read(output: Path) -> None:
+    there = index(DATA, output=output, executor=Here())
+    field = conditions.field("/odom.twist.twist.linear.x")
+    for condition in (
+        NEAR,
+        conditions.nearest_below(0.15, ("100deg", "-100deg")) | conditions.gap(5.0),
+        ~conditions.speed_above(0.01) & conditions.nearest_below(0.5, "front"),
+        conditions.touched() & conditions.speed_above(0.1, "angular.z") & (field < 0.2),
+    ):
+        here = Here()
+        assert rows(there.find(condition, executor=here)) == rows(find(condition, DATA, executor=Here())), condition
+        assert len(here.ran) < len(there.files)
+
+
+def test_a_row_tells_of_its_second_and_of_the_last_sample_before(runs: Path, output: Path) -> None:
+    there = index(runs / "run_2.mcap", output=output).to_arrow().to_pandas()
+    with robowidgets.open(runs / "run_2.mcap") as recording:
+        scans, speeds, touches = recording.scans(), recording.speeds(), recording.touches()
+        assert there["second"].tolist() == list(range(int(recording.duration) + 1))
+        for second in (0, 5, 12):
+            row = there.iloc[second]
+            part = np.flatnonzero((scans.seconds >= second) & (scans.seconds < second + 1))
+            held = scans[slice(max(part[0] - 1, 0), part[-1] + 1)]
+            assert row["front"] == held.distances("front").min()
+            assert row["nearest"] == held.distances().min()
+            part = np.flatnonzero((speeds.seconds >= second) & (speeds.seconds < second + 1))
+            assert row["linear_x_max"] == speeds.linear[max(part[0] - 1, 0) : part[-1] + 1, 0].max()
+            assert row["x"] == speeds.poses[max(part[0] - 1, 0), 0]
+        touched = {int(second) for second in touches.seconds[(touches.states == 1).any(axis=1)]}
+        assert touched <= set(there["second"][there["touched"] != ""])
+
+
+def test_only_recordings_in_which_it_may_have_been_are_read(runs: Path, output: Path) -> None:
+    there = index(runs, output=output, executor=Here())
+    here = Here()
+    assert rows(there.find(NEAR, executor=here)) == rows(find(NEAR, runs, executor=Here()))
+    assert len(here.ran) == 4
+    here = Here()
+    hits = there.find(NEVER & (lambda scan: scan.ranges[0] > 0), executor=here)  # type: ignore[operator]
+    assert here.ran == [str(runs / "broken.bag")]  # it may be whole now
+    assert "by the index 3 files had no such moment" in repr(hits)
+    os.utime(runs / "run_10.mcap", (1, 1))
+    assert there.candidates(NEVER) == [str(runs / "broken.bag"), str(runs / "run_10.mcap")]
+    assert len(there.candidates(conditions.touched("nose"))) == 4  # which sensors there are is told by the search
+
+
+@pytest.mark.parametrize(
+    ("condition", "is_possible"),
+    [
+        (conditions.nearest_below(0.05, "back"), False),
+        (~conditions.nearest_below(0.05, "back"), True),
+        (conditions.speed_above(0.2), True),
+        (conditions.speed_above(9.0), False),
+        (~conditions.speed_above(9.0), True),
+        (~conditions.speed_above(0.0, "linear.y"), True),
+        (conditions.touched("left"), True),
+        (conditions.gap(60.0), False),
+        (conditions.gap(60.0, "/elsewhere"), True),
+        (conditions.gap(60.0) | conditions.touched(), True),
+        (conditions.event(level="WARN"), True),
+        (conditions.when(lambda moment: moment.seconds < 0), True),
+    ],
+    ids=str,
+)
+def test_a_condition_that_the_index_cannot_tell_of_may_have_been_true(
+    condition: Condition, is_possible: bool, sample_index: Path
+) -> None:
+    assert bool(drives(sample_index).candidates(condition)) is is_possible
+
+
+@pytest.fixture(scope="module")
+def sample_index(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return index(robowidgets.SAMPLE, output=tmp_path_factory.mktemp("index") / "sample.parquet").path
+
+
+def test_a_new_index_reads_what_is_new_and_leaves_out_what_is_not_named(runs: Path, output: Path) -> None:
+    first = index(runs, output=output, executor=Here()).to_arrow().to_pylist()
+    copy(runs / "run_2.mcap", runs / "run_3.mcap")
+    here = Here()
+    there = index(runs / "*.mcap", output=output, executor=here)
+    assert here.ran == [str(runs / "run_3.mcap")]
+    assert there.files == tuple(str(runs / f"run_{number}.mcap") for number in (2, 3, 10))
+    kept = [row for row in there.to_arrow().to_pylist() if row["file"] != here.ran[0]]
+    assert sorted(kept, key=repr) == sorted((row for row in first if row["file"] in there.files), key=repr)
+    here = Here()
+    index(runs / "*.mcap", output=output, topics="/sc*", executor=here)
+    assert len(here.ran) == 3  # of other topics
+
+
+def test_an_interrupt_leaves_an_index_that_misses_nothing(
+    runs: Path, output: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    released = Event()
+    own = sys.modules["robowidgets.fleet.drives"]  # the package has the function under this name
+    seconds_of = own.seconds_of
+
+    def interrupts(recording: Any) -> Any:
+        if recording.path.name == "run_10.mcap" and not released.is_set():
+            os.kill(os.getpid(), SIGINT)
+            released.wait()
+        return seconds_of(recording)
+
+    monkeypatch.setattr(own, "seconds_of", interrupts)
+    with ThreadPoolExecutor(1) as threads:
+        there = index(runs, output=output, executor=threads)
+        released.set()
+    assert str(runs / "run_10.mcap") in {one.file for one in there.unread}
+    assert "not read before an interrupt" in repr(there)
+    assert str(runs / "run_10.mcap") in there.candidates(NEVER)
+    again = Here()
+    assert rows(index(runs, output=output, executor=again).find(NEAR, executor=Here())) == rows(
+        find(NEAR, runs, executor=Here())
+    )
+    assert str(runs / "run_2.mcap") not in again.ran
+
+
+def test_a_full_disk_leaves_the_earlier_index(runs: Path, output: Path) -> None:
+    index(runs / "run_2.mcap", output=output, executor=Here())
+    before = output.read_bytes()
+    soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (2_000, hard))
+    try:
+        with pytest.raises(OSError, match="too large"):
+            index(runs, output=output, executor=Here())
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
+    assert output.read_bytes() == before
+    assert [path.name for path in output.parent.iterdir() if "part" in path.suffix] == []
+
+
+def test_what_is_no_index_is_refused_with_what_writes_one(tmp_path: Path) -> None:
+    import pyarrow
+    import pyarrow.parquet
+
+    (tmp_path / "text.parquet").write_text("no")
+    pyarrow.parquet.write_table(pyarrow.table({"a": [1]}), tmp_path / "other.parquet")
+    for name in ("text.parquet", "other.parquet", "missing.parquet"):
+        with pytest.raises(robowidgets.RecordingError, match=rf"{name} is no index .*robowidgets.index\(\) writes one"):
+            drives(tmp_path / name)
+    with pytest.raises(ValueError, match=r"expected a name that ends in \.parquet"):
+        index(robowidgets.SAMPLE, output=tmp_path / "drives.csv")
+
+
+def test_the_command_writes_an_index_and_searches_by_it(
+    runs: Path, output: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    files = [str(runs / "run_2.mcap")]
+    assert main(["index", *files, "-o", str(output)]) == 0
+    assert capsys.readouterr().out.startswith("drives.parquet: 1 recording, ")
+    assert main(["find", str(output), "--nearest-below", "0.3"]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert [line.split("\t")[0] for line in lines[1:]] == [hit.file for hit in find(NEAR, *files)]
+    assert main(["find", str(output), "--nearest-below", "0.01"]) == 1
+    assert main(["index", *files, "-o", "drives.csv"]) == 2
+    assert "expected a name that ends in .parquet" in capsys.readouterr().err
