@@ -7,6 +7,11 @@ from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from ._core import in_browser
+
+if in_browser.IN_BROWSER:
+    in_browser.prepare()
+
 from ._core.renamed import renamed
 from ._core.short_traceback import shorten_tracebacks
 from ._together import together

@@ -4,6 +4,7 @@ Each function here opens a `Feed`, which lists topics, shows them and drives the
 its middleware when it is opened.
 """
 
+from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 from .._core.renamed import renamed
@@ -13,7 +14,6 @@ from .dds import dds
 from .feed import Feed
 from .foxglove import foxglove
 from .middleware import Advert, FeedError, Listener, Middleware
-from .replay import recording
 from .ros1 import ros1
 from .ros2 import ros2
 from .rosbridge import rosbridge
@@ -36,7 +36,11 @@ __all__ = [
     "simulator",
 ]
 
-if not TYPE_CHECKING:
+if TYPE_CHECKING:
+    from .replay import recording as recording
+else:
 
     def __getattr__(name: str) -> Any:
+        if name == "recording":  # the readers of files take longer to import than all the rest
+            return import_module(".replay", __name__).recording
         return renamed(__name__, name, {"Topic": FeedTopic})

@@ -1,6 +1,7 @@
 """Messages from bytes: the definitions of their types, and the readers made of them.
 
-Only this module, `encoding` and `recordings.files` read and write with rosbags.
+Only this module, `encoding` and `recordings.files` read and write with rosbags. That is imported with the first
+definition: it takes longer than all else that a feed imports, and the simulated robot has no need of it.
 """
 
 from __future__ import annotations
@@ -8,22 +9,21 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Iterator
 from functools import lru_cache
-from typing import Any
+from typing import TYPE_CHECKING, Any
 from weakref import WeakKeyDictionary
-
-from rosbags.interfaces import Nodetype
-from rosbags.typesys import Stores, get_types_from_idl, get_types_from_msg, get_typestore
-from rosbags.typesys.store import Typestore
 
 from .channel import Channel
 from .definitions import added, elsewhere, version
 from .fields import MessageShape
 
+if TYPE_CHECKING:
+    from rosbags.typesys.store import Typestore
+
 Decode = Callable[[bytes], Any]
 Types = dict[str, Any]
 """Type names to their constants and fields, as rosbags holds them."""
 
-_DEFAULTS = {"cdr": Stores.ROS2_HUMBLE, "ros1": Stores.ROS1_NOETIC}
+_DEFAULTS = {"cdr": "ROS2_HUMBLE", "ros1": "ROS1_NOETIC"}
 ENCODINGS = tuple(_DEFAULTS)
 _MOST_FIELDS = 10_000
 _MOST_KEPT = 256
@@ -125,11 +125,15 @@ def _find(type_name: str, definition: str, encoding: str, _version: int) -> Type
 
 @lru_cache
 def _default(encoding: str) -> Typestore:
-    return get_typestore(_DEFAULTS[encoding])
+    from rosbags.typesys import Stores, get_typestore
+
+    return get_typestore(Stores[_DEFAULTS[encoding]])
 
 
 def _store(type_name: str, types: Types, encoding: str) -> Typestore:
     """A store of some types, with those that they use."""
+    from rosbags.typesys import Stores, get_typestore
+
     types = complete(types, encoding)
     shape_in(types, type_name)
     store = get_typestore(Stores.EMPTY)
@@ -167,6 +171,8 @@ def one_line(error: BaseException) -> str:
 
 def parsed(type_name: str, definition: str) -> Types:
     """The types in the text of a definition; raises whatever rosbags stumbles over."""
+    from rosbags.typesys import get_types_from_idl, get_types_from_msg
+
     if not _IDL_HEAD.match(definition):
         return dict(get_types_from_msg(_NEEDLESS.sub("", definition.replace("\r", "") + "\n"), type_name))
     types: Types = {}
@@ -177,6 +183,8 @@ def parsed(type_name: str, definition: str) -> Types:
 
 def _used(definition: Any) -> Iterator[str]:
     """The types that the fields of a definition name."""
+    from rosbags.interfaces import Nodetype
+
     for _, (kind, what) in definition[1]:
         inner, name = (kind, what) if kind in (Nodetype.BASE, Nodetype.NAME) else what[0]
         if inner == Nodetype.NAME:
@@ -191,6 +199,8 @@ def shape_in(types: Types, type_name: str, room: Iterator[int] | None = None) ->
 
 
 def _kind(types: Types, kind: int, what: Any, room: Iterator[int]) -> Any:
+    from rosbags.interfaces import Nodetype
+
     if next(room, None) is None:
         raise DecodeError(f"the definition of its messages has more than {_MOST_FIELDS:,} fields")
     if kind == Nodetype.BASE:

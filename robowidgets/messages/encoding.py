@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from rosbags.interfaces import Nodetype
-from rosbags.typesys.store import Typestore
 
 from .channel import Channel
 from .decoding import DecodeError, one_line, store_of
 from .fields import reader
+
+if TYPE_CHECKING:
+    from rosbags.typesys.store import Typestore
 
 _IN_ROS1 = {"sec": "secs", "nanosec": "nsecs"}
 
@@ -51,6 +52,8 @@ def _message(store: Typestore, type_name: str, message: Any) -> Any:
 
 
 def _value(store: Typestore, kind: int, what: Any, given: Any) -> Any:
+    from rosbags.interfaces import Nodetype
+
     if kind == Nodetype.NAME:
         return _message(store, what, {} if given is None else given)
     if kind == Nodetype.BASE:
