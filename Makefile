@@ -6,8 +6,9 @@ SHELL := bash
 PYTHON ?= python3
 JS := robowidgets/js
 SOURCES := $(shell find $(JS) -path $(JS)/node_modules -prune -o -type f \( -name '*.ts' -o -name '*.css' -o -name '*.mjs' \) -print)
-RUNNABLE := .venv/.runnable
 INSTALLED := .venv/.installed
+# The demo installs what it needs and no more; for all else, everything is installed at once.
+RUNNABLE := $(if $(filter-out demo lab build,$(or $(MAKECMDGOALS),demo)),$(INSTALLED),.venv/.runnable)
 MODULES := $(JS)/node_modules/.package-lock.json
 EXPORT_MODULES := tests/browser/node_modules/.package-lock.json
 BUNDLES := $(patsubst $(JS)/%.ts,robowidgets/static/%.js,$(wildcard $(JS)/*_widget.ts $(JS)/export_*.ts $(JS)/run_once.ts))
@@ -20,7 +21,7 @@ export PIP_DISABLE_PIP_VERSION_CHECK := 1
 # The tests start hundreds of processes and kernels: the package is compiled for the first of them.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: demo setup build watch lab lint sizes format check test test-floor test-newest test-js test-unit test-ros1 test-notebooks test-docs test-wheel test-browser site bench pictures clean
+.PHONY: demo setup build watch lab lint sizes format check test test-floor test-js test-unit test-ros1 test-notebooks test-docs test-wheel test-browser site bench pictures clean
 .NOTPARALLEL:
 .DELETE_ON_ERROR:
 
@@ -70,14 +71,10 @@ test-js: setup
 test-unit: setup build
 	$(UNITS)
 
-# The units with the oldest versions that pyproject.toml allows, and with the newest ones; skipped without that Python.
+# The units on the oldest Python, with the oldest versions that pyproject.toml allows; skipped without that Python.
 # Most slow ones are about our own code, which `make test` tests with newest versions; JupyterLab's start meets the oldest.
-# From `make test` the newest differ by their Python: reading files, with NumPy and rosbags, is left to that.
 test-floor: setup build
-	scripts/units.sh 3.10 floor -m 'not slow or versions'
-
-test-newest: setup build
-	scripts/units.sh 3.13 newest -m 'not slow' $(addprefix --ignore tests/unit/,recordings repair)
+	scripts/floor.sh -m 'not slow or versions'
 
 test-ros1: setup build
 	scripts/ros1.sh
@@ -119,18 +116,19 @@ pictures: setup build
 	for page in tests/screenshots/gallery-*.html; do cp "$$page" "docs/pages/$${page##*/gallery-}"; done
 
 clean:
-	rm -rf .venv .venv-floor .venv-newest $(JS)/node_modules tests/browser/node_modules robowidgets/static
+	rm -rf .venv .venv-floor $(JS)/node_modules tests/browser/node_modules robowidgets/static
 	rm -rf site tests/screenshots benchmarks/results .pytest_cache .mypy_cache .ruff_cache dist
 
-# What the demo needs, Node for the front end included, and no more. Not compiled: only a small part is ever imported.
-$(RUNNABLE): pyproject.toml scripts/venv.sh scripts/apt.sh
+# Not compiled: only a small part is ever imported.
+.venv/.runnable: pyproject.toml scripts/venv.sh scripts/apt.sh
 	scripts/venv.sh $(PYTHON)
 	SKIP_JUPYTER_BUILDER=1 .venv/bin/pip install --quiet --no-compile --group js --editable '.[lab]'
 	touch $@
 
-$(INSTALLED): $(RUNNABLE)
+$(INSTALLED): pyproject.toml scripts/venv.sh scripts/apt.sh
+	scripts/venv.sh $(PYTHON)
 	SKIP_JUPYTER_BUILDER=1 .venv/bin/pip install --quiet --no-compile --group dev --editable '.[lab]'
-	touch $@
+	touch .venv/.runnable $@
 
 $(MODULES): $(JS)/package.json $(JS)/package-lock.json $(RUNNABLE)
 	cd $(JS) && npm ci --no-audit --no-fund

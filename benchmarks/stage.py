@@ -13,7 +13,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import nbformat
 import numpy as np
 from numpy.typing import NDArray
 from playwright.sync_api import sync_playwright
@@ -157,6 +156,8 @@ class Stage:
         path = f"{rival}-{self._opened}.ipynb"
         kernel = {"name": "python3", "display_name": "Python 3", "language": "python"}
         code = f"from benchmarks.{module} import Source\nsource = Source({rival!r}, {count})"
+        import nbformat  # takes two seconds, of each process that collects tests
+
         cell = nbformat.v4.new_code_cell(code)
         nbformat.write(nbformat.v4.new_notebook(cells=[cell], metadata={"kernelspec": kernel}), self.lab.files / path)
         page = self._context.new_page()

@@ -347,8 +347,8 @@ one.publish("/exit/cmd_vel", 0.0)
 os._exit(0)
 """
     for runs in range(1, 4):
-        subprocess.run([sys.executable, "-c", script], cwd=ROOT, check=True, timeout=60)
-        wait_for(lambda runs=runs: heard == runs * [0.25, 0.0], "the robot hears zero", seconds=2.0)
+        subprocess.run([sys.executable, "-c", script], cwd=ROOT, check=True, timeout=240)
+        wait_for(lambda runs=runs: heard == runs * [0.25, 0.0], "the robot hears zero")
 
 
 def test_a_publisher_stays_when_its_feed_is_closed_so_that_no_robot_is_ever_refused(quick, robot, caplog):
@@ -512,7 +512,7 @@ feed.driving = feeds.Driving("/end/cmd_vel", hold=60.0)
 wait_for(lambda: any(topic.name == "/end/cmd_vel" and topic.wanted for topic in feed.topics), "it is listened to")
 feed.drive(0.25)
 """
-    subprocess.run([sys.executable, "-c", script], cwd=ROOT, check=True, timeout=60)
+    subprocess.run([sys.executable, "-c", script], cwd=ROOT, check=True, timeout=240)
     ends = threading.Timer(5.0, robot.kill)
     ends.start()
     assert "0.0\n" in iter(robot.stdout.readline, "")
@@ -536,7 +536,7 @@ feed.drive(0.25)
 wait_for(lambda: feed.connection.middleware._publications.connected, "the robot hears it")
 {end}
 """
-    subprocess.run([sys.executable, "-c", script], cwd=ROOT, timeout=60)
+    subprocess.run([sys.executable, "-c", script], cwd=ROOT, timeout=240)
     wait_for(lambda: heard, "the robot hears a speed")
     wait_for(lambda: heard[-1] == 0.0, "the robot hears zero")
 
@@ -622,7 +622,7 @@ def test_a_feed_may_be_closed_twice_and_in_a_callback(feed, publish):
 
     feed.connect("/nine/scan", close)
     publish("/nine/scan", "scan")
-    assert closed.wait(20.0)
+    assert closed.wait(120)
     feed.close()
 
 
@@ -708,4 +708,4 @@ except feeds.FeedError as error:
 else:
     raise AssertionError("it opened")
 """
-    subprocess.run([sys.executable, "-c", script], cwd=ROOT, check=True, timeout=60)
+    subprocess.run([sys.executable, "-c", script], cwd=ROOT, check=True, timeout=240)

@@ -40,5 +40,5 @@ def _ends_what_it_starts() -> Iterator[None]:
     started = [thread for thread in threading.enumerate() if thread not in before and thread.name not in KEPT]
     for thread in started:
         if thread.name.startswith("robowidgets"):
-            thread.join(10)
+            thread.join(60)
             assert not thread.is_alive(), f"the test leaves a thread of ours: {thread.name}"

@@ -65,7 +65,7 @@ class Gated(Sender):
 
     def send_newest(self) -> int:
         self.begun.set()
-        assert self.gate.wait(20)
+        assert self.gate.wait(120)
         return super().send_newest()
 
 

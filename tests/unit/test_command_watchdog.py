@@ -33,7 +33,7 @@ class Sink:
 
     def __call__(self, *speeds: float) -> None:
         self.got.append((self.now(), Velocity(*speeds)))
-        self.gate.wait(20.0)
+        self.gate.wait(120)
         if self.error is not None:
             raise self.error
 
@@ -145,7 +145,7 @@ def test_zero_is_sent_again_also_where_the_log_hangs(
 ) -> None:
     monkeypatch.setattr("robowidgets.driving.command_watchdog.RETRY", 0.02)
     gate = threading.Event()
-    monkeypatch.setattr("robowidgets._core.log_once.log.error", lambda *_, **__: gate.wait(20.0))
+    monkeypatch.setattr("robowidgets._core.log_once.log.error", lambda *_, **__: gate.wait(120))
     drive(watchdog, FORWARD)
     sink.error = OSError("the wire is cut")
     watchdog.stop()
@@ -400,6 +400,7 @@ def test_a_failed_cell_stops_its_robot_while_others_begin_and_end(monkeypatch: p
         sys.setswitchinterval(before)
 
 
+@pytest.mark.slow
 def test_the_end_of_the_process_sends_zero(tmp_path: object) -> None:
     program = (
         "import sys\n"

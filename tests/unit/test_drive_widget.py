@@ -287,7 +287,7 @@ class TestSink:
             heard.append(linear)
 
         gate, heard = threading.Event(), list[float]()
-        monkeypatch.setattr(logging.getLogger("robowidgets"), "error", lambda *_, **__: gate.wait(20.0))
+        monkeypatch.setattr(logging.getLogger("robowidgets"), "error", lambda *_, **__: gate.wait(120))
         pad = Pad(send=send)
         pad.hold(forward=1)
         wait_for(lambda: heard, "it is asked to stop")

@@ -130,7 +130,7 @@ def test_while_frozen_the_rows_are_those_that_were_there(events: EventsWidget) -
 def test_a_condition_on_events_is_watched(events: EventsWidget) -> None:
     watch = events.watch(conditions.event(level="WARN", text="motor"))
     events.add("motor hot", level="ERROR")
-    watch.wait(timeout=10)
+    watch.wait(timeout=60)
     assert watch
     with pytest.raises(ValueError, match="looks at a scan"):
         events.watch(conditions.nearest_below(0.3))

@@ -64,7 +64,7 @@ def use():
         def go():
             went.set()
             return Drive(0.1)
-        assert went.wait(20)
+        assert went.wait(120)
         feed.stop()
     done.append(True)
 

@@ -87,6 +87,7 @@ class TestWrongAnswers:
         (line,) = check("fits_through", leave).wrong
         assert "SystemExit" in line
 
+    @pytest.mark.slow
     @pytest.mark.parametrize(
         ("name", "answer", "said"),
         [
@@ -329,6 +330,7 @@ class TestPrograms:
         (line,) = result.wrong
         assert "a wall ahead: its 161 steps took 10 s, 0.062 s each. A step returns at once" in line
 
+    @pytest.mark.slow
     def test_a_busy_computer_that_holds_up_most_steps_is_no_fault_of_the_answer(self) -> None:
         now, steps = [0.0], itertools.count()
 
@@ -356,6 +358,7 @@ class TestPrograms:
         assert "a step has not returned for half a second" in result.wrong[0]
         assert 0.45 <= now[0] <= 0.55
 
+    @pytest.mark.slow
     def test_swapped_angles_are_named_once_in_place_of_other_advice(self) -> None:
         def swapped(scan: Scan) -> float:
             return scan.distance(("20deg", "-20deg"))

@@ -83,7 +83,7 @@ for _ in range(400):
 """
 LOOPS = {
     "drive": ("watchdog.drive(Velocity(0.3), hold=60.0)", "watchdog.sent_in_time(watchdog.stop())"),
-    "flush": ("pacer.flush()", "sender.was_sent.clear(); pacer.mark(sender); assert sender.was_sent.wait(5.0)"),
+    "flush": ("pacer.flush()", "sender.was_sent.clear(); pacer.mark(sender); assert sender.was_sent.wait(60.0)"),
     "wait": ("waiters.wait_for(lambda: None, 0.0001)", "assert not waiters and not lock._is_owned()"),
     "call": ("call()", "calls.clear(); call(); assert calls"),
     "program": ("program.replace(again); program.pause()", "assert rests(); assert steps()"),

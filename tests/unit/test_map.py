@@ -430,6 +430,7 @@ class TestRecordings:
         assert last.about["missing"]["/amcl_pose"] == "not drawn: no transform to odom"
         player.close()
 
+    @pytest.mark.slow
     def test_tf_draws_the_scan_where_the_robot_was(self, data: Path) -> None:
         player, view = self.track(data, "good/neato_fsm", "/odom", "/tf")
         names = [layer["name"] for layer in view.widget._map["layers"]]
@@ -438,6 +439,7 @@ class TestRecordings:
         assert "missing" not in last.about
         player.close()
 
+    @pytest.mark.slow
     def test_fixes_are_metres_from_the_first_one(self, data: Path) -> None:
         player, view = self.track(data, "topics/car_gps", "/ins/nav_sat_fix")
         first = next(iter(player.recording.messages("/ins/nav_sat_fix"))).message
@@ -468,6 +470,7 @@ def map_of(player: Any) -> Any:
 
 
 class TestPlayer:
+    @pytest.mark.slow
     def test_topics_that_are_asked_for_are_on_one_map_with_scan_and_tf(self, drive: Path) -> None:
         player = played(drive, "/map", "/odom", "/amcl_pose", "/plan", "/particles", "/local_costmap")
         view = map_of(player)
@@ -524,6 +527,7 @@ class TestPlayer:
         assert layer["note"] == "17 of 50 maps shown"
         player.close()
 
+    @pytest.mark.slow
     def test_a_laser_without_odometry_takes_tf_for_its_trail(self, tmp_path: Path) -> None:
         said = [one for one in scene.messages(4.0) if one[1] in ("/scan", "/tf_static")]
         base = [(s, "/tf", scene.plain(scene.tf("odom", "base_link", (s, 2.0, 0.0), s))) for s in (0.0, 2.0, 4.0)]

@@ -310,7 +310,7 @@ class TestPython:
         message = battery(percentage=0.1)
         widget.update(message)
         assert widget.wait(1) is message
-        assert low.wait(5)
+        assert low.wait(60)
 
     def test_reads_no_definition_for_a_dictionary(self) -> None:
         code = "import sys, robowidgets\nw = robowidgets.MessageWidget()\nw.update({'a': 1})\nw.get_state()\n"

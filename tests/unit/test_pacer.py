@@ -266,7 +266,7 @@ class TestForget:
         pacer = ByHand()
         thread = threading.Thread(target=pacer.mark, args=(Pressed(pacer._clock),), daemon=True)
         thread.start()
-        thread.join(20)
+        thread.join(120)
         assert not thread.is_alive()
 
     def test_a_sender_that_was_sent_is_not_kept_alive(self) -> None:

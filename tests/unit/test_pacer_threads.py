@@ -23,7 +23,7 @@ class TestThreads:
     def test_mark_returns_while_a_send_takes_its_time(self, pacer: Pacer) -> None:
         slow, other = Gated(), Sender()
         pacer.mark(slow)
-        assert slow.begun.wait(20)
+        assert slow.begun.wait(120)
         done = threading.Event()
 
         def flood() -> None:
@@ -35,7 +35,7 @@ class TestThreads:
             done.set()
 
         threading.Thread(target=flood, daemon=True).start()
-        assert done.wait(20)
+        assert done.wait(120)
         assert slow.sent == other.sent == []
         slow.gate.set()
         wait_for(lambda: slow.sent[-1:] == other.sent[-1:] == [10_000], "the last ones went out")
@@ -106,18 +106,18 @@ class TestThreads:
     def test_a_forked_process_sends_its_own_though_locks_were_held(self) -> None:
         slow, waiting, own = Gated(), Sender(), Sender()
         global_pacer.mark(slow)
-        assert slow.begun.wait(20)
+        assert slow.begun.wait(120)
         global_pacer.mark(waiting)
         holds, leave = threading.Event(), threading.Event()
 
         def hold() -> None:
             with global_pacer._lock:
                 holds.set()
-                leave.wait(20)
+                leave.wait(120)
 
         holder = threading.Thread(target=hold)
         holder.start()
-        assert holds.wait(20)
+        assert holds.wait(120)
         reading, writing = os.pipe()
         child = os.fork()
         if child == 0:
@@ -167,7 +167,7 @@ class TestFlush:
     def test_it_waits_for_what_the_thread_is_sending(self, pacer: Pacer) -> None:
         slow = Gated()
         pacer.mark(slow)
-        assert slow.begun.wait(20)
+        assert slow.begun.wait(120)
         opener = threading.Timer(0.05, slow.gate.set)
         opener.start()
         pacer.flush()
@@ -176,7 +176,7 @@ class TestFlush:
     def test_it_gives_up_on_a_send_that_hangs(self, pacer: Pacer) -> None:
         slow, sender = Gated(), Sender()
         pacer.mark(slow)
-        assert slow.begun.wait(20)
+        assert slow.begun.wait(120)
         pacer.mark(sender)
         pacer.flush()
         assert slow.sent == sender.sent == []
@@ -223,7 +223,7 @@ class TestFlush:
         put_in_place(monkeypatch, events=events)
         slow = Gated()
         pacer.mark(slow)
-        assert slow.begun.wait(20)
+        assert slow.begun.wait(120)
         slow.gate.set()
         pacer.mark(slow)
         assert registered == [("post_execute", pacer.flush)]

@@ -47,7 +47,7 @@ class User:
 
     def hang(self, _sample: Any) -> None:
         self.entered.set()
-        self.gate.wait(20)
+        self.gate.wait(120)
         try:
             self.feed.drive(0.4)
         except FeedError as error:
@@ -88,10 +88,10 @@ def test_what_raises_is_told_with_its_line_and_its_error(user: User) -> None:
 
 def test_what_is_replaced_is_left_drives_no_more_and_what_takes_its_place_is_called(user: User) -> None:
     user.define(user.hang)
-    assert user.entered.wait(20)
+    assert user.entered.wait(120)
     called = threading.Event()
     user.define(lambda _sample: called.set())
-    assert called.wait(20)
+    assert called.wait(120)
     user.gate.set()
     wait_for(lambda: user.refused == [REFUSED], "it is refused")
     assert (0.4, 0.0) not in user.script.speeds
@@ -109,11 +109,11 @@ def test_what_hangs_in_python_is_ended_when_it_is_replaced_unless_it_is_a_functi
             ended.set()
 
     user.define(loop)
-    assert user.entered.wait(20)
+    assert user.entered.wait(120)
     user.define(lambda _sample: None)
     if user.kind == "function":
         user.gate.set()
-    assert ended.wait(20)
+    assert ended.wait(120)
 
 
 def test_the_policies_differ_in_figures_alone() -> None:
@@ -136,7 +136,7 @@ def test_no_thread_of_a_judge_stays_after_its_feed_is_closed(condition: Callable
         wall = laser.watch(lambda scan: judged.set() or condition(scan), name="wall")
         near = laser.watch(lambda scan: scan.distance() < 1.5, name="near")
         script.listener.on_message("/scan", scan(1.0))
-        assert judged.wait(20)
+        assert judged.wait(120)
     wait_for(lambda: threads_named("robowidgets-judge") == before, "it has ended")
     assert near.verdict.value is True, "the other one is judged nevertheless"
     words = r"has not returned for \d\.\d s, line \d+, and was ended with its feed" if condition is loop else ""

@@ -52,7 +52,7 @@ class Owner:
         """A function that does not return before the end of the test."""
         gate = threading.Event()
         self.gates.append(gate)
-        return lambda: gate.wait(20) and is_abandoned()
+        return lambda: gate.wait(120) and is_abandoned()
 
     def settle_hung(self) -> None:
         wait_for(lambda: self.runner.current is not None, "a function hangs")
@@ -111,7 +111,7 @@ def test_a_function_that_was_left_goes_on_alone_abandoned_and_what_it_returns_is
     owner.clock.settle(hangs=(NAME,))
     wait_for(lambda: owner.outcomes == [Outcome(2, None)], "another thread goes on")
     owner.gates[0].set()
-    left.join(20)
+    left.join(120)
     assert told == [True]
     assert owner.outcomes == [Outcome(2, None)]
 
@@ -143,7 +143,7 @@ def test_it_tells_the_line_at_which_a_function_hangs(owner: Owner) -> None:
     owner.gates.append(gate)
 
     def wait_here() -> None:
-        gate.wait(20)
+        gate.wait(120)
 
     owner.run(wait_here)
     owner.settle_hung()
@@ -197,11 +197,11 @@ def test_an_interrupt_takes_no_lock_and_no_turn_follows_until_it_is_left_and_wok
     def hold() -> None:
         with owner.lock:
             is_held.set()
-            release.wait(20)
+            release.wait(120)
 
     holder = threading.Thread(target=hold)
     holder.start()
-    assert is_held.wait(20)
+    assert is_held.wait(120)
     assert owner.runner.interrupt()
     release.set()
     holder.join()

@@ -148,10 +148,10 @@ class TestDraw:
 
         def close(scan: Any) -> bool:
             judging.set()
-            return may_end.wait(20)
+            return may_end.wait(120)
 
         laser.watch(close, name="close")
-        assert judging.wait(20)
+        assert judging.wait(120)
         monkeypatch.setattr(judge, "PATIENCE", 60)
         marked: list[object] = []
         mark = pacer.mark

@@ -249,7 +249,7 @@ class TestShown:
         assert (near.value, near.error) == (None, "")
         assert "unknown: no sensor 'left'; there are: front" in repr(near)
         sonars.update(left=0.2)
-        assert near.wait(20.0)["left"].distance == pytest.approx(0.2)
+        assert near.wait(120)["left"].distance == pytest.approx(0.2)
 
     def test_the_repr_names_the_nearest(self, sonars: SonarWidget) -> None:
         assert repr(sonars) == "<SonarWidget sonars: nothing yet>"

@@ -230,6 +230,7 @@ def test_the_path_and_the_picture_are_those_of_the_stretch(tmp_path: Path) -> No
     assert (picture["begin"], picture["duration"]) == (10, 14)
 
 
+@pytest.mark.slow
 def test_touches_are_the_marks_of_a_page_unless_it_has_others(path: Path, tmp_path: Path) -> None:
     def marks(**more: Any) -> list[str]:
         with robowidgets.open(path) as recording:

@@ -48,7 +48,7 @@ def next_frame(monkeypatch: pytest.MonkeyPatch) -> Callable[[TouchWidget], Rows]
 
     def receive(widget: TouchWidget) -> Rows:
         while True:
-            comm, frame = frames.get(timeout=5)
+            comm, frame = frames.get(timeout=60)
             if comm is widget.comm:
                 return rows(frame)
 

@@ -23,7 +23,7 @@ def test_one_that_waits_is_given_what_there_is_when_it_is_woken() -> None:
     with lock:
         there.append("one")
         waiters.wake()
-    thread.join(20.0)
+    thread.join(120)
     assert (given, len(waiters)) == (["one"], 0)
 
 

@@ -96,7 +96,7 @@ class TestLamp:
     def test_of_a_slow_function_is_unknown_and_holds_no_picture_back(self, laser: LaserWidget) -> None:
         page = Page(laser)
         gate = threading.Event()
-        laser.watch(lambda _: gate.wait(20), name="wall")
+        laser.watch(lambda _: gate.wait(120), name="wall")
         show(laser, 0.4)
         wait_for(lambda: sequence(page.state) == 1, "the scan is shown")
         assert lamp(page)["state"] == "unknown"
@@ -111,7 +111,7 @@ class TestLamp:
     def test_of_a_slow_function_tells_its_verdict_when_it_is_there(self, laser: LaserWidget) -> None:
         page = Page(laser)
         gate = threading.Event()
-        laser.watch(lambda scan: gate.wait(20) and scan.distance() < 0.5, name="wall")
+        laser.watch(lambda scan: gate.wait(120) and scan.distance() < 0.5, name="wall")
         show(laser, 0.4)
         wait_for(lambda: lamp(page).get("text", "").startswith("has not returned"), "the lamp is unknown")
         gate.set()
@@ -202,7 +202,7 @@ class TestOtherWidgets:
         touch = TouchWidget()
         page = Page(touch)
         gate = threading.Event()
-        touch.watch(lambda one: not one.touched["left"] or gate.wait(20), name="bump")
+        touch.watch(lambda one: not one.touched["left"] or gate.wait(120), name="bump")
         touch.update(left=False)
         wait_for(lambda: lamp(page, "bump").get("state") == "true", "the first is judged")
         touch.update(left=True)
@@ -252,7 +252,7 @@ class TestWaiting:
         self, laser: LaserWidget, monkeypatch: pytest.MonkeyPatch
     ) -> None:
         gate = threading.Event()
-        clear = laser.watch(lambda scan: scan.distance() > 0.5 or gate.wait(20), name="clear")
+        clear = laser.watch(lambda scan: scan.distance() > 0.5 or gate.wait(120), name="clear")
         other = laser.watch(conditions.nearest_below(3.0), name="other")
         show(laser, 2.0)
         clear.wait(5)
@@ -471,7 +471,7 @@ def test_a_judge_is_deleted_with_its_widget_though_a_condition_hung() -> None:
 
     def judge_and_close() -> weakref.ref[Any]:
         touch = TouchWidget()
-        touch.watch(lambda _: gate.wait(20), name="bump")
+        touch.watch(lambda _: gate.wait(120), name="bump")
         touch.update(left=True)
         wait_for(lambda: touch._watches.judge.is_late, "it hangs")
         touch.close()

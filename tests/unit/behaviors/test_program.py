@@ -228,7 +228,7 @@ def test_a_replaced_step_that_comes_back_late_moves_nothing(robot: Feed, script:
 
     def go():  # type: ignore[no-untyped-def]
         entered.set()
-        gate.wait(20.0)
+        gate.wait(120)
         try:
             robot.drive(0.4)
         except FeedError as error:
@@ -236,7 +236,7 @@ def test_a_replaced_step_that_comes_back_late_moves_nothing(robot: Feed, script:
         return Drive(0.5)
 
     robot.program(go)
-    assert entered.wait(20.0)
+    assert entered.wait(120)
 
     def newer():  # type: ignore[no-untyped-def]
         return Drive(0.1)
@@ -278,7 +278,7 @@ def test_no_speed_follows_the_zero_on_a_topic_that_is_left(
 def hanging_log() -> Iterator[threading.Event]:
     """While the event is not set, whoever logs hangs."""
     gate, handler = threading.Event(), logging.Handler()
-    handler.emit = lambda record: None if gate.wait(20.0) else record  # type: ignore[method-assign]
+    handler.emit = lambda record: None if gate.wait(120) else record  # type: ignore[method-assign]
     logging.getLogger("robowidgets").addHandler(handler)
     yield gate
     gate.set()
@@ -296,7 +296,7 @@ def test_a_log_that_hangs_keeps_no_zero_from_the_robot(
     def go():  # type: ignore[no-untyped-def]
         if "raises" in faults:
             raise ValueError(faults)
-        return Drive(0.2) if "hangs" not in faults or hanging_log.wait(20.0) else None
+        return Drive(0.2) if "hangs" not in faults or hanging_log.wait(120) else None
 
     wait_for(lambda: (0.2, 0.0) in script.speeds, "it drives")
     faults.append(fault)

@@ -94,7 +94,7 @@ class Bench:
         self.program.replace(Version(function, number=number, **{"rate": 10.0, **options}))
 
     def hang(self) -> None:
-        self.gate.wait(20)
+        self.gate.wait(120)
 
     def drive_then(self, then: Callable[[], Any]) -> None:
         """A program that drives with 0.3 m/s in its first step, at 1000.0 s, and does something else in the second."""
@@ -107,7 +107,7 @@ class Bench:
         entered = threading.Event()
         self.drive_then(lambda: entered.set() or self.hang() or then())
         self.clock.advance(0.1, HUNG)
-        assert entered.wait(20)
+        assert entered.wait(120)
 
     def close(self) -> None:
         self.gate.set()
@@ -200,11 +200,11 @@ def test_an_interrupt_sends_zero_while_another_thread_holds_the_lock_and_it_paus
     def hold() -> None:
         with bench.program._lock:
             is_held.set()
-            release.wait(20)
+            release.wait(120)
 
     holder = threading.Thread(target=hold)
     holder.start()
-    assert is_held.wait(20)
+    assert is_held.wait(120)
     bench.program.interrupt()
     wait_for(lambda: bench.heard[1:] == [(1000.1, 0.0)], "zero is sent at that moment")
     bench.gate.set()
@@ -350,7 +350,7 @@ def test_a_deleted_robot_ends_its_program_at_the_next_look_though_a_step_hangs(b
 
 def test_a_log_that_hangs_holds_up_no_look_at_the_next_step(bench: Bench) -> None:
     handler = logging.Handler()
-    handler.emit = lambda record: None if bench.gate.wait(20) else record  # type: ignore[method-assign]
+    handler.emit = lambda record: None if bench.gate.wait(120) else record  # type: ignore[method-assign]
     logging.getLogger("robowidgets").addHandler(handler)
     try:
         bench.drive_then_hang()

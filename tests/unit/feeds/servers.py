@@ -56,8 +56,8 @@ class Server:
     def stall(self) -> Callable[[], None]:
         """Read and answer nothing, until what is returned is called; the network takes what is sent all the same."""
         stalled, go_on = threading.Event(), threading.Event()
-        self._loop.call_soon_threadsafe(lambda: (stalled.set(), go_on.wait(20)))
-        assert stalled.wait(20)
+        self._loop.call_soon_threadsafe(lambda: (stalled.set(), go_on.wait(120)))
+        assert stalled.wait(120)
         return go_on.set
 
     def hang(self) -> None:
@@ -69,7 +69,7 @@ class Server:
             ready.set()
 
         self._loop.call_soon_threadsafe(stop_reading)
-        assert ready.wait(20)
+        assert ready.wait(120)
 
     def send(self, said: Any) -> None:
         """Say something to every client, from any thread: bytes and text as they are, all else as JSON."""

@@ -46,7 +46,7 @@ def test_it_is_judged_on_each_message_of_its_topics(feed: Feed, script: Scripted
     assert watch.value is None
     assert "waiting for /imu" in repr(watch)
     script.listener.on_message("/imu", imu(13.0))
-    moment = watch.wait(5)
+    moment = watch.wait(120)
     assert moment.messages["/imu"] == imu(13.0)
     script.listener.on_message("/imu", imu(11.0))
     watch.wait(5, value=False)
@@ -58,10 +58,10 @@ def test_conditions_on_several_topics_are_joined(feed: Feed, script: Scripted) -
     both = feed.watch((field("/imu.linear_acceleration.x") > 12) & conditions.nearest_below(0.5), "hit")
     either = feed.watch((field("/imu.linear_acceleration.x") > 12) | conditions.nearest_below(0.5), "one")
     script.listener.on_message("/imu", imu(13.0))
-    either.wait(5)
+    either.wait(120)
     assert both.value is None
     script.listener.on_message("/scan", scan(0.4))
-    both.wait(5)
+    both.wait(120)
     assert list(feed.watched) == ["hit", "one"]
 
 
@@ -72,9 +72,9 @@ def test_a_function_takes_what_a_program_takes(feed: Feed, script: Scripted) -> 
     for x, y in ((5.0, 0.0), (5.6, 0.3), (6.2, 0.9)):
         script.listener.on_message("/odom", odometry(x, y))
         wait_for(lambda x=x: far.sample is not None and far.sample.pose.x == x, "it was judged")
-    assert 1.0 < far.wait(5).driven < 2.0  # since the watch began, not since 0
+    assert 1.0 < far.wait(120).driven < 2.0  # since the watch began, not since 0
     script.listener.on_message("/imu", imu(13.0))
-    assert hard.wait(5).imu == imu(13.0)
+    assert hard.wait(120).imu == imu(13.0)
 
     def both_come() -> bool:  # a moment attaches what is read of it when it is read first
         script.listener.on_message("/imu", imu(13.0))
@@ -89,7 +89,7 @@ def test_what_raises_is_switched_off_and_what_hangs_holds_nothing_up(feed: Feed,
     good = feed.watch(field("/imu.linear_acceleration.x") > 1, "good")
     script.listener.on_message("/imu", imu(2.0))
     wait_for(lambda: "no field 'nothing'" in bad.error, "it says why")
-    good.wait(5)
+    good.wait(120)
 
 
 def test_what_cannot_be_watched_is_refused(feed: Feed) -> None:
@@ -127,4 +127,4 @@ def test_one_of_the_same_name_an_end_and_a_closed_feed_end_it(feed: Feed, script
 def test_what_the_simulator_sends_is_watched_too() -> None:
     with feeds.simulator() as robot:
         watch = robot.watch((field("/odom.linear[0]") > 0.05) & conditions.nearest_below(9.0))
-        assert watch.wait(10).messages["/odom"].linear[0] > 0.05
+        assert watch.wait(120).messages["/odom"].linear[0] > 0.05

@@ -173,7 +173,7 @@ def test_a_program_that_ends_while_it_drives_stops_the_robot(robot: Any, end: st
     wait_for(lambda: 0.25 in speeds, "the robot drives")
     if end == "interrupt":
         program.send_signal(signal.SIGINT)
-    program.wait(20)
+    program.wait(120)
     wait_for(lambda: speeds[-1] == 0.0, "the robot stops")
 
 

@@ -57,9 +57,9 @@ def ended(tmp_path: Path, start: Callable[..., subprocess.Popen[str]]) -> Callab
             stderr=subprocess.DEVNULL,
             text=True,
         )
-        wait_for(lambda: len(log.heard()) > 5, "it drives", 20.0)
+        wait_for(lambda: len(log.heard()) > 5, "it drives")
         process.send_signal(number)
-        printed, _ = process.communicate(timeout=20)
+        printed, _ = process.communicate(timeout=120)
         return process.returncode, printed, log.heard()[-1][1]
 
     return end

@@ -457,6 +457,7 @@ def test_closing_takes_half_a_second_where_the_robot_answers_no_question(ears: E
         assert _threads() == []
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("end", ["feed.close()", ""])
 def test_a_process_that_ends_while_it_drives_stops_the_robot(end: str) -> None:
     with Server({"/cmd_vel": TWIST}, delay=0.01) as server:

@@ -27,7 +27,7 @@ def test_it_is_driven_measured_moved_and_goes_on_while_a_call_holds_the_interpre
     with feeds.simulator(room=ROOM, process=True, wander=False, hz=20) as feed:
         view = feed.show()
         assert sorted(view.widgets) == ["/bumper", "/odom", "/scan"], "before the process has begun, too"
-        robot, scans = feed.robot, feed.scans("/scan", timeout=20)
+        robot, scans = feed.robot, feed.scans("/scan", timeout=120)
         assert next(scans).distance("front") == pytest.approx(3.0, abs=0.1)
         for widget in view.widgets.values():
             assert widget.wait()

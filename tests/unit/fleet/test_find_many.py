@@ -76,6 +76,7 @@ def test_a_search_for_the_same_reads_no_recording_again_unless_it_changed(runs: 
     assert third.ran == [str(runs / "broken.bag"), str(runs / "run_2.mcap")]
 
 
+@pytest.mark.slow
 def test_what_was_kept_holds_for_the_same_condition_alone(runs: Path) -> None:
     def ran(condition: Any, **options: Any) -> int:
         here = Here()
@@ -92,6 +93,7 @@ def test_what_was_kept_holds_for_the_same_condition_alone(runs: Path) -> None:
     assert ran(NEAR) == 0
 
 
+@pytest.mark.slow
 def test_a_function_that_uses_a_module_of_the_users_is_computed_anew(runs: Path) -> None:
     here = Here()
     for _ in range(2):
@@ -126,6 +128,7 @@ def test_a_line_that_was_cut_as_it_was_kept_is_computed_again(runs: Path, own_ca
     assert here.ran == [json.loads(state)[0]]
 
 
+@pytest.mark.slow
 def test_an_interrupt_keeps_what_was_found_and_the_same_search_goes_on(runs: Path) -> None:
     whole = find(NEAR, runs, executor=Here(), keep=False)
     with ThreadPoolExecutor(1) as threads:

@@ -12,6 +12,8 @@ from tests.unit.recordings.digest import DIGESTS, digest, recordings
 TOLD = json.loads(DIGESTS.read_text())
 
 
+@pytest.mark.slow
+@pytest.mark.versions
 @pytest.mark.parametrize("name", TOLD)
 def test_a_real_recording_says_what_it_always_said(data: Path, name: str) -> None:
     assert digest(data / name) == TOLD[name]

@@ -223,6 +223,7 @@ def test_a_closed_recording_is_refused() -> None:
         recording.doctor()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", [name for name in TOLD if name.startswith(("good/", "odd/"))])
 def test_there_is_no_false_alarm_on_real_recordings(data: Path, name: str) -> None:
     with robowidgets.open(data / name) as recording:

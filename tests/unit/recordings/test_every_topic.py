@@ -68,6 +68,7 @@ def test_every_readable_topic_with_a_message_is_shown_by_a_widget_that_fits(data
     }
 
 
+@pytest.mark.slow
 def test_a_recording_that_opened_to_nothing_opens_to_what_it_has(data: Path) -> None:
     with robowidgets.open(data / "topics" / "car_gps") as recording:
         player = recording.show()

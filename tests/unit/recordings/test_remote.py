@@ -75,6 +75,7 @@ def test_a_url_gives_what_the_file_gives_and_is_fetched_once(reads: list[str]) -
     assert len(reads) == 1
 
 
+@pytest.mark.slow
 def test_a_player_and_a_page_need_no_second_fetch(reads: list[str], tmp_path: Path) -> None:
     with robowidgets.open("memory://runs/drive.mcap") as recording:
         player = recording.show(scanogram=False)

@@ -432,6 +432,7 @@ class TestATouchHistory:
         assert len(applied) < 45
 
 
+@pytest.mark.slow
 def test_the_whole_drive_stands_above_as_one_picture_if_it_is_wanted_or_short(
     path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -468,6 +469,7 @@ def test_without_a_scanogram_the_wide_widgets_stand_left_and_the_small_ones_besi
             assert [box._dom_classes for box in screen.children] == [(name,) for name in boxes]
 
 
+@pytest.mark.slow
 def test_a_scanogram_that_takes_long_at_the_measured_rate_is_left_out_and_a_line_says_so(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -109,6 +109,7 @@ def test_a_format_that_nobody_knows_is_listed_as_it_is_named(data: Path) -> None
     assert counts(source) == {"/test_topic": 3, "/array_topic": 4}
 
 
+@pytest.mark.slow
 def test_ros1_messages_in_mcap_are_those_of_the_bag(data: Path) -> None:
     source = open_repaired([data / "odd/ros1_messages_in_mcap.mcap"])
     assert counts(source) == TURTLEBOT

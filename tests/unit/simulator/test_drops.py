@@ -111,6 +111,7 @@ def test_the_view_shows_drops_and_says_that_the_robot_has_fallen() -> None:
     assert view.get_state()["_status"] == "the robot is over an edge: drag it back"
 
 
+@pytest.mark.slow
 def test_in_a_process_of_its_own_a_fallen_robot_can_be_put_back_and_given_obstacles() -> None:
     with feeds.simulator(room=World.from_text(LANDING), process=True, wander=False, hz=20) as feed:
         robot = feed.robot

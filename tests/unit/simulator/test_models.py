@@ -172,7 +172,7 @@ def test_the_feed_of_a_robot_speaks_its_dialect_and_a_widget_reads_it() -> None:
         assert {topic.name: topic.widget for topic in feed.topics}["/bumper"] == "touch"
         feed.connect("/bumper", raw.append, raw=True)
         wait_for(lambda: raw, "a message has come")
-        scan = next(feed.scans("/scan", timeout=5))
+        scan = next(feed.scans("/scan", timeout=60))
     assert raw[0].keys() == {"detections"}
     assert len(scan) == 360
     assert scan.counts[Validity.NOTHING_IN_RANGE] == 0

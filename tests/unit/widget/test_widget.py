@@ -259,11 +259,11 @@ class TestToThePage:
         def hold() -> None:
             with widget._newest.lock, widget._send_lock:
                 holds.set()
-                leave.wait(20)
+                leave.wait(120)
 
         holder = threading.Thread(target=hold)
         holder.start()
-        assert holds.wait(20)
+        assert holds.wait(120)
         child = os.fork()
         if child == 0:
             try:
