@@ -105,7 +105,8 @@ def all_texts() -> Catalog:
 
 def empty(language: str | None = None) -> Catalog:
     """A catalogue without texts, whose head is the same in each run."""
-    return Catalog(locale=language, project="robowidgets", creation_date=EPOCH, revision_date=EPOCH, fuzzy=False)
+    head = f"# What the lessons say, written by scripts/translate.py for translations into: {language}"
+    return Catalog(language, None, head, "robowidgets", creation_date=EPOCH, revision_date=EPOCH, fuzzy=False)
 
 
 def update(file: Path, english: Catalog) -> tuple[Catalog, list[str]]:
@@ -136,7 +137,9 @@ def files_of(language: str, catalog: Catalog) -> dict[Path, bytes]:
         if message.id and any(str(file).endswith(".py") for file, _ in message.locations):
             spoken.add(message.id, message.string, flags=message.flags)
     write_mo(mo, spoken)
-    made = {TEXTS / f"{language}.po": po.getvalue(), TEXTS / f"{language}.mo": mo.getvalue()}
+    # Of Babel's version and of addresses that there are not.
+    text = re.sub(rb'"(Generated-By|.*EMAIL@ADDRESS|.*li\.org).*\n', b"", po.getvalue())
+    made = {TEXTS / f"{language}.po": text, TEXTS / f"{language}.mo": mo.getvalue()}
     for name in LESSONS:
         notebook = translated(lesson(name), language, translate)
         text = json.dumps(notebook, indent=1, ensure_ascii=False) + "\n"
