@@ -256,6 +256,11 @@ def one_that_sleeps_in_a_loop_is_ended_after_its_sleep(threads: Any, call_from_p
 
 @case
 def code_of_others_is_not_sliced(threads: Any, call_from_page: Any) -> None:
+    from robowidgets._core.in_browser import is_users
+
+    codes = [function.__code__ for function in (asyncio.wait_for, threading.Thread.start, type(threads).block)]
+    codes += [type(threads._host.loop).call_later.__code__] * (sys.platform == "emscripten")
+    assert not any(map(is_users, codes))
     space: dict[str, Any] = {}
     exec(compile("def count():\n    for n in range(300_000): pass", "<frozen library>", "exec"), space)
     moved: list[int] = []

@@ -81,10 +81,12 @@ class _LongCell:
             print(LONG_CELL.format(seconds=seconds), file=sys.stderr)  # noqa: T201
 
 
+# The modules of Python that are frozen, as `os` is, lie elsewhere than the others do.
 _LIBRARIES = (
     os.path.dirname(os.__file__),
+    os.path.dirname(os.path.dirname(asyncio.__file__)),
+    os.path.normpath(sysconfig.get_path("purelib")),
     os.path.dirname(os.path.dirname(os.path.abspath(__file__))),
-    sysconfig.get_path("purelib"),
     *("<frozen", "<string>"),
 )
 

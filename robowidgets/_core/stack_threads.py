@@ -18,10 +18,13 @@ import time
 from collections import deque
 from collections.abc import Awaitable, Callable
 from types import CodeType, FrameType
-from typing import Any, Protocol
+from typing import Any, NamedTuple, Protocol
 
 SLICE = 0.02
 """Seconds that a function of a user may compute before it gives way."""
+
+_MOST_STEPS = 256
+"""Turns of loops, and calls, between two looks at the clock."""
 
 _TOOL = 3
 """Of `sys.monitoring`: the first that Python leaves to anybody."""
@@ -62,6 +65,26 @@ class _Stack:
         self.computes_since = time.monotonic()
 
 
+class _SeenFrame(NamedTuple):
+    """A frame of a stack, as it was when that was put aside: what is around it is then elsewhere in memory."""
+
+    f_code: CodeType
+    f_lineno: int | None
+    f_globals: dict[str, Any]
+    f_back: _SeenFrame | None
+
+
+def _seen(frame: FrameType | None) -> _SeenFrame | None:
+    frames: list[FrameType] = []
+    while frame is not None:
+        frames.append(frame)
+        frame = frame.f_back
+    seen: _SeenFrame | None = None
+    for one in reversed(frames):
+        seen = _SeenFrame(one.f_code, one.f_lineno, one.f_globals, seen)
+    return seen
+
+
 class StackThreads:
     """The threads of a host.
 
@@ -76,7 +99,7 @@ class StackThreads:
         self._idents = itertools.count(self._main + 1)
         self._now = _Stack(self._main)
         """The stack that runs. It is never one that is put aside."""
-        self._aside: dict[_Stack, FrameType] = {}
+        self._aside: dict[_Stack, _SeenFrame | None] = {}
         self._begun: dict[int, _Stack] = {}
         self._slice_end = 0.0
         self._sleep = time.sleep
@@ -97,7 +120,7 @@ class StackThreads:
         if not self._host.can_wait():
             raise RuntimeError(_NO_WAIT)
         loop, me = self._host.loop, self._now
-        self._aside[me] = sys._getframe(1)
+        self._aside[me] = _seen(sys._getframe(1))
         woken = loop.create_future()
         # A time from now, not a moment: that may be over before the loop is told of it.
         timer = None if seconds is None else loop.call_later(max(0.0, seconds), _wake, woken)
@@ -158,9 +181,9 @@ class StackThreads:
         started: threading.Event = vars(function.__self__)["_started"]  # type: ignore[attr-defined]
         started.set()
 
-    def current_frames(self) -> dict[int, FrameType]:
+    def current_frames(self) -> dict[int, Any]:
         """As `sys._current_frames`."""
-        frames: dict[int, FrameType] = {self._now.ident: sys._getframe(1)}
+        frames: dict[int, Any] = {self._now.ident: sys._getframe(1)}
         for stack, frame in self._aside.items():
             frames.setdefault(stack.ident, frame)
         return frames
@@ -203,19 +226,37 @@ class StackThreads:
         function: so that ends a loop which catches all.
         """
         monitoring: Any = sys.monitoring  # type: ignore[attr-defined,unused-ignore]
-        off = monitoring.DISABLE
+        jump, start = monitoring.events.JUMP, monitoring.events.PY_START
+        left = every = 1
 
-        def on_step(code: CodeType, *_: int) -> Any:
-            if not is_users(code):
-                return off  # for good, at this place: it costs nothing any more
-            if time.monotonic() >= self._slice_end:
+        def on_step(_: CodeType, *__: int) -> None:
+            # The clock is read less often where steps are short.
+            nonlocal left, every
+            left -= 1
+            if left:
+                return
+            if time.monotonic() < self._slice_end:
+                left = every = min(2 * every, _MOST_STEPS)
+            else:
+                left = every = 1
                 self._give_way()
-            return None
+
+        def on_start(code: CodeType, offset: int) -> Any:
+            if not monitoring.get_local_events(_TOOL, code):
+                if not is_users(code):
+                    return monitoring.DISABLE  # for good: it costs nothing any more
+                monitoring.set_local_events(_TOOL, code, jump)
+            return on_step(code, offset)
 
         monitoring.use_tool_id(_TOOL, "robowidgets")
-        for event in (monitoring.events.JUMP, monitoring.events.PY_START):
-            monitoring.register_callback(_TOOL, event, on_step)
-        monitoring.set_events(_TOOL, monitoring.events.JUMP | monitoring.events.PY_START)
+        monitoring.register_callback(_TOOL, jump, on_step)
+        monitoring.register_callback(_TOOL, start, on_start)
+        monitoring.set_events(_TOOL, start)
+        frame: FrameType | None = sys._getframe()
+        while frame is not None:  # a cell may go on to compute after its import of robowidgets
+            if is_users(frame.f_code):
+                monitoring.set_local_events(_TOOL, frame.f_code, jump)
+            frame = frame.f_back
 
     def _give_way(self) -> None:
         me = self._now
