@@ -46,6 +46,7 @@ from .touch_widget import TouchWidget
 
 if TYPE_CHECKING:
     from . import feeds, lessons, simulator
+    from ._compare import compare as compare
     from ._plot import plot as plot
     from .fleet import drives as drives
     from .fleet import find as find
@@ -101,6 +102,7 @@ __all__ = [
     "TouchWidget",
     "Validity",
     "WiresWidget",
+    "compare",
     "conditions",
     "drives",
     "feeds",
@@ -123,6 +125,7 @@ _LATER = {
     "MachineWidget": ".machine_widget",
     "ProgramWidget": ".program_widget",
     "Recording": ".recording",
+    "compare": "._compare",
     "drives": ".fleet",
     "find": ".fleet",
     "index": ".fleet",

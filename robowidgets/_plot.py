@@ -16,6 +16,7 @@ from .recordings.data import RecordingData
 from .recordings.field_lines import FieldLine, choices, field_lines
 from .recordings.odometry import places_of
 from .recordings.time_slice import TimeSlice
+from .samples import Pose
 from .samples.state_span import rows_of
 from .search.base import Condition
 from .search.search import find
@@ -139,21 +140,29 @@ def _ghosts(
     name = other.path.name
     times: tuple[Floats, Floats] | None = None
     if by == "place":
-        whole = _whole(source)
-        here, there = places_of(whole), places_of(other).seen_from(to_place("origin", origin))
-        seconds, apart = there.nearest(here)
-        if not (apart <= WITHIN).any():
-            raise ValueError(
-                f"plot(): {name} has no place within {WITHIN:g} m of one of {whole.path.name}; odometry starts where a "
-                "robot is switched on: give origin=(x, y, yaw), the place in this one's odometry where the other starts"
-            )
-        times = here.seconds, np.where(apart <= WITHIN, seconds, np.nan)
+        times = same_places(_whole(source), other, to_place("origin", origin), "plot(): {}; give origin=(x, y, yaw)")
     for field in fields:
         for line in _lines(other, field):
             at, values = line.seconds, line.values
             if times is not None:
                 at, values = times[0], held(line.seconds, line.values, times[1])
             yield FieldLine(f"{line.name} ({name})", at, values, line.unit)
+
+
+def same_places(one: RecordingData, other: RecordingData, origin: Pose, error: str) -> tuple[Floats, Floats]:
+    """Times of a recording, and those at which the robot of another one was there; NaN where it never was.
+
+    Raises:
+        ValueError: no place of one is near one of the other; ``error`` has room for what is wrong.
+        UnknownTopicError: one has no odometry.
+    """
+    here, there = places_of(one), places_of(other).seen_from(origin)
+    seconds, apart = there.nearest(here)
+    if not (apart <= WITHIN).any():
+        wrong = f"{other.path.name} has no place within {WITHIN:g} m of one of {one.path.name}"
+        where = ", the place in this one's odometry where the other starts: where the robot was switched on"
+        raise ValueError(error.format(wrong) + where)
+    return here.seconds, np.where(apart <= WITHIN, seconds, np.nan)
 
 
 def _live(feed: Feed, fields: Sequence[str], options: dict[str, Any]) -> PlotWidget:

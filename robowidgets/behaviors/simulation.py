@@ -34,6 +34,49 @@ def function_of(program: Any) -> Any:
     return Machine(described) if isinstance(described, type) else described
 
 
+class ProgramRun:
+    """One run of a program, from its beginning.
+
+    Args:
+        program: as for `simulate`.
+        variables: the variables of the program; None: its own.
+
+    Attributes:
+        name: of the program.
+        topics: those that it names, by parameter.
+        asks_for: its parameters.
+        odometer: takes each pose of the robot.
+    """
+
+    def __init__(self, program: Any, variables: Variables | None = None) -> None:
+        self._function = function_of(program)
+        self.name = program_name(self._function)
+        self.topics: Mapping[str, str] = program.version.topics if isinstance(program, Program) else {}
+        self.asks_for = parameters_of(self._function, self.name, self.topics)
+        self.odometer = Odometer()
+        variables = Variables() if variables is None else variables
+        self._own: dict[str, Any] = {"state": ProgramState(), "variables": variables}
+        self._drive = STANDSTILL
+
+    @property
+    def active(self) -> tuple[str, ...]:
+        """The active states of a machine; none of a function."""
+        return self._function.active if isinstance(self._function, Machine) else ()
+
+    def step(self, time: float, samples: Mapping[str, Callable[[], Any]]) -> Drive:
+        """The speed in force after a step.
+
+        Args:
+            time: seconds since it began.
+            samples: by parameter, what returns the newest sample.
+        """
+        odometer = self.odometer
+        given = {**self._own, "time": time, POSE: odometer.pose, DRIVEN: odometer.driven, TURNED: odometer.turned}
+        values = {name: samples[name]() if name in samples else given[name] for name in self.asks_for}
+        self._drive = drive_of(self._function(**values), self._drive)
+        return self._drive
+
+
 def simulate(
     program: Callable[..., Any],
     robot: Robot,
@@ -69,21 +112,16 @@ def simulate(
         >>> round(robot.speed().linear[0], 1)
         0.2
     """
-    function = function_of(program)
-    topics = program.version.topics if isinstance(program, Program) else {}
-    asks_for = parameters_of(function, program_name(function), topics)
+    run = ProgramRun(program, variables)
     period = 1 / to_rate(rate)
-    own: dict[str, Any] = {"state": ProgramState(), "variables": Variables() if variables is None else variables}
-    samples = _samples(robot, asks_for, topics)
-    start, drive, odometer = robot.time, STANDSTILL, Odometer()
+    samples = _samples(robot, run.asks_for, run.topics)
+    start = robot.time
     while (now := robot.time - start) < seconds and not (until and until()):
-        odometer.add(robot.odometry)
-        own |= {POSE: odometer.pose, DRIVEN: odometer.driven, TURNED: odometer.turned}
-        values = {name: samples[name]() if name in samples else own.get(name, now) for name in asks_for}
-        drive = drive_of(function(**values), drive)
+        run.odometer.add(robot.odometry)
+        drive = run.step(now, samples)
         robot.drive(drive.linear, drive.angular, drive.lateral)
         robot.step(period)
-        yield Step(now, drive, function.active if isinstance(function, Machine) else ())
+        yield Step(now, drive, run.active)
 
 
 def _samples(robot: Robot, asks_for: Iterable[str], topics: Mapping[str, str]) -> dict[str, Callable[[], Any]]:

@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
+from ..behaviors.version import RATE
 from ..kinds import KINDS, LASER, SPEED, TOUCH, Kind
 from ..recordings.columns.chunks import ScanChunk, SpeedChunk, single_scan, single_speed
 from ..recordings.topics import UnknownTopicError, UnnamedTopicError
@@ -31,6 +32,7 @@ from ..samples.verdict import Verdict
 from ._events import EventCondition
 from ._fields import Field
 from ._steps import NO, UNKNOWN, YES, Steps, combined, steps
+from ._stops import StopsCondition
 from .base import VALUES, Condition, FunctionCondition
 from .instant import NoSampleYetError
 from .seconds import SPEEDS, Possible, Seconds
@@ -39,7 +41,7 @@ if TYPE_CHECKING:
     from ..recordings import RecordingData
     from ._search import Search
 
-__all__ = ["Condition", "event", "field", "gap", "nearest_below", "speed_above", "touched", "when"]
+__all__ = ["Condition", "event", "field", "gap", "nearest_below", "speed_above", "stops", "touched", "when"]
 
 
 def touched(label: str | None = None, topic: str | None = None) -> Condition:
@@ -147,6 +149,32 @@ def field(name: str) -> Field:
         '/odom.twist.twist.linear.x < 0'
     """
     return Field(name)
+
+
+def stops(program: Any, rate: float = RATE) -> Condition:
+    """A program asks the robot to stand, where it is given what was recorded: ``stops(new) & ~stops(old)``.
+
+    It is stepped through the recording from its beginning. The robot of the recording drove as it did then, whatever
+    the program asks for: that is what the program would have done at that moment of that drive. Before it has all
+    samples that it asks for, and while one of them is too old to drive by, it is not called, and nothing is known.
+
+    Args:
+        program: a function or a state machine, as `robowidgets.feeds.Feed.program` takes it, or what that returned.
+        rate: steps a second.
+
+    Raises:
+        TypeError, ValueError: as `program` of a feed.
+
+    Example:
+        >>> import robowidgets
+        >>> from robowidgets.behaviors import Drive
+        >>> def careful(scan):
+        ...     return Drive(0.0 if scan.distance("front") < 0.5 else 0.2)
+        >>> recording = robowidgets.open(robowidgets.SAMPLE)
+        >>> recording.find(conditions.stops(careful)).condition
+        'careful stops'
+    """
+    return StopsCondition(program, rate)
 
 
 def when(function: Callable[[Any], Any]) -> Condition:

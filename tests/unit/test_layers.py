@@ -23,6 +23,7 @@ LAYERS = (
     "__init__",
     "fleet",
     "recording",
+    "_compare",
     "player in_rerun export _plot",
     "feeds",
     "search doctor",

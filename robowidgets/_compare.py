@@ -1,0 +1,204 @@
+"""`robowidgets.compare`: some drives over one time, or by place, in one plot and on one map."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator, Sequence
+from contextlib import ExitStack, suppress
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ._core.progress import without_bars
+from ._layout import Together
+from ._plot import same_places
+from .kinds import LASER, SPEED
+from .path_widget import PathWidget
+from .plot_widget import PlotWidget
+from .plotting.line import Floats, held
+from .poses.places import to_place
+from .recordings.data import RecordingData
+from .recordings.odometry import odometry
+from .recordings.topics import UnknownTopicError, likeliest
+from .samples import Pose
+from .samples.map_item import MapItem
+from .samples.sector import ALL_ROUND, Asked
+from .samples.state_span import StateSpan, rows_of
+from .search import conditions
+from .search.base import Condition
+from .search.search import find
+
+MOST = 4
+"""Drives: a graph has room for so many lines."""
+_POINTS = 1000
+"""Of a way on the map."""
+_MARKS = 200
+"""Of what happened in a drive: a plot with more of them says nothing."""
+_FRAME = "odom"
+_LINES = ("nearest", "speed")
+
+
+class Comparison(Together):
+    """The plot and the map of `compare`, side by side.
+
+    Attributes:
+        plot: the `PlotWidget`.
+        map: the `PathWidget`; None where no drive has odometry.
+    """
+
+    def __init__(self, plot: PlotWidget, way: PathWidget | None) -> None:
+        self.plot, self.map = plot, way
+        super().__init__([plot, *([way] if way else [])])
+
+
+class _Drive(NamedTuple):
+    """A recording under its name, and where its odometry starts in that of the first one."""
+
+    name: str
+    recording: RecordingData
+    origin: Pose
+
+
+def compare(
+    *drives: str | os.PathLike[str] | RecordingData,
+    by: str = "time",
+    sector: Asked = ALL_ROUND,
+    marks: Condition | None = None,
+    origins: Sequence[Sequence[Any]] = (),
+) -> Comparison:
+    """Some drives in one plot and on one map: the nearest thing, the speed, states, what happened, and the ways.
+
+    The lines of the first drive are dark, those of the others gray, and the legend says by how much they differ.
+
+    Args:
+        *drives: 2 to 4 recordings, or their paths.
+        by: "time", each from its start; or "place": the values of the others are those from when their robot was where
+            that of the first was, by odometry, as in `Player.follow`.
+        sector: where the nearest thing is looked for, as in `Scan.distance`.
+        marks: a condition whose spans are marked, named by drive; None: touches, and events of level WARN or more. By
+            place only those of the first.
+        origins: for each drive but the first, x and y in metres and yaw in radians, or as "20deg", at which its
+            odometry starts in that of the first; empty: they start at the same place.
+
+    Raises:
+        TypeError: no recordings. ValueError: too few or too many, or by place none is near one of the first.
+        UnknownTopicError: none of them has scans or measured speeds; by place, no odometry.
+        RecordingError: nothing of one can be read.
+
+    Example:
+        >>> import robowidgets
+        >>> view = robowidgets.compare(robowidgets.SAMPLE, robowidgets.SAMPLE)
+        >>> view.plot.names[:2]
+        ('nearest (sample)', 'nearest (sample 2)')
+    """
+    if not 2 <= len(drives) <= MOST:
+        raise ValueError(f"compare(): expected 2 to {MOST} recordings, got {len(drives)}")
+    if by not in ("time", "place"):
+        raise ValueError(f"by: expected 'time' or 'place', got {by!r}")
+    if origins and len(origins) != len(drives) - 1:
+        raise ValueError(f"origins: expected one for each drive but the first ({len(drives) - 1}), got {len(origins)}")
+    with ExitStack() as opened, without_bars():
+        recordings = [
+            drive if isinstance(drive, RecordingData) else opened.enter_context(RecordingData(drive))
+            for drive in drives
+        ]
+        starts = [Pose(0.0, 0.0, 0.0), *(to_place("origins", origin) for origin in origins)]
+        starts += [starts[0]] * (len(drives) - len(starts))
+        all_of = [_Drive(*one) for one in zip(_names(recordings), recordings, starts, strict=True)]
+        return Comparison(_plot(all_of, by, sector, marks), _map(all_of))
+
+
+def _names(recordings: Sequence[RecordingData]) -> list[str]:
+    """Short names that differ: with what they need of the path, and with numbers where they are the same file."""
+    paths = [recording.path for recording in recordings]
+    names = [path.name.partition(".")[0] for path in paths]
+    if len(set(names)) < len(set(paths)):
+        names = [path.name for path in paths]
+    if len(set(names)) < len(set(paths)):
+        base = os.path.commonpath([path.parent for path in paths])
+        names = [os.path.relpath(path, base) for path in paths]
+    return [f"{name} {names[:i].count(name) + 1}" if name in names[:i] else name for i, name in enumerate(names)]
+
+
+def _plot(drives: Sequence[_Drive], by: str, sector: Asked, marks: Condition | None) -> PlotWidget:
+    lines = {name: line for drive in drives for name, line in _lines(drive, sector)}
+    lacks = [f"{name} of {drive.name}" for drive in drives for name in _LINES if f"{name} ({drive.name})" not in lines]
+    if not lines:
+        raise UnknownTopicError(f"compare(): none of {', '.join(d.name for d in drives)} has scans or measured speeds")
+    if by == "place":
+        first, *others = drives
+        for drive in others:
+            times = same_places(
+                first.recording, drive.recording, drive.origin, "compare(): {}; give origins=[(x, y, yaw)]"
+            )
+            for name in (name for name, _ in _lines(drive, sector)):
+                lines[name] = times[0], held(*lines[name], times[1])
+    shown = drives[:1] if by == "place" else drives
+    widget = PlotWidget(
+        title=", ".join(drive.name for drive in drives)
+        + (f" where {drives[0].name} was" if by == "place" else "")
+        + (f"; not recorded: {', '.join(lacks)}" if lacks else ""),
+        units={name: "m" if name.startswith("nearest") else "m/s" for name in lines},
+        ghosts=[name for name in lines if not name.endswith(f"({drives[0].name})")],
+        marks=sorted(mark for drive in shown for mark in _marks(drive, marks)),
+        states=rows_of(span for drive in shown for span in _states(drive, len(shown) > 1)),
+    )
+    for name in sorted(lines, key=lambda name: name.partition(" ")[0]):
+        widget.set_line(name, *lines[name])
+    return widget
+
+
+def _lines(drive: _Drive, sector: Asked) -> Iterator[tuple[str, tuple[Floats, Floats]]]:
+    """The nearest thing and the speed of a drive, as far as it tells them, by name."""
+    recording = drive.recording
+    with suppress(UnknownTopicError):
+        scans = recording.scans(_topic(recording, LASER.name))
+        yield f"nearest ({drive.name})", (scans.seconds, scans.distances(sector).astype(np.float64))
+    with suppress(UnknownTopicError):
+        speeds = recording.speeds(_topic(recording, SPEED.name))
+        yield f"speed ({drive.name})", (speeds.seconds, speeds.linear[:, 0])
+
+
+def _topic(recording: RecordingData, widget: str) -> str | None:
+    """The topic that is meant of a kind; None where the recording has none, or one alone."""
+    fitting = [topic for topic in recording.topics if topic.widget == widget and topic.count]
+    return likeliest(fitting).name if len(fitting) > 1 else None
+
+
+def _marks(drive: _Drive, asked: Condition | None) -> Iterator[tuple[float, float, str]]:
+    for condition in (conditions.touched(), conditions.event(level="WARN")) if asked is None else (asked,):
+        try:
+            spans = find(drive.recording, condition, None)
+        except UnknownTopicError:
+            if asked is not None:
+                raise
+            continue
+        for span in spans[:_MARKS]:
+            yield span.start, span.end, f"{drive.name}: {condition}"
+
+
+def _states(drive: _Drive, is_named: bool) -> Iterator[StateSpan]:
+    """The states of the programs of a drive, under its name: each drive has rows of its own."""
+    prefix = f"{drive.name.replace('.', '_')} " if is_named else ""
+    for span in drive.recording.states:
+        yield span._replace(path=f"{prefix}{span.path}")
+
+
+def _map(drives: Sequence[_Drive]) -> PathWidget | None:
+    """The ways of all drives in the frame of the first one's odometry; None where none has any."""
+    widget = PathWidget(title="ways by odometry", frame=_FRAME)
+    widget.has_rate = False  # what was recorded does not get old
+    for drive in drives:
+        topic = odometry(drive.recording.topics)
+        speeds = drive.recording.speeds(topic) if topic else None
+        if not speeds:
+            continue
+        known = np.flatnonzero(np.isfinite(speeds.poses).all(axis=1))
+        few = known[np.unique(np.linspace(0, len(known) - 1, min(_POINTS, len(known))).astype(int))]
+        seconds, poses = speeds.seconds[few], np.stack(drive.origin.offset(*speeds.poses[few].T), axis=1)
+        for second, pose in zip(seconds.tolist(), poses.tolist(), strict=True):
+            widget.put(drive.name, MapItem("pose", _FRAME, pose=Pose(*pose)), time=second)
+    if widget.names:
+        return widget
+    widget.close()
+    return None
