@@ -15,33 +15,45 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Iterator
-from contextlib import contextmanager
+from collections.abc import Iterator, Sequence
+from contextlib import ExitStack, closing, contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 from statistics import median, quantiles
 
 from robowidgets.feeds._guard.process import LAST_ZERO
 
-from .stopping import BESIDE, OPEN, STAND_IN, SYSTEM, available, robot
+from .stopping import BESIDE, OPEN, STAND_IN, SYSTEM, ServedKernel, available, robot
 
 WITHIN = 0.6
 """Seconds within which zero is due."""
 WATCHED = 2.0
 """Seconds after a fault in which a zero is waited for, and nothing may move."""
-STEP = 0.5
-"""Seconds until a step of a program holds it."""
 HELD = 2.0
-"""Seconds for which code holds the GIL."""
+"""Seconds for which code holds the GIL, where no others are asked for."""
+
+FORKING = """
+import ctypes, json, os, signal, sys
+sys.path.append({system!r}) if {ros1} else None
+from robowidgets import DriveWidget, feeds
+signal.signal(signal.SIGCHLD, signal.SIG_IGN)  # what has ended is gone at once
+for line in sys.stdin:
+    if not os.fork():
+        signal.signal(signal.SIGCHLD, signal.SIG_DFL)
+        exec(json.loads(line))
+"""
+"""Has imported what drives, and makes a process of each line: most of the time of a try would go into imports."""
 
 DRIVER = """
 import ctypes, os, signal, sys, threading, time
 sys.path.append({system!r}) if {ros1} else None
-from robowidgets import feeds
+from robowidgets import DriveWidget, feeds
 from robowidgets.behaviors import Drive
 feed = {opened}
 feed.driving = feeds.Driving(hold=60.0)
-held = lambda: ctypes.PyDLL(None).usleep(int({held} * 1e6))
+def at():
+    with open({said!r}, "a") as said:
+        print(os.getpid(), time.monotonic(), file=said)
 def drive(seconds):
     end = time.monotonic() + seconds
     while time.monotonic() < end:
@@ -53,32 +65,50 @@ for _ in range(60):  # which of them tell who listens, and when, differs
     if not any(topic.name == "/cmd_vel" and topic.wanted for topic in feed.topics):
         time.sleep(0.05)
 drive(1.0)
-print(time.monotonic(), flush=True)
 {fault}
 """
 """A program with speeds that hold for a minute: no zero of the hold hides a missing one."""
 
 FAULTS = {
-    "kill -9": "drive(60)",
-    "SIGSTOP": "drive(60)",
-    "os._exit": "os._exit(3)",
-    "segfault": "ctypes.string_at(0)",
+    "kill -9": "at(); drive(60)",
+    "SIGSTOP": "at(); drive(60)",
+    "os._exit": "at(); os._exit(3)",
+    "segfault": "at(); ctypes.string_at(0)",
     "out of memory": """
 import resource
 resource.setrlimit(resource.RLIMIT_AS, (1 << 30, 1 << 30))
+at()
 ctypes.CDLL(None).memset(ctypes.CDLL(None).malloc(1 << 33), 1, 1)
 """,
-    "GIL held in a cell": "held(); drive(60)",
+    "GIL held in a cell": "at(); ctypes.PyDLL(None).usleep({held}); drive(60)",
     "GIL held in a step": """
-fault = time.monotonic() + {step}
+fault = time.monotonic() + 0.5
 @feed.program(rate=20)
 def go():
     if time.monotonic() > fault:
-        held()
+        at()
+        ctypes.PyDLL(None).usleep({held})
     return Drive(0.3)
 time.sleep(60)
 """,
+    "page gone": """
+pad = DriveWidget(linear_limit=0.3)
+pad.connect(feed)
+answers = []
+pad.send = answers.append
+pad._handle_custom_msg({{"act": "press", "press": "p"}}, [])
+for _ in range(10):
+    time.sleep(0.05)
+    pad._handle_custom_msg({{"act": "hold", "press": "p", "token": answers[-1]["token"], "forward": 1.0}}, [])
+at()
+time.sleep(60)
+""",
+    "server killed": "at(); drive(60)",
 }
+"""What is done then. To a kernel, a page that is gone is one that says no more that the pad is held."""
+
+SIGNALS = {"kill -9": signal.SIGKILL, "SIGSTOP": signal.SIGSTOP}
+"""Those that come from outside, in the midst of driving."""
 
 
 LATENCY = """
@@ -113,33 +143,71 @@ class Fault:
     seconds: list[float]
 
 
-@contextmanager
-def driving(
-    name: str, where: str, path: Path, fault: str, *, guarded: bool = True
-) -> Iterator[tuple[subprocess.Popen[str], float]]:
-    """A process that drives a robot and has a fault; with the monotonic time of that."""
-    code = DRIVER.format(
-        system=SYSTEM,
-        ros1=name == "ros1",
-        opened=OPEN[name].format(where=where),
-        held=HELD,
-        fault=FAULTS[fault].format(step=STEP),
-    )
-    if name == "ros2":
-        code = STAND_IN.format(path=str(path), folder=BESIDE) + code
-    environment = {**os.environ, "ROBOWIDGETS_GUARD": "on" if guarded else "off"}
-    command = [sys.executable, "-c", code]
-    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True, env=environment) as process:
-        try:
-            assert process.stdout is not None
-            at = float(process.stdout.readline())
-            if fault in ("kill -9", "SIGSTOP"):
+class Driven:
+    """A process that drives a robot, known by its number."""
+
+    def __init__(self, pid: int) -> None:
+        self.pid = pid
+
+    @property
+    def is_there(self) -> bool:
+        return Path(f"/proc/{self.pid}").exists()
+
+    def signal(self, number: int) -> None:
+        with suppress(ProcessLookupError):
+            os.kill(self.pid, number)
+
+
+class Drivers:
+    """Makes the processes that drive one robot.
+
+    Args:
+        name: the middleware.
+        where: the robot.
+        path: the log of the robot.
+        guarded: whether guards are there.
+        held: seconds for which code holds the GIL.
+    """
+
+    def __init__(self, name: str, where: str, path: Path, *, guarded: bool = True, held: float = HELD) -> None:
+        self._given = {"system": SYSTEM, "ros1": name == "ros1", "opened": OPEN[name].format(where=where)}
+        self._beside = STAND_IN.format(path=str(path), folder=BESIDE) if name == "ros2" else ""
+        self._held, self._said = round(held * 1e6), path.with_name("said.txt")
+        self._environment = {**os.environ, "ROBOWIDGETS_GUARD": "on" if guarded else "off"}
+        command = [sys.executable, "-c", self._beside + FORKING.format(**self._given)]
+        self._forking = subprocess.Popen(command, stdin=subprocess.PIPE, text=True, env=self._environment)
+
+    @contextmanager
+    def driving(self, fault: str) -> Iterator[tuple[Driven, float]]:
+        """A process that drives and has a fault; with the monotonic time of that."""
+        self._said.unlink(missing_ok=True)
+        what = FAULTS[fault].format(held=self._held)
+        code = self._beside + DRIVER.format(**self._given, said=str(self._said), fault=what)
+        with ExitStack() as ends:
+            server = None
+            if fault == "server killed":
+                kernel = ServedKernel()
+                ends.callback(kernel.close)
+                kernel.start(code)
+                server = kernel.server
+            else:
+                assert self._forking.stdin is not None
+                print(json.dumps(code), file=self._forking.stdin, flush=True)
+            while not self._said.exists() or not self._said.read_text().endswith("\n"):
+                time.sleep(0.005)
+            pid, told = self._said.read_text().split()[:2]
+            process, at = Driven(int(pid)), float(told)
+            ends.callback(process.signal, signal.SIGKILL)
+            if server is not None or fault in SIGNALS:
                 time.sleep(0.3)
                 at = time.monotonic()
-                process.send_signal(signal.SIGKILL if fault == "kill -9" else signal.SIGSTOP)
-            yield process, at + STEP * fault.endswith("step")
-        finally:
-            process.kill()
+                server.kill() if server is not None else process.signal(SIGNALS[fault])
+            yield process, at
+
+    def close(self) -> None:
+        assert self._forking.stdin is not None
+        self._forking.stdin.close()
+        self._forking.wait()
 
 
 def heard(path: Path, since: float) -> list[tuple[float, float]]:
@@ -151,27 +219,23 @@ def heard(path: Path, since: float) -> list[tuple[float, float]]:
 def until_zero(path: Path, fault: float, watched: float = WATCHED) -> float:
     """Seconds from a fault to zero; infinite where none came in time, or something moved after it meanwhile."""
     time.sleep(max(0.0, fault + watched - time.monotonic()))
-    since = heard(path, fault)
+    since = [(at, speed) for at, speed in heard(path, fault) if at < fault + watched]  # it may be later by now
     zero = next((at for at, speed in since if speed == 0.0), math.inf)
     return zero - fault if all(speed == 0.0 for at, speed in since if at > zero) else math.inf
 
 
-def measured(name: str, times: int, *, guarded: bool) -> list[Fault]:
+def measured(name: str, times: int, *, guarded: bool, faults: Sequence[str], held: float) -> None:
     """Every fault, on one middleware."""
-    found = []
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder, "heard.txt")
         path.touch()
-        with robot(name, path) as where:
-            for fault in FAULTS:
+        with robot(name, path) as where, closing(Drivers(name, where, path, guarded=guarded, held=held)) as drivers:
+            for fault in faults:
                 seconds = []
                 for _ in range(times):
-                    with driving(name, where, path, fault, guarded=guarded) as (_process, at):
-                        watched = HELD - 0.2 if fault.startswith("GIL") else WATCHED
-                        seconds.append(until_zero(path, at, watched))
-                found.append(Fault(name, fault, guarded, seconds))
-                print(told(found[-1]), flush=True)
-    return found
+                    with drivers.driving(fault) as (_process, at):
+                        seconds.append(until_zero(path, at, held - 0.2 if fault.startswith("GIL") else WATCHED))
+                print(told(Fault(name, fault, guarded, seconds)), flush=True)
 
 
 def told(one: Fault) -> str:
@@ -207,11 +271,11 @@ def left_behind(name: str, kernels: int) -> int:
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder, "heard.txt")
         path.touch()
-        with robot(name, path) as where:
+        with robot(name, path) as where, closing(Drivers(name, where, path)) as drivers:
             before = guards()
             ends = [fault for fault in FAULTS if not fault.startswith("GIL")]
             for number in range(kernels):
-                with driving(name, where, path, ends[number % len(ends)]):
+                with drivers.driving(ends[number % len(ends)]):
                     pass
             until = time.monotonic() + LAST_ZERO
             while guards() - before and time.monotonic() < until:
@@ -229,6 +293,8 @@ def main() -> None:
     parser = argparse.ArgumentParser(prog="python -m benchmarks.guard", description=__doc__)
     parser.add_argument("--times", type=int, default=50, help="how often each fault is tried")
     parser.add_argument("--feeds", nargs="+", default=available())
+    parser.add_argument("--faults", nargs="+", default=list(FAULTS), choices=FAULTS, metavar="FAULT")
+    parser.add_argument("--held", type=float, default=HELD, help="seconds for which code holds the GIL")
     parser.add_argument("--without", action="store_true", help="without the guard, too")
     parser.add_argument("--latency", type=int, default=0, metavar="SCANS", help="of so many scans only")
     parser.add_argument("--left", type=int, default=0, metavar="KERNELS", help="what so many leave behind only")
@@ -239,7 +305,7 @@ def main() -> None:
             continue
         for guarded in (True, False) if options.without else (True,):
             if not options.latency:
-                measured(name, options.times, guarded=guarded)
+                measured(name, options.times, guarded=guarded, faults=options.faults, held=options.held)
                 continue
             took = [1000 * seconds for seconds in latency(name, options.latency, guarded=guarded)]
             way = "guard" if guarded else "kernel"

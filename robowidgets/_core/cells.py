@@ -5,7 +5,6 @@ ipywidgets keeps every widget until it is closed, and IPython keeps the results 
 
 from __future__ import annotations
 
-import asyncio
 import logging
 import sys
 from collections.abc import Callable, Iterable
@@ -128,7 +127,7 @@ def _listen(shell: Any) -> None:
 def _before_traceback() -> None:
     for call in _on_failed:
         _attempt(call)
-    if called_from_cell() and not isinstance(sys.exc_info()[1], _INTERRUPTS):
+    if called_from_cell() and not _is_interrupt(sys.exc_info()[1]):
         _shown.add(running_cell())
         _call_on_cell_error()
 
@@ -138,14 +137,17 @@ def _after_cell(result: Any) -> None:
         for call in _on_failed:
             _attempt(call)
     error = result.error_before_exec or result.error_in_exec
-    if running_cell() in _shown or (error is not None and not isinstance(error, _INTERRUPTS)):
+    if running_cell() in _shown or (error is not None and not _is_interrupt(error)):
         for line in _call_on_cell_error():
             print(line)  # noqa: T201  # below the traceback, also where the program sends its log elsewhere
     _shown.clear()
 
 
-_INTERRUPTS = (KeyboardInterrupt, asyncio.CancelledError)
-"""The second ends a cell with ``await`` that is interrupted."""
+def _is_interrupt(error: BaseException | None) -> bool:
+    import asyncio  # Imported lazily: a guard may need none, and is to start soon.
+
+    # The second ends a cell with ``await`` that is interrupted.
+    return isinstance(error, (KeyboardInterrupt, asyncio.CancelledError))
 
 
 def _call_on_cell_error() -> list[str]:

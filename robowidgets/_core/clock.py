@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import asyncio
 import heapq
 import itertools
 import logging
@@ -120,6 +119,8 @@ class RealClock:
 
     def run(self, main: Coroutine[Any, Any, T]) -> T:
         """See `Clock`."""
+        import asyncio  # Imported lazily: a guard may need none, and is to start soon.
+
         return asyncio.run(main)
 
 

@@ -10,7 +10,6 @@ causes a problem.
 
 from __future__ import annotations
 
-import asyncio
 import contextlib
 import functools
 import itertools
@@ -22,9 +21,12 @@ import threading
 from collections import deque
 from collections.abc import Callable
 from types import SimpleNamespace, TracebackType
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from .error_routing import ipython_shell
+
+if TYPE_CHECKING:
+    import asyncio
 
 _Changed = contextlib.AbstractContextManager["TracebackType | None"]
 
@@ -395,6 +397,8 @@ async def close_when_connected(connecting: asyncio.Future[Any], seconds: float) 
     """
     if not ENABLED:
         return
+    import asyncio
+
     with contextlib.suppress(Exception):  # whatever keeps it from connecting; there is nothing to close then
         connection: Any = await asyncio.wait_for(connecting, seconds)
         stream = connection.protocol.stream

@@ -5,7 +5,7 @@ from __future__ import annotations
 import threading
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from .._core.cells import on_failed_cell
 from .._core.clock import Clock, RealClock
@@ -13,8 +13,10 @@ from .._core.log_once import log_in_thread
 from .._core.observed import Observed
 from .._core.platform_fixes import run_beside_debugger
 from .._core.user_threads import why_refused
-from ..samples import Speed
 from .stop_all import SEND_TIMEOUT, running, stop_driven_by_cell
+
+if TYPE_CHECKING:
+    from ..samples import Speed
 
 
 class Velocity(NamedTuple):
@@ -27,6 +29,8 @@ class Velocity(NamedTuple):
     @property
     def as_speed(self) -> Speed:
         """It as a sample."""
+        from ..samples import Speed  # Imported lazily: a guard needs no samples, and is to start soon.
+
         return Speed((self.linear, self.lateral, 0.0), (0.0, 0.0, self.angular))
 
 

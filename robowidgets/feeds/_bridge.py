@@ -12,7 +12,6 @@ from typing import Any
 
 from .._core.clock import Clock
 from ._threaded import ThreadedMiddleware
-from ._topics import queue_length
 from ._websocket import COMPARE, LARGEST, Frame, WebSocket, checked
 from .middleware import MOST_UNREAD, FeedError, Listener
 
@@ -196,6 +195,8 @@ class Bridge(ThreadedMiddleware):
 
     def _keep(self, topic: str, kind: str, read: Read, frame: Any) -> None:
         """Queue a frame for decoding. One that drops out was asked for if each is passed on."""
+        from ._topics import queue_length  # Imported lazily: a guard subscribes to nothing.
+
         newest = queue_length(kind)
         waiting = self._pending.get(topic)
         if waiting is None:

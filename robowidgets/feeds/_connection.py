@@ -19,7 +19,7 @@ from ..behaviors.programs import Programs
 from ..behaviors.robot import DrivenRobot
 from ..driving.stop_all import stop_at_end
 from ..kinds import asked_of_type, topic_and_field
-from ..messages.standard import TWIST
+from ..messages.twist import TWIST
 from ..samples import Speed
 from ._callbacks import FunctionCaller
 from ._driver import Driver

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import threading
+from html import escape
 from ipaddress import ip_address
 from typing import Any
 from weakref import WeakValueDictionary
-from xml.sax.saxutils import quoteattr
 
 from cyclonedds.core import DDSException
 from cyclonedds.domain import Domain
@@ -50,7 +50,7 @@ def _settings(interface: str) -> str:
     if interface == "lo":
         return _LOOPBACK
     try:
-        kind = f"address={quoteattr(str(ip_address(interface)))}"
+        kind = f'address="{escape(str(ip_address(interface)))}"'
     except ValueError:
-        kind = f"name={quoteattr(interface)}"
+        kind = f'name="{escape(interface)}"'
     return f"<General><Interfaces><NetworkInterface {kind}/></Interfaces></General>"

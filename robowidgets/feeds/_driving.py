@@ -10,7 +10,7 @@ from .._core.limit_traits import is_past
 from .._core.log_once import LogOnce
 from ..driving.command_watchdog import HOLD, MAX_ANGULAR, MAX_LINEAR, Velocity
 from ..kinds import is_command
-from ..messages.standard import TWIST, TWIST_STAMPED
+from ..messages.twist import TWIST, TWIST_STAMPED
 from ..samples.checks import OF_DEGREES, finite, is_angle
 from .middleware import Advert, FeedError
 

@@ -7,7 +7,6 @@ from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
 from ..messages.channel import Channel
-from ..messages.decoding import DecodeError, decoder_of
 from ._bridge import UnreadableError, full_type, other_nodes, strings
 from ._websocket import one_line
 from .middleware import Advert
@@ -41,6 +40,8 @@ def decoder(channel: Channel) -> Callable[[bytes], Any]:
             f"{channel.topic} comes as {one_line(channel.type)} in {one_line(channel.encoding)}, "
             "which is not read; what foxglove_bridge sends is (cdr, ros1, json)"
         )
+    from ..messages.decoding import DecodeError, decoder_of  # Imported lazily: a guard reads no topic.
+
     try:
         decode = decoder_of(channel)
     except DecodeError:

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Mapping
 
-from ..kinds import counts_every_message
-from ..messages.standard import TWIST, TWIST_STAMPED
+from ..messages.twist import TWIST, TWIST_STAMPED
 from .middleware import EVENTS, Advert
 
 LAST_DOMAIN = 232
@@ -79,6 +78,8 @@ def speed_types(expected: Iterable[str]) -> set[str]:
 
 def queue_depth(type_name: str) -> int:
     """The length of the queue of a subscription to messages of a type."""
+    from ..kinds import counts_every_message  # Imported lazily: a guard subscribes to nothing.
+
     return EVENTS if counts_every_message(type_name) else _DEPTH
 
 

@@ -8,7 +8,7 @@ from typing import Any, Protocol
 
 from .._core.clock import Clock
 from ..driving.command_watchdog import RECENT, ZERO, Velocity
-from ..messages.standard import TWIST, TWIST_STAMPED
+from ..messages.twist import TWIST, TWIST_STAMPED
 from .middleware import Advert, FeedError
 
 

@@ -9,8 +9,7 @@ from ipaddress import IPv4Address, IPv6Address, ip_address
 from typing import TYPE_CHECKING, Any
 
 from .._core.clock import Clock
-from ..messages.encoding import encode
-from ..messages.standard import TWIST_STAMPED
+from ..messages.twist import TWIST_STAMPED, encode_twist
 from ._guard.mark import MARK
 from ._ros2_common import checked_domain, no_robot
 from ._threaded import ThreadedMiddleware
@@ -65,7 +64,7 @@ class Dds(ThreadedMiddleware):
 
     def publish(self, topic: str, message_type: str, message: Mapping[str, Any]) -> None:
         """See `Middleware`."""
-        raw = encode("cdr", message_type, message)
+        raw = encode_twist("cdr", message_type, message)
         with self._lock:
             session = self._session
         if session is None:
@@ -91,9 +90,7 @@ class Dds(ThreadedMiddleware):
         from ._dds_types import struct
 
         session = DdsSession(self._domain, listener, self._interface, self._no_robot(), self._clock, self._mark)
-        # Encoding the first message of a process takes 0.15 s, and no speed or zero should wait for it.
-        encode("cdr", TWIST_STAMPED, {})
-        struct(TWIST_STAMPED)
+        struct(TWIST_STAMPED)  # takes a while the first time, and no speed or zero should wait for it
         with self._lock:
             self._session = session
         try:

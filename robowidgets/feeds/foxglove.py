@@ -14,8 +14,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from .._core.clock import Clock
 from ..messages.channel import Channel
-from ..messages.encoding import encode
-from ..messages.standard import TWIST_STAMPED
+from ..messages.twist import encode_twist
 from ._bridge import Bridge, Read, UnreadableError, short_type, strings
 from ._foxglove_channels import Graph, channel_of, decoder
 from ._other_bridge import FOXGLOVE, is_rosbridge
@@ -84,7 +83,7 @@ class Foxglove(Bridge):
                 f"{self.where} takes messages in {taken}, of which we write none: we write cdr, ros1 and json"
             )
         is_json = encoding == "json"
-        payload = json.dumps(message).encode() if is_json else encode(encoding, message_type, message)
+        payload = json.dumps(message).encode() if is_json else encode_twist(encoding, message_type, message)
         key = topic, message_type, encoding
         zero = is_zero(message)
         self._publish(topic, lambda: self._frame_on(key, payload, is_zero=zero), confirm=zero)
@@ -124,11 +123,7 @@ class Foxglove(Bridge):
         self._sent_on: dict[tuple[str, str, str], int] = {}
 
     def _on_info(self, operation: dict[str, Any]) -> None:
-        is_first, encoding = self._info is None, _encoding_for(operation)
-        if is_first and encoding in ("cdr", "ros1"):
-            # Encoding the first message of a process takes 0.15 s, and no speed or zero should wait for it.
-            encode(encoding, TWIST_STAMPED, {})
-        self._info = operation
+        is_first, self._info = self._info is None, operation
         if is_first:
             self._listener.on_connected()
         if "connectionGraph" in strings(operation.get("capabilities")):

@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from urllib.parse import urlsplit
 
 from ..messages.channel import Channel
-from ..messages.decoding import Decode, DecodeError, decoder_of, one_line
 from ._guard.mark import MARK
 from ._ros1_master import Master, MasterError, SystemState
 from ._ros1_publications import SHUT_DOWN, Publications
@@ -18,6 +17,7 @@ from ._threaded import ThreadedMiddleware
 from .middleware import Advert, FeedError, Listener, Outlet
 
 if TYPE_CHECKING:
+    from ..messages.decoding import Decode
     from .feed import Feed
 
 log = logging.getLogger("robowidgets")
@@ -253,6 +253,8 @@ class Ros1(ThreadedMiddleware):
         if self._closed.is_set() or topic not in self._wanted or self._listener is None:
             return
         if isinstance(message, self._rospy.AnyMsg):
+            from ..messages.decoding import DecodeError  # Imported lazily: a guard subscribes to nothing.
+
             try:
                 message = self._decode(topic, message)
             except DecodeError as error:
@@ -262,6 +264,8 @@ class Ros1(ThreadedMiddleware):
         self._listener.on_message(topic, message)
 
     def _decode(self, topic: str, message: Any) -> Any:
+        from ..messages.decoding import decoder_of
+
         header = message._connection_header
         key = header["type"] + header["md5sum"]
         if key not in self._decoders:
@@ -284,6 +288,8 @@ class _RospyLog(logging.Handler):
         self._feed = feed
 
     def emit(self, record: logging.LogRecord) -> None:
+        from ..messages.decoding import one_line
+
         lines = record.getMessage().strip().splitlines() or [""]
         name, _, text = lines[-1].rpartition("Error: ")
         what = "a message of it cannot be read" if name.endswith("Deserialization") else "no connection to a publisher"

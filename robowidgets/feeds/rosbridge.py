@@ -12,8 +12,7 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 from .._core.clock import Clock
-from ..kinds import counts_every_message
-from ..messages.standard import TWIST, TWIST_STAMPED
+from ..messages.twist import TWIST, TWIST_STAMPED
 from ._bridge import Bridge, UnreadableError, full_type, other_nodes, short_type, strings
 from ._other_bridge import is_foxglove
 from ._rosbridge_frames import has_cbor, read, topic_of
@@ -177,6 +176,8 @@ class Rosbridge(Bridge):
         if not kind and not self._has_no_rosapi:
             self._call(_TOPICS)  # without a type, a server never starts a subscription to a topic that appears later
             return
+        from ..kinds import counts_every_message  # Imported lazily: a guard subscribes to nothing.
+
         self._subscribed_as[topic] = kind
         queue, throttle = (EVENTS, 0) if counts_every_message(kind) else (1, _THROTTLE_MS)
         if topic in self._all_of:

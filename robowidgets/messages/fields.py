@@ -8,7 +8,7 @@ from functools import partial
 from types import SimpleNamespace
 from typing import Any
 
-from ..samples import HasAge
+from ..samples.age import HasAge
 
 MessageShape = Mapping[str, Any]
 """Field names to ``"float32"``, ``"float32[]"``, or the shape of the message in them."""

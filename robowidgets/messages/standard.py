@@ -8,11 +8,10 @@ from typing import Any
 
 from ..samples import Range, Scan, Speed, Touch, TouchState
 from ..samples.touch_tracker import TouchTracker
+from .twist import TWIST, TWIST_STAMPED
 
 LASER_SCAN = "sensor_msgs/msg/LaserScan"
 ODOMETRY = "nav_msgs/msg/Odometry"
-TWIST = "geometry_msgs/msg/Twist"
-TWIST_STAMPED = "geometry_msgs/msg/TwistStamped"
 RANGE = "sensor_msgs/msg/Range"
 TF = "tf2_msgs/msg/TFMessage"
 CONTACTS = "ros_gz_interfaces/msg/Contacts"

@@ -6,10 +6,11 @@ The page's own are in js/shared/staleness.ts. `tests/vectors.py` holds both to e
 from __future__ import annotations
 
 from math import inf
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
-import numpy as np
-from numpy.typing import NDArray
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
 
 
 class SilenceRule(NamedTuple):
@@ -79,6 +80,8 @@ ROBOT_GONE = 10.0
 
 def usual_step(times: NDArray[np.float64] | NDArray[np.int64]) -> float:
     """The median time to the next later time, in the unit of the times; 0 if there is none."""
+    import numpy as np  # Imported lazily: the rules need none, and a guard is to start soon.
+
     ahead = np.diff(times)
     ahead = ahead[ahead > 0]
     return float(np.median(ahead)) if ahead.size else 0.0
@@ -86,6 +89,8 @@ def usual_step(times: NDArray[np.float64] | NDArray[np.int64]) -> float:
 
 def is_steady(times: NDArray[np.float64] | NDArray[np.int64]) -> bool:
     """Whether messages come at a steady pace, as those of a sensor do: then a silence says that one is missing."""
+    import numpy as np
+
     ahead, usual = np.diff(times), usual_step(times)
     return bool(usual and np.count_nonzero(np.abs(ahead - usual) <= _STEADY * usual) >= _SHARE * len(ahead))
 

@@ -6,7 +6,8 @@ from collections.abc import Callable, Sequence
 from functools import partial
 from typing import Any, NamedTuple
 
-from ..messages.standard import LASER_SCAN, ODOMETRY, RANGE, TWIST
+from ..messages.standard import LASER_SCAN, ODOMETRY, RANGE
+from ..messages.twist import TWIST
 from .robot import Robot
 
 

@@ -10,7 +10,9 @@ import numpy as np
 import pytest
 
 from robowidgets.messages import to_range, to_scan, to_speed, to_touch
+from robowidgets.messages.encoding import encode
 from robowidgets.messages.fields import describe, frame_id, get, has, stamp_ns, type_name, unwrap
+from robowidgets.messages.twist import TWIST, TWIST_STAMPED, encode_twist
 from robowidgets.samples import Problem, Range, Scan, Speed, Validity
 
 from .forms import FORMS, rclpy, rosbags, rospy
@@ -419,3 +421,13 @@ class TestFields:
 def test_a_moment_of_a_recording_stands_for_its_sample() -> None:
     moment = SimpleNamespace(topic="/odom", time_ns=1, sample=Speed((1, 2, 3), (4, 5, 6)))
     assert to_speed(moment) is moment.sample
+
+
+@pytest.mark.parametrize("frame", ["", "base_link", "odom", "über"])
+@pytest.mark.parametrize("encoding", ["cdr", "ros1"])
+def test_a_twist_has_the_bytes_that_any_message_has(encoding: str, frame: str) -> None:
+    fields = {"linear": vector(0.3, -0.1, 1e-9), "angular": vector(z=-inf)}
+    stamped = {"header": {"stamp": STAMP, "frame_id": frame}, "twist": fields}
+    assert encode_twist(encoding, TWIST, fields) == encode(encoding, TWIST, fields)
+    assert encode_twist(encoding, TWIST_STAMPED, stamped) == encode(encoding, TWIST_STAMPED, stamped)
+    assert encode_twist(encoding, TWIST_STAMPED, {}) == encode(encoding, TWIST_STAMPED, {})

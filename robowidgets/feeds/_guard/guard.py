@@ -23,6 +23,11 @@ log = logging.getLogger("robowidgets")
 OFF = os.environ.get("ROBOWIDGETS_GUARD", "").strip().lower() == "off"
 """Whether the kernel sends all speeds by itself, as the environment asks for."""
 
+NONE_HERE = {"emscripten": "in a browser no process can be started", "win32": "on Windows there is no guard"}.get(
+    sys.platform, ""
+)
+"""Why there is no guard on this system; empty where there can be one."""
+
 STARTS, OVER = 3, 60.0
 """Number of times that a guard is started, at most, within so many seconds."""
 
@@ -36,9 +41,9 @@ for name, folder in {packages!r}:
     sys.modules[name] = package = types.ModuleType(name)
     package.__path__ = [folder]
 from robowidgets.feeds._guard.process import main
-main()
+main({server})
 """
-"""Starts the process without the ``__init__`` of robowidgets and of feeds, which import widgets."""
+"""Starts the process without the ``__init__`` of packages, which import widgets, and much else."""
 
 
 class Guard(GuardLink):
@@ -56,14 +61,16 @@ class Guard(GuardLink):
 
     def __init__(self, outlet: Outlet, where: str) -> None:
         super().__init__(where)
+        self.unavailable, self._is_starting = NONE_HERE, not NONE_HERE
         self._outlet = outlet
+        self._server = _server()
         self.pid = 0
         self._thread: threading.Thread | None = None
 
     def start(self) -> None:
         """Start it, unless that was done."""
         with self._lock:
-            if self._thread is None and not self._is_closed:
+            if self._thread is None and not self._is_closed and not self.unavailable:
                 self._thread = threading.Thread(target=self._run, name="robowidgets-guard", daemon=True)
                 self._thread.start()
 
@@ -97,7 +104,7 @@ class Guard(GuardLink):
         with ours, its, tempfile.TemporaryFile() as said:
             # -S: what sitecustomize and .pth files of a user do is not done. In a session of its own an interrupt of a
             # terminal, and a signal to the group of the kernel, does not reach it.
-            command = [sys.executable, "-S", "-c", START.format(path=_path(), packages=_packages())]
+            command = [sys.executable, "-S", "-c", _code(self._server)]
             process = subprocess.Popen(command, stdin=its.fileno(), stdout=said, stderr=said, start_new_session=True)
             its.close()
             self.pid = process.pid
@@ -114,14 +121,29 @@ class Guard(GuardLink):
             return self.down
 
 
+def _code(server: int) -> str:
+    """What the process runs."""
+    return START.format(path=_path(), packages=_packages(), server=server)
+
+
+def _server() -> int:
+    """The number of the server that has started this kernel, which ends itself a second after it; 0 if none has."""
+    told = os.environ.get("JPY_PARENT_PID", "")
+    return os.getppid() if told == str(os.getppid()) else 0
+
+
 def _path() -> list[str]:
     """Where the process finds modules: as here, but not in the folder of a notebook, whose files are the user's."""
     return [entry for entry in sys.path if entry and Path(entry).absolute() != Path.cwd()]
 
 
 def _packages() -> list[tuple[str, str]]:
-    feeds = Path(__file__).parent.parent
-    return [("robowidgets", str(feeds.parent)), ("robowidgets.feeds", str(feeds))]
+    """The packages that import more than a guard needs, and their folders."""
+    root = Path(__file__).parents[2]
+    return [("robowidgets", str(root)), *((f"robowidgets.{name}", str(root / name)) for name in _LARGE)]
+
+
+_LARGE = ("feeds", "messages", "samples")
 
 
 class _Shared(NamedTuple):

@@ -13,7 +13,7 @@ import socket
 import sys
 import threading
 import traceback
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from contextlib import suppress
 from importlib import import_module
 from typing import Any
@@ -299,12 +299,12 @@ def _adverts(given: list[Any]) -> list[Advert]:
         raise DamagedError(f"no topics: {given!r:.80}") from None
 
 
-def serve(kernel: socket.socket, ended: socket.socket, make: MakeMiddleware | None = None) -> None:
-    """Guard until the kernel is gone, says what makes no sense, or a signal is told; with zero at the end.
+def serve(kernel: socket.socket, ends: Collection[Any], make: MakeMiddleware | None = None) -> None:
+    """Guard until the kernel is gone, says what makes no sense, or something else asks for the end; with zero then.
 
     Args:
         kernel: the connection to it, which does not block.
-        ended: the socket by which a signal is told.
+        ends: sockets and files, as `select` takes them, any of which asks for the end when it can be read.
         make: as `Guarding` takes it.
     """
     parent, writing = os.getppid(), threading.Lock()
@@ -320,8 +320,8 @@ def serve(kernel: socket.socket, ended: socket.socket, make: MakeMiddleware | No
     guarding, frames = Guarding(tell, RealClock(), make), Unpacker(TO_GUARD)
     try:
         while os.getppid() == parent:
-            ready, _, _ = select.select([kernel, ended], (), (), guarding.look())
-            if ended in ready:
+            ready, _, _ = select.select([kernel, *ends], (), (), guarding.look())
+            if any(one is not kernel for one in ready):
                 break
             if kernel in ready:
                 data = kernel.recv(1 << 16)
@@ -364,13 +364,17 @@ class _Robot:
 def guard_robot(kernel: socket.socket, drive: Callable[[float, float, float], object]) -> None:
     """Guard a simulated robot in its own process: it runs no code of a user either, and needs no other one."""
     kernel.setblocking(False)
-    never, _other = socket.socketpair()
-    with kernel, never, _other:
-        serve(kernel, never, lambda *_: _Robot(drive))
+    with kernel:
+        serve(kernel, (), lambda *_: _Robot(drive))
 
 
-def main() -> None:
-    """Run the process: standard input is the socket to the kernel."""
+def main(server: int = 0) -> None:
+    """Run the process: standard input is the socket to the kernel.
+
+    Args:
+        server: the number of the process without which the kernel ends itself, if there is one. The kernel looks for it
+            once a second; the robot is to stop at once.
+    """
     faulthandler.enable()
     ended, signalled = socket.socketpair()
     signalled.setblocking(False)
@@ -383,13 +387,29 @@ def main() -> None:
     kernel.setblocking(False)
     code = 1
     try:
-        serve(kernel, ended)
+        serve(kernel, [ended, *_end_of(server)])
         code = 0
     except BaseException:  # the kernel tells the text
         traceback.print_exc()
     finally:
         sys.stderr.flush()
         os._exit(code)
+
+
+def _end_of(server: int) -> list[int]:
+    """A file that can be read when a process has ended, where the system has such files."""
+    if not server or not hasattr(os, "pidfd_open"):
+        return []
+    try:
+        end = os.pidfd_open(server)
+        has_ended = bool(select.select([end], (), (), 0)[0])
+    except ProcessLookupError:
+        has_ended = True
+    except OSError:  # of a system that forbids it
+        return []
+    if has_ended:
+        raise RuntimeError("the server that started this kernel has ended, and so will the kernel")
+    return [end]
 
 
 if __name__ == "__main__":

@@ -340,11 +340,11 @@ def test_a_message_that_dds_does_not_take_is_told(heard: Ears) -> None:
 
 
 def test_a_subscriber_that_does_not_keep_up_delays_nothing(dds: Dds, heard: Ears, robot: Robot) -> None:
-    robot.hear("/words", "String")
+    robot.hear("/cmd_vel", "TwistStamped")
     wait_for(lambda: heard.topics, "the topic is known")
     robot.freeze()
     for _ in range(5):  # one that waited for it would be an error
-        dds.publish("/words", "std_msgs/msg/String", {"data": "x" * 1_000_000})
+        dds.publish("/cmd_vel", STAMPED, {"header": {"frame_id": "x" * 1_000_000}})
 
 
 def test_a_speed_is_sent_while_a_message_is_handed_on(dds: Dds, heard: Ears, robot: Robot) -> None:

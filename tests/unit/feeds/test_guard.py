@@ -287,15 +287,47 @@ def test_drives_are_refused_when_guards_die_again_and_again(
 
 
 @pytest.mark.slow
-def test_where_no_process_can_be_started_the_kernel_sends_and_says_so(
+@pytest.mark.skipif(not hasattr(os, "pidfd_open"), reason="this system tells nobody of the end of a process")
+def test_the_end_of_the_server_is_that_of_the_guard_and_no_other_one_drives(
     robot: Rosbridge, with_guards: ExitStack, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(kernel_side.sys, "executable", "/nowhere/python")
+    server = with_guards.enter_context(subprocess.Popen([sys.executable, "-c", "input()"], stdin=subprocess.PIPE))
+    monkeypatch.setattr(kernel_side, "_server", lambda: server.pid)
+    feed, guard = opened(with_guards, robot)
+    feed.drive(0.3)
+    wait_for_speeds(robot, 0.3)
+    server.kill()
+    wait_for_speeds(robot, 0.3, 0.0)
+    wait_for(lambda: "open the feed again" in guard.down, "no other one is started")
+    with pytest.raises(FeedError, match="the server that started this kernel has ended, and so will the kernel"):
+        feed.drive(0.3)
+    assert _changes(robot)[-1] == 0.0
+
+
+@pytest.mark.parametrize(
+    ("where", "is_so", "why"),
+    [
+        (kernel_side.sys, {"executable": "/nowhere/python"}, "no process can be started here: "),
+        (kernel_side, {"NONE_HERE": "on Windows there is no guard"}, "on Windows there is no guard)"),
+    ],
+    ids=["a host that forbids it", "Windows"],
+)
+@pytest.mark.slow
+def test_where_no_process_can_be_started_the_kernel_sends_and_says_so(
+    robot: Rosbridge,
+    with_guards: ExitStack,
+    monkeypatch: pytest.MonkeyPatch,
+    where: Any,
+    is_so: dict[str, str],
+    why: str,
+) -> None:
+    for name, value in is_so.items():
+        monkeypatch.setattr(where, name, value)
     feed = with_guards.enter_context(feeds.rosbridge(robot.address))
     feed.drive(0.3)
     feed.stop()
     wait_for_speeds(robot, 0.3, 0.0)
-    assert "the kernel itself sends speeds (no process can be started here: " in repr(feed)
+    assert f"the kernel itself sends speeds ({why}" in repr(feed)
 
 
 @pytest.mark.slow
@@ -377,13 +409,14 @@ def test_a_guard_opens_no_port(robot: Rosbridge, with_guards: ExitStack) -> None
 
 @pytest.mark.slow
 def test_a_guard_imports_neither_jupyter_nor_widgets() -> None:
-    code = kernel_side.START.format(path=kernel_side._path(), packages=kernel_side._packages())
-    code = code.replace("\nmain()\n", "\nfrom robowidgets.feeds import dds, foxglove, ros1, ros2, rosbridge\n")
+    code = kernel_side._code(0).replace(
+        "\nmain(0)\n", "\nfrom robowidgets.feeds import dds, foxglove, ros1, ros2, rosbridge\n"
+    )
     code += "from robowidgets.feeds import _dds_session\nprint(*sys.modules)"
     done = subprocess.run([sys.executable, "-S", "-c", code], capture_output=True, text=True, check=True)
     loaded = done.stdout.split()
     assert "robowidgets.feeds.rosbridge" in loaded
-    unwanted = ("IPython", "ipykernel", "ipywidgets", "traitlets", "anywidget", "jupyter_client")
+    unwanted = ("IPython", "ipykernel", "ipywidgets", "traitlets", "anywidget", "jupyter_client", "numpy")
     assert not [name for name in loaded if name.split(".")[0] in unwanted or name.endswith("_widget")]
 
 
