@@ -4,42 +4,25 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
-from datetime import datetime
 from pathlib import Path
-from typing import Any, ClassVar, NamedTuple, overload
+from typing import TYPE_CHECKING, Any, ClassVar, overload
 
 from .._core.tables import Table
 from .._core.text import as_date, listed, many
+from ..search.base import Condition
 from ..search.spans import cell
-from ._fleet_table import SHOWN, FleetTable, date, date_of, number, short, text, texts, whole
+from ._fleet_table import SHOWN, FleetTable, date, number, short, text, texts, whole
+from ._hit import Hit as Hit
 
-
-class Hit(NamedTuple):
-    """A span in which the condition held: the recording, the topics that were looked at, and the fields of a `Span`."""
-
-    file: str
-    topic: str
-    start: float
-    end: float
-    seconds: float
-    start_ns: int
-    end_ns: int
-    silent: tuple[str, ...] = ()
-    nearest: float | None = None
-    index: int | None = None  # type: ignore[assignment]  # as ROS calls it; it hides tuple.index
-    angle: float | None = None
-
-    @property
-    def date(self) -> datetime | None:
-        """Date and time of its start, in UTC; None if the clock of the recording has no date."""
-        return date_of(self.start_ns)
+if TYPE_CHECKING:
+    from ._sheet import Sheet
 
 
 class Hits(FleetTable, Sequence[Hit]):
     """A table of what was found in many recordings; printed, it shows the first of it.
 
     Args:
-        condition: the text of the condition.
+        condition: the condition, or its text: pictures then show no ray for which it holds, but the nearest.
         hits: what was found, by recording and time.
         chosen: by recording, the topics that were chosen among several of a kind.
         problems: by recording, what is wrong with it, as in `Recording.problems`: spans may be missing.
@@ -56,12 +39,13 @@ class Hits(FleetTable, Sequence[Hit]):
         "nearest": number,
         "index": whole,
         "angle": number,
+        "nearest_ns": whole,
         "problem": text,
     }
 
     def __init__(
         self,
-        condition: str,
+        condition: Condition | str,
         hits: Sequence[Hit],
         *,
         chosen: Mapping[str, Sequence[str]],
@@ -70,7 +54,8 @@ class Hits(FleetTable, Sequence[Hit]):
         **rows: Any,
     ) -> None:
         super().__init__(**rows)
-        self.condition = condition
+        self.condition = str(condition)
+        self._wanted = condition if isinstance(condition, Condition) else None
         self.chosen = {file: tuple(topics) for file, topics in chosen.items() if topics}
         self.problems = {file: tuple(lines) for file, lines in problems.items() if lines}
         self._hits = tuple(hits)
@@ -82,12 +67,39 @@ class Hits(FleetTable, Sequence[Hit]):
     @overload
     def __getitem__(self, which: int) -> Hit: ...
     @overload
-    def __getitem__(self, which: slice) -> Sequence[Hit]: ...
-    def __getitem__(self, which: int | slice) -> Hit | Sequence[Hit]:
-        return self._hits[which]
+    def __getitem__(self, which: slice) -> Hits: ...
+    def __getitem__(self, which: int | slice) -> Hit | Hits:
+        if not isinstance(which, slice):
+            return self._hits[which]
+        rows = {"files": self.files, "unread": self.unread, "until": self.until, "note": self._note}
+        return Hits(
+            self.condition if self._wanted is None else self._wanted,
+            self._hits[which],
+            chosen=self.chosen,
+            problems=self.problems,
+            **rows,
+        )
 
     def __iter__(self) -> Iterator[Hit]:
         return iter(self._hits)
+
+    def show(self, **options: Any) -> Sheet:
+        """A contact sheet: each hit as a small picture of the laser, the rays lit that made the condition true.
+
+        A click opens the player of the recording at that moment, below the sheet. Hits of conditions on other things
+        show their value, or a line of it.
+
+        Args:
+            **options: keywords of `SheetWidget`, such as ``sort="file"``, or ``rows=True`` for a table.
+
+        Raises:
+            TypeError: an unknown keyword.
+        """
+        from ._sheet import Sheet  # Imported lazily: a search needs no widget.
+
+        sheet = Sheet(self.condition, self._wanted, **options)
+        sheet.set_hits(self._hits, self.files, self.unread, self.problems)
+        return sheet
 
     def _rows(self) -> Iterator[Mapping[str, Any]]:
         for hit in self:
@@ -99,7 +111,7 @@ class Hits(FleetTable, Sequence[Hit]):
         silent = any(hit.silent for hit in self)
         heads = ("file", "topic", "start", "end", "date", *("nearest", "index", "angle") * met, *("silent",) * silent)
         names = short([hit.file for hit in self])
-        rows = [tuple(_cell(hit, head, names) for head in heads) for hit in self[:SHOWN]]
+        rows = [tuple(_cell(hit, head, names) for head in heads) for hit in self._hits[:SHOWN]]
         more = [f"  ... and {len(self) - SHOWN:,} more"] if len(self) > SHOWN else []
         right = [i for i, head in enumerate(heads) if head in ("start", "end", "nearest", "index", "angle")]
         return Table(self._heading(), heads, rows, right, [*more, *self._told()], list(self._complaints()))

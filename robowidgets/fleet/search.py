@@ -15,7 +15,7 @@ from ._topics import chosen_of
 from .hits import Hit, Hits
 from .places import PathLike
 
-_FORM = 1
+_FORM = 2
 """Of the results that are kept: another number for another form."""
 
 
@@ -76,7 +76,7 @@ def hits_of(wanted: Condition, gathered: FromAll) -> Hits:
     """The table of what came of a search."""
     results = gathered.results
     return Hits(
-        str(wanted),
+        wanted,
         [Hit(path, result["topic"], *_span(span)) for path, result in results.items() for span in result["spans"]],
         chosen={path: result["chosen"] for path, result in results.items()},
         problems={path: result["problems"] for path, result in results.items()},

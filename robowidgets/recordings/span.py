@@ -16,8 +16,8 @@ class Span(NamedTuple):
     condition contains a gap.
 
     ``nearest`` is the distance in metres, as in `Scan.distance`, of the nearest thing that was met in the span,
-    ``index`` that of its ray, and ``angle`` that of the ray in radians; all three are None for conditions that look at
-    no distance.
+    ``index`` that of its ray, ``angle`` that of the ray in radians, and ``nearest_ns`` the time of its scan by the
+    clock of the recording; all four are None for conditions that look at no distance.
     """
 
     start: float
@@ -29,6 +29,7 @@ class Span(NamedTuple):
     nearest: float | None = None
     index: int | None = None  # type: ignore[assignment]  # as ROS calls it; it hides tuple.index
     angle: float | None = None
+    nearest_ns: int | None = None
 
     @property
     def met(self) -> str:

@@ -20,7 +20,7 @@ from ..samples.traced_numbers import OPERATORS, fact
 from ..samples.verdict import Verdict
 from ._silence import mark_stale
 from ._steps import NO, UNKNOWN, YES, Steps, steps
-from .base import Condition
+from .base import Condition, Curve
 from .instant import NoSampleYetError
 
 if TYPE_CHECKING:
@@ -115,6 +115,16 @@ class FieldCondition(Condition):
         if KINDS[kind].goes_stale if kind else is_steady(times):
             return mark_stale(found, [(times, np.ones(len(times), bool))], search.end_ns)
         return found
+
+    def number(self, recording: RecordingData) -> Curve | None:
+        """See `Condition`."""
+        topic, path = self._split([one.name for one in recording.topics])
+        fields = recording.fields(topic)
+        column = fields[path]
+        if column.dtype == object:
+            return None
+        values = np.ma.filled(column.astype(np.float64), np.nan)
+        return Curve(fields.times_ns, np.abs(values) if self._is_size else values)
 
     def judge(self, moment: Any) -> Verdict:
         """See `Condition`. The moment has messages: as ``moment.messages``, or it is a mapping of topics to them."""

@@ -130,17 +130,17 @@ class _Nearest:
             order = np.argsort(self._columns[0], kind="stable")
             self._columns = [column[order] for column in self._columns]
 
-    def between(self, start_ns: int, end_ns: int) -> tuple[float | None, int | None, float | None]:
-        """Distance, index and angle of the nearest thing in a span; three times None where no ray met anything."""
+    def between(self, start_ns: int, end_ns: int) -> tuple[float | None, int | None, float | None, int | None]:
+        """Distance, index, angle and time of the nearest thing in a span; None each where no ray met anything."""
         if not self._columns:
-            return None, None, None
+            return None, None, None, None
         times, distances, indices, angles = self._columns
         first = np.searchsorted(times, start_ns)
         last = np.searchsorted(times, max(end_ns, start_ns + 1))
         if first == last:
-            return None, None, None
+            return None, None, None, None
         at = first + int(distances[first:last].argmin())
-        return shortest(distances[at]), int(indices[at]), float(angles[at])
+        return shortest(distances[at]), int(indices[at]), float(angles[at]), int(times[at])
 
 
 def _silent(silences: list[tuple[str, NDArray[np.int64]]], start_ns: int, end_ns: int) -> dict[str, None]:

@@ -5,9 +5,10 @@ from __future__ import annotations
 import inspect
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from .._core.watch import Watch
 from ..kinds import KINDS, sample_names
@@ -30,6 +31,13 @@ VALUES = {NO: False, UNKNOWN: None, YES: True}
 
 _BAR_EVERY = 500
 _READY_MADE = f"{__package__}.conditions"
+
+
+class Curve(NamedTuple):
+    """A number over time: nanoseconds by the clock of the recording, and values, each of shape (N,)."""
+
+    times_ns: NDArray[np.int64]
+    values: NDArray[np.float64]
 
 
 class Condition(ABC):
@@ -64,6 +72,10 @@ class Condition(ABC):
         Raises:
             TypeError: the sample is of another kind, or the condition needs more than one moment.
         """
+
+    def number(self, recording: RecordingData) -> Curve | None:  # noqa: ARG002
+        """The number that it compares, over a whole recording; None where it compares none, or a distance."""
+        return None
 
     @property
     @abstractmethod
@@ -292,6 +304,9 @@ class _Joined(Condition):
         nearest = min((v.nearest for v in verdicts if v.nearest), key=lambda ray: ray.range, default=None)
         return Verdict(value, text, rays, nearest) if value else Verdict(value, text)
 
+    def number(self, recording: RecordingData) -> Curve | None:
+        return next((one for part in self._parts if (one := part.number(recording))), None)
+
     @property
     def reads(self) -> frozenset[str]:
         return frozenset().union(*(part.reads for part in self._parts))
@@ -320,6 +335,9 @@ class _Not(Condition):
     def judge(self, moment: Any) -> Verdict:
         verdict = self._part.judge(moment)
         return Verdict(None if verdict.value is None else not verdict.value, verdict.text)
+
+    def number(self, recording: RecordingData) -> Curve | None:
+        return self._part.number(recording)
 
     @property
     def reads(self) -> frozenset[str]:

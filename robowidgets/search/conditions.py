@@ -33,7 +33,7 @@ from ._events import EventCondition
 from ._fields import Field
 from ._steps import NO, UNKNOWN, YES, Steps, combined, steps
 from ._stops import StopsCondition
-from .base import VALUES, Condition, FunctionCondition
+from .base import VALUES, Condition, Curve, FunctionCondition
 from .instant import NoSampleYetError
 from .seconds import SPEEDS, Possible, Seconds
 
@@ -340,6 +340,10 @@ class _SpeedAbove(_OfOneTopic):
         least, most = (rows[name] for name in SPEEDS[self._axis])
         true = (most > self._limit) | (least < -self._limit)
         return rows.judged(self.kind, self._topic, true, (least <= self._limit) & (most >= -self._limit))
+
+    def number(self, recording: RecordingData) -> Curve:
+        speeds = recording.speeds(self._topic)
+        return Curve(speeds.times_ns, speeds.values[:, AXES.index(self._axis)])
 
     def _judge(self, speed: Speed) -> Verdict:
         value = VALUES[int(self._test(single_speed(speed, 0))[0])]

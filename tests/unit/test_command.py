@@ -328,9 +328,18 @@ def test_find_prints_json(capsys, monkeypatch):
     told = json.loads(said.out)
     assert told["condition"] == "(linear.x above 0.1 m/s | gap longer than 1 s)"
     assert told["complete"] is True
-    assert {"start", "end", "seconds", "start_ns", "end_ns", "silent", "nearest", "index", "angle"} == set(
-        told["spans"][0]
-    )
+    assert {
+        "start",
+        "end",
+        "seconds",
+        "start_ns",
+        "end_ns",
+        "silent",
+        "nearest",
+        "index",
+        "angle",
+        "nearest_ns",
+    } == set(told["spans"][0])
 
 
 def test_find_of_nothing_is_1(capsys):

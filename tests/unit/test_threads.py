@@ -74,6 +74,7 @@ player = robowidgets.open(robowidgets.SAMPLE).show()
 player.seek(5.0)
 guarded = feeds.simulator(wander=False, process=True)
 guarded.connect("/odom", lambda speed: None)
+sheet = robowidgets.find(conditions.nearest_below(0.3), robowidgets.SAMPLE).show()
 replayed = feeds.recording(robowidgets.SAMPLE)
 of_replayed = replayed.show()
 """
@@ -81,6 +82,7 @@ WAIT = """
 def threads():
     return {{thread.name for thread in lock_order.threading.enumerate()}}
 deadline = time.monotonic() + 60
+sheet.widget._on_page(sheet.widget, {{"look": [0], "open": 0}}, [])
 while not (len(heard) > 20 and avoid.steps > 20 and wall.sample and {expected!r} <= threads()):
     assert time.monotonic() < deadline, ({expected!r} - threads(), len(heard), avoid)
     player._prefetcher.start()  # as a page does that wants its segments
@@ -103,6 +105,7 @@ guarded.drive(0.1)
 guarded.close()
 recorder.close()
 player.close()
+sheet.close()
 laser.close()
 replayed.close()
 feed.close()

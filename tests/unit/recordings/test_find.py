@@ -400,6 +400,7 @@ class TestSpans:
             "nearest",
             "index",
             "angle",
+            "nearest_ns",
         ]
         monkeypatch.setitem(sys.modules, "pandas", None)
         with pytest.raises(ImportError, match="pip install pandas"):

@@ -1,0 +1,35 @@
+"""One thing that a search through many recordings found."""
+
+from __future__ import annotations
+
+from datetime import datetime
+from typing import NamedTuple
+
+from ._fleet_table import date_of
+
+
+class Hit(NamedTuple):
+    """A span in which the condition held: the recording, the topics that were looked at, and the fields of a `Span`."""
+
+    file: str
+    topic: str
+    start: float
+    end: float
+    seconds: float
+    start_ns: int
+    end_ns: int
+    silent: tuple[str, ...] = ()
+    nearest: float | None = None
+    index: int | None = None  # type: ignore[assignment]  # as ROS calls it; it hides tuple.index
+    angle: float | None = None
+    nearest_ns: int | None = None
+
+    @property
+    def date(self) -> datetime | None:
+        """Date and time of its start, in UTC; None if the clock of the recording has no date."""
+        return date_of(self.start_ns)
+
+    @property
+    def moment(self) -> float:
+        """Seconds at which it is shown: when the nearest thing was met, else its start."""
+        return self.start if self.nearest_ns is None else self.start + (self.nearest_ns - self.start_ns) / 1e9

@@ -1,0 +1,201 @@
+"""The small pictures of a contact sheet: what a condition saw at one moment, as bytes for the page."""
+
+from __future__ import annotations
+
+import struct
+from collections.abc import Iterator, Mapping
+from functools import partial
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..kinds import LASER
+from ..messages.decoding import one_line
+from ..recordings import RecordingData
+from ..recordings.topics import shown
+from ..samples import Scan
+from ..samples.distances import ray_distances
+from ..samples.event import Event
+from ..samples.verdict import UNKNOWN, Verdict
+from ..search.base import Condition, Curve
+from ..search.instant import Instant, NoSampleYetError, Now
+from ._hit import Hit
+
+MOST_RAYS = 400
+"""Rays of a picture: as many as a circle of 120 pixels has dots. Of more, each dot is the nearest of some."""
+
+POINTS = 64
+"""Of the line of a number."""
+
+_AROUND = 1.0
+"""Seconds of a line before and after its span, at least; half of the span where that is more."""
+
+_HEAD = struct.Struct("<IBxHfffHxx")
+"""Number of the hit, form, count of rays or points, two facts of the form, metres of a step, bytes of the words."""
+
+RAYS, LINE, WORDS = 1, 2, 3
+_LIT, _MOST = 0x8000, 0x7FFF
+_FINEST = 0.002
+_LONGEST = 300
+
+
+class Thumbnail(NamedTuple):
+    """What a tile shows of a hit.
+
+    Attributes:
+        form: RAYS, LINE or WORDS.
+        values: of rays, steps of distance in the low 15 bits, 0 for no reading, and whether the condition holds for it
+            in the highest one, uint16; of a line, float32. Shape (N,).
+        facts: of rays, the angle of the first and that between two, in radians; of a line, its start and its end in
+            seconds from that of the span.
+        step: metres.
+        words: what was compared, or what happened.
+    """
+
+    form: int
+    values: NDArray[Any]
+    facts: tuple[float, float] = (0.0, 0.0)
+    step: float = 0.0
+    words: str = ""
+
+    def pack(self, number: int) -> bytes:
+        """As bytes for the page, which end at a multiple of 4: js/sheet/pictures.ts."""
+        words = self.words.encode()[:_LONGEST]
+        head = _HEAD.pack(number, self.form, len(self.values), *self.facts, self.step, len(words))
+        body = self.values.tobytes() + words
+        return head + body + bytes(-len(body) % 4)
+
+
+def pictures(recording: RecordingData, hits: Mapping[int, Hit], wanted: Condition | None) -> Iterator[bytes]:
+    """The pictures of hits in one recording, packed.
+
+    Args:
+        recording: the recording.
+        hits: by their numbers.
+        wanted: the condition; None: it is not known, and no ray is lit but the nearest.
+    """
+    number = None if wanted is None else _number(recording, wanted)
+    for key, hit in hits.items():
+        yield _picture(recording, hit, wanted, number).pack(key)
+
+
+def unreadable(reason: str) -> Thumbnail:
+    """In the place of a picture that cannot be made."""
+    return Thumbnail(WORDS, np.empty(0, np.uint8), words=reason)
+
+
+def _picture(recording: RecordingData, hit: Hit, wanted: Condition | None, number: Curve | None) -> Thumbnail:
+    topics = hit.topic.split(", ")
+    recording.preferred = frozenset(topics)
+    seconds = hit.moment
+    verdict = _judged(recording, hit, wanted, seconds)
+    words = verdict.text or (f"nothing on {', '.join(hit.silent)}" if hit.silent else "")
+    known = shown(recording.topics)
+    scanned = next((name for name in topics if name in known and known[name].widget == LASER.name), None)
+    scan = recording.at(scanned, seconds) if scanned else None
+    if scan is not None and len(scan.sample):
+        return _of_scan(scan.sample, hit, verdict)._replace(words=words)
+    if number is not None and len(number.times_ns):
+        return _of_number(number, hit)._replace(words=words)
+    return Thumbnail(WORDS, np.empty(0, np.uint8), words=words)
+
+
+def _judged(recording: RecordingData, hit: Hit, wanted: Condition | None, seconds: float) -> Verdict:
+    """What the condition says of the moment; that it is unknown where it takes more than one."""
+    if wanted is None or hit.silent:
+        return UNKNOWN
+    try:
+        return wanted.judge(_At(recording, seconds))
+    except NoSampleYetError:
+        return UNKNOWN
+    except Exception as error:  # of a user's function, which may know this moment alone no longer
+        return Verdict(None, f"cannot be judged again: {type(error).__name__}: {one_line(error)}")
+
+
+def _of_scan(scan: Scan, hit: Hit, verdict: Verdict) -> Thumbnail:
+    away = ray_distances(scan.ranges, scan)
+    is_lit: Any = np.zeros(len(scan), bool)
+    is_lit[verdict.rays[verdict.rays < len(scan)]] = True
+    if not is_lit.any() and hit.index is not None and hit.index < len(scan):
+        is_lit[hit.index] = True
+    each = -(-len(scan) // MOST_RAYS)
+    away = np.where(np.isfinite(away), away, np.inf)
+    start = scan.angle_min + (each - 1) / 2 * scan.angle_increment
+    if each > 1:
+        spare = -len(scan) % each
+        away = np.pad(away, (0, spare), constant_values=np.inf).reshape(-1, each).min(axis=1)
+        is_lit = np.pad(is_lit, (0, spare)).reshape(-1, each).any(axis=1)
+    is_there = np.isfinite(away)
+    step = max(_FINEST, float(away[is_there].max()) / _MOST) if is_there.any() else _FINEST
+    steps = np.clip(np.rint(np.where(is_there, away, 0) / step), 1, _MOST)
+    codes = np.where(is_there, steps, 0).astype("<u2") | np.where(is_lit, _LIT, 0).astype("<u2")
+    return Thumbnail(RAYS, codes, (start, each * scan.angle_increment), step)
+
+
+def _number(recording: RecordingData, wanted: Condition) -> Curve | None:
+    """The number that a condition compares; None where it compares none, or this recording has none."""
+    try:
+        return wanted.number(recording)
+    except (KeyError, TypeError):  # of conditions joined by |: the recording may lack the topic of one of them
+        return None
+
+
+def _of_number(number: Curve, hit: Hit) -> Thumbnail:
+    pad = round(max(_AROUND, hit.seconds / 2) * 1e9)
+    times = np.linspace(hit.start_ns - pad, hit.end_ns + pad, POINTS).astype(np.int64)
+    last = np.searchsorted(number.times_ns, times, side="right") - 1
+    values = np.where(last < 0, np.nan, number.values[last]).astype("<f4")
+    values[times > number.times_ns[-1]] = np.nan
+    return Thumbnail(LINE, values, (-pad / 1e9, hit.seconds + pad / 1e9))
+
+
+class _At(Instant):
+    """The last samples of a recording up to a time, as a condition takes them: by kind, by topic, as messages."""
+
+    def __init__(self, recording: RecordingData, seconds: float) -> None:
+        self._recording, self._at = recording, seconds
+        now = Now(recording.start_ns or 0)
+        topics = list(recording.topics)
+        now.put(
+            (recording.start_ns or 0) + round(seconds * 1e9),
+            {one.name: partial(self._read, one.name) for one in topics},
+        )
+        super().__init__(recording.path.name, topics, now, recording.preferred)
+
+    @property
+    def messages(self) -> Mapping[str, Any]:
+        return _Messages(self._recording, self._at)
+
+    @property
+    def event(self) -> Event | None:
+        """The last event up to the time."""
+        time_ns = (self._recording.start_ns or 0) + round(self._at * 1e9)
+        last = None
+        for at_ns, event in self._recording.timed_events(stop_ns=time_ns + 1):
+            last = event if at_ns <= time_ns else last
+        return last
+
+    def _read(self, topic: str) -> Any:
+        at = self._recording.at if topic in shown(self._recording.topics) else self._recording.message_at
+        found = at(topic, self._at)
+        if found is None:
+            raise NoSampleYetError(topic)
+        return found.sample
+
+
+class _Messages(Mapping[str, Any]):
+    """The last message of each topic, by its name."""
+
+    def __init__(self, recording: RecordingData, seconds: float) -> None:
+        self._recording, self._at = recording, seconds
+
+    def __getitem__(self, topic: str) -> Any:
+        found = self._recording.message_at(topic, self._at)
+        return None if found is None else found.message
+
+    def __iter__(self) -> Iterator[str]:
+        return (topic.name for topic in self._recording.topics)
+
+    def __len__(self) -> int:
+        return len(self._recording.topics)

@@ -1,0 +1,151 @@
+"""The contact sheet of what was found, and below it the player of the moment that was opened."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import ipywidgets
+
+from .._core.cells import close_all, take_the_place
+from .._core.text import many
+from ..player.player import Player
+from ..recording import open as open_recording
+from ..recordings.times import has_date
+from ..search.base import Condition
+from ..sheet_widget import SheetFile, SheetWidget
+from ._fleet_table import Unread, short
+from ._hit import Hit
+from ._picture_sender import PictureSender
+
+
+class Sheet(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
+    """A contact sheet of hits; a click opens the player of a hit below it. `Hits.show` returns it.
+
+    `close` removes everything from the page; running the cell again does the same.
+
+    Args:
+        condition: the text of the condition.
+        wanted: the condition itself; None: it is not known.
+        **options: keywords of `SheetWidget`.
+
+    Attributes:
+        widget: the sheet itself.
+        player: that of the moment that is open; None: none is.
+    """
+
+    player: Player | None = None
+
+    def __init__(self, condition: str, wanted: Condition | None, **options: Any) -> None:
+        take_the_place(self)
+        self._hits: Sequence[Hit] = ()
+        self._opening = threading.RLock()
+        self.widget = SheetWidget(
+            on_look=self._look, on_open=self.open_hit, on_new_page=self._start_anew, condition=condition, **options
+        )
+        self._sender = PictureSender(self.widget.send_pictures, self.widget.keep_pictures, wanted)
+        super().__init__([self.widget])
+
+    def set_hits(
+        self,
+        hits: Sequence[Hit],
+        files: Sequence[str],
+        unread: Sequence[Unread] = (),
+        problems: Mapping[str, Sequence[str]] | None = None,
+        done: int | None = None,
+    ) -> None:
+        """Show hits. Those that were there before keep their places.
+
+        Args:
+            hits: what was found.
+            files: all recordings that were named.
+            unread: those that could not be read.
+            problems: by recording, what is wrong with it.
+            done: how many were searched so far; None: all.
+        """
+        self._hits = hits
+        names = short([*files]) if files else {}
+        odd = {file: "; ".join(lines) for file, lines in (problems or {}).items()}
+        there = [
+            SheetFile(file, names.get(file, file), odd.get(file, ""))
+            for file in dict.fromkeys([*(hit.file for hit in hits), *odd])
+        ]
+        numbers = {file.path: i for i, file in enumerate(there)}
+        topics = list(dict.fromkeys(hit.topic for hit in hits))
+        of_topic = {topic: i for i, topic in enumerate(topics)}
+        columns: dict[str, Sequence[Any]] = {
+            "file": [numbers[hit.file] for hit in hits],
+            "topic": [of_topic[hit.topic] for hit in hits],
+            "start": [hit.start for hit in hits],
+            "end": [hit.end for hit in hits],
+            "time": [hit.moment for hit in hits],
+            "date": [hit.start_ns / 1e9 if has_date(hit.start_ns) else None for hit in hits],
+            "nearest": [hit.nearest for hit in hits],
+            "index": [hit.index for hit in hits],
+            "silent": [", ".join(hit.silent) for hit in hits],
+        }
+        unread_files = [SheetFile(one.file, names.get(one.file, one.file), one.problem, False) for one in unread]
+        self.widget.show(columns, [*there, *unread_files], topics, total=len(files), done=done)
+        self._sender.set_hits(hits)
+
+    @property
+    def picked(self) -> Hit | None:
+        """The hit that is kept; None: none."""
+        number = self.widget.picked
+        return None if number is None or number >= len(self._hits) else self._hits[number]
+
+    @property
+    def false_finds(self) -> list[Hit]:
+        """The hits that a person marked as false finds."""
+        return [self._hits[number] for number in self.widget.false_finds if number < len(self._hits)]
+
+    def open_hit(self, number: int) -> None:
+        """Open the player of a hit below the sheet, at its moment.
+
+        Args:
+            number: of the hit.
+
+        Raises:
+            RecordingError: its recording cannot be read any more.
+        """
+        hit = self._hits[number]
+        # Messages of the page may arrive in another thread while a cell runs.
+        with self._opening:
+            player = self.player
+            if player is None or self._file_of_player != hit.file:
+                recording = open_recording(hit.file)
+                try:
+                    recording.preferred = frozenset(hit.topic.split(", "))
+                    new = Player(recording)
+                except BaseException:
+                    recording.close()
+                    raise
+                self.player, self._file_of_player = new, hit.file
+                self.children = [self.widget, new]
+                if player is not None:
+                    close_all(player)
+            assert self.player is not None
+            self.player.marks = [(one.start, one.end, "") for one in self._hits if one.file == hit.file]
+            self.player.seek(hit.moment)
+
+    def close(self) -> None:
+        """Remove everything from the page."""
+        self._sender.close()
+        for widget in (self.player, self.widget):
+            if widget is not None and widget.comm is not None:
+                close_all(widget)
+        if self.comm is not None:
+            self.layout.close()
+        super().close()
+
+    def __repr__(self) -> str:
+        return f"<Sheet {self.widget.condition}: {many(len(self._hits), 'hit')}>"
+
+    _file_of_player = ""
+
+    def _look(self, numbers: Sequence[int]) -> None:
+        self._sender.look(numbers)
+
+    def _start_anew(self) -> None:
+        self._sender.start_anew()

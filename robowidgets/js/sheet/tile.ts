@@ -1,0 +1,118 @@
+import { Canvas, type Surface } from "../shared/canvas.ts";
+import { make, setText } from "../shared/dom.ts";
+import type { Theme } from "../shared/theme.ts";
+import { type Cut, drawPicture } from "./draw.ts";
+import { COLUMNS, cellOf, type Moment } from "./order.ts";
+import type { Picture } from "./pictures.ts";
+
+/** Pixels of the texts below the picture of a tile. */
+const TEXTS = 37;
+
+/** How a moment stands among the others. */
+export interface Standing {
+  place: number;
+  count: number;
+  isPicked: boolean;
+  isFalse: boolean;
+  isOpen: boolean;
+}
+
+/** What shows one moment: a tile or a row, which is used again for another where it is scrolled away. */
+export abstract class Item {
+  readonly element: HTMLElement;
+  moment: Moment | null = null;
+  /** Whether it has to be painted. */
+  isStale = true;
+
+  constructor(className: string) {
+    this.element = make("div", `rw-sheet-item ${className}`);
+    this.element.role = "option";
+  }
+
+  /** Shows a moment, and says whether it is another one. */
+  show(moment: Moment, standing: Standing): void {
+    if (this.moment !== moment) {
+      this.moment = moment;
+      this.isStale = true;
+      this.element.dataset.number = String(moment.number);
+      this.write(moment);
+    }
+    const { isPicked, isFalse, isOpen, place, count } = standing;
+    this.element.classList.toggle("rw-picked", isPicked);
+    this.element.classList.toggle("rw-false", isFalse);
+    this.element.classList.toggle("rw-open", isOpen);
+    const value = moment.nearest === null ? "" : `${moment.nearest.toFixed(2)} metres at index ${moment.index}`;
+    const words = [value, moment.file, `${moment.time.toFixed(1)} seconds`, `${place + 1} of ${count}`];
+    this.element.ariaLabel = [...words, isFalse ? "false find" : ""].filter(Boolean).join(", ");
+    this.element.ariaSelected = String(isPicked);
+  }
+
+  place(x: number, y: number, width: number, height: number): void {
+    const { style } = this.element;
+    style.transform = `translate(${x}px, ${y}px)`;
+    style.width = `${width}px`;
+    style.height = `${height}px`;
+  }
+
+  protected abstract write(moment: Moment): void;
+  abstract paint(picture: Picture | undefined, cut: Cut, size: Surface, theme: Theme): void;
+}
+
+/** A moment as a small picture, with its value, index, file and time below it. */
+export class Tile extends Item {
+  readonly #canvas: Canvas;
+  readonly #value = make("b", "rw-sheet-value");
+  readonly #index = make("span", "rw-sheet-index");
+  readonly #file = make("span", "rw-sheet-file");
+  readonly #time = make("span", "rw-sheet-time");
+
+  constructor() {
+    super("rw-sheet-tile");
+    this.#canvas = new Canvas(this.element);
+    this.element.append(this.#value, this.#index, this.#file, this.#time);
+  }
+
+  protected override write({ nearest, index, file, path, time, silent }: Moment): void {
+    setText(this.#value, nearest === null ? "" : `${nearest.toFixed(2)} m`);
+    setText(this.#index, index === null ? "" : `[${index}]`);
+    setText(this.#file, toShort(file));
+    setText(this.#time, `${time.toFixed(1)} s`);
+    this.element.title = silent ? `${path}: nothing on ${silent}` : path;
+  }
+
+  override paint(picture: Picture | undefined, cut: Cut, size: Surface, theme: Theme): void {
+    const context = this.#canvas.begin(size);
+    if (!picture) return;
+    const box = { x: 4, y: 4, width: size.width - 8, height: size.height - TEXTS - 6 };
+    drawPicture(context, picture, box, cut, this.moment?.held ?? 0, theme);
+    if (this.moment?.nearest === null && picture.form !== "words") setText(this.#value, picture.words);
+  }
+}
+
+/** A moment as a row of the table. */
+export class Row extends Item {
+  readonly #cells = COLUMNS.map(({ name, isNumber }) =>
+    make("span", `rw-sheet-cell rw-sheet-of-${name}${isNumber ? " rw-sheet-number" : ""}`),
+  );
+  readonly #words = make("span", "rw-sheet-cell rw-sheet-words");
+
+  constructor() {
+    super("rw-sheet-row");
+    this.element.append(...this.#cells, this.#words);
+  }
+
+  protected override write(moment: Moment): void {
+    for (const [i, { name }] of COLUMNS.entries()) setText(this.#cells[i] as HTMLElement, cellOf(moment, name));
+    setText(this.#words, moment.silent && `nothing on ${moment.silent}`);
+    this.element.title = moment.path;
+  }
+
+  override paint(picture: Picture | undefined): void {
+    if (picture?.words) setText(this.#words, picture.words);
+  }
+}
+
+/** The name of a file without what comes after its last point. */
+function toShort(file: string): string {
+  return file.replace(/\.[^./]+$/, "");
+}

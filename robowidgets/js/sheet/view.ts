@@ -1,0 +1,695 @@
+import { Card } from "../shared/card.ts";
+import { CopyCode, copyText } from "../shared/copy.ts";
+import { make, makeButton, setHidden, setText } from "../shared/dom.ts";
+import { isPlain, on, onAbort } from "../shared/events.ts";
+import { toShortMetres } from "../shared/format.ts";
+import { lacksKernel, type Model, NO_KERNEL, onChange, onMessage, setTraits } from "../shared/model.ts";
+import { offerPng } from "../shared/png.ts";
+import { perAnimationFrame, throttle } from "../shared/schedule.ts";
+import type { Cut } from "./draw.ts";
+import {
+  COLUMNS,
+  type Column,
+  cutOf,
+  evenly,
+  filtered,
+  firstOfEach,
+  type Moment,
+  sorted,
+  toCode,
+  toMoments,
+  toOrdinal,
+} from "./order.ts";
+import type { Pictures } from "./pictures.ts";
+import { type Item, Row, Tile } from "./tile.ts";
+import type { OddFile, SheetTraits } from "./traits.ts";
+
+const [TILE, ROW, PADDING] = [153, 26, 8];
+const [GAP_X, GAP_Y] = [4, 10];
+/** Rows of tiles, and of the table, that are seen at once. */
+const [TILE_ROWS, TABLE_ROWS] = [3, 15];
+/** Milliseconds of painting between two pictures of the page. */
+const PAINT_MS = 8;
+/** Milliseconds between two requests for pictures. */
+const LOOK_MS = 100;
+/** Milliseconds after which a kernel that has not answered is busy. */
+const BUSY_MS = 700;
+/** Files that were not read whole that are listed. */
+const MOST_ODD = 4;
+/** Metres to which pictures are cut where no moment met anything. */
+const FAR = 5;
+
+const SORTS: readonly [Column, string][] = [
+  ["nearest", "Nearest"],
+  ["time", "Time"],
+  ["file", "File"],
+];
+
+const count = (number: number) => number.toLocaleString("en");
+
+/** One view of a contact sheet. */
+export class SheetView {
+  readonly #model: Model<SheetTraits>;
+  readonly #pictures: Pictures;
+  readonly #card: Card;
+  readonly #signal: AbortSignal;
+  readonly #scroll = make("div", "rw-sheet-scroll");
+  readonly #space = make("div", "rw-sheet-space");
+  readonly #heads = make("div", "rw-sheet-row rw-sheet-heads");
+  readonly #filters = make("div", "rw-sheet-filters");
+  readonly #fields = new Map<Column, HTMLInputElement>();
+  readonly #empty = make("div", "rw-empty");
+  readonly #bar = make("div", "rw-sheet-bar");
+  readonly #code = make("code", "rw-sheet-code");
+  readonly #said = make("span", "rw-sheet-said");
+  readonly #open: HTMLButtonElement;
+  readonly #copy: CopyCode;
+  readonly #odd = make("div", "rw-sheet-odd");
+  readonly #foot = [make("span", ""), make("span", "rw-sheet-legend")] as const;
+  readonly #sorts = new Map<Column, HTMLButtonElement>();
+  readonly #again: HTMLButtonElement;
+  readonly #one: HTMLButtonElement;
+  readonly #every: HTMLButtonElement;
+  readonly #table: HTMLButtonElement;
+  readonly #filter: HTMLButtonElement;
+  readonly #fill: () => void;
+  readonly #paint: () => void;
+  readonly #look: () => void;
+  #moments: Moment[] = [];
+  /** Those on show, in their order. */
+  #order: Moment[] = [];
+  #step = 1;
+  /** Moments that came after the last sorting. */
+  #isUnsorted = false;
+  #cut: Cut = { reach: FAR, inner: 1 };
+  #columns = 1;
+  #width = TILE;
+  /** The items on the page, by their places in the order. */
+  #items = new Map<number, Item>();
+  #spare: Item[] = [];
+  #pointed: Moment | null = null;
+  #asked: string = "";
+  #waits: number | null = null;
+  #isBusy = false;
+  #timer: ReturnType<typeof setTimeout> | undefined;
+  #isTouch = false;
+
+  constructor(model: Model<SheetTraits>, element: HTMLElement, pictures: Pictures, signal: AbortSignal) {
+    this.#model = model;
+    this.#pictures = pictures;
+    this.#signal = signal;
+    this.#card = new Card(element, "sheet", model, () => this.#draw(), signal);
+    const { picture, footer, root, controls } = this.#card;
+    picture.tabIndex = -1;
+    picture.role = "none";
+    this.#scroll.tabIndex = 0;
+    this.#scroll.role = "listbox";
+    this.#scroll.ariaLabel = "moments";
+    this.#scroll.append(this.#space);
+    picture.append(this.#filters, this.#heads, this.#scroll, this.#empty);
+    this.#copy = new CopyCode(
+      () => (this.#shown ? toCode(this.#shown) : ""),
+      (words) => this.#card.say(words),
+      signal,
+    );
+    this.#open = makeButton(
+      "rw-sheet-named",
+      "Open its recording below, at that moment (Enter)",
+      () => this.#openShown(),
+      signal,
+      "Open here",
+    );
+    this.#bar.append(this.#code, this.#said, this.#copy.row, this.#open, this.#copy.field);
+    footer.before(this.#bar, this.#odd);
+    footer.append(...this.#foot);
+    const sorts = make("span", "rw-sheet-sorts");
+    sorts.append(make("span", "rw-sheet-by", "sort"));
+    for (const [name, word] of SORTS) {
+      const button = makeButton(
+        "",
+        `Sort by ${name}; again: the other way round`,
+        () => this.#sortBy(name),
+        signal,
+        word,
+      );
+      this.#sorts.set(name, button);
+      sorts.append(button);
+    }
+    this.#again = makeButton(
+      "rw-sheet-named",
+      "Sort in what came since",
+      () => this.#sortAgain(),
+      signal,
+      "Sort again",
+    );
+    this.#one = makeButton(
+      "rw-sheet-named",
+      "Show the first of each file only",
+      () => this.#flip("one_per_file"),
+      signal,
+      "One per file",
+    );
+    this.#every = makeButton(
+      "rw-sheet-named",
+      "Show an even choice that fills one screen",
+      () => this.#flip("every"),
+      signal,
+      "Every",
+    );
+    this.#table = makeButton(
+      "rw-sheet-named",
+      "Show a table instead of pictures",
+      () => this.#flip("rows"),
+      signal,
+      "Table",
+    );
+    this.#filter = makeButton("rw-sheet-named", "Filter by column (/)", () => this.#toggleFilters(), signal, "Filter");
+    controls.append(sorts, this.#again, this.#one, this.#every, this.#table, this.#filter);
+    offerPng(this.#card, model, signal);
+    // Their names are their texts.
+    for (const button of root.querySelectorAll(".rw-sheet-sorts > button, .rw-sheet-named")) button.ariaLabel = null;
+    this.#makeHeads();
+    this.#makeFilters();
+    this.#fill = perAnimationFrame(() => this.#place(), signal);
+    this.#paint = perAnimationFrame(() => this.#paintSome(PAINT_MS), signal);
+    this.#look = throttle(() => this.#askForPictures(), LOOK_MS, signal);
+    onAbort(signal, () => clearTimeout(this.#timer));
+    on(this.#scroll, "scroll", this.#fill, signal, { passive: true });
+    on(this.#scroll, "pointerdown", (event) => this.#onDown(event), signal);
+    on(this.#scroll, "pointermove", (event) => this.#onMove(event), signal);
+    on(this.#scroll, "pointerleave", () => this.#point(null), signal);
+    on(this.#scroll, "click", (event) => this.#onClick(event), signal);
+    on(root, "keydown", (event) => this.#onKey(event), signal);
+    onChange(model, ["_columns", "_files", "_topics"], () => this.#onMoments(), signal);
+    onChange(model, ["sort", "filters", "one_per_file", "every", "rows"], () => this.#sortAgain(), signal);
+    onChange(
+      model,
+      ["picked", "false_finds", "_opened", "_status", "_done", "_total", "_unread", "condition"],
+      this.#card.redraw,
+      signal,
+    );
+    onMessage(model, ({ opened }: { opened?: number }) => opened !== undefined && this.#onOpened(), signal);
+    pictures.listen(() => {
+      for (const item of this.#items.values()) item.isStale ||= !item.element.dataset.painted;
+      this.#paint();
+    }, signal);
+    this.#onMoments();
+  }
+
+  /** The moment that the row below tells of: the pointed one, else the one that is kept. */
+  get #shown(): Moment | null {
+    const picked = this.#model.get("picked");
+    return this.#pointed ?? (picked === null ? null : (this.#moments[picked] ?? null));
+  }
+
+  get #isTable(): boolean {
+    return this.#model.get("rows");
+  }
+
+  // -- what there is -------------------------------------------------------------------------------------------------
+
+  #onMoments(): void {
+    const before = this.#moments.length;
+    const model = this.#model;
+    this.#moments = toMoments(model.get("_columns"), model.get("_files"), model.get("_topics"));
+    const reach = cutOf(this.#moments) ?? FAR;
+    if (reach !== this.#cut.reach) {
+      this.#cut = { reach, inner: toInner(reach) };
+      this.#soil();
+    }
+    if (!before || this.#model.get("_done") === null) {
+      this.#sortAgain();
+      return;
+    }
+    // While a search goes on, nothing jumps: new ones stand at the end.
+    const kept = this.#order.map(({ number }) => this.#moments[number]).filter((one) => one !== undefined);
+    const more = filtered(this.#moments.slice(before), this.#model.get("filters"));
+    this.#order = this.#model.get("every") || this.#model.get("one_per_file") ? kept : [...kept, ...more];
+    this.#isUnsorted = this.#moments.length > before;
+    this.#forget();
+    this.#card.redraw();
+  }
+
+  #sortAgain(): void {
+    const model = this.#model;
+    const all = sorted(filtered(this.#moments, model.get("filters")), model.get("sort"));
+    const chosen = model.get("one_per_file") ? firstOfEach(all) : all;
+    this.#measure();
+    const even = evenly(chosen, this.#columns * (this.#isTable ? TABLE_ROWS : TILE_ROWS));
+    this.#step = even.step;
+    this.#order = model.get("every") ? even.chosen : chosen;
+    this.#isUnsorted = false;
+    this.#forget();
+    this.#scroll.scrollTop = 0;
+    this.#card.redraw();
+  }
+
+  // -- drawing -------------------------------------------------------------------------------------------------------
+
+  #draw(): void {
+    const [done, total] = [this.#model.get("_done"), this.#model.get("_total")];
+    const columns = this.#columns;
+    this.#measure();
+    if (columns !== this.#columns) this.#forget();
+    this.#soil();
+    this.#space.style.height = `${this.#height}px`;
+    this.#scroll.style.height = `${Math.min(this.#height, this.#most)}px`;
+    // For a picture of the card: a copy of it is not scrolled.
+    this.#card.root.style.setProperty("--rw-scrolled", `${this.#scroll.scrollTop}px`);
+    setHidden(this.#heads, !this.#isTable);
+    this.#heads.style.paddingRight = `${ROW / 2 + this.#scroll.offsetWidth - this.#scroll.clientWidth}px`;
+    this.#place();
+    if (this.#card.size.ratio !== devicePixelRatio) this.#paintSome(Number.POSITIVE_INFINITY);
+    const all = this.#moments.length;
+    setHidden(this.#empty, this.#order.length > 0);
+    setText(this.#empty, all ? "none passes the filters" : done === null ? "never" : "nothing yet");
+    this.#card.updateFrame([], "note");
+    const files = new Set(this.#moments.map(({ path }) => path)).size;
+    const isFalse = this.#model.get("false_finds").length;
+    const found =
+      done === null
+        ? `${count(all)} in ${count(files)} of ${toFiles(total)}`
+        : `${count(all)} so far, ${count(done)} of ${toFiles(total)}`;
+    this.#card.updateFacts([found, ...(isFalse ? [`${count(isFalse)} false`] : []), this.#model.get("condition")]);
+    this.#drawControls();
+    this.#drawBar();
+    this.#drawOdd(this.#model.get("_unread"));
+    this.#drawFoot();
+  }
+
+  #drawControls(): void {
+    const model = this.#model;
+    const sort = model.get("sort");
+    const by = sort.replace(/^-/, "");
+    for (const [name, button] of this.#sorts) {
+      const isPressed = name === by;
+      button.ariaPressed = String(isPressed);
+      const word = SORTS.find(([one]) => one === name)?.[1] ?? "";
+      setText(button, isPressed && sort.startsWith("-") ? `${word} ↓` : word);
+    }
+    for (const head of this.#heads.querySelectorAll<HTMLElement>("[data-column]")) {
+      const isPressed = head.dataset.column === by;
+      head.ariaSort = isPressed ? (sort.startsWith("-") ? "descending" : "ascending") : "none";
+    }
+    this.#one.ariaPressed = String(model.get("one_per_file"));
+    this.#every.ariaPressed = String(model.get("every"));
+    this.#table.ariaPressed = String(this.#isTable);
+    const isFiltered = Object.values(model.get("filters")).some(Boolean);
+    this.#filter.ariaPressed = String(isFiltered || !this.#filters.hidden);
+    setHidden(this.#again, !this.#isUnsorted);
+    setHidden(this.#every, this.#step === 1 && !model.get("every"));
+    setText(this.#every, `Every ${toOrdinal(this.#step)}`);
+  }
+
+  #drawBar(): void {
+    const moment = this.#shown;
+    const status = this.#model.get("_status");
+    setText(this.#code, moment ? toCode(moment) : "");
+    this.#code.title = this.#code.textContent;
+    const same = moment ? this.#moments.filter(({ path }) => path === moment.path).length - 1 : 0;
+    const held = moment?.held ? `held ${moment.held < 10 ? moment.held.toFixed(2) : moment.held.toFixed(0)} s` : "";
+    const more = same > 0 ? `${count(same)} more in this file` : "";
+    const words = this.#pictures.get(moment?.number ?? -1)?.words ?? "";
+    const facts = [moment?.nearest === null ? words : "", held, more].filter(Boolean).join(", ");
+    const waits = this.#waits !== null;
+    const busy = waits && this.#isBusy ? "the kernel is busy: it opens when the cell ends" : waits ? "opens …" : "";
+    setText(this.#said, busy || status || (moment ? facts : "click a moment to open it, x marks a false find"));
+    this.#said.classList.toggle("rw-error", Boolean(!busy && status));
+    setHidden(this.#copy.row, !moment);
+    setHidden(this.#open, !moment);
+  }
+
+  #drawOdd(odd: OddFile[]): void {
+    setHidden(this.#odd, odd.length === 0);
+    const key = odd.map(({ path, problem }) => path + problem).join("\n");
+    if (this.#odd.dataset.key === key) return;
+    this.#odd.dataset.key = key;
+    const heading = make("div", "rw-sheet-odd-row");
+    const files = odd.length === 1 ? "1 file" : `${count(odd.length)} files`;
+    heading.append(
+      make("b", "", `${files} could not be read whole`),
+      make("span", "rw-sheet-why", "they count as searched only as far as they go"),
+    );
+    const rows = odd.slice(0, odd.length > MOST_ODD + 1 ? MOST_ODD : MOST_ODD + 1).map((file) => this.#makeOdd(file));
+    const left = odd.slice(rows.length);
+    const more = make("div", "rw-sheet-odd-row rw-sheet-why", toReasons(left));
+    this.#odd.replaceChildren(heading, ...rows, ...(left.length ? [more] : []));
+  }
+
+  #makeOdd({ path, name, problem, is_read }: OddFile): HTMLElement {
+    const row = make("div", "rw-sheet-odd-row");
+    row.title = path;
+    const why = make("span", "rw-sheet-why", problem);
+    const [word, command] = is_read ? ["Repair a copy", "repair"] : ["Look at it", "doctor"];
+    const line = `robowidgets ${command} ${JSON.stringify(path)}`;
+    const onClick = async () => setText(button, (await copyText(line)) ? "Command copied" : line);
+    const button = makeButton("rw-sheet-next", `Copy the command: ${line}`, onClick, this.#signal, word);
+    button.ariaLabel = null;
+    row.append(make("span", "rw-sheet-broken"), make("b", "", name), why, button);
+    return row;
+  }
+
+  #drawFoot(): void {
+    const [shown, all] = [this.#order.length, this.#moments.length];
+    const choice = this.#model.get("every") && this.#step > 1 ? `: every ${toOrdinal(this.#step)}` : "";
+    const parts = [shown === all ? `${count(all)}` : `${count(shown)} of ${count(all)}${choice}`];
+    const hasRays = this.#moments.some(({ nearest }) => nearest !== null);
+    const { reach, inner } = this.#cut;
+    if (hasRays && !this.#isTable) {
+      parts.push(`each cut to the nearest ${toShortMetres(reach)}, inner arc ${toShortMetres(inner)}`);
+    }
+    setText(this.#foot[0], parts.join(" · "));
+    const [, legend] = this.#foot;
+    setHidden(legend, this.#isTable || !hasRays);
+    if (!legend.childElementCount) {
+      for (const [sign, words] of [
+        ["reading", "reading"],
+        ["lit", "behind it: the condition holds for it"],
+      ] as const) {
+        legend.append(make("i", `rw-sheet-sign rw-sheet-${sign}`), make("span", "", words));
+      }
+    }
+  }
+
+  #measure(): void {
+    const width = this.#scroll.clientWidth;
+    const room = width - 2 * PADDING;
+    this.#columns = this.#isTable ? 1 : Math.max(2, Math.floor((room + GAP_X) / (TILE + GAP_X)));
+    this.#width = this.#isTable ? width : Math.floor((room + GAP_X) / this.#columns) - GAP_X;
+  }
+
+  /** Pixels from one row to the next. */
+  get #pitch(): number {
+    return this.#isTable ? ROW : TILE + GAP_Y;
+  }
+
+  get #above(): number {
+    return this.#isTable ? 0 : PADDING;
+  }
+
+  /** Of all rows. */
+  get #height(): number {
+    const rows = Math.ceil(this.#order.length / this.#columns);
+    return Math.max(this.#isTable ? 4 * ROW : TILE, rows * this.#pitch) + 2 * this.#above - (this.#isTable ? 0 : GAP_Y);
+  }
+
+  /** Of what is seen at once. */
+  get #most(): number {
+    return this.#isTable ? TABLE_ROWS * ROW : TILE_ROWS * (TILE + GAP_Y) - GAP_Y + 2 * PADDING;
+  }
+
+  /** Places in the order of the first moment that is seen, and of the first after the last. */
+  #seen(spare = 0): [number, number] {
+    const { scrollTop, clientHeight } = this.#scroll;
+    const first = Math.floor((scrollTop - this.#above) / this.#pitch) - spare;
+    const last = Math.ceil((scrollTop - this.#above + clientHeight) / this.#pitch) + spare;
+    return [Math.max(0, first * this.#columns), Math.min(this.#order.length, last * this.#columns)];
+  }
+
+  /** Brings the items that are seen to their places, and takes the others off. */
+  #place(): void {
+    const [first, stop] = this.#seen(1);
+    for (const [place, item] of this.#items) {
+      if (place >= first && place < stop) continue;
+      this.#items.delete(place);
+      this.#spare.push(item);
+    }
+    const [picked, opened] = [this.#model.get("picked"), this.#model.get("_opened")];
+    const wrong = new Set(this.#model.get("false_finds"));
+    const total = this.#order.length;
+    for (let place = first; place < stop; place++) {
+      const moment = this.#order[place] as Moment;
+      const there = this.#items.get(place);
+      const item = there ?? this.#spare.pop() ?? (this.#isTable ? new Row() : new Tile());
+      if (!there) {
+        this.#items.set(place, item);
+        if (!item.element.parentElement) this.#space.append(item.element);
+      }
+      const { number } = moment;
+      item.show(moment, {
+        place,
+        count: total,
+        isPicked: number === picked,
+        isFalse: wrong.has(number),
+        isOpen: number === opened,
+      });
+      if (item.isStale) delete item.element.dataset.painted;
+      item.element.id ||= `rw-sheet-${Math.random().toString(36).slice(2)}`;
+      const [column, row] = [place % this.#columns, Math.floor(place / this.#columns)];
+      const x = this.#isTable ? 0 : PADDING + column * (this.#width + GAP_X);
+      item.place(x, this.#above + row * this.#pitch, this.#width, this.#isTable ? ROW : TILE);
+    }
+    for (const item of this.#spare) item.element.remove();
+    const at = [...this.#items.values()].find(({ moment }) => moment?.number === picked);
+    this.#scroll.setAttribute("aria-activedescendant", at?.element.id ?? "");
+    this.#paint();
+    this.#look();
+  }
+
+  /** Paints items for some milliseconds, and goes on before the next picture of the page. */
+  #paintSome(milliseconds: number): void {
+    const until = performance.now() + milliseconds;
+    const { theme, size } = this.#card;
+    const surface = { width: this.#width - 2, height: TILE - 2, ratio: size.ratio };
+    for (const item of this.#items.values()) {
+      if (!item.isStale || !item.moment) continue;
+      if (performance.now() > until) {
+        this.#paint();
+        return;
+      }
+      const picture = this.#pictures.get(item.moment.number);
+      item.paint(picture, this.#cut, surface, theme);
+      item.isStale = false;
+      if (picture) item.element.dataset.painted = picture.form;
+    }
+    if (this.#shown) this.#drawBar();
+  }
+
+  /** Has all items painted anew. */
+  #soil(): void {
+    for (const item of this.#items.values()) item.isStale = true;
+  }
+
+  /** Takes all items off: others stand in their places now. */
+  #forget(): void {
+    for (const item of this.#items.values()) item.element.remove();
+    this.#items.clear();
+    this.#spare = [];
+  }
+
+  /** Asks for the pictures that are seen and not there; each question takes the place of the one before. */
+  #askForPictures(): void {
+    if (!this.#scroll.clientHeight || lacksKernel(this.#model)) return;
+    const [first, stop] = this.#seen();
+    const numbers = this.#order.slice(first, stop).map(({ number }) => number);
+    const missing = numbers.filter((number) => !this.#pictures.get(number));
+    const key = missing.join();
+    if (!missing.length || key === this.#asked) return;
+    this.#asked = key;
+    this.#model.send({ look: missing });
+  }
+
+  // -- what a person does --------------------------------------------------------------------------------------------
+
+  #flip(name: "one_per_file" | "every" | "rows"): void {
+    setTraits(this.#model, { [name]: !this.#model.get(name) });
+  }
+
+  #sortBy(name: Column): void {
+    setTraits(this.#model, { sort: this.#model.get("sort") === name ? `-${name}` : name });
+  }
+
+  #makeHeads(): void {
+    for (const { name, head, isNumber } of COLUMNS) {
+      const cell = make("span", `rw-sheet-cell rw-sheet-of-${name}${isNumber ? " rw-sheet-number" : ""}`);
+      cell.role = "columnheader";
+      cell.dataset.column = name;
+      const button = makeButton("rw-sheet-head", `Sort by ${head}`, () => this.#sortBy(name), this.#signal, head);
+      button.ariaLabel = null;
+      cell.append(button);
+      this.#heads.append(cell);
+    }
+    this.#heads.append(make("span", "rw-sheet-cell rw-sheet-words", "value"));
+  }
+
+  #makeFilters(): void {
+    this.#filters.hidden = true;
+    const change = throttle(() => this.#setFilters(), 150, this.#signal);
+    for (const { name, head, isNumber } of COLUMNS) {
+      const label = make("label", "rw-sheet-filter", head);
+      const field = make("input", "");
+      field.type = "search";
+      field.placeholder = isNumber ? "< 0.2" : "any";
+      field.title = isNumber ? 'A part of it, or "< 0.2", "0.1 to 0.2"' : "A part of it";
+      field.value = this.#model.get("filters")[name] ?? "";
+      if (field.value) this.#filters.hidden = false;
+      on(field, "input", change, this.#signal);
+      on(field, "keydown", (event) => this.#onFilterKey(event), this.#signal);
+      label.append(field);
+      this.#fields.set(name, field);
+      this.#filters.append(label);
+    }
+  }
+
+  #setFilters(): void {
+    const filters: Record<string, string> = {};
+    for (const [name, { value }] of this.#fields) if (value.trim()) filters[name] = value;
+    setTraits(this.#model, { filters });
+  }
+
+  #toggleFilters(): void {
+    this.#filters.hidden = !this.#filters.hidden;
+    if (this.#filters.hidden) {
+      for (const field of this.#fields.values()) field.value = "";
+      this.#setFilters();
+      this.#scroll.focus({ preventScroll: true });
+    } else this.#fields.get("file")?.focus();
+    this.#card.redraw();
+  }
+
+  #onFilterKey(event: KeyboardEvent): void {
+    event.stopPropagation();
+    if (event.key === "Escape") this.#toggleFilters();
+    else if (event.key === "Enter") this.#scroll.focus({ preventScroll: true });
+  }
+
+  #momentAt(target: EventTarget | null): Moment | null {
+    const item = target instanceof Element ? target.closest<HTMLElement>(".rw-sheet-item") : null;
+    return item ? (this.#moments[Number(item.dataset.number)] ?? null) : null;
+  }
+
+  #onDown(event: PointerEvent): void {
+    this.#isTouch = event.pointerType === "touch";
+  }
+
+  #onMove(event: PointerEvent): void {
+    if (event.pointerType !== "touch") this.#point(this.#momentAt(event.target));
+  }
+
+  #point(moment: Moment | null): void {
+    if (moment === this.#pointed) return;
+    this.#pointed = moment;
+    this.#copy.reset();
+    this.#drawBar();
+  }
+
+  /** A click keeps a moment and opens it; a finger only keeps it, so that it can look first. */
+  #onClick(event: MouseEvent): void {
+    const moment = this.#momentAt(event.target);
+    if (!moment) return;
+    this.#pick(moment);
+    if (!this.#isTouch) this.#openShown();
+  }
+
+  #pick(moment: Moment): void {
+    setTraits(this.#model, { picked: moment.number });
+    this.#drawBar();
+  }
+
+  #openShown(): void {
+    const moment = this.#shown;
+    if (!moment) return;
+    if (lacksKernel(this.#model)) {
+      setText(this.#said, NO_KERNEL);
+      return;
+    }
+    if (moment.number !== this.#model.get("picked")) this.#pick(moment);
+    this.#waits = moment.number;
+    this.#isBusy = false;
+    this.#model.send({ open: moment.number });
+    clearTimeout(this.#timer);
+    this.#timer = setTimeout(() => {
+      this.#isBusy = this.#waits !== null;
+      this.#drawBar();
+    }, BUSY_MS);
+    this.#drawBar();
+  }
+
+  #onOpened(): void {
+    this.#waits = null;
+    this.#isBusy = false;
+    clearTimeout(this.#timer);
+    const moment = this.#moments[this.#model.get("_opened") ?? -1];
+    if (moment && !this.#model.get("_status"))
+      this.#card.say([`opened ${moment.file} at ${moment.time.toFixed(1)} seconds`]);
+    this.#card.redraw();
+  }
+
+  #toggleFalse(): void {
+    const moment = this.#shown;
+    if (!moment) return;
+    const there = this.#model.get("false_finds");
+    const { number } = moment;
+    const isFalse = there.includes(number);
+    setTraits(this.#model, { false_finds: isFalse ? there.filter((one) => one !== number) : [...there, number] });
+    this.#card.say([isFalse ? "no false find" : "false find"]);
+  }
+
+  #onKey(event: KeyboardEvent): void {
+    if (!isPlain(event) || event.target instanceof HTMLInputElement) return;
+    const walks: Record<string, number> = {
+      ArrowRight: 1,
+      ArrowLeft: -1,
+      ArrowDown: this.#columns,
+      ArrowUp: -this.#columns,
+      PageDown: this.#columns * (this.#isTable ? TABLE_ROWS : TILE_ROWS),
+      PageUp: -this.#columns * (this.#isTable ? TABLE_ROWS : TILE_ROWS),
+      Home: Number.NEGATIVE_INFINITY,
+      End: Number.POSITIVE_INFINITY,
+    };
+    const onItems = event.target === this.#scroll;
+    const by = onItems ? walks[event.key] : undefined;
+    if (by !== undefined) this.#walk(by);
+    else if (event.key === "Enter" && onItems) this.#openShown();
+    else if (event.key === "c") this.#copy.copy();
+    else if (event.key === "x") this.#toggleFalse();
+    else if (event.key === "/") {
+      if (this.#filters.hidden) this.#toggleFilters();
+      else this.#fields.get("file")?.focus();
+    } else if (event.key === "Escape" && this.#model.get("picked") !== null) {
+      setTraits(this.#model, { picked: null });
+    } else return;
+    event.preventDefault();
+    event.stopPropagation();
+  }
+
+  #walk(by: number): void {
+    const picked = this.#model.get("picked");
+    const here = this.#order.findIndex(({ number }) => number === picked);
+    const last = this.#order.length - 1;
+    const moment = this.#order[here < 0 ? 0 : Math.min(last, Math.max(0, here + by))];
+    if (!moment) return;
+    this.#pointed = null;
+    this.#copy.reset();
+    this.#pick(moment);
+    this.#scrollTo(this.#order.indexOf(moment));
+  }
+
+  #scrollTo(place: number): void {
+    const top = this.#above + Math.floor(place / this.#columns) * this.#pitch;
+    const bottom = top + (this.#isTable ? ROW : TILE);
+    const { scrollTop, clientHeight } = this.#scroll;
+    if (top < scrollTop) this.#scroll.scrollTop = top - this.#above;
+    else if (bottom > scrollTop + clientHeight) this.#scroll.scrollTop = bottom + this.#above - clientHeight;
+    this.#fill();
+  }
+}
+
+/** Metres of the inner arc: about a third of the reach, a round number. */
+function toInner(reach: number): number {
+  const power = 10 ** Math.floor(Math.log10(reach / 3));
+  const factor = [5, 2, 1].find((one) => one * power <= (reach / 3) * 1.001) ?? 1;
+  return Number((factor * power).toPrecision(3));
+}
+
+function toFiles(number: number): string {
+  return `${count(number)} ${number === 1 ? "file" : "files"}`;
+}
+
+/** "and 12 more: 9 cut off, 3 empty". */
+function toReasons(odd: OddFile[]): string {
+  const reasons = new Map<string, number>();
+  for (const { problem } of odd) reasons.set(problem, (reasons.get(problem) ?? 0) + 1);
+  const parts = [...reasons].sort((a, b) => b[1] - a[1]).map(([reason, number]) => `${count(number)} ${reason}`);
+  return `and ${count(odd.length)} more: ${parts.join(", ")}`;
+}

@@ -1,0 +1,175 @@
+"""The contact sheet: moments found in many recordings, side by side as small pictures or as rows of a table."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, NamedTuple
+
+import traitlets
+
+from ._core.base_widget import NamedWidget
+from ._core.front_end import bundle
+from ._core.platform_fixes import route_by_message
+from ._core.text import many
+from ._core.traits import Flag, bytes_trait
+from .repair import RecordingError
+
+MOST_LOOKED_AT = 500
+"""Moments of which a page asks for pictures at once, at most."""
+
+log = logging.getLogger("robowidgets")
+
+
+class SheetFile(NamedTuple):
+    """A recording that was searched: its path or URL, its name for a person, and what is wrong with it, if anything.
+
+    ``is_read`` tells whether some of it could be read.
+    """
+
+    path: str
+    name: str
+    problem: str = ""
+    is_read: bool = True
+
+
+class SheetWidget(NamedWidget):
+    """Moments side by side: what each looked like, its value, its file and its time.
+
+    Only what is seen is drawn, so that thousands stay smooth. They are sorted and filtered by column. A click opens
+    one. Arrow keys walk, Enter opens, `c` copies the code that opens it, `x` marks a false find, `/` filters. Sorting,
+    filtering and walking need no kernel.
+
+    Args:
+        title: what is shown, for the header.
+        condition: the text of the condition, which stands beside it.
+        header, footer: whether they are there.
+        sort: the column by which it is sorted, such as ``"nearest"``; with a minus, ``"-nearest"``, the other way
+            round. The view writes it.
+        rows: whether it is a table, not pictures. The view writes it.
+        one_per_file: whether only the first of each file is there. The view writes it.
+        every: whether only an even choice is there, which fills one screen. The view writes it.
+        filters: by column, what is there: a part of a text, or numbers as in ``"< 0.2"`` and ``"0.1 to 0.2"``. The
+            view writes it.
+        picked: the number of the moment that is kept; None: none. The view writes it.
+        false_finds: the numbers of those that are marked as false finds. The view writes it.
+    """
+
+    _esm, _css = bundle("sheet_widget")
+
+    condition = traitlets.Unicode(help="The condition as the program has it.").tag(sync=True)
+    footer = Flag(True, help="Whether facts stand below the moments.").tag(sync=True)
+    sort = traitlets.Unicode("nearest", help="The column it is sorted by; with a minus the other way round.").tag(
+        sync=True
+    )
+    rows = Flag(False, help="Whether it is a table, not pictures.").tag(sync=True)
+    one_per_file = Flag(False, help="Whether only the first moment of each file is there.").tag(sync=True)
+    every = Flag(False, help="Whether only an even choice is there.").tag(sync=True)
+    filters = traitlets.Dict(help="By column, what is there.").tag(sync=True)
+    picked = traitlets.Int(None, allow_none=True, help="The number of the moment that is kept; None: none.").tag(
+        sync=True
+    )
+    false_finds = traitlets.List(traitlets.Int(), help="The numbers of false finds.").tag(sync=True)
+
+    _columns = traitlets.Dict(help="The moments, by column.").tag(sync=True, echo_update=False)
+    _files = traitlets.List(traitlets.List(), help="Path and name of each file with moments.").tag(
+        sync=True, echo_update=False
+    )
+    _topics = traitlets.List(traitlets.Unicode(), help="Names of topics.").tag(sync=True, echo_update=False)
+    _unread = traitlets.List(traitlets.Dict(), help="Files that were not read whole, with the reason.").tag(
+        sync=True, echo_update=False
+    )
+    _total = traitlets.Int(0, help="Files that were named.").tag(sync=True)
+    _done = traitlets.Int(None, allow_none=True, help="Files searched so far; None: all.").tag(sync=True)
+    _pictures = bytes_trait(echo_update=False)
+    _opened = traitlets.Int(None, allow_none=True, help="The number of the moment that is open; None: none.").tag(
+        sync=True
+    )
+    _status = traitlets.Unicode(help="Why a moment could not be opened.").tag(sync=True, echo_update=False)
+
+    def __init__(
+        self,
+        on_look: Callable[[Sequence[int]], None] | None = None,
+        on_open: Callable[[int], None] | None = None,
+        on_new_page: Callable[[], None] | None = None,
+        **kwargs: Any,
+    ) -> None:
+        self._on_look, self._on_open, self._on_new_page = on_look, on_open, on_new_page
+        super().__init__(**{"title": "Moments", **kwargs})
+        self.on_msg(self._on_page)
+
+    _keywords = ("on_look", "on_open", "on_new_page")
+
+    def open(self) -> None:
+        """Connect to the page."""
+        super().open()
+        route_by_message(self.comm)
+
+    def show(
+        self,
+        columns: Mapping[str, Sequence[Any]],
+        files: Sequence[SheetFile],
+        topics: Sequence[str],
+        *,
+        total: int,
+        done: int | None = None,
+    ) -> None:
+        """Show moments.
+
+        Args:
+            columns: ``file`` and ``topic`` as indices, ``start``, ``end``, ``date``, ``nearest``, ``index``, ``angle``
+                and ``silent``, each with one value for each moment, which has its number from 0 on.
+            files: with moments; those that are not sound are listed below them.
+            topics: their names.
+            total: of files that were named.
+            done: of files searched so far; None: all of them.
+        """
+        with self.hold_sync():
+            self._files = [[file.path, file.name] for file in files]
+            self._unread = [file._asdict() for file in files if file.problem]
+            self._topics = [*topics]
+            self._columns = {name: [*values] for name, values in columns.items()}
+            self._total, self._done = total, done
+
+    def send_pictures(self, packed: bytes) -> None:
+        """Send some pictures."""
+        self.send({"pictures": len(packed)}, [packed])
+
+    def keep_pictures(self, packed: bytes) -> None:
+        """Have pictures in the state, which a saved notebook holds."""
+        self._pictures = packed
+
+    def complain(self, problem: str) -> None:
+        """Show why a moment could not be opened; empty: it was."""
+        self._status = problem
+
+    def close(self) -> None:
+        """Remove it from the page."""
+        self._on_look = self._on_open = self._on_new_page = None
+        super().close()
+
+    def _summary(self) -> str:
+        return many(len(self._columns.get("file", ())), "moment")
+
+    def _on_page(self, _widget: Any, content: Any, _buffers: Any) -> None:
+        """Make pictures that the page looks at, or open a moment. In the main thread or a subshell's."""
+        if not isinstance(content, dict):
+            return
+        count = len(self._columns.get("file", ()))
+        looked_at, opened = content.get("look"), content.get("open")
+        if content.get("new") and self._on_new_page:
+            self._on_new_page()
+        if isinstance(looked_at, list) and self._on_look:
+            self._on_look([one for one in looked_at[:MOST_LOOKED_AT] if isinstance(one, int) and 0 <= one < count])
+        if isinstance(opened, int) and 0 <= opened < count and self._on_open:
+            try:
+                self._on_open(opened)
+            except RecordingError as error:
+                self.complain(str(error))
+            except Exception as error:
+                log.exception("robowidgets: a moment could not be opened")
+                self.complain(f"{type(error).__name__}: {error}")
+            else:
+                self.complain("")
+                self._opened = opened
+            self.send({"opened": opened})

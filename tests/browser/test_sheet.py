@@ -1,0 +1,126 @@
+"""The contact sheet of what was found: what it draws, what a click and keys do, and thousands of moments."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from shutil import copy
+
+import pytest
+from playwright.sync_api import expect
+
+import robowidgets
+
+from .chromium import shoot
+from .plain_page import PlainPage
+
+Open = Callable[..., PlainPage]
+
+FOUND = """
+import robowidgets
+from concurrent.futures import ThreadPoolExecutor
+from robowidgets import conditions
+
+with ThreadPoolExecutor(1) as here:
+    hits = robowidgets.find(conditions.nearest_below(0.3), {folder!r}, executor=here, keep=False)
+"""
+
+MANY = """
+from robowidgets.fleet import Hits
+
+some = [hit for hit in hits for _ in range(250)]
+many = Hits(conditions.nearest_below(0.3), some, files=hits.files, chosen={}, problems={})
+"""
+
+PAINTED = "(count) => document.querySelectorAll('[data-painted=\"rays\"]').length >= count"
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    runs = tmp_path / "runs"
+    runs.mkdir()
+    for number in (2, 10):
+        copy(robowidgets.SAMPLE, runs / f"drive_{number}.mcap")
+    (runs / "empty.bag").touch()
+    return runs
+
+
+def test_a_sheet_draws_sorts_filters_walks_and_opens(plain_page: Open, folder: Path) -> None:
+    nb = plain_page([FOUND.format(folder=str(folder)) + "sheet = hits.show()\nsheet"], width=1280, height=1500)
+    nb.run_all()
+    sheet = nb.widget(0).locator(".rw-sheet")
+    tiles = sheet.locator(".rw-sheet-tile")
+    nb.page.wait_for_function(PAINTED, arg=16)
+    expect(tiles).to_have_count(16)
+    expect(sheet.locator(".rw-facts")).to_contain_text("16 in 2 of 3 files")
+    expect(sheet.locator(".rw-sheet-odd")).to_contain_text("empty.bag")
+    shoot(sheet, "sheet")
+
+    def shown() -> list[str]:
+        """File and time of the moments, in their order."""
+        texts: list[str] = sheet.evaluate(
+            """(sheet) => {
+              const place = (tile) => new DOMMatrix(getComputedStyle(tile).transform);
+              const at = (tile) => 1e4 * place(tile).m42 + place(tile).m41;
+              return [...sheet.querySelectorAll(".rw-sheet-tile")].sort((a, b) => at(a) - at(b)).map(
+                (tile) => [".rw-sheet-file", ".rw-sheet-time"].map((of) => tile.querySelector(of).textContent).join(" ")
+              );
+            }"""
+        )
+        return texts
+
+    values = nb.python(
+        "[f'drive_{10 if \"_10\" in h.file else 2} {h.moment:.1f} s' for h in sorted(hits, key=lambda h: h.nearest)]"
+    )
+    assert repr(shown()) == values.strip()
+    sheet.get_by_role("button", name="One per file").click()
+    expect(tiles).to_have_count(2)
+    sheet.get_by_role("button", name="One per file").click()
+    sheet.locator(".rw-sheet-scroll").focus()
+    nb.page.keyboard.press("/")
+    nb.page.keyboard.type("_10")
+    expect(tiles).to_have_count(8)
+    assert all(text.startswith("drive_10") for text in shown())
+    nb.page.keyboard.press("Escape")
+    expect(tiles).to_have_count(16)
+    # Keys walk and mark, and Enter opens, below.
+    nb.page.keyboard.press("Home")
+    nb.page.keyboard.press("ArrowRight")
+    nb.page.keyboard.press("x")
+    expect(sheet.locator(".rw-false")).to_have_count(1)
+    expect(sheet.locator(".rw-facts")).to_contain_text("1 false")
+    expect(sheet.locator(".rw-sheet-code")).to_contain_text('.mcap").at("/scan"')
+    nb.page.keyboard.press("Enter")
+    expect(nb.widget(0).locator(".rw-player")).to_be_visible()
+    code = sheet.locator(".rw-sheet-code").text_content() or ""
+    assert nb.python(f"{code}.sample.nearest().index == sheet.picked.index").strip() == "True"
+    assert nb.python("sheet.player.time == sheet.picked.moment").strip() == "True"
+    # A click opens another one; a table shows the same.
+    tiles.nth(5).click()
+    expect(sheet.locator(".rw-open")).to_have_count(1)
+    sheet.get_by_role("button", name="Table").click()
+    expect(sheet.locator(".rw-sheet-row.rw-sheet-item").first).to_contain_text("drive_2.mcap")
+    sheet.locator(".rw-sheet-heads").get_by_role("button", name="held").click()
+    assert nb.python("sheet.widget.sort, sheet.widget.rows").strip() == "('held', True)"
+    shoot(sheet, "sheet_table")
+
+
+def test_of_thousands_only_what_is_seen_is_on_the_page_and_what_is_there_scrolls_while_a_cell_runs(
+    plain_page: Open, folder: Path
+) -> None:
+    nb = plain_page([FOUND.format(folder=str(folder)) + MANY + "sheet = many.show(sort='file')\nsheet"], width=1280)
+    nb.run_all()
+    sheet = nb.widget(0).locator(".rw-sheet")
+    nb.page.wait_for_function(PAINTED, arg=21)
+    expect(sheet.locator(".rw-facts")).to_contain_text("4,000 in 2")
+    # The kernel sends all of them unasked: those of the end are there when a person comes to them.
+    sheet.evaluate("(sheet) => { sheet.scrolls = sheet.querySelector('.rw-sheet-scroll'); }")
+    last = nb.python("len(many) - 1").strip()
+    while nb.python(f"{last} in sheet._sender._sent").strip() != "True":
+        pass
+    with nb.busy():
+        sheet.evaluate("(sheet) => { sheet.scrolls.scrollTop = sheet.scrolls.scrollHeight; }")
+        expect(sheet.locator(f'[data-number="{last}"]')).to_have_attribute("data-painted", "rays")
+        assert sheet.locator(".rw-sheet-tile").count() <= 7 * 6
+        sheet.get_by_role("button", name="Every").click()
+        expect(sheet.locator(".rw-sheet-tile")).to_have_count(21)

@@ -1,0 +1,95 @@
+import assert from "node:assert/strict";
+import { test } from "node:test";
+import {
+  cutOf,
+  evenly,
+  filtered,
+  firstOfEach,
+  type Moment,
+  sorted,
+  toCode,
+  toMoments,
+  toOrdinal,
+} from "../../robowidgets/js/sheet/order.ts";
+import { LIT, unpack } from "../../robowidgets/js/sheet/pictures.ts";
+
+const MOMENTS = toMoments(
+  {
+    file: [1, 0, 0, 1],
+    topic: [0, 0, 0, 0],
+    start: [5, 1, 9, 2],
+    end: [6, 1, 9.5, 4],
+    time: [5.5, 1, 9.2, 3.1234],
+    date: [null, 1e9, 2e9, null],
+    nearest: [0.2, null, 0.15, 0.29],
+    index: [3, null, 7, 9],
+    silent: ["", "/scan", "", ""],
+  },
+  [
+    ["/runs/run_2.mcap", "run_2.mcap"],
+    ["/runs/run_10.mcap", "run_10.mcap"],
+  ],
+  ["/scan, /odom"],
+);
+const numbers = (moments: Moment[]) => moments.map(({ number }) => number);
+
+test("moments are sorted by a column either way, files by their numbers, and what has no value stands last", () => {
+  assert.deepEqual(numbers(sorted(MOMENTS, "nearest")), [2, 0, 3, 1]);
+  assert.deepEqual(numbers(sorted(MOMENTS, "-nearest")), [3, 0, 2, 1]);
+  assert.deepEqual(numbers(sorted(MOMENTS, "file")), [1, 2, 0, 3]);
+  assert.deepEqual(numbers(sorted(MOMENTS, "held")), [1, 2, 0, 3]);
+  assert.deepEqual(numbers(sorted(MOMENTS, "-date")), [2, 1, 0, 3]);
+});
+
+test("a filter of a column compares numbers, takes a part of a text, and says nothing while it is half typed", () => {
+  const chosen = (filters: Record<string, string>) => numbers(filtered(MOMENTS, filters));
+  assert.deepEqual(chosen({ nearest: "< 0.25" }), [0, 2]);
+  assert.deepEqual(chosen({ nearest: "0.15 to 0.2" }), [0, 2]);
+  assert.deepEqual(chosen({ nearest: "<" }), [0, 1, 2, 3]);
+  assert.deepEqual(chosen({ nearest: "0.1" }), [2]);
+  assert.deepEqual(chosen({ file: "RUN_1" }), [0, 3]);
+  assert.deepEqual(chosen({ file: "run_10", held: "> 1.5" }), [3]);
+  assert.deepEqual(chosen({ date: "2001-09" }), [1]);
+});
+
+test("one for each file is the first, and an even choice fills a screen", () => {
+  assert.deepEqual(numbers(firstOfEach(sorted(MOMENTS, "nearest"))), [2, 0]);
+  const { step, chosen } = evenly(Array(2318).fill(MOMENTS[0]), 24);
+  assert.equal(step, 97);
+  assert.equal(chosen.length, 24);
+  assert.deepEqual([1, 2, 3, 11, 22, 97].map(toOrdinal), ["1st", "2nd", "3rd", "11th", "22nd", "97th"]);
+});
+
+test("all pictures are cut to about five times the limit", () => {
+  const reach = (nearest: number | null) => cutOf([{ ...(MOMENTS[0] as Moment), nearest }]);
+  assert.deepEqual([0.2998, 0.3, 0.5, 1.2, 20].map(reach), [1.5, 1.5, 2.5, 7.5, 100]);
+  assert.equal(reach(null), null);
+});
+
+test("the code opens the sample in which something was met, or the span, and never the sample before", () => {
+  const [first, gap, , odd] = MOMENTS as [Moment, Moment, Moment, Moment];
+  assert.equal(toCode(first), 'robowidgets.open("/runs/run_10.mcap").at("/scan", 5.5)');
+  assert.equal(toCode(odd), 'robowidgets.open("/runs/run_10.mcap").at("/scan", 3.124)');
+  assert.equal(toCode(gap), 'robowidgets.open("/runs/run_2.mcap")[1:1.001]');
+});
+
+/** What robowidgets/fleet/_pictures.py packs; tests/unit/fleet/test_sheet.py holds it to the same bytes. */
+const PACKED =
+  "05000000010003000000003f0000003e6f12033b05000000640004800000" +
+  "66616374730007000000020002000000" +
+  "80bf000020410000000000000000" +
+  "0000803fcdcccc3d";
+
+test("pictures are what Python has packed", () => {
+  const bytes = Uint8Array.from(PACKED.match(/../g) as string[], (byte) => Number.parseInt(byte, 16));
+  // At an odd place of a message.
+  const message = new Uint8Array(bytes.length + 3);
+  message.set(bytes, 3);
+  const found = unpack(new DataView(message.buffer, 3));
+  assert.deepEqual([...found.keys()], [5, 7]);
+  assert.equal(found.get(5)?.words, "facts");
+  assert.deepEqual([...(found.get(5)?.values ?? [])], [100, LIT | 4, 0]);
+  assert.deepEqual(found.get(5)?.facts, [0.5, 0.125]);
+  assert.deepEqual(found.get(7)?.form, "line");
+  assert.deepEqual([...(found.get(7)?.values ?? [])], [1, Math.fround(0.1)]);
+});

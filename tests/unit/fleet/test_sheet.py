@@ -1,0 +1,202 @@
+"""The contact sheet: its pictures, in which order they are sent, and what a click opens."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import robowidgets
+from robowidgets import conditions
+from robowidgets.fleet import Hits, find
+from robowidgets.fleet._picture_sender import PictureSender
+from robowidgets.fleet._pictures import LINE, RAYS, WORDS, Thumbnail, pictures
+from robowidgets.fleet._sheet import Sheet
+from robowidgets.search.base import condition
+
+from .executors import Here
+
+JS = Path(__file__).parents[2] / "js" / "sheet.test.ts"
+NEAR = conditions.nearest_below(0.3)
+
+
+class Scheduler:
+    """Does turns when a test says so."""
+
+    class clock:  # noqa: N801
+        now = staticmethod(lambda: 0.0)
+
+    def __init__(self) -> None:
+        self.turn: Callable[[], float | None] | None = None
+        self.has_left = False
+
+    def start(self, turn: Any, *_: Any, **__: Any) -> Scheduler:
+        self.turn = turn
+        return self
+
+    def wake(self) -> None:
+        pass
+
+    def leave(self) -> None:
+        self.has_left = True
+
+
+@pytest.fixture
+def hits(runs: Path) -> Hits:
+    return find(NEAR, runs, executor=Here())
+
+
+@pytest.fixture
+def sheet(hits: Hits) -> Iterator[Sheet]:
+    shown = hits.show()
+    yield shown
+    shown.close()
+
+
+def of(wanted: Any) -> list[Thumbnail]:
+    """The first pictures of what is found in the sample."""
+    with robowidgets.open(robowidgets.SAMPLE) as recording:
+        found = find(wanted, robowidgets.SAMPLE, executor=Here())
+        return list(made(recording, found, wanted))
+
+
+def made(recording: Any, found: Hits, wanted: Any) -> Iterator[Thumbnail]:
+    for packed in pictures(recording, dict(enumerate(found[:3])), condition(wanted)):
+        form, count = packed[4], int.from_bytes(packed[6:8], "little")
+        size = count * {RAYS: 2, LINE: 4, WORDS: 1}[form]
+        words = int.from_bytes(packed[20:22], "little")
+        values = np.frombuffer(packed[24 : 24 + size], {RAYS: "<u2", LINE: "<f4", WORDS: "u1"}[form])
+        yield Thumbnail(form, values, words=packed[24 + size : 24 + size + words].decode())
+
+
+def test_a_picture_is_the_scan_that_met_the_nearest_thing_and_lights_each_ray_below_the_limit() -> None:
+    with robowidgets.open(robowidgets.SAMPLE) as recording:
+        found = find(NEAR, robowidgets.SAMPLE, executor=Here())
+        hit = found[2]
+        scan = recording.at("/scan", hit.moment).sample
+        assert scan.nearest().index == hit.index
+        picture = list(made(recording, found, NEAR))[2]
+    is_near = np.pad(scan.ranges < np.float32(0.3), (0, -len(scan) % 2)).reshape(-1, 2).any(axis=1)
+    assert np.array_equal((picture.values & 0x8000) != 0, is_near)
+    shown = (picture.values & 0x7FFF) * 0.002
+    assert shown[hit.index // 2] == pytest.approx(hit.nearest, abs=0.001)
+    assert picture.words == "0.15 < 0.30 m"
+
+
+@pytest.mark.parametrize(
+    ("wanted", "form", "words"),
+    [
+        (conditions.touched(), WORDS, "right"),
+        (conditions.event(), WORDS, "right touched"),
+        (conditions.speed_above(0.2), LINE, "0.20 > 0.20 m/s"),
+        (conditions.field("/odom.twist.twist.linear.x") < 0, LINE, "−0.05 < 0.00 m/s"),
+        (conditions.gap(0.05), RAYS, "nothing on /scan"),
+        (conditions.touched() & conditions.nearest_below(0.5), RAYS, "right · 0.15 < 0.50 m"),
+        (lambda moment: moment.scan.distance("front") < 0.4, RAYS, "0.15 < 0.40 m"),
+    ],
+    ids=["touched", "event", "speed", "field", "gap", "joined", "function"],
+)
+def test_a_hit_shows_what_its_condition_looked_at(wanted: Any, form: int, words: str) -> None:
+    first = of(wanted)[0]
+    assert (first.form, first.words) == (form, words)
+
+
+def test_the_page_unpacks_what_is_packed() -> None:
+    rays = Thumbnail(RAYS, np.array([100, 0x8004, 0], "<u2"), (0.5, 0.125), 0.002, "facts").pack(5)
+    line = Thumbnail(LINE, np.array([1.0, 0.1], "<f4"), (-1.0, 10.0)).pack(7)
+    known = "".join(re.findall(r'"([0-9a-f]+)"', JS.read_text(encoding="utf-8").split("PACKED =")[1].split(";")[0]))
+    assert (rays + line).hex() == known
+
+
+def test_what_a_page_looks_at_comes_first_by_its_newest_word_and_then_all_others(hits: Hits) -> None:
+    sent: list[list[int]] = []
+    held: list[bytes] = []
+
+    def numbers(packed: bytes) -> list[int]:
+        found, at = [], 0
+        while at < len(packed):
+            found.append(int.from_bytes(packed[at : at + 4], "little"))
+            size = int.from_bytes(packed[at + 6 : at + 8], "little") * 2 + int.from_bytes(
+                packed[at + 20 : at + 22], "little"
+            )
+            at += 24 + size + -size % 4
+        return found
+
+    scheduler = Scheduler()
+    sender = PictureSender(lambda packed: sent.append(numbers(packed)), held.append, NEAR, scheduler)  # type: ignore[arg-type]
+    sender.set_hits(hits)
+    assert scheduler.turn is None  # nobody looks
+    sender.look([20, 0])
+    assert scheduler.turn
+    scheduler.turn()
+    sender.look([9, 10])  # it scrolled on
+    scheduler.turn()
+    assert sent == [[20], [9, 10]]
+    while scheduler.turn() is not None:
+        pass
+    assert sorted(number for one in sent for number in one) == list(range(len(hits)))
+    assert [numbers(one) for one in held] == [[20, 9, 10]]
+    sender.look([20])  # a page that has lost it
+    scheduler.turn()
+    assert sent[-1] == [20]
+    sender.close()
+    scheduler.turn()
+    assert scheduler.has_left
+
+
+def test_a_file_that_is_gone_has_the_reason_in_the_place_of_its_pictures(hits: Hits, runs: Path) -> None:
+    sent: list[bytes] = []
+    (runs / "run_2.mcap").unlink()
+    scheduler = Scheduler()
+    sender = PictureSender(sent.append, lambda _: None, NEAR, scheduler)  # type: ignore[arg-type]
+    sender.set_hits(hits)
+    sender.look([next(i for i, hit in enumerate(hits) if hit.file.endswith("run_2.mcap"))])
+    assert scheduler.turn
+    scheduler.turn()
+    assert b"run_2.mcap" in sent[0]
+
+
+def test_the_sheet_holds_the_hits_by_column_and_the_files_that_were_not_read(sheet: Sheet, hits: Hits) -> None:
+    state = sheet.widget.get_state()
+    assert [state["_files"][i][0] for i in state["_columns"]["file"]] == [hit.file for hit in hits]
+    assert state["_columns"]["nearest"] == [hit.nearest for hit in hits]
+    assert [one["name"] for one in state["_unread"]] == ["broken.bag"]
+    assert (state["_total"], state["_done"], state["condition"]) == (4, None, "nearest below 0.3 m")
+
+
+def test_a_click_opens_the_player_at_the_moment_with_all_moments_of_the_file_marked(sheet: Sheet, hits: Hits) -> None:
+    sheet.widget._on_page(sheet.widget, {"open": 12}, [])
+    player = sheet.player
+    assert player is not None
+    assert str(player.recording.path) == hits[12].file
+    assert player.time == pytest.approx(hits[12].moment)
+    assert len(player.marks) == sum(hit.file == hits[12].file for hit in hits)
+    assert sheet.children == (sheet.widget, player)
+    other = next(i for i, hit in enumerate(hits) if hit.file == hits[12].file and i != 12)
+    sheet.widget._on_page(sheet.widget, {"open": other}, [])
+    assert sheet.player is player  # it is open already
+    sheet.widget._on_page(sheet.widget, {"open": 0}, [])
+    assert sheet.player is not player
+    assert sheet.widget._opened == 0
+
+
+def test_a_moment_whose_file_is_gone_is_told_and_the_open_one_stays(sheet: Sheet, hits: Hits) -> None:
+    sheet.open_hit(0)
+    player = sheet.player
+    last = len(hits) - 1
+    Path(hits[last].file).unlink()
+    sheet.widget._on_page(sheet.widget, {"open": last}, [])
+    assert Path(hits[last].file).name in sheet.widget._status
+    assert sheet.player is player
+
+
+def test_what_a_person_picked_and_marked_is_there_for_the_program(sheet: Sheet, hits: Hits) -> None:
+    assert sheet.picked is None
+    sheet.widget.picked = 3
+    sheet.widget.false_finds = [1, 3]
+    assert sheet.picked == hits[3]
+    assert sheet.false_finds == [hits[1], hits[3]]
