@@ -71,12 +71,13 @@ class Hits(FleetTable, Sequence[Hit]):
     def __getitem__(self, which: int | slice) -> Hit | Hits:
         if not isinstance(which, slice):
             return self._hits[which]
-        rows = {"files": self.files, "unread": self.unread, "until": self.until, "note": self._note}
+        rows: dict[str, Any] = {"files": self.files, "unread": self.unread, "until": self.until, "note": self._note}
         return Hits(
             self.condition if self._wanted is None else self._wanted,
             self._hits[which],
             chosen=self.chosen,
             problems=self.problems,
+            told=self._how,
             **rows,
         )
 
