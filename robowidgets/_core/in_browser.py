@@ -38,9 +38,21 @@ LONG_CELL = (
 )
 
 
-def absent(what: str, instead: str) -> str:
-    """What is said of something that cannot be in a browser, and what to do instead."""
-    return f"{what} cannot be reached from Python in a browser: {instead}"
+NO_RECORDINGS = (
+    "recordings cannot be opened in this browser, whose Python has no lz4 and no zstd to unpack them: open them where "
+    "Jupyter runs on a computer; a page that recording.to_html() writes there plays in any browser"
+)
+
+
+def no_robot(what: str) -> str:
+    """Why robots cannot be reached from here, and what to do instead; empty where this is no browser."""
+    if not IN_BROWSER:
+        return ""
+    return (
+        f"{what} cannot be used in a browser: its Python opens no connections, and a cell that computes would hold up "
+        "the zero that stops a robot, so no real robot is driven from there. feeds.simulator() has a robot that needs "
+        "neither; for a real one, run Jupyter on a computer in its network"
+    )
 
 
 def prepare() -> StackThreads:

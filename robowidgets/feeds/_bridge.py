@@ -10,6 +10,7 @@ from collections.abc import Callable, Iterable, Mapping
 from functools import partial
 from typing import Any
 
+from .._core import in_browser
 from .._core.clock import Clock
 from ._threaded import ThreadedMiddleware
 from ._websocket import COMPARE, LARGEST, Frame, WebSocket, checked
@@ -68,6 +69,8 @@ class Bridge(ThreadedMiddleware):
 
     def open(self, listener: Listener) -> None:
         """See `Middleware`."""
+        if why := in_browser.no_robot(self.where):
+            raise FeedError(why)
         try:
             import tornado.websocket  # noqa: F401
         except ImportError:

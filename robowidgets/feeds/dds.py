@@ -8,6 +8,7 @@ from contextlib import suppress
 from ipaddress import IPv4Address, IPv6Address, ip_address
 from typing import TYPE_CHECKING, Any
 
+from .._core import in_browser
 from .._core.clock import Clock
 from ..messages.twist import TWIST_STAMPED, encode_twist
 from ._guard.mark import MARK
@@ -56,6 +57,8 @@ class Dds(ThreadedMiddleware):
 
     def open(self, listener: Listener) -> None:
         """See `Middleware`."""
+        if why := in_browser.no_robot("feeds.dds"):
+            raise FeedError(why)
         try:
             import cyclonedds.domain  # noqa: F401
         except ImportError as error:

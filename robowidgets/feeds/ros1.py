@@ -9,6 +9,7 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any, NamedTuple
 from urllib.parse import urlsplit
 
+from .._core import in_browser
 from ..messages.channel import Channel
 from ._guard.mark import MARK
 from ._ros1_master import Master, MasterError, SystemState
@@ -73,6 +74,8 @@ class Ros1(ThreadedMiddleware):
 
     def open(self, listener: Listener) -> None:
         """See `Middleware`. FeedError without rospy, or if ROS_MASTER_URI names no master."""
+        if why := in_browser.no_robot("feeds.ros1"):
+            raise FeedError(why)
         try:
             import rosgraph
             import roslib.message  # noqa: F401

@@ -7,6 +7,7 @@ import os
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
+from .._core import in_browser
 from .._core.clock import Clock
 from ._guard.mark import MARK
 from ._ros2_common import ALONE, checked_domain, is_alone, no_robot
@@ -76,6 +77,8 @@ class Ros2(ThreadedMiddleware):
 
     def open(self, listener: Listener) -> None:
         """See `Middleware`."""
+        if why := in_browser.no_robot("feeds.ros2"):
+            raise FeedError(why)
         try:
             import rclpy  # noqa: F401
             import rosidl_runtime_py.utilities  # noqa: F401

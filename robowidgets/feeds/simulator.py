@@ -9,6 +9,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
+from .._core import in_browser
 from ..behaviors.program import ENDED
 from ..driving.command_watchdog import Velocity
 from ..kinds import KINDS, load
@@ -212,6 +213,8 @@ def simulator(
     for name, value in (("wander", wander), ("process", process)):
         if not isinstance(value, bool):
             raise TypeError(f"{name}: expected True or False, got {value!r}")
+    if process and in_browser.IN_BROWSER:
+        raise ValueError("process: expected False, because Python in a browser starts no processes, got True")
     if not isinstance(robot, Robot):
         world = room if isinstance(room, World) else room_of("house" if room is None else room, seed)
         robot = Robot(world, scanner=scanner, seed=seed, model="plain" if robot is None else robot)

@@ -1,0 +1,220 @@
+"""Builds JupyterLite with robowidgets, a folder of files that any web server serves: `lite_site.py OUT [FOLDER...]`.
+
+Notebooks: the lessons, in all languages, and those in each FOLDER, below its name in OUT. It asks no registry: the
+packages lie in .venv-site, as scripts/lite.sh fetches them. NumPy for the browser is in no registry.
+ROBOWIDGETS_PYODIDE_NUMPY names the file of Pyodide's distribution, or is `pyodide`, which fetches it from there; its
+hash is that of Pyodide's lock. Without it JupyterLite is built, but its notebooks end at the first import.
+"""
+
+from __future__ import annotations
+
+import argparse
+import base64
+import hashlib
+import json
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+import zipfile
+from collections.abc import Iterable
+from email.parser import HeaderParser
+from pathlib import Path
+from typing import Any
+from urllib.request import urlopen
+
+from packaging.requirements import Requirement
+from packaging.utils import canonicalize_name
+
+ROOT = Path(__file__).resolve().parents[1]
+VENV = ROOT / ".venv-site"
+PYODIDE = ROOT / "tests" / "browser" / "node_modules" / "pyodide"
+VERSION = json.loads((PYODIDE / "package.json").read_text(encoding="utf-8"))["version"]
+CORE = ("pyodide.js", "pyodide.mjs", "pyodide.asm.js", "pyodide.asm.wasm", "python_stdlib.zip")
+KERNEL = VENV / "share" / "jupyter" / "labextensions" / "@jupyterlite" / "pyodide-kernel-extension" / "static" / "pypi"
+DISTRIBUTION = "https://cdn.jsdelivr.net/pyodide/v{version}/full/{file}"
+NOTEBOOKS = ("from_picture_to_code", "from_code_to_behavior", "from_behavior_to_robot")
+
+EMPTY = ("jedi", "sqlite3")
+"""What the kernel asks for and the site does without: 5 MB for completions, and a database that keeps the history."""
+
+LEFT_OUT = frozenset({"apsw", "lz4", "mcap", "zstandard", "backports-zstd", "jupyterlab-widgets", "pexpect", "jedi"})
+"""What packages depend on and a browser does not have, or does not need: compiled readers of recordings, a terminal."""
+
+PRELOADED = ("micropip", "piplite", "sqlite3", "ipykernel", "comm", "pyodide_kernel", "jedi", "ipython", "robowidgets")
+"""With the underscore of `pyodide_kernel`: the kernel compares these names with those that it would fetch from PyPI."""
+
+BROWSER = {"sys_platform": "emscripten", "platform_system": "Emscripten", "python_version": "3.13", "extra": ""}
+
+
+def main() -> None:
+    """Build JupyterLite into the folder that the shell names."""
+    given = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    given.add_argument("out", type=Path)
+    given.add_argument("folders", type=Path, nargs="*", help="notebooks to add, below the name of their folder")
+    asked = given.parse_args()
+    with tempfile.TemporaryDirectory() as folder:
+        lite = Path(folder)
+        write_core(lite / "static" / "pyodide")
+        write_settings(lite)
+        files = lite / "files"
+        files.mkdir()
+        for name in NOTEBOOKS:
+            for source in (ROOT / "notebooks").rglob(f"{name}.ipynb"):
+                target = files / source.relative_to(ROOT / "notebooks")
+                target.parent.mkdir(exist_ok=True)
+                shutil.copy(source, target)
+        for one in asked.folders:
+            shutil.copytree(one, files / one.name)
+        subprocess.run(
+            [VENV / "bin" / "jupyter", "lite", "build", "--lite-dir", lite, "--output-dir", lite / "out",
+             "--no-sourcemaps", "--apps", "notebooks", "--apps", "lab", "--no-unused-shared-packages"],
+            cwd=lite, check=True, env=os.environ | {"PATH": f"{VENV / 'bin'}:{os.environ['PATH']}"},
+        )  # fmt: skip
+        shutil.rmtree(asked.out, ignore_errors=True)
+        shutil.copytree(lite / "out", asked.out)
+    check(asked.out / "static" / "pyodide")
+
+
+def write_core(to: Path) -> None:
+    """Write Python for the browser, the packages beside it, and the lock that names them all."""
+    to.mkdir(parents=True)
+    for name in CORE:
+        shutil.copy(PYODIDE / name, to)
+    found = [*(VENV / "wheels").glob("*.whl"), *KERNEL.glob("*.whl"), *map(empty_wheel, EMPTY), own_wheel()]
+    # Of widgetsnbextension the kernel has a wheel for ipywidgets 7, and one for 8.
+    by_name = {canonicalize_name(wheel.name.split("-")[0]): wheel for wheel in sorted(found, key=lambda one: one.name)}
+    lock = json.loads((PYODIDE / "pyodide-lock.json").read_text(encoding="utf-8"))
+    numpy = numpy_of(lock)
+    names = {*by_name, *(["numpy"] if numpy else [])}
+    packages = {name: entry_of(wheel, names) for name, wheel in by_name.items()}
+    for wheel in by_name.values():
+        shutil.copy(wheel, to)
+    if numpy:
+        packages["numpy"] = lock["packages"]["numpy"] | {"depends": []}
+        (to / packages["numpy"]["file_name"]).write_bytes(numpy)
+    text = json.dumps({"info": lock["info"], "packages": dict(sorted(packages.items()))}, indent=1)
+    (to / "pyodide-lock.json").write_text(text, encoding="utf-8")
+
+
+def entry_of(wheel: Path, names: set[str]) -> dict[str, Any]:
+    """What the lock says of a wheel, whose name and needs it has from its metadata."""
+    with zipfile.ZipFile(wheel) as archive:
+        files = archive.namelist()
+        metadata = next(name for name in files if name.endswith(".dist-info/METADATA"))
+        about = HeaderParser().parsestr(archive.read(metadata).decode())
+    needs = [Requirement(text) for text in about.get_all("Requires-Dist", [])]
+    wanted = {canonicalize_name(need.name) for need in needs if need.marker is None or need.marker.evaluate(BROWSER)}
+    if unknown := wanted - names - LEFT_OUT - {"numpy"}:
+        raise SystemExit(f"{wheel.name} needs {', '.join(sorted(unknown))}: add it to scripts/lite-wheels.txt")
+    modules = (name for name in files if name.endswith(".py") and ".dist-info/" not in name)
+    return {
+        "name": canonicalize_name(about["Name"]),
+        "version": about["Version"],
+        "file_name": wheel.name,
+        "install_dir": "site",
+        "sha256": hashlib.sha256(wheel.read_bytes()).hexdigest(),
+        "package_type": "package",
+        "imports": sorted({name.split("/")[0].removesuffix(".py") for name in modules}),
+        "depends": sorted(wanted & names),
+        "unvendored_tests": False,
+    }
+
+
+def own_wheel() -> Path:
+    """The wheel of this checkout, with the bundles that are built."""
+    to = VENV / "own"
+    shutil.rmtree(to, ignore_errors=True)
+    subprocess.run(
+        [VENV / "bin" / "python", "-m", "build", "--wheel", "--no-isolation", "--skip-dependency-check", "-o", to],
+        cwd=ROOT, check=True, stdout=subprocess.DEVNULL, env=os.environ | {"SKIP_JUPYTER_BUILDER": "1"},
+    )  # fmt: skip
+    return next(to.glob("*.whl"))
+
+
+def empty_wheel(name: str) -> Path:
+    """A wheel with nothing in it."""
+    info, wheel = f"{name}-0.0.0.dist-info", VENV / f"{name}-0.0.0-py3-none-any.whl"
+    texts = {
+        f"{info}/METADATA": f"Metadata-Version: 2.1\nName: {name}\nVersion: 0.0.0\n",
+        f"{info}/WHEEL": "Wheel-Version: 1.0\nGenerator: robowidgets\nRoot-Is-Purelib: true\nTag: py3-none-any\n",
+    }
+    with zipfile.ZipFile(wheel, "w") as archive:
+        for file, text in texts.items():
+            archive.writestr(file, text)
+        archive.writestr(f"{info}/RECORD", "".join(record(texts)) + f"{info}/RECORD,,\n")
+    return wheel
+
+
+def record(texts: dict[str, str]) -> Iterable[str]:
+    """The lines of a wheel's record."""
+    for file, text in texts.items():
+        digest = base64.urlsafe_b64encode(hashlib.sha256(text.encode()).digest()).rstrip(b"=").decode()
+        yield f"{file},sha256={digest},{len(text)}\n"
+
+
+def numpy_of(lock: dict[str, Any]) -> bytes:
+    """NumPy for the browser, checked against Pyodide's lock; empty where there is none."""
+    given, entry = os.environ.get("ROBOWIDGETS_PYODIDE_NUMPY", ""), lock["packages"]["numpy"]
+    if not given:
+        print(
+            "Skipped: NumPy for the browser, so the site's notebooks end at `import robowidgets`. "
+            f"ROBOWIDGETS_PYODIDE_NUMPY={entry['file_name']} or =pyodide adds it."
+        )
+        return b""
+    if given == "pyodide":
+        with urlopen(DISTRIBUTION.format(version=VERSION, file=entry["file_name"]), timeout=60) as came:
+            numpy = bytes(came.read())
+    else:
+        numpy = Path(given).read_bytes()
+    found = hashlib.sha256(numpy).hexdigest()
+    if found != entry["sha256"]:
+        raise SystemExit(
+            f"ROBOWIDGETS_PYODIDE_NUMPY: {given} is not the {entry['file_name']} that Pyodide "
+            f"{VERSION} locks: its sha256 is {found}, expected {entry['sha256']}"
+        )
+    return numpy
+
+
+def write_settings(lite: Path) -> None:
+    """Have the kernel load Python and all packages from the site, and nothing from elsewhere."""
+    lock = json.loads((lite / "static" / "pyodide" / "pyodide-lock.json").read_text(encoding="utf-8"))
+    kernel = {
+        "pyodideUrl": "./static/pyodide/pyodide.js",
+        "disablePyPIFallback": True,
+        "loadPyodideOptions": {"packages": [*PRELOADED, *({"numpy"} & lock["packages"].keys())]},
+    }
+    settings = {
+        "jupyter-lite-schema-version": 0,
+        "jupyter-config-data": {
+            "appName": "robowidgets",
+            "litePluginSettings": {"@jupyterlite/pyodide-kernel-extension:kernel": kernel},
+        },
+    }
+    (lite / "jupyter-lite.json").write_text(json.dumps(settings, indent=1), encoding="utf-8")
+
+
+_CHECK = """
+const [folder, ...packages] = process.argv.slice(1);
+process.on("uncaughtException", (error) => { console.error(String(error).slice(0, 1000)); process.exit(1); });
+const { loadPyodide } = require(`${folder}/pyodide.js`);
+loadPyodide({ indexURL: folder, packages }).then(
+  (python) => python.runPython("import IPython, comm, ipywidgets, micropip, traitlets, rosbags.typesys"),
+);
+"""
+
+
+def check(folder: Path) -> None:
+    """Load what the kernel loads: a name that the lock does not have leaves the page of a notebook silent."""
+    node = shutil.which("node", path=f"{Path(sys.executable).parent}:{os.environ['PATH']}")
+    ended = subprocess.run(
+        [str(node), "-e", _CHECK, folder.resolve(), *PRELOADED],
+        stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, timeout=300, check=False,
+    )  # fmt: skip
+    if ended.returncode:
+        raise SystemExit(f"the packages of the site do not load: {ended.stderr}")
+
+
+if __name__ == "__main__":
+    main()
