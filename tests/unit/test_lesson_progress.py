@@ -217,7 +217,7 @@ def test_the_command_puts_the_lessons_into_a_folder_and_runs_no_cell(
     assert opened == [(folder / "mine" / "from_picture_to_code.ipynb", False)]
     assert (folder / "mine" / "from_code_to_behavior.ipynb").exists()
     assert main(["lessons", "--language", "xx"]) == 1
-    assert "no lesson is written in 'xx'; there are en" in capsys.readouterr().err
+    assert "no lesson is written in 'xx'; there are de, en" in capsys.readouterr().err
 
 
 def test_assignments_have_a_cell_for_each_answer_and_a_locked_one_that_checks_it_and_no_solution(
