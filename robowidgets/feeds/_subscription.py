@@ -15,8 +15,8 @@ from ..kinds import asked_of_widget, role_of, sensor_of
 from ._topics import FeedTopic, no_such
 from ._two_scanners import TwoScanners
 
-SOON = 1.0
-"""Seconds within which a message comes that a publisher kept."""
+SOON = 5.0
+"""Seconds within which a message comes that a publisher kept, from a robot of hundreds of topics, too."""
 
 RARE = 2.0
 """Seconds between messages of a topic of which the last is kept, at least."""

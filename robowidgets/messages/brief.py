@@ -18,6 +18,9 @@ MOST = 60
 _FEW = 4
 """Numbers of an array that are all said."""
 
+_LEVELS = ("OK", "WARN", "ERROR", "STALE")
+"""Of a ``diagnostic_msgs/DiagnosticStatus``."""
+
 _DEEPEST = 6
 _SKIPPED = frozenset({"header", "stamp", "child_frame_id"})
 _TIME = ({"sec", "nanosec"}, {"secs", "nsecs"})
@@ -41,6 +44,8 @@ def brief(value: Any) -> str:
         return ", ".join(name for name, touched in value.touched.items() if touched)[:MOST] or "nothing touched"
     if value is None or isinstance(value, (str, Real, np.generic)) or _is_array(value):
         return _cut(_leaf(value))
+    if words := _in_words(dict(_items(value))):
+        return _cut(words)
     leaves = list(_leaves(value, ""))
     if not leaves:
         return _cut(" ".join(repr(value).split()))
@@ -55,6 +60,36 @@ def brief(value: Any) -> str:
             return f"{text}, \N{HORIZONTAL ELLIPSIS}" if text else _cut(more)
         text = more
     return text
+
+
+def _in_words(fields: Mapping[str, Any]) -> str:
+    """What a message says of which the first numbers say little; empty of any other."""
+    names = fields.keys()
+    if {"height", "width", "encoding"} <= names:
+        return f"{fields['width']}\N{MULTIPLICATION SIGN}{fields['height']} {fields['encoding']}"
+    if {"height", "width", "point_step"} <= names:
+        return f"{fields['width'] * fields['height']:,} points"
+    if {"level", "message", "hardware_id"} <= names:
+        return f"{fields['name']}: {_level(fields)} {fields['message']}".strip()
+    if "status" in names and _is_array(fields["status"]):
+        those = [dict(_items(one)) for one in fields["status"]]
+        if those and all("level" in one for one in those):
+            worst = max(those, key=_number_of)
+            return f"{_level(worst)}: {worst.get('name', '')} {worst.get('message', '')}, of {len(those)}"
+    if "transforms" in names and _is_array(fields["transforms"]):
+        return f"{len(fields['transforms']):,} frame{'' if len(fields['transforms']) == 1 else 's'}"
+    return ""
+
+
+def _number_of(status: Mapping[str, Any]) -> int:
+    """The level of a status, which ROS 1 and 2 give as a number or a byte."""
+    level = status["level"]
+    return level[0] if isinstance(level, bytes) and level else int(level or 0)
+
+
+def _level(status: Mapping[str, Any]) -> str:
+    number = _number_of(status)
+    return _LEVELS[number] if 0 <= number < len(_LEVELS) else f"level {number}"
 
 
 def number(value: Any) -> str:

@@ -41,6 +41,7 @@ from ..messages.brief import brief
 from ..player_widget import PlayerWidget
 from ..poses.places import WITHIN, Places
 from ..recordings import RecordingData
+from ..recordings.data import NO_SENSOR
 from ..recordings.odometry import places_of
 from ..recordings.times import has_date
 from ..recordings.topics import UnknownTopicError, shown, wanted
@@ -508,7 +509,9 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
 
     def _tell_problems(self) -> None:
         """Show the problems of the recording, some of which are found only when it is read."""
-        lines = [f"⚠ {escape(line)}" for line in self.recording.problems]
+        # What is shown all the same is no problem of somebody who looks at it.
+        there = [line for line in self.recording.problems if line != NO_SENSOR or not self.views]
+        lines = [f"⚠ {escape(line)}" for line in there]
         self._problems.value = "<br>".join(lines)
         self._problems.layout.display = None if lines else "none"
 

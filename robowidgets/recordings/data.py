@@ -47,6 +47,9 @@ _EVENT_BYTES = 500
 """About what an event takes in memory, without its text."""
 
 _NOTHING = "record again; did any node publish, in the same ROS domain?"
+NO_SENSOR = "none of its topics has a widget for its kind of sensor"
+"""What a recording says of which no widget shows anything unless it is asked for it."""
+
 _NO_WIDGET = "its messages are shown as they are; record laser scans, odometry, speeds or bumpers too"
 _CLOCKS = "check sensor, cable and network; set the clock before recording starts, and not during a drive"
 
@@ -488,7 +491,7 @@ class RecordingData:
         if self.start_ns is None:
             return (*found, Problem("there is no message in it: nothing was recorded", _NOTHING))
         if not shown(self.topics):
-            return (*found, Problem("none of its topics has a widget for its kind of sensor", _NO_WIDGET))
+            return (*found, Problem(NO_SENSOR, _NO_WIDGET))
         if not wanted(shown(self.topics).values(), ()):
             return (*found, Problem("no message came on its topics that a widget shows", _NOTHING))
         return (*found, *(Problem(line, _CLOCKS) for line in about_clocks(self._note_clocks())))

@@ -357,13 +357,22 @@ def test_a_cell_that_runs_again_and_again_holds_no_more_than_once(path: Path, mo
     ("name", "line"),
     [
         ("damaged/truncated.mcap", "the recording was cut off"),
-        ("odd/jazzy_mcap_no_laser", "none of its topics has a widget for its kind of sensor"),
         ("odd/empty_bag", "there is no message in it: nothing was recorded"),
     ],
 )
 def test_what_is_wrong_stands_above(data: Path, name: str, line: str) -> None:
     with shown(data / name) as player:
         assert player.children[0].value.startswith(f"⚠ {line}")
+
+
+def test_cards_without_a_sensor_of_a_kind_stand_below_no_warning_until_they_are_taken_off(data: Path) -> None:
+    with shown(data / "odd" / "jazzy_mcap_no_laser") as player:
+        assert [view.choice.topic for view in player.views] == ["/imu/data", "/joint_states"]
+        assert player.children[0].value == ""
+        player.arrangement = []
+        for view in player.views:
+            player._on_toggle(view.choice.topic, False)
+        assert player.children[0].value.startswith("⚠ none of its topics has a widget for its kind of sensor")
 
 
 def test_where_nothing_can_be_shown_there_is_no_bar(data: Path) -> None:
