@@ -17,6 +17,7 @@ from .._core.sample_widget import SampleWidget
 from ..behaviors.program import Program
 from ..behaviors.programs import Programs
 from ..behaviors.robot import DrivenRobot
+from ..driving.command_watchdog import Velocity
 from ..driving.stop_all import stop_at_end
 from ..kinds import asked_of_type, topic_and_field
 from ..messages.twist import TWIST
@@ -379,6 +380,15 @@ class Connection(Observed):
     def show_sent(self, topic: str, speed: Speed) -> None:
         """Show a speed that was sent as commanded, unless the middleware reports it like those of other publishers."""
         self.sent_count += 1
+        self._show_speed(topic, speed)
+
+    def show_beside(self, topic: str, velocity: Velocity) -> None:
+        """Show a speed that another feed of this process has sent to the same robot, by the guard of both."""
+        if self._driven is None:
+            self.list_driven(topic)
+        self._show_speed(topic, velocity.as_speed)
+
+    def _show_speed(self, topic: str, speed: Speed) -> None:
         subscription = self._table.by_topic.get(topic)
         if subscription is not None and not self.topic_of(topic).offered:
             subscription.take(speed)

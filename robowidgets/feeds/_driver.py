@@ -70,6 +70,7 @@ class Driver:
         if self._link is not None:
             self._link.observe(self._after_guard)
             self._link.on_unheard[self._number] = connection.on_unheard
+            self._link.on_sent[self._number] = connection.show_beside
 
     def prepare(self) -> None:
         """Start the guard, where there may be one: it takes a moment until it can send a speed."""
@@ -129,7 +130,10 @@ class Driver:
     @property
     def status(self) -> str:
         """See `Feed.drive_status`."""
-        return self._connection.status or "; ".join(self._status.reasons(self.topic, self._listed))
+        reasons = self._status.reasons(self.topic, self._listed)
+        if self._link is not None and self._link.is_driven_beside(self._number):
+            reasons.append("another feed of this kernel drives the robot, too")
+        return self._connection.status or "; ".join(reasons)
 
     def drive(self, wanted: Velocity) -> None:
         """See `Feed.drive`."""
@@ -290,6 +294,7 @@ class Driver:
             else:
                 self._twists.note_moved(topic, sent.moved)
                 self._status.refused = sent.refused
+                guard.tell_others(self._number, topic, velocity)
                 return
         self._twists.send(topic, velocity, self._connection.adverts)
         self._status.refused = self._twists.refused

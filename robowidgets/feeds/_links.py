@@ -6,6 +6,7 @@ from collections.abc import Callable
 from typing import Any, Protocol
 
 from .._core.clock import Clock
+from ..driving.command_watchdog import Velocity
 from ..samples import Speed
 from ._subscription import Target
 from ._topics import FeedTopic
@@ -84,6 +85,9 @@ class DriveLink(Protocol):
 
     def show_sent(self, topic: str, speed: Speed) -> None:
         """Show a speed that was sent."""
+
+    def show_beside(self, topic: str, velocity: Velocity) -> None:
+        """Show a speed that another feed of this process has sent."""
 
     def on_unheard(self, topic: str, reason: str) -> None:
         """Note why a subscriber does not receive speeds."""

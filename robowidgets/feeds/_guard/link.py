@@ -81,6 +81,8 @@ class GuardLink(Observed):
         self.up_at = float("-inf")
         self.on_unheard: dict[int, Callable[[str, str], object]] = {}
         """By feed: called with a topic, and the reason why a subscriber does not receive it."""
+        self.on_sent: dict[int, Callable[[str, Velocity], object]] = {}
+        """By feed: called with each topic and speed that another feed has sent by this guard."""
         self._lock = threading.RLock()
         self._changed = threading.Condition(self._lock)
         self._socket: socket.socket | None = None
@@ -153,6 +155,16 @@ class GuardLink(Observed):
                 self._moving.discard(feed)
             return answer.sent
 
+    def tell_others(self, feed: int, topic: str, velocity: Velocity) -> None:
+        """Tell the other feeds what a feed has sent. They do not hear it of the robot: a guard is no other program."""
+        for number, call in list(self.on_sent.items()):
+            if number != feed:
+                call(topic, velocity)
+
+    def is_driven_beside(self, feed: int) -> bool:
+        """Whether another feed of this process drives the robot now."""
+        return bool(self._moving - {feed})
+
     def listen(self, guard: socket.socket, *first: Any) -> None:
         """Hear what a guard says, and tell it that the kernel is alive, until it hangs up.
 
@@ -186,6 +198,7 @@ class GuardLink(Observed):
         with self._lock:
             self._moving.discard(feed)
             self.on_unheard.pop(feed, None)
+            self.on_sent.pop(feed, None)
             if self._is_ready:
                 self._write(packed("close", feed))
 

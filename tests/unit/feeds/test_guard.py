@@ -231,11 +231,20 @@ def test_a_guard_publishes_by_a_connection_of_its_own_and_confirms_zero(
 
 
 @pytest.mark.slow
-def test_feeds_of_one_robot_share_a_guard_that_ends_with_the_last(robot: Rosbridge, with_guards: ExitStack) -> None:
+def test_feeds_of_one_robot_share_a_guard_that_ends_with_the_last_and_see_each_other_s_speeds(
+    robot: Rosbridge, with_guards: ExitStack
+) -> None:
     feed, guard = opened(with_guards, robot)
     other, same = opened(with_guards, robot)
     assert same is guard
     pid = guard.pid
+    shown: list[float] = []
+    other.connection.attach("/cmd_vel", lambda speed: shown.append(speed.linear[0]))  # as a widget is connected
+    feed.drive(0.1)
+    wait_for(lambda: shown == [0.1], "the other one shows it")
+    assert (other.drive_status, feed.drive_status) == ("another feed of this kernel drives the robot, too", "")
+    feed.stop()
+    wait_for(lambda: shown[-1] == 0.0 and other.drive_status == "", "the other one shows zero")
     feed.close()
     other.drive(0.3)
     other.close()
