@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ctypes
 import os
 import re
 import signal
@@ -50,6 +51,23 @@ def test_it_is_driven_measured_moved_and_goes_on_while_a_call_holds_the_interpre
         wait_for(
             lambda: time.monotonic() - began - (robot.time - before) < passed / 3, "its time has gone on meanwhile"
         )
+
+
+def test_a_guard_in_its_process_stops_it_while_a_call_holds_the_interpreter() -> None:
+    with feeds.simulator(room=World([(90.0, -2.0, 90.0, 2.0)]), process=True, wander=False, hz=50) as feed:
+        robot = feed.robot
+        feed.driving = feeds.Driving(hold=60.0)
+        feed.drive(0.3)
+        wait_for(lambda: robot.pose.x > 0.1, "it drives")
+        feed.drive(0.3)
+        before, place = robot.time, robot.pose.x
+        ctypes.PyDLL(None).usleep(3_000_000)
+        wait_for(lambda: robot.time > before + 2.5, "its time has gone on meanwhile")
+        wait_for(lambda: "the guard stopped the robot meanwhile" in feed.drive_status, "it is told")
+        wait_for(lambda: robot.command().linear[0] == 0.0, "it stands")
+        assert robot.pose.x - place < 0.3 * (robot.time - before) / 2
+        feed.drive(0.2)
+        wait_for(lambda: robot.command().linear[0] == 0.2, "it drives again")
 
 
 def test_each_sample_is_recorded_while_a_call_holds_the_interpreter(tmp_path: Path) -> None:
