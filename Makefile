@@ -94,10 +94,13 @@ test-browser: setup build $(EXPORT_MODULES)
 	scripts/firefox.sh
 	$(PYTEST) --numprocesses 3 --dist worksteal tests/browser
 
-# The documentation as a folder of files that any web server serves.
-site: setup build
+# The documentation, and JupyterLite with the lessons in site/lite, as a folder of files that any web server serves.
+site: setup build $(EXPORT_MODULES)
+	scripts/lite.sh
 	.venv/bin/pip install --quiet --group site
-	.venv/bin/python scripts/docs_site.py site
+	.venv/bin/python scripts/docs_site.py site $(if $(ROBOWIDGETS_PYODIDE_NUMPY),--lite)
+	.venv/bin/python scripts/lite_site.py site/lite docs=site/try
+	rm -r site/try
 
 bench: setup build
 	scripts/chromium.sh
@@ -116,7 +119,7 @@ pictures: setup build
 	for page in tests/screenshots/gallery-*.html; do cp "$$page" "docs/pages/$${page##*/gallery-}"; done
 
 clean:
-	rm -rf .venv .venv-floor $(JS)/node_modules tests/browser/node_modules robowidgets/static
+	rm -rf .venv .venv-site .venv-floor $(JS)/node_modules tests/browser/node_modules robowidgets/static
 	rm -rf site tests/screenshots benchmarks/results .pytest_cache .mypy_cache .ruff_cache dist
 
 # Not compiled: only a small part is ever imported.

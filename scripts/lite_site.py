@@ -1,7 +1,7 @@
-"""Builds JupyterLite with robowidgets, a folder of files that any web server serves: `lite_site.py OUT [FOLDER...]`.
+"""Builds JupyterLite with robowidgets as a folder that any web server serves: `lite_site.py OUT [NAME=FOLDER...]`.
 
-Notebooks: the lessons, in all languages, and those in each FOLDER, below its name in OUT. It asks no registry: the
-packages lie in .venv-site, as scripts/lite.sh fetches them. NumPy for the browser is in no registry.
+Notebooks: the lessons, in all languages, and those in each FOLDER, below NAME. It asks no registry: the packages lie in
+.venv-site, as scripts/lite.sh fetches them. NumPy for the browser is in no registry.
 ROBOWIDGETS_PYODIDE_NUMPY names the file of Pyodide's distribution, or is `pyodide`, which fetches it from there; its
 hash is that of Pyodide's lock. Without it JupyterLite is built, but its notebooks end at the first import.
 """
@@ -52,7 +52,7 @@ def main() -> None:
     """Build JupyterLite into the folder that the shell names."""
     given = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     given.add_argument("out", type=Path)
-    given.add_argument("folders", type=Path, nargs="*", help="notebooks to add, below the name of their folder")
+    given.add_argument("folders", nargs="*", metavar="NAME=FOLDER", help="notebooks to add, below a name")
     asked = given.parse_args()
     with tempfile.TemporaryDirectory() as folder:
         lite = Path(folder)
@@ -66,7 +66,8 @@ def main() -> None:
                 target.parent.mkdir(exist_ok=True)
                 shutil.copy(source, target)
         for one in asked.folders:
-            shutil.copytree(one, files / one.name)
+            name, _, source = one.partition("=")
+            shutil.copytree(source, files / name)
         subprocess.run(
             [VENV / "bin" / "jupyter", "lite", "build", "--lite-dir", lite, "--output-dir", lite / "out",
              "--no-sourcemaps", "--apps", "notebooks", "--apps", "lab", "--no-unused-shared-packages"],

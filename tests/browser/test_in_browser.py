@@ -229,7 +229,7 @@ def site(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[str, Path]]
     )
     (notebooks / "lesson.ipynb").write_text(notebook_of([LESSON, PROGRAM, EDIT, CHECK]))
     subprocess.run([ROOT / "scripts" / "lite.sh"], cwd=ROOT, check=True)
-    subprocess.run([sys.executable, ROOT / "scripts" / "lite_site.py", out, notebooks], cwd=ROOT, check=True)
+    subprocess.run([sys.executable, ROOT / "scripts" / "lite_site.py", out, f"tests={notebooks}"], cwd=ROOT, check=True)
     url, stop = serve(out)
     yield url, out
     stop()
