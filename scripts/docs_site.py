@@ -31,7 +31,17 @@ OTHER_PAGES = {ROOT / "CHANGELOG.md": "changelog.md", ROOT / "CONTRIBUTING.md": 
 NEEDS_KERNEL = {"drive_widget", "player_widget", "program_widget", "simulator_widget", "stop_widget", "topics_widget"}
 """Widgets that Python must answer: their pictures stay."""
 
-NOT_IN_BROWSER = {"connect", "feeds", "hosts", "many_recordings", "rerun", "share", "stopping", "wires"}
+NOT_IN_BROWSER = {
+    "connect",
+    "feeds",
+    "hosts",
+    "many_recordings",
+    "rerun",
+    "robots_in_class",
+    "share",
+    "stopping",
+    "wires",
+}
 """Pages whose snippets want a robot, processes, or what a browser has not: without "Try it"."""
 
 API = {

@@ -68,7 +68,7 @@ def translated(notebook: dict[str, Any], language: str, translate: Translate) ->
     cells = []
     for cell in notebook["cells"]:
         text = "".join(cell["source"])
-        if cell["id"].startswith("solution-"):
+        if SOLUTION.search(text):
             text = SOLUTION.sub(lambda found: translate(found[0]), in_code(text, translate))
         elif cell["id"] == "lesson-progress":
             text = text.replace("progress()", f'progress("{language}")')

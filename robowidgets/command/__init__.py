@@ -103,9 +103,12 @@ def _write_page(arguments: argparse.Namespace) -> None:
     _say(export(arguments, _warn))
 
 
-def _lessons_or_summary(arguments: argparse.Namespace) -> int:
+def _do_lessons(arguments: argparse.Namespace) -> int:
     if arguments.summary:
         return _lessons.print_summary(arguments, _say)
+    if arguments.grader:
+        _lessons.print_assignments(arguments, _say)
+        return 0
     language = _lessons.language_of(arguments)
     _in_lab(lambda f: _notebooks.copy_shipped(f, _notebooks.LESSON, language), arguments, runs_cells=False)
     return 0
@@ -154,11 +157,11 @@ def _parser() -> argparse.ArgumentParser:
     lessons = commands.add_parser(
         "lessons",
         help="open the lessons in JupyterLab, or see how far a class is",
-        description="Open the lessons in JupyterLab, in a language; or see how far a class is with them.",
+        description="Open the lessons in JupyterLab, hand them out as assignments, or see how far a class is.",
         epilog="With --summary it exits with 1 when a file in the folder could not be read.",
     )
     _lessons.add_lessons(lessons)
-    lessons.set_defaults(do=_lessons_or_summary)
+    lessons.set_defaults(do=_do_lessons)
     info = commands.add_parser(
         "info",
         help="print what a recording holds",

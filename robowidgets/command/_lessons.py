@@ -1,4 +1,4 @@
-"""The command ``robowidgets lessons``: the lessons in a language, and how far a class is."""
+"""The command ``robowidgets lessons``: the lessons in a language, as assignments, and how far a class is."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from .. import lessons
-from . import _notebooks
+from . import _assignments, _notebooks
 from ._error import CommandError
 
 PAGE = "summary.html"
@@ -26,7 +26,14 @@ def add_lessons(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--language", default=lessons.ENGLISH, help=f"of the lessons and their checks: {', '.join(lessons.languages())}"
     )
-    parser.add_argument(
+    instead = parser.add_mutually_exclusive_group()
+    instead.add_argument(
+        "--for",
+        dest="grader",
+        choices=["nbgrader"],
+        help="write the lessons as assignments, without solutions, into FOLDER/source of a course",
+    )
+    instead.add_argument(
         "--summary",
         action="store_true",
         help=f"print how far the students are whose reports are in FOLDER, and write it as a page (FOLDER/{PAGE})",
@@ -40,6 +47,12 @@ def language_of(arguments: argparse.Namespace) -> str:
             f"--language: no lesson is written in {arguments.language!r}; there are {', '.join(lessons.languages())}"
         )
     return str(arguments.language)
+
+
+def print_assignments(arguments: argparse.Namespace, say: Callable[[str], None]) -> None:
+    """Write the assignments for nbgrader."""
+    for line in _assignments.write_assignments(arguments.folder, language_of(arguments)):
+        say(line)
 
 
 def print_summary(arguments: argparse.Namespace, say: Callable[[str], None]) -> int:

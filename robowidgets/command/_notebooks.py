@@ -31,6 +31,12 @@ def shipped() -> Path:
     raise FileNotFoundError("robowidgets was installed without its notebooks; install it again")
 
 
+def shipped_in(name: str, language: str) -> Path:
+    """A notebook that is shipped, in a language where it is written in that."""
+    there = shipped() / language / name
+    return there if there.exists() else shipped() / name
+
+
 def copy_shipped(folder: Path, first: str = TOUR, language: str = ENGLISH) -> Path:
     """One notebook in a folder, with the others beside it; those that are there already stay as they are.
 
@@ -40,9 +46,8 @@ def copy_shipped(folder: Path, first: str = TOUR, language: str = ENGLISH) -> Pa
         language: of the lessons; the others are English.
     """
     for notebook in shipped().glob("*.ipynb"):
-        there = shipped() / language / notebook.name
         if not (folder / notebook.name).exists():
-            shutil.copyfile(there if there.exists() else notebook, folder / notebook.name)
+            shutil.copyfile(shipped_in(notebook.name, language), folder / notebook.name)
     return folder / first
 
 

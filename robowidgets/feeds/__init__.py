@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from .._core.renamed import renamed
 from ._driving import Driving
+from ._stop_all import StopAll
 from ._topics import FeedTopic
 from .dds import dds
 from .feed import Feed
@@ -27,6 +28,7 @@ __all__ = [
     "FeedTopic",
     "Listener",
     "Middleware",
+    "StopAll",
     "dds",
     "foxglove",
     "recording",

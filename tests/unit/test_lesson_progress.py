@@ -6,6 +6,7 @@ import json
 import os
 import re
 from collections.abc import Iterator
+from itertools import pairwise
 from pathlib import Path
 
 import pytest
@@ -216,4 +217,46 @@ def test_the_command_puts_the_lessons_into_a_folder_and_runs_no_cell(
     assert opened == [(folder / "mine" / "from_picture_to_code.ipynb", False)]
     assert (folder / "mine" / "from_code_to_behavior.ipynb").exists()
     assert main(["lessons", "--language", "xx"]) == 1
-    assert "no lesson is written in 'xx'; there are en" in capsys.readouterr().err
+    assert "no lesson is written in 'xx'; there are de, en" in capsys.readouterr().err
+
+
+def test_assignments_have_a_cell_for_each_answer_and_a_locked_one_that_checks_it_and_no_solution(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["lessons", "--for", "nbgrader", "course", "--language", "de"]) == 0
+    assert [line.rpartition(": ")[2] for line in capsys.readouterr().out.splitlines()] == [
+        "5 tasks, a point each",
+        "7 tasks, a point each",
+    ]
+    grade_ids = set()
+    for name in ("from_picture_to_code", "from_code_to_behavior"):
+        file = folder / "course" / "source" / name / f"{name}.ipynb"
+        text = file.read_text("utf-8")
+        assert "<details>" not in text
+        cells = json.loads(text)["cells"]
+        assert len({cell["id"] for cell in cells}) == len(cells)
+        for before, cell in pairwise(cells):
+            graded = cell["metadata"].get("nbgrader")
+            if graded is None:
+                assert "lessons.check(" not in "".join(cell["source"]) or cell["cell_type"] == "markdown"
+                continue
+            # As nbgrader's schema of version 3 has an autograded test.
+            assert {k: graded[k] for k in ("grade", "locked", "solution", "task", "points", "schema_version")} == {
+                "grade": True,
+                "locked": True,
+                "solution": False,
+                "task": False,
+                "points": 1,
+                "schema_version": 3,
+            }
+            grade_ids.add((name, graded["grade_id"]))
+            answer = "".join(before["source"])
+            assert fingerprint(answer) in _progress._GIVEN
+            if name == "from_picture_to_code":
+                names: dict[str, object] = {"lessons": lessons}
+                with pytest.raises(AssertionError, match="right in "):
+                    exec(answer + "\n\n" + "".join(cell["source"]), names)
+    assert len(grade_ids) == 12
+    (folder / "course" / "source" / "from_picture_to_code" / "from_picture_to_code.ipynb").write_text("mine")
+    assert main(["lessons", "--for", "nbgrader", "course"]) == 0
+    assert "is there already, and stays as it is" in capsys.readouterr().out
