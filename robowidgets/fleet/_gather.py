@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any, NamedTuple, Protocol
 
 from .._core.progress import Progress, without_bars
@@ -46,6 +46,7 @@ def gather(
     executor: Any = None,
     longest: float = LONGEST,
     found: Callable[[Any], int] = lambda result: 0,  # noqa: ARG005
+    grow: Callable[[Mapping[str, Any], Sequence[Unread], Sequence[str]], None] | None = None,
 ) -> FromAll:
     """What a job returns for each recording that some paths name.
 
@@ -57,6 +58,7 @@ def gather(
         executor: as for `each`.
         longest: as for `each`.
         found: how much a result is, for the bar.
+        grow: called now and then with the results so far, what was not read, and all recordings that were named.
 
     Raises:
         TypeError, ValueError: as `places_of` and `each`.
@@ -81,6 +83,8 @@ def gather(
                     count += found(result)
                     results[path] = kept.add(path, states[path], result) if kept else result
                 bar.update(1, f"{count:,} found" if count else "")
+                if grow:
+                    grow(results, unread, [str(place.path) for place in places])
         except KeyboardInterrupt:
             is_cut = True
         finally:

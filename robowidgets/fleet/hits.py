@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+import os
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, overload
 
+from .._core.cells import CellRun, running_cell
+from .._core.output_file import checked_output
 from .._core.tables import Table
 from .._core.text import as_date, listed, many
+from ..export.html import MAX_SIZE, SUFFIXES
 from ..search.base import Condition
 from ..search.spans import cell
 from ._fleet_table import SHOWN, FleetTable, date, number, short, text, texts, whole
@@ -60,9 +65,15 @@ class Hits(FleetTable, Sequence[Hit]):
         self.problems = {file: tuple(lines) for file, lines in problems.items() if lines}
         self._hits = tuple(hits)
         self._how = told
+        self.shown_in: CellRun | None = None
+        """The run of a cell below which the hits are on show already."""
 
     def __len__(self) -> int:
         return len(self._hits)
+
+    def _repr_html_(self) -> str:
+        table = self._table()
+        return (replace(table, rows=(), notes=()) if self.shown_in == running_cell() else table).to_html()
 
     @overload
     def __getitem__(self, which: int) -> Hit: ...
@@ -101,6 +112,44 @@ class Hits(FleetTable, Sequence[Hit]):
         sheet = Sheet(self.condition, self._wanted, **options)
         sheet.set_hits(self._hits, self.files, self.unread, self.problems)
         return sheet
+
+    def to_html(
+        self,
+        path: str | os.PathLike[str],
+        *,
+        around: float = 2.0,
+        title: str = "",
+        note: str = "",
+        max_size: int | None = MAX_SIZE,
+    ) -> Path:
+        """Write the contact sheet as one page that plays each hit, which any browser shows with nothing installed.
+
+        Args:
+            path: the file, such as ``"near_misses.html"``; an existing one is replaced when the new one is complete.
+            around: seconds that are played before and after each hit.
+            title: of the page; empty: the condition.
+            note: a text under the title.
+            max_size: most bytes of the file; None: any number.
+
+        Returns:
+            The path of the file.
+
+        Raises:
+            ValueError: nothing was found, or the page would be too large; the text says what would make it smaller.
+            TypeError: ``around`` is no number. OSError: the file cannot be written. RecordingError: a recording cannot
+                be read any more.
+
+        Example:
+            >>> hits[:50].to_html("near_misses.html", around=1.0)  # doctest: +SKIP
+        """
+        from ._to_html import write  # Imported lazily: a search needs no widget.
+
+        target = checked_output("to_html", path, SUFFIXES)
+        sheet = self.show()
+        try:
+            return write(self, sheet.widget, self._wanted, target, around, title, note, max_size)
+        finally:
+            sheet.close()
 
     def _rows(self) -> Iterator[Mapping[str, Any]]:
         for hit in self:

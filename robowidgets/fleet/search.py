@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any
 
 from .._core.progress import without_bars
@@ -10,7 +10,9 @@ from ..recording import open as open_recording
 from ..recordings.topics import UnknownTopicError
 from ..search.base import Condition, condition
 from ._engine import LONGEST
+from ._fleet_table import Unread
 from ._gather import FromAll, gather, kept_of
+from ._live import LiveTable
 from ._topics import chosen_of
 from .hits import Hit, Hits
 from .places import PathLike
@@ -30,7 +32,8 @@ def find(
     """When something held in many recordings: one table, with a row for each span and for each file not read.
 
     It is `Recording.find` for each recording. Those that were searched for the same before are not read again, unless
-    they changed. An interrupt (stop the cell, Ctrl-C) ends the search and keeps what was found; the same search
+    they changed. In a notebook, a table of what was found grows while it runs, in which a click opens the recording
+    there. An interrupt (stop the cell, Ctrl-C) ends the search and keeps what was found; the same search
     goes on.
 
     Args:
@@ -54,13 +57,28 @@ def find(
     """
     wanted = condition(given)
     names = (topics,) if isinstance(topics, str) else tuple(topics)
-    return hits_of(wanted, search(wanted, paths, names, executor, longest, keep))
+
+    def so_far(results: Mapping[str, Any], unread: Sequence[Unread], files: Sequence[str]) -> Hits:
+        read = {path: result for path, result in results.items() if "problem" not in result}
+        return hits_of(wanted, FromAll(read, {"files": files, "unread": unread}))
+
+    live = LiveTable(so_far)
+    gathered = search(wanted, paths, names, executor, longest, keep, live.grow)
+    hits = hits_of(wanted, gathered)
+    live.end(hits, gathered.results)
+    return hits
 
 
 def search(
-    wanted: Condition, paths: Iterable[PathLike], topics: tuple[str, ...], executor: Any, longest: float, keep: bool
+    wanted: Condition,
+    paths: Iterable[PathLike],
+    topics: tuple[str, ...],
+    executor: Any,
+    longest: float,
+    keep: bool,
+    grow: Callable[[Mapping[str, Any], Sequence[Unread], Sequence[str]], None] | None = None,
 ) -> FromAll:
-    """What a search for a condition gives for each recording."""
+    """What a search for a condition gives for each recording; `gather` takes ``grow``."""
     return gather(
         _Search(wanted, topics),
         paths,
@@ -69,6 +87,7 @@ def search(
         executor=executor,
         longest=longest,
         found=lambda result: len(result.get("spans", ())),
+        grow=grow,
     )
 
 

@@ -33,7 +33,7 @@ from .._widget_choice import (
     of_topic,
     wishes,
 )
-from ..export.html import MAX_SIZE, SUFFIXES
+from ..export.html import MAX_SIZE, SUFFIXES, Page
 from ..in_rerun.widget import RerunWidget
 from ..kinds import LASER, TOUCH, asked_of_fields, asked_of_type, load
 from ..message_widget import MessageWidget
@@ -244,6 +244,12 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
         target = checked_output("to_html", path, SUFFIXES)
         with page_of(self, Wanted(start, end, title, note, every), scanogram) as page:
             return page.write(target, max_size)
+
+    def pages(self, spans: Iterable[tuple[float, float]]) -> Iterator[Page]:
+        """The page of each span, in seconds from the start, as `to_html` writes it, one after the other."""
+        for start, end in spans:
+            with page_of(self, Wanted(start, end), False) as page:
+                yield page
 
     def html_size(
         self,

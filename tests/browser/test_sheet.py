@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from shutil import copy
 
 import pytest
-from playwright.sync_api import expect
+from playwright.sync_api import Page, expect
 
 import robowidgets
+from robowidgets import conditions
 
 from .chromium import shoot
 from .plain_page import PlainPage
@@ -91,13 +93,13 @@ def test_a_sheet_draws_sorts_filters_walks_and_opens(plain_page: Open, folder: P
     expect(sheet.locator(".rw-facts")).to_contain_text("1 false")
     expect(sheet.locator(".rw-sheet-code")).to_contain_text('.mcap").at("/scan"')
     nb.page.keyboard.press("Enter")
-    expect(nb.widget(0).locator(".rw-player")).to_be_visible()
+    expect(nb.widget(0).locator(".rw-player")).to_be_visible(timeout=60_000)  # the player reads the whole drive
     code = sheet.locator(".rw-sheet-code").text_content() or ""
     assert nb.python(f"{code}.sample.nearest().index == sheet.picked.index").strip() == "True"
     assert nb.python("sheet.player.time == sheet.picked.moment").strip() == "True"
     # A click opens another one; a table shows the same.
     tiles.nth(5).click()
-    expect(sheet.locator(".rw-open")).to_have_count(1)
+    expect(sheet.locator(".rw-open")).to_have_count(1, timeout=60_000)
     sheet.get_by_role("button", name="Table").click()
     expect(sheet.locator(".rw-sheet-row.rw-sheet-item").first).to_contain_text("drive_2.mcap")
     sheet.locator(".rw-sheet-heads").get_by_role("button", name="held").click()
@@ -124,3 +126,21 @@ def test_of_thousands_only_what_is_seen_is_on_the_page_and_what_is_there_scrolls
         assert sheet.locator(".rw-sheet-tile").count() <= 7 * 6
         sheet.get_by_role("button", name="Every").click()
         expect(sheet.locator(".rw-sheet-tile")).to_have_count(21)
+
+
+def test_a_page_of_hits_plays_each_moment_without_a_kernel(
+    static_page: Callable[[Path], Page], folder: Path, tmp_path: Path
+) -> None:
+    with ThreadPoolExecutor(1) as here:
+        hits = robowidgets.find(conditions.nearest_below(0.3), folder, executor=here, keep=False)
+    file = hits[:10].to_html(tmp_path / "near_misses.html", around=1.0)
+    page = static_page(file)
+    expect(page.locator(".rw-sheet-tile")).to_have_count(10)
+    page.wait_for_function(PAINTED, arg=10)
+    for number in (9, 2):
+        page.locator(f'[data-number="{number}"]').click()
+        expect(page.locator(".rw-open")).to_have_attribute("data-number", str(number))
+        expect(page.locator(".rw-player")).to_have_count(1)
+        expect(page.locator(".rw-play-now")).to_have_text(f"{hits[number].moment:.2f}")
+        expect(page.locator(".rw-laser .rw-nearest")).to_contain_text(f"{hits[number].nearest:.2f} m")
+    shoot(page.locator("body"), "sheet_page")

@@ -3,7 +3,7 @@ import { make } from "../shared/dom.ts";
 import { hasTable, toCsv } from "./csv.ts";
 import { Feed, Segments } from "./feed.ts";
 import { PageModel } from "./model.ts";
-import { findParts, readPart } from "./parts.ts";
+import { explain, findParts, readPart } from "./parts.ts";
 import { ScanogramMaker } from "./scanogram.ts";
 import { build, FOREVER, type Script, type Shown } from "./views.ts";
 
@@ -21,6 +21,9 @@ export interface PageFacts {
   begin: number;
   /** By the names of widgets that are not built into the page, under which their scripts leave what they make. */
   keys: Record<string, string>;
+  /** Of a contact sheet, and by the number of each of its moments the first part of it and how many follow. */
+  sheet?: string;
+  moments?: Record<string, [first: number, count: number]>;
   /** The beginning of the names of files that are saved. */
   name: string;
 }
@@ -37,24 +40,72 @@ type Widgets = Record<string, () => Script>;
 export async function start(widgets: Widgets): Promise<void> {
   const [place, element] = [document.querySelector("main"), findParts("page")[0]];
   if (!place || !element) throw new Error("this page is not whole");
+  const { facts, models } = await show(element, place, widgets, findParts("segment"), FOREVER);
+  document.querySelector(".rw-page-text")?.remove();
+  offerMoments(facts, models, place, widgets);
+}
+
+/** Builds the widgets of a part, and gives a player among them its segments. */
+async function show(
+  element: HTMLElement,
+  place: HTMLElement,
+  widgets: Widgets,
+  parts: HTMLElement[],
+  signal: AbortSignal,
+): Promise<{ facts: PageFacts; models: Map<string, PageModel> }> {
   const { facts, bytes } = await readPart<PageFacts>(element.textContent);
   const css = [...document.querySelectorAll("style")].map((style) => style.textContent).join("\n");
   const models = toModels(facts, bytes, css);
   await haveRun(Object.values(facts.keys));
   const scripts = new Map<string, Script>();
   for (const { id, widget } of facts.models) scripts.set(id, scriptOf(widget, facts, widgets));
+  if (signal.aborted) return { facts, models };
   // All models are there before the first is initialised: a player moves the others.
-  for (const [id, model] of models) scripts.get(id)?.initialize?.({ model, signal: FOREVER });
-  place.append(build(facts.shown, models, scripts));
-  document.querySelector(".rw-page-text")?.remove();
+  for (const [id, model] of models) scripts.get(id)?.initialize?.({ model, signal });
+  place.append(build(facts.shown, models, scripts, signal));
   const player = models.get(facts.player);
-  if (!player) return;
-  const segments = new Segments(findParts("segment"), player.get("_segment"), facts.begin);
+  if (player) play(facts, models, player, parts).catch((error) => explain(`This page cannot be played: ${error}`));
+  return { facts, models };
+}
+
+async function play(
+  facts: PageFacts,
+  models: Map<string, PageModel>,
+  player: PageModel,
+  parts: HTMLElement[],
+): Promise<void> {
+  const segments = new Segments(parts, player.get("_segment"), facts.begin);
   offerData(facts, player, segments);
   const scanogram = facts.scanogram && models.get(facts.scanogram.model);
   const maker = scanogram ? new ScanogramMaker(scanogram, segments, facts.scanogram?.track ?? 0) : null;
   await new Feed(player, segments).run();
   await maker?.run();
+}
+
+/** Opens the moments of a contact sheet below it, in the place of Python: each has a part, and segments after it. */
+function offerMoments(facts: PageFacts, models: Map<string, PageModel>, place: HTMLElement, widgets: Widgets): void {
+  const { moments = {}, sheet = "" } = facts;
+  const model = models.get(sheet);
+  if (!model) return;
+  const parts = findParts("segment");
+  let open = new AbortController();
+  model.on("sent", async (content) => {
+    const number = (content as { open?: number }).open;
+    const [first = -1, count = 0] = moments[String(number)] ?? [];
+    const element = parts[first];
+    if (!element) return;
+    open.abort();
+    open = new AbortController();
+    const { signal } = open;
+    const own = make("div", "rw-page-moment");
+    document.querySelector(".rw-page-moment")?.remove();
+    place.append(own);
+    document.querySelector(".rw-page-data")?.replaceChildren();
+    await show(element, own, widgets, parts.slice(first + 1, first + 1 + count), signal);
+    if (signal.aborted) return;
+    model.set("_opened", number);
+    model.fire("msg:custom", { opened: number }, []);
+  });
 }
 
 /** @param css what the widgets put into a picture that is saved */

@@ -20,15 +20,20 @@ export interface Script {
 export const FOREVER: AbortSignal = new AbortController().signal;
 
 /** Builds an element with all that it holds. */
-export function build(shown: Shown, models: Map<string, PageModel>, scripts: Map<string, Script>): HTMLElement {
+export function build(
+  shown: Shown,
+  models: Map<string, PageModel>,
+  scripts: Map<string, Script>,
+  signal = FOREVER,
+): HTMLElement {
   const element = make("div", "rw-page-item");
   element.classList.add(...shown.classes);
   for (const [name, value] of Object.entries(shown.style)) element.style.setProperty(name, value);
   if (shown.children) {
     element.classList.add("rw-page-box");
-    element.append(...shown.children.map((child) => build(child, models, scripts)));
+    element.append(...shown.children.map((child) => build(child, models, scripts, signal)));
   }
   const model = shown.model === undefined ? undefined : models.get(shown.model);
-  if (model && shown.model) scripts.get(shown.model)?.render({ model, el: element, signal: FOREVER });
+  if (model && shown.model) scripts.get(shown.model)?.render({ model, el: element, signal });
   return element;
 }

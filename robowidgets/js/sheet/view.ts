@@ -180,7 +180,7 @@ export class SheetView {
     on(this.#scroll, "pointerleave", () => this.#point(null), signal);
     on(this.#scroll, "click", (event) => this.#onClick(event), signal);
     on(root, "keydown", (event) => this.#onKey(event), signal);
-    onChange(model, ["_columns", "_files", "_topics"], () => this.#onMoments(), signal);
+    onChange(model, ["_columns"], () => this.#onMoments(), signal);
     onChange(model, ["sort", "filters", "one_per_file", "every", "rows"], () => this.#sortAgain(), signal);
     onChange(
       model,
@@ -225,7 +225,7 @@ export class SheetView {
     const kept = this.#order.map(({ number }) => this.#moments[number]).filter((one) => one !== undefined);
     const more = filtered(this.#moments.slice(before), this.#model.get("filters"));
     this.#order = this.#model.get("every") || this.#model.get("one_per_file") ? kept : [...kept, ...more];
-    this.#isUnsorted = this.#moments.length > before;
+    this.#isUnsorted ||= this.#moments.length > before;
     this.#forget();
     this.#card.redraw();
   }

@@ -17,6 +17,7 @@ from robowidgets.fleet._picture_sender import PictureSender
 from robowidgets.fleet._pictures import LINE, RAYS, WORDS, Thumbnail, pictures
 from robowidgets.fleet._sheet import Sheet
 from robowidgets.search.base import condition
+from robowidgets.sheet_widget import SheetWidget
 
 from .executors import Here
 
@@ -200,3 +201,44 @@ def test_what_a_person_picked_and_marked_is_there_for_the_program(sheet: Sheet, 
     sheet.widget.false_finds = [1, 3]
     assert sheet.picked == hits[3]
     assert sheet.false_finds == [hits[1], hits[3]]
+
+
+def test_a_page_of_hits_says_what_would_make_it_smaller_and_leaves_nothing_where_it_is_too_large(
+    hits: Hits, tmp_path: Path
+) -> None:
+    with pytest.raises(ValueError, match=r"would take about .* take fewer hits .* or less around each"):
+        hits[:2].to_html(tmp_path / "hits.html", max_size=10_000)
+    with pytest.raises(ValueError, match="nothing was found"):
+        hits[:0].to_html(tmp_path / "hits.html")
+    assert not (tmp_path / "hits.html").exists()
+
+
+def test_a_table_grows_below_the_cell_while_a_search_runs_and_stands_for_the_result(
+    runs: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    shown: list[Sheet] = []
+    grown: list[tuple[int, int | None]] = []
+    run = ("cell", "first run")
+    for module in ("_live", "hits"):
+        monkeypatch.setattr(f"robowidgets.fleet.{module}.running_cell", lambda: run)
+    monkeypatch.setattr("robowidgets.fleet._live.SHOWN_AFTER", -1)
+    monkeypatch.setattr("robowidgets.fleet._live._LEAST", 0.0)
+    monkeypatch.setattr("robowidgets.fleet._live._SHARE", 0)
+    monkeypatch.setattr("IPython.display.display", shown.append)
+    show = SheetWidget.show
+
+    def noted(widget: Any, columns: Any, *given: Any, **named: Any) -> None:
+        grown.append((len(columns["file"]), named["done"]))
+        show(widget, columns, *given, **named)
+
+    monkeypatch.setattr(SheetWidget, "show", noted)
+    found = find(NEAR, runs, executor=Here(), keep=False)
+    (sheet,) = shown
+    assert sheet.widget.rows
+    assert [count for count, _ in grown] == sorted(count for count, _ in grown)
+    assert [done for _, done in grown[-2:]] == [4, None]
+    assert grown[-1][0] == len(found) == 24
+    assert "<td" not in found._repr_html_()
+    run = ("cell", "second run")
+    assert "<td" in found._repr_html_()
+    sheet.close()

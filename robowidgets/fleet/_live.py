@@ -1,0 +1,67 @@
+"""What a search has found so far, as a table in the notebook that grows while it runs."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+from .._core.cells import running_cell
+from .._core.error_routing import called_from_cell
+from .._core.progress import SHOWN_AFTER
+from ._fleet_table import Unread
+from .hits import Hits
+
+_LEAST = 0.5
+_SHARE = 20
+"""Seconds between two updates, at least; and how many times as long as one takes: a long table holds up nothing."""
+
+
+class LiveTable:
+    """Shows what is found so far, once a search has run for a second in a cell of a notebook; elsewhere nothing.
+
+    Args:
+        to_hits: makes a table of the results so far, of what could not be read, and of all files.
+        clock: seconds.
+    """
+
+    def __init__(
+        self,
+        to_hits: Callable[[Mapping[str, Any], Sequence[Unread], Sequence[str]], Hits],
+        clock: Callable[[], float] = time.monotonic,
+    ) -> None:
+        self._to_hits, self._clock = to_hits, clock
+        self._due = clock() + SHOWN_AFTER
+        self._sheet: Any = None
+        self._is_in_cell = bool(running_cell()[0]) and called_from_cell()
+        self._order: list[str] = []
+
+    def grow(self, results: Mapping[str, Any], unread: Sequence[Unread], files: Sequence[str]) -> None:
+        """Show the results so far, of which earlier ones keep their places, if it is time."""
+        if not self._is_in_cell or self._clock() < self._due:
+            return
+        began = self._clock()
+        self._show(results, unread, files, len(results) + len(unread))
+        self._due = self._clock() + max(_LEAST, _SHARE * (self._clock() - began))
+
+    def end(self, hits: Hits, results: Mapping[str, Any]) -> None:
+        """Show all that was found, and have it stand for the table of the result below this cell."""
+        if self._sheet is not None:
+            self._show(results, hits.unread, hits.files, None if hits.is_complete else hits.until)
+            hits.shown_in = running_cell()
+
+    def _show(
+        self, results: Mapping[str, Any], unread: Sequence[Unread], files: Sequence[str], done: int | None
+    ) -> None:
+        known = {*self._order}
+        self._order += [path for path in results if path not in known]
+        hits = self._to_hits({path: results[path] for path in self._order if path in results}, unread, files)
+        if self._sheet is None:
+            # Imported lazily: a search in a terminal needs no widget.
+            from IPython.display import display
+
+            self._sheet = hits.show(rows=True, sort="file")
+            self._sheet.set_hits(hits, files, unread, hits.problems, done)
+            display(self._sheet)  # type: ignore[no-untyped-call]
+        else:
+            self._sheet.set_hits(hits, files, unread, hits.problems, done)
