@@ -23,7 +23,7 @@ class FromAll(NamedTuple):
     rows: dict[str, Any]
 
 
-class Store(Protocol):
+class ResultStore(Protocol):
     """Where results are kept for the next time."""
 
     @property
@@ -40,7 +40,7 @@ class Store(Protocol):
 def gather(
     job: Callable[[str], dict[str, Any]],
     paths: Iterable[PathLike],
-    kept: Store | None,
+    kept: ResultStore | None,
     what: str,
     *,
     executor: Any = None,

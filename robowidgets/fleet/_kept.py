@@ -19,18 +19,18 @@ _AT_ONCE = 16
 """How many servers' answers are waited for at once."""
 
 
-class State(NamedTuple):
+class RecordingState(NamedTuple):
     """What changes whenever a recording does, None where a server does not tell; and why it cannot be looked at."""
 
     text: str | None
     problem: str = ""
 
 
-def states_of(paths: Iterable[Path | str]) -> dict[str, State]:
+def states_of(paths: Iterable[Path | str]) -> dict[str, RecordingState]:
     """The state of each recording: size and time of its files. Servers are asked for several at once."""
     given = list(paths)
     waiting: SimpleQueue[str] = SimpleQueue()
-    answers: SimpleQueue[tuple[str, State]] = SimpleQueue()
+    answers: SimpleQueue[tuple[str, RecordingState]] = SimpleQueue()
     urls = [path for path in given if isinstance(path, str)]
     for url in urls:
         waiting.put(url)
@@ -56,17 +56,17 @@ def states_of(paths: Iterable[Path | str]) -> dict[str, State]:
     return {str(path): told[path] if isinstance(path, str) else _state_of(path) for path in given}
 
 
-def _state_of(path: Path | str) -> State:
+def _state_of(path: Path | str) -> RecordingState:
     try:
         if isinstance(path, str):
-            return State(remote.state_of(path))
+            return RecordingState(remote.state_of(path))
         files = [path, path / "metadata.yaml", *find_files(path)] if path.is_dir() else [path]
         stats = [(file.name, file.stat()) for file in files if file.exists()]
     except OSError as error:
-        return State(None, f"cannot be read: {error.strerror or error}")
+        return RecordingState(None, f"cannot be read: {error.strerror or error}")
     except RecordingError as error:
-        return State(None, str(error))
-    return State(json.dumps([str(path), *((name, stat.st_size, stat.st_mtime_ns) for name, stat in stats)]))
+        return RecordingState(None, str(error))
+    return RecordingState(json.dumps([str(path), *((name, stat.st_size, stat.st_mtime_ns) for name, stat in stats)]))
 
 
 class Kept:

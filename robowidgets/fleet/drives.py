@@ -23,7 +23,7 @@ from ..recordings.times import has_date
 from ..repair import RecordingError, natural
 from ..search.base import Condition, condition
 from ..search.instant import Instant
-from ..search.seconds import NEAREST, NUMBERS, SECOND, Seconds, Texts, seconds_of
+from ..search.seconds import NEAREST, NUMBERS, SECOND, SecondRows, Texts, seconds_of
 from ._engine import LONGEST
 from ._fleet_table import Unread, date, not_read, number, short_number, text, whole
 from ._gather import FromAll, gather, identity_or_none
@@ -127,11 +127,11 @@ class Drives:
         """
         wanted = condition(given)
         asked = _Asked()
-        wanted.possible(Seconds(asked, asked))
+        wanted.possible(SecondRows(asked, asked))
         found = {file for file, state in self.states.items() if state is None}
         for batch in self.dataset.to_batches(columns=["file", *dict.fromkeys(asked.names)]):
             columns = {name: batch.column(name) for name in batch.schema.names}
-            rows = Seconds(
+            rows = SecondRows(
                 {name: column.to_numpy(False) for name, column in columns.items() if name in NUMBERS},
                 {name: _texts(column) for name, column in columns.items() if name not in NUMBERS},
             )

@@ -20,7 +20,7 @@ from ..samples.verdict import Trace, Verdict
 from ._silence import mark_stale
 from ._steps import NO, UNKNOWN, YES, Steps, combined, inverted, steps
 from .instant import TIME, Instant, NoSampleYetError, Now, OneSample, TracedMoment, samples_of, together
-from .seconds import Possible, Seconds
+from .seconds import Possible, SecondRows
 
 if TYPE_CHECKING:
     from ..recordings import RecordingData
@@ -55,7 +55,7 @@ class Condition(ABC):
         """The topics that `steps` used in a search."""
         return self.topics(search.recording, search.topics)
 
-    def possible(self, rows: Seconds) -> Possible:
+    def possible(self, rows: SecondRows) -> Possible:
         """What it may be in some seconds of an index; both where the index does not tell."""
         anything = np.ones(len(rows), bool)
         return Possible(anything, anything)
@@ -291,7 +291,7 @@ class _Joined(Condition):
     def steps(self, search: Search) -> Steps:
         return combined([part.steps(search) for part in self._parts], self._how)
 
-    def possible(self, rows: Seconds) -> Possible:
+    def possible(self, rows: SecondRows) -> Possible:
         true, false = zip(*(part.possible(rows) for part in self._parts), strict=True)
         other = np.max if self._how is np.min else np.min
         return Possible(self._how(true, axis=0), other(false, axis=0))
@@ -328,7 +328,7 @@ class _Not(Condition):
     def steps(self, search: Search) -> Steps:
         return inverted(self._part.steps(search))
 
-    def possible(self, rows: Seconds) -> Possible:
+    def possible(self, rows: SecondRows) -> Possible:
         true, false = self._part.possible(rows)
         return Possible(false, true)
 

@@ -35,7 +35,7 @@ from ._steps import NO, UNKNOWN, YES, Steps, combined, steps
 from ._stops import StopsCondition
 from .base import VALUES, Condition, Curve, FunctionCondition
 from .instant import NoSampleYetError
-from .seconds import SPEEDS, Possible, Seconds
+from .seconds import SPEEDS, Possible, SecondRows
 
 if TYPE_CHECKING:
     from ..recordings import RecordingData
@@ -245,7 +245,7 @@ class _Touched(_OfOneTopic):
         states = touches.states if self._label is None else touches.states[:, [labels.index(self._label)]]
         return steps(touches.times_ns, self._test(states, touches.lists_touches))
 
-    def possible(self, rows: Seconds) -> Possible:
+    def possible(self, rows: SecondRows) -> Possible:
         return rows.judged(self.kind, self._topic, rows.touched(self._label))
 
     def _judge(self, touch: Touch) -> Verdict:
@@ -292,7 +292,7 @@ class _NearestBelow(_OfOneTopic):
 
         return search.over(search.recording.scans(self._topic), test)
 
-    def possible(self, rows: Seconds) -> Possible:
+    def possible(self, rows: SecondRows) -> Possible:
         return rows.judged(self.kind, self._topic, rows.nearest(self._sector) < np.float32(self._distance))
 
     def _note_nearest(self, search: Search, chunk: ScanChunk, rows: NDArray[np.intp]) -> None:
@@ -336,7 +336,7 @@ class _SpeedAbove(_OfOneTopic):
     def steps(self, search: Search) -> Steps:
         return search.over(search.recording.speeds(self._topic), self._test)
 
-    def possible(self, rows: Seconds) -> Possible:
+    def possible(self, rows: SecondRows) -> Possible:
         least, most = (rows[name] for name in SPEEDS[self._axis])
         true = (most > self._limit) | (least < -self._limit)
         return rows.judged(self.kind, self._topic, true, (least <= self._limit) & (most >= -self._limit))
@@ -374,7 +374,7 @@ class _Gap(Condition):
         search.silences += silences
         return combined([when for _, when in silences], np.max)
 
-    def possible(self, rows: Seconds) -> Possible:
+    def possible(self, rows: SecondRows) -> Possible:
         if self._topic is not None:
             return super().possible(rows)
         # NaN where there is no topic to ask. A little less, because the seconds of an index are rounded.

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from ..recordings import RecordingData
     from ..recordings.columns.speeds import Speeds
 
-Floats = NDArray[np.floating[Any]]
+Numbers = NDArray[np.floating[Any]]
 Flags = NDArray[np.bool_]
 
 SECOND = 1_000_000_000
@@ -55,7 +55,7 @@ class Texts(NamedTuple):
         return found
 
 
-class Seconds:
+class SecondRows:
     """Rows of an index, each for a second of a recording; see `seconds_of`.
 
     Args:
@@ -64,20 +64,20 @@ class Seconds:
             and ``sensors``, all of them.
     """
 
-    def __init__(self, numbers: Mapping[str, Floats], texts: Mapping[str, Texts]) -> None:
+    def __init__(self, numbers: Mapping[str, Numbers], texts: Mapping[str, Texts]) -> None:
         self._numbers, self._texts = numbers, texts
 
     def __len__(self) -> int:
         return len(self._texts["scan"].numbers)
 
-    def __getitem__(self, name: str) -> Floats:
+    def __getitem__(self, name: str) -> Numbers:
         return self._numbers[name]
 
-    def nearest(self, sector: Sector) -> Floats:
+    def nearest(self, sector: Sector) -> Numbers:
         """No more than the metres to the nearest thing in a sector."""
         if sector is ALL_ROUND:
             return self["nearest"]
-        nearest: Floats = np.fmin.reduce([self[name] for name, part in SECTORS.items() if _overlap(part, sector)])
+        nearest: Numbers = np.fmin.reduce([self[name] for name, part in SECTORS.items() if _overlap(part, sector)])
         return nearest
 
     def touched(self, label: str | None) -> Flags:
@@ -157,16 +157,16 @@ def _series(recording: RecordingData, kind: Kind) -> Any:
         return None
 
 
-def _values(speeds: Speeds) -> Floats:
+def _values(speeds: Speeds) -> Numbers:
     """The speeds by axis, shape (6, N)."""
-    values: Floats = np.concatenate((speeds.linear, speeds.angular), axis=1).T
+    values: Numbers = np.concatenate((speeds.linear, speeds.angular), axis=1).T
     return values
 
 
-def _nearest(scans: Any) -> tuple[NDArray[np.int64], Floats]:
+def _nearest(scans: Any) -> tuple[NDArray[np.int64], Numbers]:
     """The times of scans, and the nearest thing by quarter, shape (5, N)."""
     times: list[NDArray[np.int64]] = [np.empty(0, np.int64)]
-    least: list[Floats] = [np.empty((len(NEAREST), 0), np.float32)]
+    least: list[Numbers] = [np.empty((len(NEAREST), 0), np.float32)]
     for chunk in scans.chunks():
         away = ray_distances(chunk.ranges, chunk.like)
         parts = [away, *(away[:, inside(chunk.like, quarter)] for quarter in SECTORS.values())]
@@ -197,7 +197,9 @@ def _parts(times: NDArray[np.int64], starts: NDArray[np.int64], longest: float) 
     return np.where(is_late, first, first - 1), stop
 
 
-def _over(times: NDArray[np.int64], values: Floats, starts: NDArray[np.int64], how: np.ufunc, longest: float) -> Floats:
+def _over(
+    times: NDArray[np.int64], values: Numbers, starts: NDArray[np.int64], how: np.ufunc, longest: float
+) -> Numbers:
     """The least or greatest value in each row, as float32 where the values are; NaN where there is none."""
     begin, stop = _parts(times, starts, longest)
     # Of each pair of edges the part between them; one more value, because an edge must be an index.
