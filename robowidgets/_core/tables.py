@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
-from dataclasses import dataclass
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass, field
 from html import escape
+
+_BLOCKS = " ▏▎▍▌▋▊▉█"
+_BAR = 5
+"""Characters of the longest bar."""
 
 
 @dataclass(frozen=True)
@@ -18,6 +22,7 @@ class Table:
         right: the indices of the columns that are aligned to the right.
         notes: lines below the table.
         problems: lines below the notes, each with a sign that warns.
+        bars: by index of a column, how long the bar of each row is, from 0 to 1; 0: none.
     """
 
     heading: str
@@ -26,10 +31,17 @@ class Table:
     right: Collection[int] = ()
     notes: Sequence[str] = ()
     problems: Sequence[str] = ()
+    bars: Mapping[int, Sequence[float]] = field(default_factory=dict)
 
     def to_text(self) -> str:
         """The table as text, for a terminal."""
-        rows = [self.heads, *self.rows] if self.rows else []
+        bars = [{i: _blocks(lengths[row]) for i, lengths in self.bars.items()} for row in range(len(self.rows))]
+        with_bars = (
+            [f"{cell} {bar[i]}" if i in bar else cell for i, cell in enumerate(row)]
+            for row, bar in zip(self.rows, bars, strict=True)
+        )
+        heads = [f"{head}{' ' * (_BAR + 1)}" if i in self.bars else head for i, head in enumerate(self.heads)]
+        rows = [heads, *with_bars] if self.rows else []
         widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
         lines = [
             "  ".join(
@@ -43,14 +55,27 @@ class Table:
 
     def to_html(self) -> str:
         """The table as HTML. All texts are escaped: names of topics come from files and from the network."""
-        body = "".join(f"<tr>{self._cells('td', row)}</tr>" for row in self.rows)
+        body = "".join(f"<tr>{self._cells('td', row, number)}</tr>" for number, row in enumerate(self.rows))
         table = f"<table><thead><tr>{self._cells('th', self.heads)}</tr></thead><tbody>{body}</tbody></table>"
         lines = (*self.notes, *(f"⚠ {line}" for line in self.problems))
         below = "".join(f"<div>{escape(line)}</div>" for line in lines)
         return f"<div><div>{escape(self.heading)}</div>{table if self.rows else ''}{below}</div>"
 
-    def _cells(self, tag: str, cells: Sequence[str]) -> str:
-        return "".join(
-            f'<{tag} style="text-align:{"right" if i in self.right else "left"}">{escape(cell)}</{tag}>'
-            for i, cell in enumerate(cells)
-        )
+    def _cells(self, tag: str, cells: Sequence[str], row: int | None = None) -> str:
+        styles = [f"text-align:{'right' if i in self.right else 'left'}" for i in range(len(cells))]
+        for i, lengths in self.bars.items():
+            if row is not None and lengths[row]:
+                styles[i] += f";{_BEHIND.format(100 * lengths[row])}"
+        both = zip(styles, cells, strict=True)
+        return "".join(f'<{tag} style="{style}">{escape(cell)}</{tag}>' for style, cell in both)
+
+
+_BEHIND = "background:linear-gradient(to right,rgba(128,128,128,.3) {0:.0f}%,transparent {0:.0f}%)"
+"""The bar behind a cell, for light pages and dark ones."""
+
+
+def _blocks(length: float) -> str:
+    """A bar of blocks."""
+    eighths = round(length * _BAR * 8)
+    whole, part = divmod(eighths, 8)
+    return f"{_BLOCKS[8] * whole}{_BLOCKS[part]}"[:_BAR].ljust(_BAR)

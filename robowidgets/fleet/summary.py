@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from math import inf
+from math import inf, isfinite
 from typing import Any, ClassVar
 
 import numpy as np
@@ -81,10 +81,20 @@ class Summary(FleetTable):
         seconds = sum(row["seconds"] for row in self._found)
         driven = sum(row["driven"] or 0.0 for row in self._found)
         head = f"{many(len(self._found), 'recording')}, {seconds:,.1f} s, {driven:,.1f} m driven"
-        return Table(head, heads, rows, right=(1, *range(3, 8)), notes=more, problems=list(self._complaints()))
+        bars = {heads.index(name): _shares([row[name] for row in self._found])[:SHOWN] for name in _BARS}
+        return Table(
+            head, heads, rows, right=(1, *range(3, 8)), notes=more, problems=list(self._complaints()), bars=bars
+        )
 
 
 _SHOWN = {"driven": ".1f m", "stops": "d", "touches": "d", "nearest": ".2f m", "nearest_at": ".2f"}
+_BARS = ("driven", "touches", "nearest")
+"""Columns with bars, each as long as its number beside the greatest one."""
+
+
+def _shares(values: list[float | None]) -> list[float]:
+    most = max((value for value in values if value is not None and isfinite(value)), default=0)
+    return [min(value / most, 1.0) if value and most else 0.0 for value in values]
 
 
 def _said(value: Any, form: str) -> str:

@@ -10,7 +10,7 @@ import pytest
 
 import robowidgets
 from robowidgets.command import main
-from robowidgets.fleet import doctor, summary
+from robowidgets.fleet import Summary, doctor, summary
 
 from .executors import Here
 
@@ -37,6 +37,19 @@ def test_it_prints_a_line_for_each_recording_and_their_sum(runs: Path) -> None:
     assert text.startswith("3 recordings, ")
     assert "\n  monday/run_1.mcap  " in text
     assert "\n! not read: broken.bag: " in text
+
+
+def test_bars_show_which_drive_went_far_and_came_near() -> None:
+    row = {"file": "", "seconds": 1.0, "start_ns": None, "stops": 0, "nearest_at": 0.0}
+    found = [
+        {**row, "file": "/runs/a.bag", "driven": 20.0, "touches": 0, "nearest": 0.5},
+        {**row, "file": "/runs/b.bag", "driven": 13.0, "touches": 4, "nearest": None},
+    ]
+    made = Summary(found, files=["/runs/a.bag", "/runs/b.bag"])
+    lines = [line.split() for line in repr(made).splitlines()[2:]]
+    assert lines[0] == ["a.bag", "1.0", "20.0", "m", "█████", "0", "0", "0.50", "m", "█████", "0.00"]
+    assert lines[1] == ["b.bag", "1.0", "13.0", "m", "███▎", "0", "4", "█████", "0.00"]
+    assert 'rgba(128,128,128,.3) 65%,transparent 65%)">13.0 m</td>' in made._repr_html_()
 
 
 def test_problems_that_differ_by_their_numbers_are_one_kind(runs: Path) -> None:
