@@ -81,7 +81,7 @@ test-ros1: setup build
 	$(PYTEST) --numprocesses 3 tests/ros1
 
 test-notebooks: setup build
-	$(PYTEST) --numprocesses 4 tests/test_notebooks.py tests/test_lesson_languages.py
+	$(PYTEST) --numprocesses 4 tests/test_notebooks.py tests/test_lesson_languages.py tests/test_study.py
 
 test-docs: setup build
 	$(PYTEST) --numprocesses 3 tests/test_docs.py tests/test_odd_scans.py

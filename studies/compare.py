@@ -1,0 +1,143 @@
+"""Gather the files of a study and compare the two forms: paired times, solved tasks, TLX and SUS."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable, Iterable, Sequence
+from html import escape
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+sys.path.insert(0, str(Path(__file__).parent))
+from study import SUS, TLX, WITH, WITHOUT, Row, read_rows
+
+RESAMPLES = 10_000
+
+
+class Measure(NamedTuple):
+    """One measure of all participants, paired, and its effect with a 95 % confidence interval.
+
+    ``values`` has a row for each participant: with, without. The effect is the ratio of times (below 1: faster with
+    widgets), and otherwise the difference, with minus without.
+    """
+
+    name: str
+    values: np.ndarray
+    effect: float
+    low: float
+    high: float
+    is_ratio: bool
+
+    def __str__(self) -> str:
+        kind = "ratio" if self.is_ratio else "difference"
+        means = ", ".join(f"{mean:.1f}" for mean in self.values.mean(axis=0))
+        return f"{self.name:22} {means:>16}   {kind} {self.effect:.2f}, 95 % CI {self.low:.2f} to {self.high:.2f}"
+
+
+class Comparison:
+    """What a study found: `measures`, and a line in `problems` for each file that is left out."""
+
+    def __init__(self, participants: Sequence[int], measures: Iterable[Measure], problems: Sequence[str]) -> None:
+        self.participants = tuple(participants)
+        self.measures = tuple(measures)
+        self.problems = tuple(problems)
+
+    def __repr__(self) -> str:
+        head = f"{len(self.participants)} participants           with, without"
+        return "\n".join([head, *map(str, self.measures), *(f"left out: {problem}" for problem in self.problems)])
+
+    def _repr_html_(self) -> str:
+        parts = "".join(
+            f'<figure style="display:inline-block;margin:0 1em 1em 0"><figcaption>{escape(measure.name)}<br>'
+            f"<small>{'ratio' if measure.is_ratio else 'difference'} <b>{measure.effect:.2f}</b>, 95 % CI "
+            f"{measure.low:.2f} to {measure.high:.2f}</small></figcaption>{_pairs(measure)}</figure>"
+            for measure in self.measures
+        )
+        problems = "".join(f"<li>{escape(problem)}</li>" for problem in self.problems)
+        left_out = f"<p>Left out:<ul>{problems}</ul>" if problems else ""
+        head = f"{len(self.participants)} participants, each a line from with to without"
+        return f"<div><p>{head}</p>{parts}{left_out}</div>"
+
+
+def compare(folder: str | Path) -> Comparison:
+    """Compare all participants whose files (``P07.csv``) are in a folder and complete.
+
+    The 95 % confidence intervals are those of 10,000 bootstrap samples of participants. A task that was not solved
+    counts with the limit of its time.
+
+    Raises:
+        ValueError: there are fewer than two of them.
+    """
+    people: list[list[Row]] = []
+    problems = []
+    for file in sorted(Path(folder).glob("P*.csv")):
+        try:
+            rows = read_rows(file)
+        except (ValueError, OSError) as error:
+            problems.append(str(error))
+            continue
+        complete = {(row.kind, row.condition) for row in rows}
+        if not complete >= {("sus", WITH), ("sus", WITHOUT)}:
+            problems.append(f"{file.name} is not complete: the participant stopped before the end")
+        else:
+            people.append(rows)
+    if len(people) < 2:
+        raise ValueError(f"compare: expected two complete files or more in {folder}, got {len(people)} {problems}")
+    measures = [
+        _measure("seconds per task", people, lambda rows: float(np.exp(np.mean(np.log(_times(rows))))), is_ratio=True),
+        _measure("tasks solved", people, lambda rows: float(sum(row.right for row in rows if row.kind == "task"))),
+        _measure("TLX, 0 to 100", people, lambda rows: float(np.mean(_values(rows, "tlx", len(TLX))))),
+        _measure("SUS, 0 to 100", people, _sus),
+    ]
+    return Comparison([rows[0].participant for rows in people], measures, problems)
+
+
+def _times(rows: Sequence[Row]) -> list[float]:
+    return [max(row.seconds, 0.1) for row in rows if row.kind == "task"]
+
+
+def _values(rows: Sequence[Row], kind: str, count: int) -> list[float]:
+    values = [float(row.value) for row in rows if row.kind == kind]
+    if len(values) != count:
+        raise ValueError(f"compare: participant {rows[0].participant} has {len(values)} ratings, not {count}")
+    return values
+
+
+def _sus(rows: Sequence[Row]) -> float:
+    values = _values(rows, "sus", len(SUS))
+    return 2.5 * sum(value - 1 if number % 2 == 0 else 5 - value for number, value in enumerate(values))
+
+
+def _measure(
+    name: str, people: Sequence[Sequence[Row]], of: Callable[[Sequence[Row]], float], *, is_ratio: bool = False
+) -> Measure:
+    values = np.array([[of([r for r in rows if r.condition == form]) for form in (WITH, WITHOUT)] for rows in people])
+    scale = np.log(values) if is_ratio else values
+    differences = scale[:, 0] - scale[:, 1]
+    chosen = np.random.default_rng(1).integers(0, len(differences), (RESAMPLES, len(differences)))
+    low, high = np.percentile(differences[chosen].mean(axis=1), [2.5, 97.5])
+    found = (float(number) for number in (differences.mean(), low, high))
+    return Measure(name, values, *(map(float, np.exp(list(found))) if is_ratio else found), is_ratio)
+
+
+def _pairs(measure: Measure) -> str:
+    """A line for each participant from with to without, and the means."""
+    low, high = float(measure.values.min()), float(measure.values.max())
+    span = (high - low) or 1.0
+
+    def y(value: float) -> float:
+        return 130 - 110 * (value - low) / span
+
+    lines = "".join(f'<path d="M60 {y(a):.1f}L180 {y(b):.1f}"/>' for a, b in measure.values.tolist())
+    first, second = measure.values.mean(axis=0).tolist()
+    return (
+        f'<svg width="240" height="155" style="font:11px sans-serif" fill="currentColor">'
+        f'<g stroke="currentColor" opacity=".35" fill="none">{lines}</g>'
+        f'<path d="M60 {y(first):.1f}L180 {y(second):.1f}" stroke="#1f7a46" stroke-width="3" fill="none"/>'
+        f'<text x="52" y="{y(first) + 4:.1f}" text-anchor="end">{first:.1f}</text>'
+        f'<text x="188" y="{y(second) + 4:.1f}">{second:.1f}</text>'
+        '<text x="60" y="150" text-anchor="middle">with</text>'
+        '<text x="180" y="150" text-anchor="middle">without</text></svg>'
+    )

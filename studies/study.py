@@ -1,0 +1,393 @@
+"""A study that measures whether the widgets help: tasks with and without them, times, right answers, TLX and SUS.
+
+`Study` holds the steps and writes them down; `Study.show` puts them on the page. See docs/study.md.
+"""
+
+from __future__ import annotations
+
+import csv
+import math
+import time
+from collections.abc import Callable, Mapping
+from dataclasses import asdict, dataclass
+from datetime import datetime, timezone
+from html import escape
+from pathlib import Path
+from typing import Any
+
+from robowidgets import LaserWidget, Scan, lessons
+from robowidgets.simulator import Robot, World
+
+CONSENT = """You solve eight short tasks with scans of a robot's laser: four with a picture that answers to the pointer,
+four with a plain one. After each four you say how it was. It takes about 40 minutes. What is tested are the pictures,
+not you.
+
+Written down are a number, not your name; the times, your answers to the tasks and your ratings. You may stop at any
+time, without a reason, and have your file deleted by its number. Ask whoever invited you whatever you want to know."""
+
+WITH, WITHOUT = "with", "without"
+LIMIT = 300.0
+"""Seconds after which a task counts as not solved."""
+
+ORDERS = (
+    ((WITH, "A"), (WITHOUT, "B")),
+    ((WITHOUT, "A"), (WITH, "B")),
+    ((WITH, "B"), (WITHOUT, "A")),
+    ((WITHOUT, "B"), (WITH, "A")),
+)
+"""Which form, and which set of tasks, comes first: every four participants have each order once."""
+
+TLX = {
+    "mental demand": ("How mentally demanding were the tasks?", "very low", "very high"),
+    "physical demand": ("How physically demanding were the tasks?", "very low", "very high"),
+    "temporal demand": ("How hurried or rushed was the pace of the tasks?", "very low", "very high"),
+    "performance": ("How successful were you in accomplishing what you were asked to do?", "perfect", "failure"),
+    "effort": ("How hard did you have to work to accomplish your level of performance?", "very low", "very high"),
+    "frustration": ("How insecure, discouraged, irritated, stressed, and annoyed were you?", "very low", "very high"),
+}
+"""The six scales of the raw NASA-TLX, from 0 to 100."""
+
+SUS = (
+    "I think that I would like to use this system frequently.",
+    "I found the system unnecessarily complex.",
+    "I thought the system was easy to use.",
+    "I think that I would need the support of a technical person to be able to use this system.",
+    "I found the various functions in this system were well integrated.",
+    "I thought there was too much inconsistency in this system.",
+    "I would imagine that most people would learn to use this system very quickly.",
+    "I found the system very cumbersome to use.",
+    "I felt very confident using the system.",
+    "I needed to learn a lot of things before I could get going with this system.",
+)
+"""The ten statements of the System Usability Scale, from 1, strongly disagree, to 5, strongly agree."""
+
+
+@dataclass(frozen=True)
+class Task:
+    """A task: what is asked, of which scan, and whether an answer is right, or why not."""
+
+    name: str
+    question: str
+    scan: Scan
+    wrong: Callable[[str], str]
+    is_code: bool = False
+    given: str = ""
+
+
+def tasks_of(which: str) -> list[Task]:
+    """The four tasks of set A or B, which differ in their scans and numbers alone."""
+    is_a = which == "A"
+    room = Robot(World.rooms(), (0.6, -0.2, 0.0) if is_a else (-3.0, -0.8, 0.6), seed=21 if is_a else 22).scan()
+    side, angle = ("left", "-30deg") if is_a else ("right", "30deg")
+    width, centre = (0.9, -0.2) if is_a else (0.7, 0.3)
+    posts = [(1.0, -2.0, 1.0, centre - width / 2), (1.0, centre + width / 2, 1.0, 2.0), (3.0, -4.0, 3.0, 4.0)]
+    gap = Robot(World(posts), seed=23).scan()
+    nearest, ray = room.nearest(side), room.at(angle)
+    if nearest is None or ray is None:
+        raise RuntimeError(f"set {which}: the scan has nothing there")
+    code = "wall_ahead" if is_a else "nearest_on_the_left"
+    told = "within 20 degrees of forward" if is_a else "in the quarter of the circle on the left"
+    return [
+        Task("index", f"At which index of ranges is the nearest thing on the {side}?", room, within(nearest.index, 3)),
+        Task("distance", f"How many metres away is what the ray at {angle} met?", room, within(ray.range, 0.05)),
+        Task("gap", "How many metres wide is the gap in the wall one metre ahead?", gap, within(width, 0.1)),
+        Task(
+            "code",
+            f"Write a function that returns the distance in metres of the nearest thing {told}.",
+            room,
+            lambda text: code_wrong(code, text),
+            is_code=True,
+            given=f"def {code}(scan):\n    return ...",
+        ),
+    ]
+
+
+def within(expected: float, tolerance: float) -> Callable[[str], str]:
+    """Judges a number as text."""
+
+    def wrong(text: str) -> str:
+        try:
+            given = float(text.strip().replace(",", "."))
+        except ValueError:
+            return "Type a number, such as 1.5."
+        return "" if math.isfinite(given) and abs(given - expected) <= tolerance else "Not yet."
+
+    return wrong
+
+
+def code_wrong(name: str, text: str) -> str:
+    """What is wrong with a function, as the check of the lessons says it."""
+    names: dict[str, Any] = {}
+    try:
+        exec(text, names)
+        result = lessons.check(names[name])
+    except KeyError:
+        return f"Keep the name {name}."
+    except Exception as error:
+        return f"{type(error).__name__}: {error}"
+    return "" if result else repr(result)
+
+
+@dataclass(frozen=True)
+class Row:
+    """One line of the file of a participant."""
+
+    participant: int
+    kind: str
+    block: int = 0
+    condition: str = ""
+    tasks: str = ""
+    item: str = ""
+    started: str = ""
+    ended: str = ""
+    seconds: float = 0.0
+    tries: int = 0
+    value: str = ""
+    right: bool = True
+
+
+Step = tuple[str, int, str, str, Any]
+
+
+class Study:
+    """The steps of one participant, each written to ``P07.csv`` as soon as it is done.
+
+    A file that is there already is continued after its last step.
+
+    Args:
+        participant: a number from 1; it decides the order.
+        folder: for the file.
+        clock: seconds, from any start.
+        now: the time of day.
+
+    Raises:
+        ValueError: it is no number from 1 to 9999, or its file is damaged.
+    """
+
+    def __init__(
+        self,
+        participant: int,
+        folder: str | Path = ".",
+        *,
+        clock: Callable[[], float] = time.monotonic,
+        now: Callable[[], datetime] = lambda: datetime.now(timezone.utc),
+    ) -> None:
+        if not isinstance(participant, int) or not 1 <= participant <= 9999:
+            raise ValueError(f"participant: expected a number from 1 to 9999, got {participant!r}")
+        self.participant = participant
+        self.file = Path(folder) / f"P{participant:02}.csv"
+        self._clock, self._now = clock, now
+        steps: list[Step] = [("consent", 0, "", "", None)]
+        for block, (condition, which) in enumerate(ORDERS[(participant - 1) % len(ORDERS)], 1):
+            steps += [("task", block, condition, which, task) for task in tasks_of(which)]
+            steps += [("tlx", block, condition, which, None), ("sus", block, condition, which, None)]
+        self._steps = steps[self._done() :]
+        self._shown: Task | None = None
+        self._begin()
+
+    @property
+    def step(self) -> Step | None:
+        """What is to be done now: kind, block, condition, set and task; None at the end."""
+        return self._steps[0] if self._steps else None
+
+    @property
+    def scan(self) -> Scan | None:
+        """The scan of the task, for cells of one's own."""
+        task = self.step[4] if self.step else None
+        return task.scan if task else None
+
+    def agree(self) -> None:
+        """The participant consents."""
+        self._end("consent", [("", "yes")])
+
+    def answer(self, text: str) -> str:
+        """Answer the task; returns what is wrong, empty when it is right or its time is over."""
+        if self.step is None or self.step[0] != "task":
+            raise ValueError("answer: there is no task now")
+        self._tries += 1
+        late = self._clock() - self._since > LIMIT
+        wrong = str(self.step[4].wrong(text))
+        if not wrong or late:
+            self._end("task", [(self.step[4].name, text)], right=not late)
+            return ""
+        return wrong
+
+    def give_up(self) -> None:
+        """Leave the task unsolved."""
+        task = self.step[4] if self.step else None
+        self._end("task", [(task.name if task else "", "")], right=False)
+
+    def rate(self, values: Mapping[str, float]) -> None:
+        """Rate the last four tasks: all scales of TLX, or all statements of SUS by their number from 1."""
+        kind = self.step[0] if self.step else ""
+        wanted = {"tlx": list(TLX), "sus": [str(number) for number in range(1, len(SUS) + 1)]}.get(kind, [])
+        if not wanted or set(values) != set(wanted):
+            raise ValueError(f"rate: expected a value for each of {wanted}, got {dict(values)}")
+        self._end(kind, [(item, f"{values[item]:g}") for item in wanted])
+
+    def _done(self) -> int:
+        """How many steps the file has."""
+        if not self.file.exists():
+            return 0
+        rows = read_rows(self.file)
+        return len({(row.kind, row.block, row.item if row.kind == "task" else "") for row in rows})
+
+    def _begin(self) -> None:
+        self._since, self._began, self._tries = self._clock(), self._now(), 0
+
+    def _end(self, kind: str, items: list[tuple[str, str]], right: bool = True) -> None:
+        if self.step is None or self.step[0] != kind:
+            raise ValueError(f"there is no {kind} now")
+        _, block, condition, which, _ = self.step
+        seconds = self._clock() - self._since
+        rows = [
+            Row(
+                self.participant,
+                kind,
+                block,
+                condition,
+                which,
+                item,
+                self._began.isoformat(timespec="milliseconds"),
+                self._now().isoformat(timespec="milliseconds"),
+                round(seconds if kind != "task" or right else LIMIT, 3),
+                self._tries,
+                value,
+                right,
+            )
+            for item, value in items
+        ]
+        is_new = not self.file.exists()
+        with self.file.open("a", encoding="utf-8", newline="") as file:
+            writer = csv.DictWriter(file, list(Row.__dataclass_fields__))
+            if is_new:
+                writer.writeheader()
+            writer.writerows(map(asdict, rows))
+        self._steps.pop(0)
+        self._begin()
+
+    # -- on the page ---------------------------------------------------------------------------------------------------
+
+    def show(self) -> Any:
+        """The study on the page."""
+        from ipywidgets import VBox
+
+        box = VBox()
+        self._draw(box)
+        return box
+
+    def _draw(self, box: Any) -> None:
+        from ipywidgets import HTML, Button, HBox, IntSlider, Layout, RadioButtons, Text, Textarea
+
+        def then(do: Callable[[], object]) -> Callable[[object], None]:
+            def clicked(_button: object) -> None:
+                do()
+                self._draw(box)
+
+            return clicked
+
+        if self.step is None:
+            box.children = [HTML(f"<h3>Thank you!</h3>Your answers are in {escape(self.file.name)}.")]
+            return
+        kind, block, condition, _, task = self.step
+        next_button = Button(description="Next", button_style="primary")
+        if kind == "consent":
+            next_button.description = "I agree"
+            next_button.on_click(then(self.agree))
+            box.children = [HTML(f"<p>{CONSENT.replace(chr(10) * 2, '<p>')}"), next_button]
+        elif kind == "task":
+            head = HTML(f"<h3>Part {block} of 2: {escape(task.question)}</h3>")
+            field = Textarea(task.given, layout=Layout(width="100%", height="7em")) if task.is_code else Text()
+            said = HTML()
+
+            def check(_button: object) -> None:
+                before = self.step
+                wrong = self.answer(field.value)
+                if self.step is before:
+                    said.value = f"<pre>{escape(wrong)}</pre>"
+                else:
+                    self._draw(box)
+
+            next_button.description = "Check"
+            next_button.on_click(check)
+            leave = Button(description="I cannot solve it")
+            leave.on_click(then(self.give_up))
+            box.children = [head, picture(task.scan, condition), field, HBox([next_button, leave]), said]
+            if self._shown is not task:  # a cell that is run again does not turn back its time
+                self._shown = task
+                self._begin()
+        elif kind == "tlx":
+            sliders = {name: IntSlider(50, 0, 100, 5, readout=False) for name in TLX}
+            next_button.on_click(then(lambda: self.rate({name: slider.value for name, slider in sliders.items()})))
+            rows = [
+                HTML(f"<b>{name.capitalize()}</b>: {escape(question)}") if part == 0
+                else HBox([HTML(low), sliders[name], HTML(high)])
+                for name, (question, low, high) in TLX.items()
+                for part in (0, 1)
+            ]  # fmt: skip
+            box.children = [HTML(f"<h3>How were the tasks of part {block}?</h3>"), *rows, next_button]
+        else:
+            choices = [RadioButtons(options=[1, 2, 3, 4, 5], value=None, layout=Layout(width="5em")) for _ in SUS]
+            for choice in choices:
+                choice.add_class("rw-study-row")
+
+            def send(_button: object) -> None:
+                if all(choice.value is not None for choice in choices):
+                    self.rate({str(number): choice.value for number, choice in enumerate(choices, 1)})
+                    self._draw(box)
+
+            next_button.on_click(send)
+            style = "<style>.rw-study-row .widget-radio-box { flex-direction: row; gap: 1em }</style>"
+            legend = HTML(
+                f"{style}<h3>The pictures of part {block}</h3>1: strongly disagree, 5: strongly agree. Answer all."
+            )
+            rows = [part for text, choice in zip(SUS, choices, strict=True) for part in (HTML(escape(text)), choice)]
+            box.children = [legend, *rows, next_button]
+
+
+def picture(scan: Scan, condition: str) -> Any:
+    """A scan with the widget, or as other tools show it: the outline, and the array as text."""
+    if condition == WITH:
+        laser = LaserWidget(title="/scan", view_range=4)
+        laser.update(scan)
+        return laser
+    from ipywidgets import HTML
+
+    dots = "".join(
+        f'<circle cx="{-y:.3f}" cy="{-x:.3f}" r=".02"/>' for x, y in scan.xy.tolist() if math.hypot(x, y) <= 4
+    )
+    numbers = " ".join(f"{value:.3f}" for value in scan.ranges.tolist())
+    return HTML(
+        f'<svg viewBox="-4 -4 8 5" width="420" fill="#c33">{dots}<path d="M0-.12.08.1h-.16z" fill="#555"/></svg>'
+        f"<div>angle_min {scan.angle_min:.4f}, angle_increment {scan.angle_increment:.6f}, {len(scan)} ranges:</div>"
+        f'<div style="max-height:9em;overflow:auto;font-family:monospace">[{numbers}]</div>'
+    )
+
+
+def read_rows(file: Path) -> list[Row]:
+    """The rows of a file.
+
+    Raises:
+        ValueError: it is no file of this study, or damaged.
+    """
+    try:
+        with file.open(encoding="utf-8", newline="") as opened:
+            reader = csv.DictReader(opened)
+            if reader.fieldnames != list(Row.__dataclass_fields__):
+                raise ValueError("it has other columns")
+            rows = []
+            for row in reader:
+                if None in row.values() or None in row or row["right"] not in ("True", "False"):
+                    raise ValueError(f"line {reader.line_num} is cut off")
+                numbers = {
+                    "participant": int(row["participant"]),
+                    "block": int(row["block"]),
+                    "tries": int(row["tries"]),
+                }
+                seconds = float(row["seconds"])
+                if not math.isfinite(seconds) or seconds < 0:
+                    raise ValueError(f"line {reader.line_num} took {seconds} s")
+                rows.append(Row(**{**row, **numbers, "seconds": seconds, "right": row["right"] == "True"}))
+    except (ValueError, csv.Error) as error:
+        raise ValueError(f"{file.name} is no file of this study, or damaged: {error}") from None
+    return rows

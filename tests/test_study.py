@@ -1,0 +1,170 @@
+"""The study: its steps and its files, and a dry run in which simulated participants have an effect that is found."""
+
+from __future__ import annotations
+
+import random
+import sys
+from collections import Counter
+from datetime import datetime, timezone
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from .conftest import ROOT
+
+sys.path.insert(0, str(ROOT / "studies"))
+import compare
+import study
+
+CODE = {
+    "wall_ahead": 'def wall_ahead(scan):\n    return scan.distance(("-20deg", "20deg"))',
+    "nearest_on_the_left": 'def nearest_on_the_left(scan):\n    return scan.distance("left")',
+}
+
+
+class Participant:
+    """Somebody simulated, who takes some seconds for each task, and has an opinion."""
+
+    def __init__(self, number: int, folder: Path) -> None:
+        self.time = 0.0
+        self.study = study.Study(number, folder, clock=lambda: self.time, now=self.now)
+
+    def now(self) -> datetime:
+        return datetime.fromtimestamp(self.time, timezone.utc)
+
+    def right(self, task: Any) -> str:
+        """An answer that is right."""
+        if task.is_code:
+            return next(text for name, text in CODE.items() if f"def {name}(" in task.given)
+        step = 1.0 if task.name == "index" else 0.05
+        return next(f"{n * step:g}" for n in range(1000) if not task.wrong(f"{n * step:g}"))
+
+    def take_part(self, seconds: dict[str, float], like: dict[str, int], steps: int = 100) -> None:
+        for _ in range(steps):
+            if self.study.step is None:
+                return
+            kind, _, form, _, task = self.study.step
+            if kind == "consent":
+                self.study.agree()
+            elif kind == "task":
+                self.time += seconds[form]
+                assert self.study.answer(self.right(task)) == ""
+            elif kind == "tlx":
+                self.study.rate(dict.fromkeys(study.TLX, 100 - 20 * like[form]))
+            else:
+                self.study.rate({str(n): like[form] if n % 2 else 6 - like[form] for n in range(1, 11)})
+
+
+@pytest.fixture(autouse=True)
+def quick_code(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Answers in code are checked once each: the check itself has tests of its own."""
+    known: dict[tuple[str, str], str] = {}
+    check = study.code_wrong
+
+    def once(name: str, text: str) -> str:
+        if (name, text) not in known:
+            known[name, text] = check(name, text)
+        return known[name, text]
+
+    monkeypatch.setattr(study, "code_wrong", once)
+
+
+def test_a_known_effect_of_simulated_participants_is_found_and_none_where_there_is_none(tmp_path: Path) -> None:
+    chance = random.Random(3)
+    for name, effect in (("faster", 0.7), ("same", 1.0)):
+        (tmp_path / name).mkdir()
+        for number in range(1, 13):
+            skill = chance.lognormvariate(3.5, 0.4)
+            seconds = {study.WITH: skill * effect * chance.lognormvariate(0, 0.1), study.WITHOUT: skill}
+            like = {study.WITH: chance.choice([4, 5]) if effect < 1 else 3, study.WITHOUT: 3}
+            Participant(number, tmp_path / name).take_part(seconds, like)
+    faster, same = (compare.compare(tmp_path / name) for name in ("faster", "same"))
+    times, solved, tlx, sus = faster.measures
+    assert times.low < 0.7 < times.high < 0.85
+    assert times.low > 0.6
+    assert solved.effect == 0
+    assert solved.values.tolist() == [[4, 4]] * 12
+    assert tlx.high < 0
+    assert 20 < sus.low <= sus.effect <= 50
+    assert same.measures[0].low < 1 < same.measures[0].high
+    assert "12 participants" in repr(faster)
+    assert "<svg" in faster._repr_html_()
+
+
+def test_forms_sets_and_their_order_are_balanced_over_four_participants(tmp_path: Path) -> None:
+    firsts = []
+    for number in range(1, 9):
+        steps = study.Study(number, tmp_path)._steps
+        blocks = {block: (form, which) for _, block, form, which, _ in steps if block}
+        assert {form for form, _ in blocks.values()} == {study.WITH, study.WITHOUT}
+        assert {which for _, which in blocks.values()} == {"A", "B"}
+        firsts.append(blocks[1])
+    assert set(Counter(firsts).values()) == {2}
+    assert len(Counter(firsts)) == 4
+
+
+def test_a_file_is_continued_after_its_last_step_and_a_damaged_one_is_told(tmp_path: Path) -> None:
+    seconds, like = {study.WITH: 10.0, study.WITHOUT: 20.0}, {study.WITH: 5, study.WITHOUT: 2}
+    first = Participant(7, tmp_path)
+    first.take_part(seconds, like, steps=4)
+    again = Participant(7, tmp_path)
+    assert again.study.step is not None
+    assert first.study.step is not None
+    assert again.study.step[:4] == first.study.step[:4]
+    again.take_part(seconds, like)
+    rows = study.read_rows(tmp_path / "P07.csv")
+    assert Counter(row.kind for row in rows) == {"consent": 1, "task": 8, "tlx": 12, "sus": 20}
+    assert {row.seconds for row in rows if row.kind == "task"} == {10.0, 20.0}
+    assert Participant(7, tmp_path).study.step is None
+    Participant(8, tmp_path).take_part(seconds, like, steps=3)
+    text = (tmp_path / "P07.csv").read_text("utf-8")
+    (tmp_path / "P09.csv").write_text(text[:-30], "utf-8")
+    (tmp_path / "P10.csv").write_text("a,b\n1,2\n", "utf-8")
+    with pytest.raises(ValueError, match=r"two complete files or more .*P08.csv is not comp.*P09.csv is no file of"):
+        compare.compare(tmp_path)
+    with pytest.raises(ValueError, match="expected a number from 1 to 9999, got 0"):
+        study.Study(0, tmp_path)
+
+
+def test_wrong_answers_are_told_counted_and_end_with_the_limit_of_time(tmp_path: Path) -> None:
+    someone = Participant(1, tmp_path)
+    someone.study.agree()
+    assert someone.study.answer("many") == "Type a number, such as 1.5."
+    assert someone.study.answer("-1") == "Not yet."
+    someone.time += study.LIMIT + 1
+    assert someone.study.answer("-1") == ""
+    someone.study.give_up()
+    rows = study.read_rows(someone.study.file)[1:]
+    assert [(row.tries, row.right, row.seconds) for row in rows] == [(3, False, study.LIMIT), (0, False, study.LIMIT)]
+    assert study.code_wrong("wall_ahead", "def other(scan): ...") == "Keep the name wall_ahead."
+    assert "SyntaxError" in study.code_wrong("wall_ahead", "def (")
+    assert "right in 0 of 5" in study.code_wrong("wall_ahead", "def wall_ahead(scan):\n    return -1")
+
+
+def test_a_participant_goes_through_the_page_by_its_buttons(tmp_path: Path) -> None:
+    someone = Participant(1, tmp_path)
+    box = someone.study.show()
+    seen = []
+    while someone.study.step is not None:
+        kind, _, form, _, task = someone.study.step
+        seen.append(kind)
+        if kind == "task":
+            view, field, buttons = box.children[1:4]
+            assert type(view).__name__ == ("LaserWidget" if form == study.WITH else "HTML")
+            field.value = "never" if not task.is_code else "1/0"
+            buttons.children[0].click()
+            assert someone.study.step[4] is task
+            assert box.children[4].value.startswith("<pre>")
+            someone.time += 5
+            someone.study.show()  # run again: its time goes on
+            field.value = someone.right(task)
+            buttons.children[0].click()
+        else:
+            for child in box.children:
+                if type(child).__name__ == "RadioButtons":
+                    child.value = 4
+            box.children[-1].click()
+    assert seen == ["consent", *(["task"] * 4 + ["tlx", "sus"]) * 2]
+    assert {row.seconds for row in study.read_rows(someone.study.file) if row.kind == "task"} == {5.0}
+    assert "Thank you!" in box.children[0].value
