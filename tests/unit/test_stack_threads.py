@@ -38,6 +38,29 @@ def test_threads(wrong: dict[str, str], case: str) -> None:
     assert wrong[case] == ""
 
 
+LESSON = Path(stack_cases.__file__).with_name("lesson_on_stacks.py")
+LOOPS = [number for number, line in enumerate(LESSON.read_text().splitlines(), 1) if line.strip() == "while True:"]
+NO_RETURN = "a step has not returned for half a second, and was abandoned"
+CAME = {
+    "waited": "Scan",
+    "moved": "True",
+    "gave way": "True",
+    "error": f"line {LOOPS[0]}: {NO_RETURN}",
+    "lamp": "True",
+    "check": f"- a hall: line {LOOPS[1]}: {NO_RETURN}. A step returns at once: it does not sleep or wait, and its loops end",
+    "right": "True",
+    "closed": "True",
+}
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(sys.version_info < (3, 13), reason="the threads of a browser are those of Python 3.13 or later")
+def test_a_lesson_runs_on_them_with_its_limits() -> None:
+    command = [sys.executable, LESSON]
+    ended = subprocess.run(command, capture_output=True, text=True, timeout=250, check=False)
+    assert dict(line.split(": ", 1) for line in ended.stdout.splitlines()) == CAME, ended.stderr
+
+
 @pytest.mark.parametrize(
     ("value", "there"),
     [
