@@ -47,7 +47,8 @@ CAME = {
     "gave way": "True",
     "error": f"line {LOOPS[0]}: {NO_RETURN}",
     "lamp": "True",
-    "check": f"- a hall: line {LOOPS[1]}: {NO_RETURN}. A step returns at once: it does not sleep or wait, and its loops end",
+    "check": f"- a hall: line {LOOPS[1]}: {NO_RETURN}. A step returns at once: it does not sleep or wait, "
+    "and its loops end",
     "right": "True",
     "closed": "True",
 }
