@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
 from html import escape
@@ -13,6 +14,9 @@ from ._progress import FILE, TASKS, ReportError, Task, read
 
 STUCK = 3
 """Different answers that were wrong, from which on a student counts as stuck."""
+
+
+_FIELD = re.compile(r"\{[^}]*\}")
 
 
 class Fault(NamedTuple):
@@ -42,7 +46,7 @@ class Summary:
         for task in TASKS:
             names = tuple(name for name, tasks in self.students.items() if _is_stuck(tasks.get(task)))
             if names:
-                faults = Counter(self.students[name][task].fault for name in names)
+                faults = Counter(_FIELD.sub("…", self.students[name][task].fault) for name in names)
                 found.append(Fault(task, names, tuple(faults.most_common(3))))
         return tuple(sorted(found, key=lambda fault: -len(fault.students)))
 

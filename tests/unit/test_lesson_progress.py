@@ -90,6 +90,14 @@ class TestProgress:
         assert fingerprint("def f():  # ein\n    return 1\n\nresult = 2") == fingerprint("def f():\n  return 1  # a")
         assert fingerprint("def f():\n    return 2") != fingerprint("def f():\n    return 1")
 
+    def test_a_right_answer_is_kept_though_another_task_gives_it(self, monkeypatch: pytest.MonkeyPatch) -> None:
+        monkeypatch.setattr(_progress, "fingerprint", lambda _cell: next(iter(_progress._GIVEN)))
+        progress = lessons.progress()
+        wrong(1)
+        assert not Path(FILE).exists()
+        lessons.check(bumper_reflex)
+        assert progress.done == ("bumper_reflex",)
+
     def test_a_damaged_file_is_told_kept_aside_and_begun_anew(self, folder: Path) -> None:
         (folder / FILE).write_text('{"kind": "robowidgets les', encoding="utf-8")
         progress = lessons.progress()
@@ -164,7 +172,10 @@ class TestReport:
 class TestSummary:
     def hand_in(self, folder: Path) -> None:
         stuck = Task(
-            tries=4, fault="drive closer", wrong="<b>drive closer</b>", answer="</pre><script>alert(1)</script>"
+            tries=4,
+            fault="drive closer by {way:.1f} m",
+            wrong="<b>drive closer</b>",
+            answer="</pre><script>alert(1)</script>",
         )
         write(folder / "ada.json", {"fits_through": Task(done=True, tries=2), "wall_ahead": Task(done=True)})
         write(folder / "\x1b[2J<i>bo.json", {"fits_through": stuck, "wall_ahead": Task(tries=1)})
@@ -182,7 +193,7 @@ class TestSummary:
         rows = {line.split()[0]: line.split()[1:] for line in said.splitlines() if line.strip()}
         assert rows["ada"] == ["·", "✓", *"···", "✓", *"······", "2"]
         assert rows["cy"] == ["·", "✓", *"···", "4", *"······", "1"]  # of both of its folders
-        assert "2 stuck at fits_through: �[2J<i>bo, di\n  2 ×  drive closer" in said
+        assert "2 stuck at fits_through: �[2J<i>bo, di\n  2 ×  drive closer by … m" in said
         assert "not read: torn.json is damaged: " in said
         assert "\x1b" not in said
         with pytest.raises(NotADirectoryError, match="there is no folder 'none'"):
