@@ -62,12 +62,11 @@ def main() -> None:
         files.mkdir()
         for name in NOTEBOOKS:
             for source in (ROOT / "notebooks").rglob(f"{name}.ipynb"):
-                target = files / source.relative_to(ROOT / "notebooks")
-                target.parent.mkdir(exist_ok=True)
-                shutil.copy(source, target)
+                copy_notebook(source, files / source.relative_to(ROOT / "notebooks"))
         for one in asked.folders:
             name, _, source = one.partition("=")
-            shutil.copytree(source, files / name)
+            for notebook in Path(source).glob("*.ipynb"):
+                copy_notebook(notebook, files / name / notebook.name)
         subprocess.run(
             [VENV / "bin" / "jupyter", "lite", "build", "--lite-dir", lite, "--output-dir", lite / "out",
              "--no-sourcemaps", "--apps", "notebooks", "--apps", "lab", "--no-unused-shared-packages"],
@@ -76,6 +75,14 @@ def main() -> None:
         shutil.rmtree(asked.out, ignore_errors=True)
         shutil.copytree(lite / "out", asked.out)
     check(asked.out / "static" / "pyodide")
+
+
+def copy_notebook(source: Path, target: Path) -> None:
+    """Copy a notebook, with the kernel that the browser has: for another one JupyterLite would ask."""
+    notebook = json.loads(source.read_text(encoding="utf-8"))
+    notebook["metadata"]["kernelspec"] = {"name": "python", "display_name": "Python (Pyodide)", "language": "python"}
+    target.parent.mkdir(exist_ok=True)
+    target.write_text(json.dumps(notebook), encoding="utf-8")
 
 
 def write_core(to: Path) -> None:

@@ -192,8 +192,8 @@ def front_end_imports() -> Iterator[tuple[str, str]]:
 
 
 def test_a_folder_of_the_front_end_imports_from_itself_and_shared_alone() -> None:
-    """The scripts of exported pages, in ``export/``, are made of the widgets."""
-    pairs = [(file, other) for file, other in front_end_imports() if not file.startswith("export/")]
+    """The scripts of exported pages, in ``export/``, and of the documentation, in ``site/``, are made of the widgets."""
+    pairs = [(file, other) for file, other in front_end_imports() if not file.startswith(("export/", "site/"))]
     assert pairs
     assert [pair for pair in pairs if pair[1].split("/")[0] not in (pair[0].split("/")[0], "shared")] == []
 
@@ -212,7 +212,7 @@ def loaded_by(entry: Path) -> set[Path]:
 
 def test_each_file_of_the_front_end_is_in_a_script_or_a_stylesheet() -> None:
     built = [path for path in JS.iterdir() if re.search(r"(_widget|^export_\w+|^run_once)\.(ts|css)$", path.name)]
-    used = {path for entry in built for path in loaded_by(entry)}
+    used = {path for entry in (*built, *JS.glob("site/*.ts")) for path in loaded_by(entry)}
     files = [*JS.glob("*/*.ts"), *JS.glob("shared/*/*.ts"), *JS.glob("*/*.css")]
     assert [path.relative_to(JS).as_posix() for path in files if path.resolve() not in used] == []
 
