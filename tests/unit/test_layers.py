@@ -192,7 +192,7 @@ def front_end_imports() -> Iterator[tuple[str, str]]:
 
 
 def test_a_folder_of_the_front_end_imports_from_itself_and_shared_alone() -> None:
-    """The scripts of exported pages, in ``export/``, and of the documentation, in ``site/``, are made of the widgets."""
+    """The scripts of exported pages and of the documentation, ``export/`` and ``site/``, are made of the widgets."""
     pairs = [(file, other) for file, other in front_end_imports() if not file.startswith(("export/", "site/"))]
     assert pairs
     assert [pair for pair in pairs if pair[1].split("/")[0] not in (pair[0].split("/")[0], "shared")] == []
