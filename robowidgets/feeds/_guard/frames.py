@@ -9,6 +9,7 @@ from typing import Any
 from zlib import crc32
 
 _HEAD = Struct(">II")
+_encode = json.JSONEncoder(allow_nan=False, separators=(",", ":")).encode  # `json.dumps` makes one for each call
 
 LARGEST = 60_000
 """Bytes of the largest message."""
@@ -57,7 +58,7 @@ class DamagedError(Exception):
 
 def packed(name: str, *parts: Any) -> bytes:
     """The frame of a message."""
-    text = json.dumps([name, *parts], allow_nan=False, separators=(",", ":")).encode()
+    text = _encode([name, *parts]).encode()
     if len(text) > LARGEST:
         raise ValueError(f"a message of {len(text)} bytes is too large for a guard")
     return _HEAD.pack(len(text), crc32(text)) + text
