@@ -60,6 +60,9 @@ API_MODULES = {
     "Lessons": "robowidgets.lessons",
 }
 
+_RECORDINGS = re.compile(r"robowidgets\.(open|find)\(|SAMPLE|feeds\.recording")
+"""Where a page needs recordings, which a browser cannot open: it is without "Try it", too."""
+
 _BLOCK = re.compile(r"^```python\n(.*?)^```\n", re.MULTILINE | re.DOTALL)
 _PICTURE = re.compile(r"\n*(?:<picture>.*?</picture>|!\[[^\]]*\]\([^)]*\)|<img [^>]*>)\n", re.DOTALL)
 _ANY_PICTURE = re.compile(
@@ -208,7 +211,8 @@ def write_sources(to: Path, only: list[str], lite: bool) -> None:
         shows = dict(zip(asked, pool.map(lambda source: run_blocks(source, live), asked), strict=True))
     for source, page in [*pages.items(), *((source, Path(name)) for source, name in OTHER_PAGES.items())]:
         text, notebook = source.read_text(encoding="utf-8"), ""
-        if lite and len(page.parts) == 1 and page.stem not in NOT_IN_BROWSER and _BLOCK.search(text):
+        runs_there = page.stem not in NOT_IN_BROWSER and not _RECORDINGS.search(text)
+        if lite and len(page.parts) == 1 and runs_there and _BLOCK.search(text):
             notebook = f"docs/{page.stem}.ipynb"
             nbformat.write(notebook_of(source), tries / f"{page.stem}.ipynb")
         up = "../" * (len(page.parts) - 1)

@@ -172,24 +172,6 @@ def serve(folder: Path) -> tuple[str, Callable[[], None]]:
     return f"http://127.0.0.1:{server.server_port}", stop
 
 
-@pytest.fixture(scope="module")
-def wrong(browser: Browser) -> Iterator[dict[str, str]]:
-    """What went wrong in each case of threads, in Chromium."""
-    url, stop = serve(PYODIDE)
-    page = browser.new_page()
-    console = Console(page)
-    page.goto(f"{url}/package.json")
-    core = ROOT / "robowidgets" / "_core"
-    texts = {f"robowidgets/_core/{name}.py": (core / f"{name}.py").read_text() for name in CORE}
-    texts["stack_cases.py"] = Path(stack_cases.__file__).read_text()
-    code = f"{BARE}\n{RUN}"
-    told: dict[str, str] = json.loads(page.evaluate(LOAD, [url, texts, code]))
-    yield told
-    page.close()
-    stop()
-    assert console.errors == []
-
-
 CORE = ("__init__", "in_browser", "stack_threads")
 LOAD = """
 async ([url, texts, code]) => {
@@ -213,9 +195,20 @@ json.dumps(stack_cases.run(list(stack_cases.CASES), threads, lambda call: js.set
 """
 
 
-@pytest.mark.parametrize("case", stack_cases.CASES)
-def test_threads(wrong: dict[str, str], case: str) -> None:
-    assert wrong[case] == ""
+def test_threads_do_in_chromium_what_they_do_elsewhere(browser: Browser) -> None:
+    url, stop = serve(PYODIDE)
+    page = browser.new_page()
+    console = Console(page)
+    page.goto(f"{url}/package.json")
+    core = ROOT / "robowidgets" / "_core"
+    texts = {f"robowidgets/_core/{name}.py": (core / f"{name}.py").read_text() for name in CORE}
+    texts["stack_cases.py"] = Path(stack_cases.__file__).read_text()
+    wrong: dict[str, str] = json.loads(page.evaluate(LOAD, [url, texts, f"{BARE}\n{RUN}"]))
+    assert list(wrong) == list(stack_cases.CASES)
+    assert {name: text for name, text in wrong.items() if text} == {}
+    assert console.errors == []
+    page.close()
+    stop()
 
 
 @pytest.fixture(scope="module")
@@ -269,9 +262,7 @@ def test_python_and_the_page_mean_the_same_by_each_kind_of_value_and_a_cell_that
     nb.run(2, "ticks 40")
     assert nb.console.errors == []
     nb.page.close()
-
-
-def test_the_lock_names_each_file_by_its_hash(site: tuple[str, Path]) -> None:
+    # The lock names each file by its hash, and all that each needs.
     folder = site[1] / "static" / "pyodide"
     packages = json.loads((folder / "pyodide-lock.json").read_text())["packages"]
     for entry in packages.values():
