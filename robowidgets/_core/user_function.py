@@ -40,16 +40,14 @@ def calling_text() -> str:
     return "".join(linecache.getlines(frame.f_code.co_filename))
 
 
-def error_in(error: BaseException, otherwise: str = "") -> str:
+def error_in(error: BaseException) -> str:
     """An error that a function of the user raised, with its line: ``line 12: ZeroDivisionError: division by zero``.
 
-    Args:
-        error: the error.
-        otherwise: in place of the line, where the error is of none of the user's.
+    Without a line, where none of the user's raised it.
     """
     frames = [(frame.f_code.co_filename, line) for frame, line in traceback.walk_tb(error.__traceback__)]
     own = next((file for file, _ in frames if not file.startswith(_PACKAGE)), None)
-    line = next((f"line {line}: " for file, line in reversed(frames) if file == own), otherwise)
+    line = next((f"line {line}: " for file, line in reversed(frames) if file == own), "")
     say_what_was_meant(error)
     return f"{line}{type(error).__name__}: {error}"
 

@@ -339,13 +339,13 @@ class Program(Observed):
         passed, worked = time.perf_counter() - began, time.process_time() - worked
         self.step_time = passed
         if error is not None:
-            self._fail(error_in(error, f"{self.name}: "), error, run)
+            self._fail(error_in(error), error, run)
             return
         # Where the process did not work, it was suspended: a step is not to blame, and the next one is due.
         if unseen >= HELD and worked >= WORKS * unseen:
             stopped = "the guard stopped the robot meanwhile" if self._robot.is_guarded() else "zero came late"
             held = (
-                f"{self.name}: a step took {passed:.1f} s, in which it, or another thread, held the GIL: "
+                f"a step took {passed:.1f} s, in which it, or another thread, held the GIL: "
                 f"nothing else could run, and {stopped}"
             )
             self._fail(held, None, run)
@@ -429,7 +429,7 @@ class Program(Observed):
             self.close(note)
             self._say(inform, note)
         elif is_late:
-            error = f"{where or self.name}: {NO_RETURN}"
+            error = f"{where}: {NO_RETURN}" if where else NO_RETURN
             if self._end(FAILED, error=error, run=run):
                 self._log(error)
         elif waiting:

@@ -126,6 +126,12 @@ class DdsSession:
         self._topics: list[Advert] = []
         self._is_told = False
 
+    def close(self) -> None:
+        """End the participant and all that it made; by itself it lasts for as long as anything refers to it."""
+        with self._writing:
+            # What cyclonedds does when it is garbage-collected: it has no other call for that.
+            self._participant.__del__()
+
     def wake(self) -> None:
         """Make `wait` return."""
         self._guard.set(True)

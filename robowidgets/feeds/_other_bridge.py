@@ -7,11 +7,15 @@ import json
 from contextlib import suppress
 from typing import Any
 
+from .._core.platform_fixes import close_when_connected
+
 FOXGLOVE = ["foxglove.sdk.v1", "foxglove.websocket.v1"]
 """The names of the foxglove protocol."""
 
 PATIENCE = 1.0
 """Seconds for an answer."""
+
+_GOODBYE = 0.5
 
 
 async def is_foxglove(address: str) -> bool:
@@ -52,4 +56,9 @@ async def _answers_as_rosbridge(address: str) -> bool:
 async def _connected(address: str, subprotocols: list[str] | None) -> Any:
     from tornado.websocket import websocket_connect
 
-    return await websocket_connect(address, subprotocols=subprotocols)
+    connecting = asyncio.ensure_future(websocket_connect(address, subprotocols=subprotocols))
+    try:
+        return await asyncio.shield(connecting)
+    except asyncio.CancelledError:
+        await close_when_connected(connecting, _GOODBYE)
+        raise

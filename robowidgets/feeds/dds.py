@@ -93,10 +93,10 @@ class Dds(ThreadedMiddleware):
         from ._dds_types import struct
 
         session = DdsSession(self._domain, listener, self._interface, self._no_robot(), self._clock, self._mark)
-        struct(TWIST_STAMPED)  # takes a while the first time, and no speed or zero should wait for it
-        with self._lock:
-            self._session = session
         try:
+            struct(TWIST_STAMPED)  # takes a while the first time, and no speed or zero should wait for it
+            with self._lock:
+                self._session = session
             listener.on_connected()
             self._backoff.reset()
             while not self._closed.is_set():
@@ -104,6 +104,7 @@ class Dds(ThreadedMiddleware):
         finally:
             with self._lock:
                 self._session = None
+            session.close()
 
     def _no_robot(self) -> str:
         if self._interface == "lo":

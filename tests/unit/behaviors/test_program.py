@@ -402,7 +402,8 @@ def test_a_step_that_returns_no_drive_is_told_in_one_line_without_a_traceback_of
     program = robot.program(lambda: 0.2)
     wait_for(lambda: caplog.messages, "the error is logged")
     (said,) = caplog.messages
-    assert said.endswith("expected a step to return Drive(linear, angular), or None to keep the speed, got 0.2")
+    words = "expected a step to return Drive(linear, angular), or None to keep the speed, got 0.2"
+    assert said == f"program {program.name}: TypeError: {words}"
     assert (program.mode, caplog.records[0].exc_info) == ("failed", None)
 
 

@@ -25,6 +25,8 @@ import pytest
 
 pytest.importorskip("cyclonedds", reason="cyclonedds is not installed: pip install cyclonedds")
 
+from cyclonedds.core import DDSException
+
 from robowidgets import EventsWidget
 from robowidgets.feeds import Driving, Feed, _dds_session, _threaded
 from robowidgets.feeds._dds_types import decoder, opaque, ros_topic, ros_type
@@ -40,7 +42,7 @@ from ..waiting import wait_for
 from .bursts import EVERY, record_bursts
 from .ears import Ears
 
-DOMAIN = 60 + os.getpid() % 100  # several test runs on a machine do not hear each other
+DOMAIN = 100 + os.getpid() % 100  # several test runs on a machine do not hear each other
 SCAN = "sensor_msgs/msg/LaserScan"
 TWIST, STAMPED = "geometry_msgs/msg/Twist", "geometry_msgs/msg/TwistStamped"
 RANGE = "sensor_msgs/msg/Range"
@@ -687,6 +689,18 @@ def test_a_hundred_opens_and_closes_leave_no_thread_no_socket_and_no_memory() ->
     gc.collect()
     assert [ref for ref in there if ref() is not None] == []
     assert memory() < held + 10e6
+
+
+def test_closing_ends_the_participant_though_something_refers_to_it(heard: Ears) -> None:
+    dds = Dds(DOMAIN, interface="lo")
+    dds.open(heard)
+    wait_for(lambda: heard.connected, "it takes part")
+    session = dds._session
+    assert session is not None
+    assert session._participant.guid
+    dds.close()
+    with pytest.raises(DDSException):
+        _ = session._participant.guid
 
 
 def test_a_network_that_is_not_there_is_tried_again(heard: Ears) -> None:

@@ -498,7 +498,8 @@ def test_each_message_of_a_burst_is_recorded_though_a_widget_asked_for_fewer(tmp
     with Server({"/scan": SCAN}) as server:
 
         def send(readings: list[float]) -> None:
-            wait_for(lambda: "/scan" in server.subscribed, "it subscribed")
+            asked = [1000] if readings[0] else [1, 1000]
+            wait_for(lambda: server.subscribed.get("/scan", {}).get("queue_length") in asked, "it subscribed")
             for reading in readings:
                 server.publish("/scan", scan(*[reading] * 360))
 

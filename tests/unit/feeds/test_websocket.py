@@ -592,6 +592,24 @@ def test_a_server_of_another_protocol_is_told(ears: Ears, monkeypatch: pytest.Mo
     assert ears.connected == 0
 
 
+def test_a_server_that_answers_too_late_to_be_told_from_others_is_left(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(_other_bridge, "PATIENCE", 0.01)
+    monkeypatch.setattr(_other_bridge, "_GOODBYE", 60.0)
+    with Server() as server:
+
+        async def ask() -> bool:
+            go_on = server.stall()
+            asking = asyncio.ensure_future(_other_bridge.is_rosbridge(server.address))
+            await asyncio.sleep(0.1)  # not to claim anything: the time for an answer is over then
+            go_on()
+            answer = await asking
+            while server.clients or not server.opened:
+                await asyncio.sleep(0.005)
+            return answer
+
+        assert not asyncio.run(asyncio.wait_for(ask(), 120))
+
+
 def test_a_name_that_nobody_knows_is_told(ears: Ears, monkeypatch: pytest.MonkeyPatch) -> None:
     def unknown(*_: object, **__: object) -> None:
         raise socket.gaierror(-2, "Name or service not known")
