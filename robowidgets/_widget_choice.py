@@ -223,14 +223,18 @@ class OnShow:
     """
 
     def __init__(self, entries: Sequence[Entry] = ()) -> None:
-        self._base = _frozen(entries)
+        self._asked = self._base = _frozen(entries)
         self._more: list[Entry] = []
         self._off: set[Entry] = set()
 
     def keep(self, earlier: OnShow) -> None:
-        """Take over what a person changed in the view of an earlier run of the cell, if it asked for the same."""
-        if self._base == earlier._base:
-            self._more, self._off = list(earlier._more), set(earlier._off)
+        """Take over what was changed in the view of an earlier run of the cell, if it asked for the same."""
+        if self._asked == earlier._asked:
+            self._base, self._more, self._off = list(earlier._base), list(earlier._more), set(earlier._off)
+
+    def arrange(self, entries: Sequence[Entry]) -> None:
+        """Show these in place of all others."""
+        self._base, self._more, self._off = _frozen(entries), [], set()
 
     def entries(self, topics: Sequence[Shown], can_show: Callable[[str], bool]) -> list[Entry]:
         """What is to be shown of the topics that there are.

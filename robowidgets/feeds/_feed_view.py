@@ -166,7 +166,7 @@ class FeedView(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no type
     @arrangement.setter
     def arrangement(self, entries: Any) -> None:
         self._names = checked_arrangement(entries)
-        self.on_show = OnShow(self._names)
+        self.on_show.arrange(self._names)
         self.refresh()
 
     def _entries(self) -> list[Entry]:

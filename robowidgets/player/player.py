@@ -367,7 +367,7 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
     def arrangement(self, entries: Any) -> None:
         asked = checked_arrangement(entries)
         _check(self.recording, asked)
-        self.on_show = OnShow(asked)
+        self.on_show.arrange(asked)
         self._show_chosen()
 
     def _entries(self) -> Sequence[Entry]:

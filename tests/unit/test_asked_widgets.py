@@ -13,6 +13,7 @@ import pytest
 
 import robowidgets
 from robowidgets import kinds
+from robowidgets._core import cells as _cells
 from robowidgets._widget_choice import FEW, choose_widgets
 from robowidgets.feeds import Advert, Feed
 from robowidgets.player.player import Player
@@ -279,3 +280,31 @@ class TestAnArrangement:
             view.topic_list._on_page(None, {"toggle": "/temperature", "on": True}, None)
             assert view.arrangement == ["/odom", "/temperature"]
             assert view.widgets.keys() == {"/odom", "/temperature"}
+
+    def test_is_kept_by_a_cell_that_is_run_again_and_asks_for_the_same(
+        self, recording: Recording, monkeypatch: pytest.MonkeyPatch
+    ) -> None:
+        runs = iter("1234")
+        monkeypatch.setattr(_cells, "_made", {})
+
+        def run(cell: str, *topics: str) -> Player:
+            monkeypatch.setattr(_cells, "running_cell", lambda: (cell, number))
+            number = next(runs)
+            return robowidgets.open(recording.path).show(*topics)
+
+        first = run("a cell", "/says", "/temperature")
+        first.arrangement = ["/temperature", ["/temperature.data"]]
+        assert first.topic_list is not None
+        first.topic_list._on_page(None, {"toggle": "/place", "on": True}, None)
+        chosen = first.arrangement
+        assert "/place" in chosen
+        assert run("a cell", "/says", "/temperature").arrangement == chosen
+        assert run("a cell", "/says").arrangement == ["/says"]
+
+        script = Scripted(ODOM, SCAN, NUMBER)
+        with Feed(script) as feed:
+            monkeypatch.setattr(_cells, "running_cell", lambda: ("another", "1"))
+            view = feed.show()
+            view.arrangement = ["/odom", "/temperature"]
+            monkeypatch.setattr(_cells, "running_cell", lambda: ("another", "2"))
+            assert feed.show().arrangement == ["/odom", "/temperature"]

@@ -506,7 +506,10 @@ export class PlotView {
     if (isShown) {
       const text = toMoment(time, last, 3);
       const half = 34;
-      const x = Math.min(size.width - half, Math.max(axis.left + half, toX(axis, time)));
+      // Beside the unit of the first graph, which stands at the left end of the same line.
+      context.font = font;
+      const unit = context.measureText(this.#charts[0]?.group.unit ?? "").width;
+      const x = Math.min(size.width - half, Math.max(axis.left + unit + half, toX(axis, time)));
       write(context, text, x, noticeHeight + 10, theme.ink, `600 ${font}`, "center", theme.background);
     }
     const [from, to] = axis.span.map((one) => toMoment(one, last));
