@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import csv
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Collection, Iterator, Sequence
 from math import pi
 from pathlib import Path
 from typing import Any
@@ -16,12 +16,31 @@ from playwright.sync_api import Browser, Page, expect
 import robowidgets
 from robowidgets import SAMPLE, LaserWidget, Scan
 from robowidgets._core.pacer import pacer
+from robowidgets.messages.any_message import value_at
+from robowidgets.messages.channel import Channel
+from robowidgets.repair.source import Message
+from robowidgets.repair.write import write
 
 from ..unit.recordings import recorded, sweeps
+from ..unit.recordings.first_messages import Sent, by_type, first_messages
 from . import firefox
 from .chromium import PICTURES, SCREENSHOTS, shoot
 
 HOSTILE = "</script><img src=x onerror=alert(1)><script>alert(2)</script>"
+NUMBER = re.compile(r"-?[0-9][0-9,]*(\.[0-9]+)?(e[+-]?[0-9]+)?")
+READ_TREES = """() => Object.fromEntries([...document.querySelectorAll(".rw-message")].map((card) => [
+    card.querySelector(".rw-title").textContent,
+    Object.fromEntries([...card.querySelectorAll("[data-rw-row]")].map((row) =>
+        [row.dataset.rwRow, row.querySelector(".rw-message-value")?.textContent ?? ""])),
+]))"""
+ALL_READ = """(names) => {
+    const cards = [...document.querySelectorAll(".rw-message")].filter((card) => card.querySelector("[data-rw-row]"));
+    const there = cards.map((card) => card.querySelector(".rw-title").textContent);
+    return names.every((name) => there.includes(name));
+}"""
+MANY = 20
+"""Topics on a page of the test: each card that comes has all others laid out anew."""
+
 MARKS = [(12.0, 12.5, HOSTILE), (16.5, 16.5, "turn")]
 
 
@@ -258,3 +277,63 @@ def test_a_page_plays_messages_of_any_type_which_unfold_there(offline: Callable[
     expect(force).to_have_text("0.5")
     card.locator('[data-rw-row="force"]').click()
     expect(force).to_have_count(0)
+
+
+class OfEachType:
+    """A recording with the first messages of a topic of each type that the real recordings have."""
+
+    problems: tuple[str, ...] = ()
+    start_ns, end_ns = recorded.START_NS, recorded.START_NS + 10**9
+
+    def __init__(self, sent: Sequence[Sent]) -> None:
+        self._raw = {number: one.raw for number, one in enumerate(sent)}
+        self.channels = tuple(
+            one.channel._replace(id=number, topic=one.topic, count=len(one.raw)) for number, one in enumerate(sent)
+        )
+
+    def messages(self, channels: Collection[Channel], *_: Any) -> Iterator[Message]:
+        for number, time_ns in enumerate((self.start_ns, self.end_ns)):
+            for channel in channels:
+                if number < channel.count:
+                    yield channel, time_ns, self._raw[channel.id][number]
+
+    def span_ns(self, _channel: Channel) -> None:
+        return None
+
+    def close(self) -> None:
+        pass
+
+
+def test_a_page_of_every_type_there_is_shows_the_values(
+    offline: Callable[..., Page], tmp_path: Path, data: Path
+) -> None:
+    sent = by_type(first_messages(data, 2))
+    path = tmp_path / "all.mcap"
+    write(OfEachType(sent), path)
+    fitting, compared = set(), 0
+    for part in range(0, len(sent), MANY):
+        those = sent[part : part + MANY]
+        names = [one.topic for one in those]
+        with robowidgets.open(path) as recording:
+            player = recording.show(*names, *(f"{name} as message" for name in names))
+            page = offline(player.to_html(tmp_path / f"{part}.html", scanogram=False))
+            fitting |= {view.choice.shown.name for view in player.views}
+            player.close()
+        page.wait_for_function(ALL_READ, arg=names, timeout=150_000)
+        trees = page.evaluate(READ_TREES)
+        compared += sum(shows_the_number(one, row, text) for one in those for row, text in trees[one.topic].items())
+        page.close()
+    assert fitting >= {"laser", "speed", "path", "events", "sonar", "touch", "message"}
+    assert compared > 300
+
+
+def shows_the_number(one: Sent, row: str, text: str) -> bool:
+    """Whether a row of a tree has a number; fails unless it is that of the first message."""
+    if " " in row:  # roll, pitch and yaw, which are worked out
+        return False
+    value = value_at(one.messages[0], row)
+    number = NUMBER.match(text.replace("\N{MINUS SIGN}", "-"))
+    if not number or isinstance(value, bool) or not isinstance(value, (int, float)) or not np.isfinite(value):
+        return False
+    assert float(number[0].replace(",", "")) == pytest.approx(value, rel=0.01, abs=0.006), (one.topic, row, text)
+    return True
