@@ -39,7 +39,7 @@ print(sender.sent, sys.getswitchinterval())
 
 def run(before: str = "", work: int = 100_000) -> tuple[int, float]:
     program = STARVING.format(before=before, work=work)
-    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True, timeout=60)
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True, timeout=240)
     sent, interval = done.stdout.split()
     return int(sent), float(interval)
 

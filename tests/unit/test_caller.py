@@ -81,7 +81,7 @@ def outputs(tmp_path_factory: pytest.TempPathFactory) -> dict[str, list[Any]]:
     own = {name: str(home) for name in ("JUPYTER_RUNTIME_DIR", "JUPYTER_DATA_DIR", "JUPYTER_CONFIG_DIR", "IPYTHONDIR")}
     cells = [nbformat.v4.new_code_cell(source) for source in (SETUP, *CELLS.values())]
     notebook = nbformat.v4.new_notebook(cells=cells)
-    NotebookClient(notebook, timeout=60, kernel_name="python3", allow_errors=True).execute(env={**os.environ, **own})
+    NotebookClient(notebook, timeout=240, kernel_name="python3", allow_errors=True).execute(env={**os.environ, **own})
     return dict(zip(CELLS, [cell.outputs for cell in cells[1:]], strict=True))
 
 

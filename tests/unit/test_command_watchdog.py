@@ -408,5 +408,5 @@ def test_the_end_of_the_process_sends_zero(tmp_path: object) -> None:
         "watchdog = CommandWatchdog(lambda linear, *_: (sys.stdout.write(f'{linear}\\n'), sys.stdout.flush()))\n"
         "watchdog.sent_in_time(watchdog.drive(Velocity(0.3), hold=60.0))\n"
     )
-    ended = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=60, check=False)
+    ended = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=240, check=False)
     assert (ended.returncode, ended.stdout.split(), ended.stderr) == (0, ["0.3", "0.0"], "")

@@ -86,5 +86,5 @@ def test_a_closed_pipe_ends_quietly(arguments: list[str], code: int) -> None:
     )
     assert command.stdout is not None
     command.stdout.close()
-    _, said = command.communicate(timeout=60)
+    _, said = command.communicate(timeout=240)
     assert (said, command.returncode) == (b"", code)

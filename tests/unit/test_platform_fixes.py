@@ -164,7 +164,7 @@ def test_one_switch_in_the_environment_turns_every_fix_off(switch: str, applied:
     program = f"import signal\nsignal.signal(signal.SIGINT, signal.default_int_handler)\n{EVERY_FIX}"
     environment = os.environ | {"ROBOWIDGETS_PLATFORM_FIXES": switch}
     done = subprocess.run(
-        [sys.executable, "-c", program], env=environment, capture_output=True, text=True, check=True, timeout=60
+        [sys.executable, "-c", program], env=environment, capture_output=True, text=True, check=True, timeout=240
     )
     assert set(json.loads(done.stdout).items()) == {(fix, applied) for fix in json.loads(done.stdout)}
 

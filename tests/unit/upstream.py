@@ -29,7 +29,7 @@ from .waiting import wait_for
 
 def printed_by(program: str, *, code: int = 0) -> str:
     """What a program prints that runs in a Python of its own, and ends with this code."""
-    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=False, timeout=60)
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=False, timeout=240)
     assert done.returncode == code, done.stderr
     return done.stdout.strip()
 
@@ -108,7 +108,7 @@ def of_a_kernel() -> dict[str, bool]:
             printed.append(message["content"].get("text", ""))
 
         for cell in (KERNEL, "print(json.dumps({'anew': signal.getsignal(signal.SIGINT) is not own}))"):
-            client.execute_interactive(cell, output_hook=keep, timeout=60)
+            client.execute_interactive(cell, output_hook=keep, timeout=240)
         found: dict[str, bool] = {}
         for line in "".join(printed).splitlines():
             found |= json.loads(line)
@@ -227,7 +227,7 @@ def a_breakpoint_holds_all_threads() -> bool:
         request = client.session.msg("debug_request", {"type": "request", "command": command, "seq": 1})
         request["content"]["arguments"] = arguments
         client.control_channel.send(request)
-        reply: dict[str, Any] = client.get_control_msg(timeout=60)["content"]
+        reply: dict[str, Any] = client.get_control_msg(timeout=240)["content"]
         assert reply["success"], reply
         return dict(reply.get("body", {}))
 
@@ -246,13 +246,13 @@ def a_breakpoint_holds_all_threads() -> bool:
         source = {"path": debug("dumpCell", code=code)["sourcePath"]}
         debug("setBreakpoints", source=source, breakpoints=[{"line": 2}])
         debug("configurationDone")
-        client.execute_interactive(BREAKPOINT.format(folder=str(folder)), timeout=60)
+        client.execute_interactive(BREAKPOINT.format(folder=str(folder)), timeout=240)
         wait_for(lambda: counted("plain") > 20, "both threads run")
         client.execute(code)
         stopped: list[str] = []
 
         def is_stopped() -> bool:
-            message = client.get_iopub_msg(timeout=60)
+            message = client.get_iopub_msg(timeout=240)
             stopped.append(message["content"].get("event", ""))
             return "stopped" in stopped
 

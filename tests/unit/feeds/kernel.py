@@ -63,7 +63,7 @@ class Kernel:
         self.manager.start_kernel()
         self._client: BlockingKernelClient = self.manager.client()
         self._client.start_channels()
-        self._client.wait_for_ready(timeout=60)
+        self._client.wait_for_ready(timeout=240)
         assert self.run("open", before + OPEN.format(path=str(path)))["status"] == "ok"
 
     def open_anew(self) -> None:
@@ -83,7 +83,7 @@ class Kernel:
     def end_of(self, request: str) -> dict[str, Any]:
         """The reply to a cell, when it has ended."""
         while True:
-            reply = self._client.get_shell_msg(timeout=60)
+            reply = self._client.get_shell_msg(timeout=240)
             if reply["parent_header"].get("msg_id") == request:
                 content: dict[str, Any] = reply["content"]
                 return content
@@ -96,7 +96,7 @@ class Kernel:
         """Run a cell to its end; returns what it printed."""
         request, printed = self.start(cell, code), ""
         while True:
-            message = self._client.get_iopub_msg(timeout=60)
+            message = self._client.get_iopub_msg(timeout=240)
             if message["parent_header"].get("msg_id") != request:
                 continue
             if message["msg_type"] == "stream":
@@ -110,7 +110,7 @@ class Kernel:
         request = self._client.session.msg("debug_request", {"type": "request", "command": command, "seq": 1})
         request["content"]["arguments"] = arguments
         self._client.control_channel.send(request)
-        reply: dict[str, Any] = self._client.get_control_msg(timeout=60)["content"]
+        reply: dict[str, Any] = self._client.get_control_msg(timeout=240)["content"]
         assert reply["success"], reply
         return dict(reply.get("body", {}))
 

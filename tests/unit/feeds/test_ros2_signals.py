@@ -114,6 +114,6 @@ except KeyboardInterrupt:
         capture_output=True,
         text=True,
         check=True,
-        timeout=60,
+        timeout=240,
     )
     assert done.stdout.split() == ["zero", str(bool(since))]
