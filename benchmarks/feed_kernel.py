@@ -91,9 +91,9 @@ class Outside:
         ask(self._bare, f"take {Path('bare.npy').absolute()}")
         assert answer(self._bare) == "done"
 
-    def publish_beside(self) -> None:
-        """Have the robot publish all its other topics, too."""
-        ask(self._robot, "beside")
+    def beside(self, do: str) -> None:
+        """Give the robot all its other topics ("beside"), or have it publish them: "once", or from now on ("go")."""
+        ask(self._robot, do)
 
     def rate(self) -> float:
         """How many messages per second these have been."""

@@ -1,11 +1,12 @@
 """A robot and a bare subscriber, each in a process of its own, that speak one middleware and know nothing of feeds.
 
 `python -m benchmarks.middleware publish NAME WHERE` prints where it can be reached, and does what lines on its input
-say: `put NUMBER`, or `pace FIRST HZ SECONDS FILE`, after which FILE holds when each scan was published; `beside` has it
-publish all topics of `topics_robot` from then on, and `rate` prints how many messages per second these were. A
-publisher's WHERE is empty. `python -m benchmarks.middleware hear NAME WHERE` notes when each scan came to its callback;
-`take FILE` writes that down. `python -m benchmarks.middleware obey NAME FILE` publishes a scan ten times a second and
-writes each command on /cmd_vel into FILE, with the time of its arrival: a robot that has no watchdog of its own.
+say: `put NUMBER`, or `pace FIRST HZ SECONDS FILE`, after which FILE holds when each scan was published; `beside` gives
+it all topics of `topics_robot`, `once` has it publish a message on each of them, `go` all of them from then on, and
+`rate` prints how many messages per second these were. A publisher's WHERE is empty.
+`python -m benchmarks.middleware hear NAME WHERE` notes when each scan came to its callback; `take FILE` writes that
+down. `python -m benchmarks.middleware obey NAME FILE` publishes a scan ten times a second and writes each command on
+/cmd_vel into FILE, with the time of its arrival: a robot that has no watchdog of its own.
 """
 
 from __future__ import annotations
@@ -313,6 +314,10 @@ def publish(name: str, where: str) -> None:
         if do == "beside":
             sys.setswitchinterval(0.0005)  # both threads are one robot, of which each is to be on time
             beside = Robot(robot.sender)
+            continue
+        if do in ("once", "go"):
+            assert beside is not None
+            (beside.say_once if do == "once" else beside.start)()
             continue
         if do == "rate":
             print(beside.rate() if beside else 0.0, flush=True)

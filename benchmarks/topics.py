@@ -13,10 +13,11 @@ from .measure import PATIENCE, quantile
 from .stage import Stage
 
 NAMES = {
-    "alone": "the laser alone, of a robot of one topic",
-    "beside": "the laser alone, of a robot of 30",
-    "listed": "`feed.show()`, and the list of topics",
-    "cards": "laser, speed, a plot and a message at 1 kHz, events, a map, and the list",
+    "bare": "a bare canvas on the feed, of a robot of one topic",
+    "alone": "the laser, of a robot of one topic",
+    "beside": "the laser, of a robot of 30; the list of topics folded",
+    "cards": "8 cards: laser, speed, a plot and a message at 1 kHz, a plot, events, a map, a sonar; the list folded",
+    "listed": "`feed.show()`: all that it finds a widget for, and the list open",
 }
 MIDDLEWARES = ("dds", "foxglove")
 SETTLING = 3000
@@ -69,9 +70,13 @@ def compare(stage: Stage, middleware: str, seconds: float, repeats: int) -> Comp
 def once(stage: Stage, name: str, seconds: float) -> Beside:
     """One fresh notebook."""
     with stage.show(name, module="topics_kernel") as show:
-        show.first_paint(".rw-laser")
+        show.first_paint(*([] if name.endswith("-bare") else [".rw-laser"]))
+        show.notebook.python("source.beside('once')")
         show.notebook.page.wait_for_timeout(SETTLING)
+        # Where dots lie is learned from pictures that stand still, as none does beside what moves.
         show.learn()
+        show.notebook.python("source.beside('go')")
+        show.notebook.page.wait_for_timeout(SETTLING)
         before = show.page_cpu()
         run = show.run(f"pace(40, {seconds})", PATIENCE)
         page = (show.page_cpu() - before) / 1000

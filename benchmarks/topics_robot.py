@@ -66,7 +66,7 @@ _STAMPED = ("builtin_interfaces/msg/Time", "std_msgs/msg/Header")
 
 
 class Robot:
-    """Publishes all topics of `TOPICS` from a thread, each at its rate.
+    """Publishes all topics of `TOPICS`, first once each, and from `start` on by a thread, each at its rate.
 
     Args:
         sender_of: makes what publishes on a topic of a type.
@@ -81,6 +81,15 @@ class Robot:
         self._ended = threading.Event()
         self._count, self._began = 0, time.perf_counter()
         self._thread = threading.Thread(target=self._run, daemon=True)
+
+    def say_once(self) -> None:
+        """Publish one message on each topic."""
+        for _, send, _, messages in self._parts:
+            send(bytes(messages[0]))
+
+    def start(self) -> None:
+        """Publish each topic at its rate."""
+        self._began = time.perf_counter()
         self._thread.start()
 
     def rate(self) -> float:

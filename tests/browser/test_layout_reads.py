@@ -8,7 +8,9 @@ import pytest
 from playwright.sync_api import expect
 
 from .laser import SETUP, eventually
+from .message import IMU
 from .plain_page import PlainPage
+from .sonar import STUDENT
 
 COUNT = """() => {
     window.reads = [];
@@ -113,6 +115,42 @@ class Walker:
 step = lambda i: None
 MachineWidget(robot)
 """
+PATH = """
+from robowidgets import PathWidget
+path = PathWidget(title="/path")
+for i in range(3):
+    path.update(x=0.1 * i, y=0.0, yaw=0.0, time=0.5 * i)
+path
+"""
+BESIDE = """
+def beside(i):
+    step(i)
+    speed.update(linear=(0.1, 0, 0), angular=(0, 0, 0.2))
+    touch.update(left=True, right=False)
+    sonars.update(front=0.42, left=0.15, right=None)
+    path.update(x=0.2, y=0.0, yaw=0.0, time=1.0)
+    imu_widget.update(imu())
+"""
+CHANGES = """() => {
+    window.changes = {};
+    const note = (records) => {
+        for (const { type, target, attributeName } of records) {
+            const element = target instanceof Element ? target : target.parentElement;
+            const kind = /rw-card rw-([a-z-]+)/.exec(element.closest(".rw-card")?.className)?.[1];
+            (changes[kind] ??= new Set()).add(`${type} ${attributeName ?? ""} of ${element.className}`);
+        }
+    };
+    const all = { childList: true, characterData: true, attributes: true };
+    new MutationObserver(note).observe(document.body, { subtree: true, ...all });
+    window.painted = {};
+    const { clearRect } = CanvasRenderingContext2D.prototype;
+    CanvasRenderingContext2D.prototype.clearRect = function (...given) {
+        const kind = /rw-card rw-([a-z-]+)/.exec(this.canvas.closest(".rw-card")?.className)?.[1];
+        painted[kind] = (painted[kind] ?? 0) + 1;
+        return clearRect.apply(this, given);
+    };
+}"""
+"""What is changed in cards, by their kind, also to what it is already; and how often they are painted."""
 
 
 @pytest.mark.parametrize(
@@ -154,3 +192,20 @@ def test_a_scan_is_painted_before_the_page_is_changed_and_only_texts_that_differ
         nb.python(f"step({i})")
         eventually(lambda before=before: nb.page.evaluate("() => drawn") > before, True)
     assert nb.page.evaluate("() => told") == {"same": [], "before": [], "nodes": 0}
+
+
+def test_cards_whose_samples_say_the_same_leave_the_page_alone_beside_a_live_laser(
+    plain_page: Callable[..., PlainPage],
+) -> None:
+    nb = plain_page([SPEED, TOUCH, STUDENT, PATH, IMU, LASER, BESIDE], height=3000)
+    for i in range(8):
+        nb.python(f"beside({i})")
+    nb.page.evaluate(CHANGES)
+    for i in range(FRAMES):
+        before = nb.page.evaluate("() => painted.laser ?? 0")
+        nb.python(f"beside({i})")
+        eventually(lambda before=before: nb.page.evaluate("() => painted.laser") > before, True)
+    eventually(lambda: nb.page.evaluate("() => painted.path > 3 && painted.sonar > 3"), True)
+    told = nb.page.evaluate("() => Object.entries(changes).flatMap(([kind, all]) => [...all].map((one) => [kind, one]))")
+    changes = {f"{one} in {kind}" for kind, one in told if kind != "laser" and not one.startswith("characterData")}
+    assert changes <= {"attributes title of rw-tile in touch"}, "that tells for how long"

@@ -1,6 +1,6 @@
 import assert from "node:assert/strict";
 import { mock, test } from "node:test";
-import { Texts, throttle } from "../../robowidgets/js/shared/schedule.ts";
+import { afterDrawings, perAnimationFrame, Texts, throttle } from "../../robowidgets/js/shared/schedule.ts";
 
 function open() {
   mock.timers.enable({ apis: ["setTimeout"] });
@@ -91,5 +91,96 @@ test("a drawing for another size writes at once, and after the end nothing is wr
   end();
   pass(1000);
   assert.deepEqual(written, [0, 0]);
+  close();
+});
+
+function openFrames() {
+  let now = 1000;
+  const clock = mock.method(performance, "now", () => now);
+  const asked: (() => void)[] = [];
+  const errors: unknown[] = [];
+  const fakes = {
+    requestAnimationFrame: (call: () => void) => asked.push(call),
+    reportError: (error: unknown) => errors.push(error),
+  };
+  const before = Object.fromEntries(Object.keys(fakes).map((name) => [name, globalThis[name as keyof typeof fakes]]));
+  Object.assign(globalThis, fakes);
+  const end = new AbortController();
+  const drawn: string[] = [];
+  /** What draws a card that takes some milliseconds, and asks for what its text says. */
+  const card = (name: string, ms: number, isFirst = false) => {
+    const draw = () => {
+      drawn.push(name);
+      now += ms;
+      afterDrawings(() => drawn.push(`${name}'s text`));
+    };
+    return perAnimationFrame(draw, end.signal, isFirst);
+  };
+  const frame = () => {
+    for (const call of asked.splice(0)) call();
+    return drawn.splice(0);
+  };
+  const close = () => {
+    end.abort();
+    frame();
+    clock.mock.restore();
+    Object.assign(globalThis, before);
+  };
+  return { card, frame, asked, errors, signal: end.signal, close };
+}
+
+test("cards share a frame, the laser is drawn first, each once, and texts are written when all are painted", () => {
+  const { card, frame, asked, close } = openFrames();
+  const [map, laser] = [card("map", 1), card("laser", 1, true)];
+  for (const ask of [map, laser, map, laser]) ask();
+  assert.equal(asked.length, 1);
+  assert.deepEqual(frame(), ["laser", "map", "laser's text", "map's text"]);
+  assert.deepEqual(frame(), []);
+  close();
+});
+
+test("the laser is in every frame, and the others in turn as long as there is time", () => {
+  const { card, frame, close } = openFrames();
+  const laser = card("laser", 5, true);
+  const others = ["map", "plot", "events"].map((name) => card(name, 5));
+  const frames = Array.from({ length: 3 }, () => {
+    for (const ask of [...others, laser]) ask();
+    return frame().filter((name) => !name.endsWith("text"));
+  });
+  assert.deepEqual(frames, [
+    ["laser", "map"],
+    ["laser", "plot"],
+    ["laser", "events"],
+  ]);
+  assert.deepEqual(frame().slice(0, 1), ["map"], "what is left is drawn without being asked for again");
+  close();
+});
+
+test("what a card throws is reported, and stops no other", () => {
+  const { card, frame, errors, signal, close } = openFrames();
+  const broken = perAnimationFrame(
+    () => {
+      throw new Error("no");
+    },
+    signal,
+    true,
+  );
+  for (const ask of [broken, card("map", 1)]) ask();
+  assert.deepEqual(frame(), ["map", "map's text"]);
+  assert.equal(String(errors), "Error: no");
+  close();
+});
+
+test("a card that asks while it is drawn is drawn in the next frame, and one whose view has ended is not", () => {
+  const { frame, signal, close } = openFrames();
+  const [drawn, end] = [[] as number[], new AbortController()];
+  const again = perAnimationFrame(() => drawn.push(drawn.length) < 2 && again(), signal, true);
+  const gone = perAnimationFrame(() => assert.fail(), end.signal);
+  for (const ask of [again, gone]) ask();
+  end.abort();
+  frame();
+  assert.deepEqual(drawn, [0]);
+  frame();
+  assert.deepEqual(drawn, [0, 1]);
   close();
 });

@@ -24,7 +24,8 @@ def selectors(name: str) -> set[str]:
 
 @pytest.mark.parametrize("name", NAMES)
 def test_a_widget_lacks_no_rule_that_another_widget_has_for_its_classes(name: str) -> None:
-    classes = {*re.findall(r"rw-[\w-]+", built(name, "js")), f"rw-{name.removesuffix('_widget')}"}
+    # After a dot it is looked for, not made: each script looks at the boxes around its cards.
+    classes = {*re.findall(r"(?<![.\w-])rw-[\w-]+", built(name, "js")), f"rw-{name.removesuffix('_widget')}"}
     every = set().union(*(selectors(other) for other in NAMES))
     missing = [
         selector
@@ -32,6 +33,13 @@ def test_a_widget_lacks_no_rule_that_another_widget_has_for_its_classes(name: st
         if (named := set(re.findall(r"\.(rw-[\w-]+)", selector))) and named <= classes
     ]
     assert missing == []
+
+
+def test_no_rule_looks_at_what_is_in_an_element() -> None:
+    """In JupyterLab rules by `:has()` have the page look at them up to the root at each change: see `room.ts`."""
+    assert [
+        file.name for file in JS.rglob("*.css") if "node_modules" not in file.parts and ":has(" in file.read_text()
+    ] == []
 
 
 def colours(theme: str) -> dict[str, str]:

@@ -1,4 +1,4 @@
-import { make, makeIcon, mount, setHidden, setText, setTip } from "../shared/dom.ts";
+import { make, makeIcon, mount, set, setHidden, setText, setTip } from "../shared/dom.ts";
 import { StopButtons } from "../shared/driving/buttons.ts";
 import { StopControl } from "../shared/driving/control.ts";
 import { Readout } from "../shared/driving/readout.ts";
@@ -112,14 +112,14 @@ export class DriveView {
     setText(this.#text, text);
     setText(this.#hint, hint);
     setTip(this.#text, told.sender ?? "");
-    this.#root.dataset.kind = kind;
+    set(this.#root.dataset, "kind", kind);
     this.#root.classList.toggle("rw-off", !told.ready || !enabled || told.stopped);
     this.#linear.update(told.speed[0], model.get("linear_limit"));
     this.#yaw.update(told.speed[1], model.get("angular_limit"));
     this.#lateral.update(told.speed[2] ?? 0, this.#lateralLimit || 1);
     for (const element of [this.#sideways, this.#lateral.root]) setHidden(element, !this.sideways);
     const keys = this.sideways ? "W, A, S, D drive, Q and E drive sideways" : "W, A, S, D drive";
-    this.#pad.ariaLabel = `Drive pad: arrow keys or ${keys}, space lets go, escape stops`;
+    set(this.#pad, "ariaLabel", `Drive pad: arrow keys or ${keys}, space lets go, escape stops`);
     const { right, below, slide } = toPlace(held ? this.#place : CENTER);
     for (const [name, share] of Object.entries({ right, below, slide })) {
       this.#root.style.setProperty(`--rw-${name}`, toFixed(share, 3).replace("\u2212", "-"));

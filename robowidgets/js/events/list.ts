@@ -1,4 +1,4 @@
-import { make, setHidden, setText } from "../shared/dom.ts";
+import { make, set, setHidden, setText } from "../shared/dom.ts";
 import { on, onAbort } from "../shared/events.ts";
 import { levelOf, type Row } from "./rows.ts";
 import { describeRow, type Times, toLine, toTimes, toTimeText } from "./text.ts";
@@ -198,8 +198,8 @@ export class List {
     const { times, current, open } = this.#listing;
     line.shown = row;
     const level = levelOf(row);
-    line.root.dataset.level = level.word;
-    line.root.ariaCurrent = String(index === current);
+    set(line.root.dataset, "level", level.word);
+    set(line.root, "ariaCurrent", String(index === current));
     setText(line.time, toTimeText(row.seconds, times));
     setText(line.sign, level.sign);
     setText(line.word, level.word);

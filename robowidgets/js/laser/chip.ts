@@ -1,6 +1,6 @@
 import type { Point, Size } from "../shared/box.ts";
 import { CopyCode } from "../shared/copy.ts";
-import { make, makeButton, setHidden, setText } from "../shared/dom.ts";
+import { make, makeButton, set, setHidden, setText } from "../shared/dom.ts";
 import { on } from "../shared/events.ts";
 import { LaidOut } from "../shared/laid_out.ts";
 import { ABOUT_FORMS, FORMS, type Form } from "./code.ts";
@@ -129,7 +129,7 @@ export class Chip {
       if (isBelow) this.#picture.after(this.element);
       else this.#picture.append(this.element);
     }
-    this.element.ariaLabel = `sector ${texts?.name ?? ""}`.trim();
+    set(this.element, "ariaLabel", `sector ${texts?.name ?? ""}`.trim());
     this.element.classList.toggle("rw-chip-empty", !texts);
     this.#given = texts?.expression ?? "";
     if (!this.#expression.matches(":focus")) this.#write();

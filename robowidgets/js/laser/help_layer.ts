@@ -1,4 +1,4 @@
-import { make, makeButton, setHidden } from "../shared/dom.ts";
+import { make, makeButton, set, setHidden } from "../shared/dom.ts";
 import { on } from "../shared/events.ts";
 import type { Host, Layer } from "./layer.ts";
 
@@ -53,6 +53,6 @@ export class HelpLayer implements Layer {
 
   #unfold(isOpen: boolean): void {
     setHidden(this.#list, !isOpen);
-    this.button.ariaExpanded = String(isOpen);
+    set(this.button, "ariaExpanded", String(isOpen));
   }
 }

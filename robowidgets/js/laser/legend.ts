@@ -1,4 +1,4 @@
-import { make, setHidden, setText } from "../shared/dom.ts";
+import { make, set, setHidden, setText } from "../shared/dom.ts";
 import { on } from "../shared/events.ts";
 import { type AngleUnit, toAngle, toCount, toMetres } from "../shared/format.ts";
 import { CLASSES } from "../shared/frames/classes.ts";
@@ -50,7 +50,7 @@ export class Legend {
       // A scan without a reading has none, and before the first scan nobody knows.
       if (rays || (scan && kind === READING)) setHidden(item, false);
       keepWidth(count);
-      if (kind !== READING) item.ariaPressed = String(shown.includes(name));
+      if (kind !== READING) set(item, "ariaPressed", String(shown.includes(name)));
     }
     const texts: string[] = [];
     const nearest = scan?.nearest ?? -1;

@@ -1,6 +1,6 @@
 import type { Point } from "../shared/box.ts";
 import { Canvas, type Surface, watchSize, write } from "../shared/canvas.ts";
-import { make, pointIn } from "../shared/dom.ts";
+import { make, pointIn, set } from "../shared/dom.ts";
 import { toShortMetres } from "../shared/format.ts";
 import { angleOf } from "../shared/frames/scan.ts";
 import { toPixel } from "../shared/projection.ts";
@@ -60,7 +60,7 @@ export class Strip {
       xOf: (index) => toX(axes, index),
       yOf: (metres) => toY(axes, metres),
     };
-    this.root.ariaLabel = `distance over index, [0] to [${sweep.count - 1}]`;
+    set(this.root, "ariaLabel", `distance over index, [0] to [${sweep.count - 1}]`);
     const painters = this.#layers.map((layer) => layer.strip?.() ?? {});
     const paint = (depths: readonly (keyof (typeof painters)[number])[]) => {
       for (const depth of depths) for (const one of painters) one[depth]?.(context, strip, theme);

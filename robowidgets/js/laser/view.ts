@@ -1,5 +1,5 @@
 import type { Box } from "../shared/box.ts";
-import { make, makeButton, makeIcon, setHidden, setLabel, setText } from "../shared/dom.ts";
+import { make, makeButton, makeIcon, set, setHidden, setLabel, setText } from "../shared/dom.ts";
 import { onAbort } from "../shared/events.ts";
 import { toMany, toShortMetres } from "../shared/format.ts";
 import type { Scan } from "../shared/frames/scan.ts";
@@ -166,12 +166,12 @@ export class LaserView implements Host {
     setHidden(this.#empty, !words);
     this.card.texts.ask(this.#tell);
     setText(this.#range, scan ? toShortMetres(this.#viewRange) : "");
-    this.#type.disabled = !scan;
-    this.#fit.ariaPressed = String(this.model.get("view_range") === "data");
+    set(this.#type, "disabled", !scan);
+    set(this.#fit, "ariaPressed", String(this.model.get("view_range") === "data"));
     for (const layer of [...this.#layers].reverse()) layer.place?.(this.stage);
     const hasGhost = this.#ghost.isSet;
     setHidden(this.#pin, !hasGhost && !this.model.get("index_view"));
-    this.#pin.ariaPressed = String(hasGhost);
+    set(this.#pin, "ariaPressed", String(hasGhost));
     setLabel(this.#pin, hasGhost ? "Remove the ghost (g)" : "Keep this scan as a ghost to compare with (g)");
     this.#drawStrip(hasGhost);
   }

@@ -1,4 +1,4 @@
-import { make } from "../shared/dom.ts";
+import { make, set } from "../shared/dom.ts";
 import { on } from "../shared/events.ts";
 import { toFixed } from "../shared/format.ts";
 import { toWords } from "../shared/states/states.ts";
@@ -29,8 +29,8 @@ export class Entries {
     const rows = [...this.#rows.values()];
     const focus = rows.find((row) => row.matches(":focus")) ?? rows[0];
     for (const [key, row] of this.#rows) {
-      row.ariaCurrent = String(current !== undefined && key === keyOf(current));
-      row.tabIndex = row === focus ? 0 : -1;
+      set(row, "ariaCurrent", String(current !== undefined && key === keyOf(current)));
+      set(row, "tabIndex", row === focus ? 0 : -1);
     }
   }
 

@@ -1,5 +1,5 @@
 import type { Box } from "../shared/box.ts";
-import { make, makeSvg, setBox, setHidden, setText } from "../shared/dom.ts";
+import { make, makeSvg, set, setBox, setHidden, setText } from "../shared/dom.ts";
 import { ANY, isTimed, type Placed, type PlacedMove, type PlacedState } from "./layout.ts";
 import { activeText, isActive, isTaken, labelOf, type Step, timeLeft, verdictOf } from "./step.ts";
 import type { Fired } from "./traits.ts";
@@ -80,11 +80,11 @@ export class Picture {
     go.onclick = () => this.#onGo(state.path);
     element.append(go);
     this.#updates.push(({ step, isInForce, isCalm, failed, canGo }) => {
-      element.dataset.failed = String(failed === state.path);
+      set(element.dataset, "failed", String(failed === state.path));
       const isLit = isInForce && isActive(machine, state, step);
       setHidden(go, !canGo || (isLit && !isOpen));
-      element.dataset.active = isLit ? (isOpen ? "frame" : "leaf") : "";
-      element.ariaCurrent = String(isLit);
+      set(element.dataset, "active", isLit ? (isOpen ? "frame" : "leaf") : "");
+      set(element, "ariaCurrent", String(isLit));
       if (isFolded) setText(within, (isLit && activeText(state.machines, step)) || "\u2026");
       if (!isWithRing) return;
       const time = isLit ? timeLeft(machine, state, step) : null;
@@ -99,7 +99,7 @@ export class Picture {
     const arrow = add(svg, "g", {});
     add(arrow, "path", { d: `M${points.map((point) => point.join(" ")).join(" L")}`, fill: "none" });
     add(arrow, "path", { d: headOf(points), stroke: "none" });
-    const element = setBox(make("div", "rw-move"), label);
+    const element = setBox(make("div", move.event ? "rw-move" : "rw-move rw-move-plain"), label);
     const name = make("span", "rw-move-name", labelOf(move));
     const numbers = make("span", "rw-move-numbers");
     if (move.event) element.append(make("i", "rw-move-dot"));
@@ -109,12 +109,12 @@ export class Picture {
       const [value, text] = verdictOf(machine, move, step);
       const isNext = move.after !== null && source !== undefined && isActive(machine, source, step);
       const way = isTaken(machine, move, fired, step) ? "taken" : isNext ? "next" : "";
-      arrow.dataset.way = isInForce ? way : "";
-      element.dataset.way = arrow.dataset.way;
+      set(arrow.dataset, "way", isInForce ? way : "");
+      set(element.dataset, "way", arrow.dataset.way);
       const isWatched = source ? isActive(machine, source, step) : move.source === ANY;
-      element.dataset.value = isInForce && (isWatched || value === "true") ? value : "";
+      set(element.dataset, "value", isInForce && (isWatched || value === "true") ? value : "");
       setText(numbers, element.dataset.value ? text : "");
-      element.title = [labelOf(move), element.dataset.value && `${value} ${text}`].filter(Boolean).join(": ");
+      set(element, "title", [labelOf(move), element.dataset.value && `${value} ${text}`].filter(Boolean).join(": "));
     });
     return element;
   }

@@ -1,4 +1,4 @@
-import { make, setHidden, setText } from "../shared/dom.ts";
+import { make, set, setHidden, setText } from "../shared/dom.ts";
 import { toSaid, toWhole } from "./text.ts";
 import type { Field } from "./tree.ts";
 
@@ -32,11 +32,11 @@ export class Readout {
       setText(part.unit, unit);
       setText(part.more, more);
       setHidden(part.more, !more);
-      part.box.title = toWhole(field);
+      set(part.box, "title", toWhole(field));
       part.value.classList.toggle("rw-message-word", field.node.kind === "text" || more !== "");
       part.value.classList.toggle("rw-message-none", isNone);
       part.box.classList.toggle("rw-message-changed", isChanged(field));
-      if (field.node.kind === "flag") part.value.dataset.rwFlag = String(field.value);
+      if (field.node.kind === "flag") set(part.value.dataset, "rwFlag", String(field.value));
       else delete part.value.dataset.rwFlag;
     }
   }

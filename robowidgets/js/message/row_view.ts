@@ -1,4 +1,4 @@
-import { make, setHidden, setText } from "../shared/dom.ts";
+import { make, set, setHidden, setText } from "../shared/dom.ts";
 import type { Row } from "./rows.ts";
 import { toSaid } from "./text.ts";
 
@@ -48,7 +48,7 @@ export class RowView {
     setText(this.#value, said.text);
     this.#value.classList.toggle("rw-message-none", said.isNone);
     this.#value.classList.toggle("rw-message-sum", isParent || derived !== "");
-    if (field?.node.kind === "flag") this.#value.dataset.rwFlag = String(field.value);
+    if (field?.node.kind === "flag") set(this.#value.dataset, "rwFlag", String(field.value));
     else delete this.#value.dataset.rwFlag;
     setText(this.#more, said.more);
     setText(this.#unit, said.unit);

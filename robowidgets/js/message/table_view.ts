@@ -1,4 +1,4 @@
-import { make, setHidden, setText } from "../shared/dom.ts";
+import { make, set, setHidden, setText } from "../shared/dom.ts";
 import type { Cell, Table, TableRow } from "./table.ts";
 
 /** The elements of a cell. */
@@ -25,7 +25,7 @@ class CellView {
 
   update({ text, unit, more, isNone, bar }: Cell): void {
     setText(this.#text, text);
-    this.#text.title = text;
+    set(this.#text, "title", text);
     setText(this.#unit, unit);
     setText(this.#more, more);
     this.root.classList.toggle("rw-message-none", isNone);
@@ -73,8 +73,8 @@ class RowView {
     for (const [i, cell] of cells.entries()) this.#cells[i]?.update(cell);
     this.root.classList.toggle("rw-message-changed", isChanged);
     if (level === null) delete this.root.dataset.rwLevel;
-    else this.root.dataset.rwLevel = String(Math.min(3, Math.max(0, level)));
-    if (inner.length) this.root.ariaExpanded = String(isOpen);
+    else set(this.root.dataset, "rwLevel", String(Math.min(3, Math.max(0, level))));
+    if (inner.length) set(this.root, "ariaExpanded", String(isOpen));
     this.root.classList.toggle("rw-message-unfolds", inner.length > 0);
     setHidden(this.inner, !isOpen || !inner.length);
     if (this.inner.hidden) return;
@@ -103,7 +103,7 @@ export class TableView {
     for (const [i, row] of table.rows.entries()) {
       const view = this.#rows[i];
       if (!view) continue;
-      view.root.dataset.rwRow = row.key;
+      set(view.root.dataset, "rwRow", row.key);
       view.update(row, isChanged(row.key), isOpen(row.key));
     }
     setText(this.#note, table.note);

@@ -1,5 +1,5 @@
 import { copyText } from "../shared/copy.ts";
-import { make, makeButton, setHidden, setText } from "../shared/dom.ts";
+import { make, makeButton, set, setHidden, setText } from "../shared/dom.ts";
 import { isPlain, on, onAbort } from "../shared/events.ts";
 import { toCount, toFixed } from "../shared/format.ts";
 import { lacksKernel, type Model, onChange, setTraits } from "../shared/model.ts";
@@ -140,8 +140,8 @@ export class MessageView {
     const inRows = this.#tabled !== null && this.#model.get("rows");
     setHidden(this.#form, this.#tabled === null);
     setText(this.#form, inRows ? "Tree" : "Rows");
-    this.#form.title = inRows ? "Show all fields" : "Show rows with bars";
-    this.#changes.ariaPressed = String(this.#model.get("changes"));
+    set(this.#form, "title", inRows ? "Show all fields" : "Show rows with bars");
+    set(this.#changes, "ariaPressed", String(this.#model.get("changes")));
     const isChanged = this.#findChanges(shown);
     setHidden(this.#readout.root, !isAlone);
     setHidden(this.#table.root, !inRows);
@@ -254,7 +254,7 @@ export class MessageView {
     const field = this.#fieldOf(this.#hovered || (this.#tree.contains(document.activeElement) ? this.#active : ""));
     const told = field ? [field.path, toWhole(field), toNote(field)].filter(Boolean).join("  ") : frame_id;
     setText(this.#told, this.#copied ? `copied ${this.#copied}` : told);
-    this.#told.title = this.#told.textContent;
+    set(this.#told, "title", this.#told.textContent);
     const index = (shown?.sequence ?? 1) - 1;
     setText(this.#place, recorded ? `at ${toFixed(shown?.arrived ?? 0, 3)} s` : `message [${toCount(index)}]`);
   }
@@ -301,13 +301,13 @@ export class MessageView {
     setHidden(this.#watch, !isNumber);
     setHidden(this.#plot, !isNumber || !this.#model.get("_plots") || lacksKernel(this.#model));
     const isWatched = this.#model.get("over_time").includes(row.field.path);
-    this.#watch.ariaPressed = String(isWatched);
-    this.#watch.title = isWatched ? "Draw it no more (w)" : "Draw it over the last seconds (w)";
+    set(this.#watch, "ariaPressed", String(isWatched));
+    set(this.#watch, "title", isWatched ? "Draw it no more (w)" : "Draw it over the last seconds (w)");
     const code = this.#codeOf(row.field);
     const isCopied = this.#copied === code;
-    this.#copy.ariaPressed = String(isCopied);
+    set(this.#copy, "ariaPressed", String(isCopied));
     setText(this.#copy, isCopied ? "Copied" : "Copy path");
-    this.#copy.title = `Copy ${code} (c)`;
+    set(this.#copy, "title", `Copy ${code} (c)`);
     if (this.#actions.parentElement !== view.gap) view.gap.append(this.#actions);
   }
 

@@ -1,5 +1,5 @@
 import type { Point as Pixel } from "../shared/box.ts";
-import { isDragged, make, makeButton, pointIn, setHidden } from "../shared/dom.ts";
+import { isDragged, make, makeButton, pointIn, set, setHidden } from "../shared/dom.ts";
 import { on } from "../shared/events.ts";
 import type { Place } from "../shared/floor.ts";
 
@@ -52,7 +52,7 @@ export class Tools {
   updateFrames(frames: readonly string[], shown: string, isAlone: boolean): void {
     const names = shown && !frames.includes(shown) ? [shown, ...frames] : [...frames];
     setHidden(this.frame, names.length < 2);
-    this.frame.disabled = isAlone;
+    set(this.frame, "disabled", isAlone);
     const key = names.join("\n");
     if (key !== this.#frames) {
       this.#frames = key;

@@ -1,7 +1,7 @@
 import type { Point as Pixel } from "../shared/box.ts";
 import { Reader, toBytes } from "../shared/bytes.ts";
 import { Canvas, write } from "../shared/canvas.ts";
-import { make, pointIn, setHidden, setText } from "../shared/dom.ts";
+import { make, pointIn, set, setHidden, setText } from "../shared/dom.ts";
 import { isPlain, on } from "../shared/events.ts";
 import { type Bounds, drawFloor, fit, type Place, type Projection, toFloor, toPixel } from "../shared/floor.ts";
 import { toDegrees, toFixed, toMetres } from "../shared/format.ts";
@@ -78,6 +78,9 @@ export class PathView {
   #isOpen: boolean | null = null;
   #isMeasuring = false;
   #measured: Measured | null = null;
+  /** Writes what is said of the drawing. */
+  #said = () => {};
+  readonly #tell = () => this.#said();
 
   constructor(
     model: Model<PathTraits & Picking>,
@@ -252,10 +255,6 @@ export class PathView {
     this.#layers = hasLayers ? this.#toShown(now) : [];
     const robot = this.#layers.find(({ isRobot }) => isRobot);
     const here: TimedPose | null = robot ? { ...robot.state, time: now?.time ?? NaN } : now;
-    card.update([this.#stream.about.frame_id ?? ""], "pose");
-    const isEmpty = !now || (!isKnown(now) && !hasLayers);
-    setText(this.#empty, now ? (isEmpty ? "no pose up to this time" : "") : card.waiting("pose"));
-    setHidden(this.#empty, !this.#empty.textContent);
     const parts = now && !hasLayers ? splitAt(this.#points, now) : { before: [], after: [] };
     this.#ways = hasLayers
       ? [...this.#layers]
@@ -282,10 +281,17 @@ export class PathView {
     }
     this.#drawMeasured(context, projection);
     this.#drawPopup(named, here);
+    card.update([this.#stream.about.frame_id ?? ""], "pose");
+    const isEmpty = !now || (!isKnown(now) && !hasLayers);
+    setText(this.#empty, now ? (isEmpty ? "no pose up to this time" : "") : card.waiting("pose"));
+    setHidden(this.#empty, !this.#empty.textContent);
     this.#updateTools(hasLayers);
-    this.#updatePanel(now, robot);
     const last = robot ? robot.before.at(-1) : parts.before.at(-1);
-    this.#drawFooter(here, last, robot);
+    this.#said = () => {
+      this.#updatePanel(now, robot);
+      this.#drawFooter(here, last, robot);
+    };
+    card.texts.ask(this.#tell);
   }
 
   /** The floor on show: all of it, what a person looked at, or the robot in the middle. */
@@ -405,16 +411,16 @@ export class PathView {
   #updateTools(hasLayers: boolean): void {
     const { all, fit, follow, frame, layers, measure } = this.#tools;
     const isFollowing = this.#model.get("follow");
-    for (const one of all) setHidden(one, !hasLayers);
+    for (const one of all) if (one !== frame) setHidden(one, !hasLayers);
     // A path alone is zoomed and measured too, by wheel and keys.
     if (!hasLayers) setHidden(fit, !this.#look && !isFollowing);
-    fit.disabled = !this.#look && !isFollowing;
-    follow.ariaPressed = String(isFollowing);
-    measure.ariaPressed = String(this.#isMeasuring);
-    layers.ariaPressed = String(!this.#panel.root.hidden);
+    set(fit, "disabled", !this.#look && !isFollowing);
+    set(follow, "ariaPressed", String(isFollowing));
+    set(measure, "ariaPressed", String(this.#isMeasuring));
+    set(layers, "ariaPressed", String(!this.#panel.root.hidden));
     const count = this.#panel.root.hidden ? this.#countMissing() : 0;
     setText(layers, count ? `Layers, ${count} not drawn` : "Layers");
-    this.#card.picture.dataset.cursor = this.#isMeasuring ? "measure" : "";
+    set(this.#card.picture.dataset, "cursor", this.#isMeasuring ? "measure" : "");
     const { frames = [] } = this.#model.get("_map");
     if (hasLayers) this.#tools.updateFrames(frames, this.#stream.about.frame_id ?? "", lacksKernel(this.#model));
     else setHidden(frame, true);

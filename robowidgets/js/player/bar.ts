@@ -1,8 +1,9 @@
-import { make, makeButton, makeIcon, mount, PAUSE, PLAY, setHidden, setText } from "../shared/dom.ts";
+import { make, makeButton, makeIcon, mount, PAUSE, PLAY, set, setHidden, setText } from "../shared/dom.ts";
 import { isPlain, on } from "../shared/events.ts";
 import { MINUTE, toClock, toFixed, toMinutes } from "../shared/format.ts";
 import { keepKeys } from "../shared/keys.ts";
 import { type Model, NO_KERNEL, setTraits } from "../shared/model.ts";
+import { setHeld } from "../shared/room.ts";
 import { perAnimationFrame } from "../shared/schedule.ts";
 import { StateBand } from "../shared/states/band.ts";
 import { statesAt, toWords } from "../shared/states/states.ts";
@@ -38,6 +39,7 @@ export class PlayerBar {
   readonly #words = make("span", "rw-play-words");
   readonly #note = make("div", "rw-play-note");
   readonly #list: MarkList;
+  readonly #track = make("div", "rw-play-line");
   readonly #states: StateBand;
   readonly #theme: () => Theme;
   #drawn: unknown[] = [];
@@ -57,7 +59,7 @@ export class PlayerBar {
     this.#words.role = "status";
     this.#clock.append(this.#date, this.#timeOfDay);
     this.#moment.append(this.#time, this.#duration, this.#clock);
-    const track = make("div", "rw-play-line");
+    const track = this.#track;
     const draw = perAnimationFrame(() => this.#draw(), signal);
     const onPick = (time: number) => playback.seek(time);
     const onPoint = (time: number | null) => playback.point(time);
@@ -142,7 +144,9 @@ export class PlayerBar {
     const states = this.#model.get("states");
     const active = statesAt(states, shown).map(([, , path]) => toWords(path));
     const state = active.length ? `, ${active.at(-1)}` : "";
-    this.#slider.ariaValueText = `${toFixed(shown, DECIMALS)} of ${toFixed(duration, DECIMALS)} seconds${state}`;
+    set(this.#slider, "ariaValueText", `${toFixed(shown, DECIMALS)} of ${toFixed(duration, DECIMALS)} seconds${state}`);
+    this.#track.classList.toggle("rw-play-with-states", states.length > 0);
+    setHeld(this.#root, "states", states.length > 0);
     this.#states.update(states, [begin, duration], shown, this.#theme());
     const icon = playing ? PAUSE : PLAY;
     if (this.#icon !== icon) {
@@ -151,7 +155,7 @@ export class PlayerBar {
       this.#play.title = playing ? "Stop here (space)" : "Play (space)";
       this.#play.ariaLabel = this.#play.title;
     }
-    this.#loop.ariaPressed = String(this.#model.get("loop"));
+    set(this.#loop, "ariaPressed", String(this.#model.get("loop")));
     const { held } = this.#playback;
     const [from, to] = (held ?? []).map((time) => toMinutes(time, 0, duration));
     const part = held && `${NO_KERNEL}: it has ${from} to ${to}${duration < MINUTE ? " s" : ""}`;

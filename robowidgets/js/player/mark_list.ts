@@ -1,4 +1,4 @@
-import { make, makeButton, setHidden, setText } from "../shared/dom.ts";
+import { make, makeButton, set, setHidden, setText } from "../shared/dom.ts";
 import { on } from "../shared/events.ts";
 import { MINUTE, toFixed, toMinutes } from "../shared/format.ts";
 import { describeMark, type Mark } from "../shared/marks.ts";
@@ -40,7 +40,11 @@ export class MarkList {
     const { number, label } = describeMark(marks, time);
     setText(this.#number, number);
     setText(this.#label, label && `: ${label}`);
-    this.toggle.title = `${this.toggle.ariaExpanded === "true" ? "Fold" : "List"} the marks${label && `\n${label}`}`;
+    set(
+      this.toggle,
+      "title",
+      `${this.toggle.ariaExpanded === "true" ? "Fold" : "List"} the marks${label && `\n${label}`}`,
+    );
     if (this.rows.hidden) return;
     const place = marks.findIndex(([start, end]) => start <= time && time <= Math.max(end, start));
     const current = this.rows.children[place];

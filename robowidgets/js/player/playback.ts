@@ -55,7 +55,8 @@ export class Playback {
     this.#segments = new Segments(model.get("_segment"));
     this.#prefetcher = new Prefetcher(this.#segments, (time) => model.send({ pointed: time }), signal);
     this.#tell = throttle(() => setTraits(model, { time: this.#time }), TELL_MS, signal);
-    this.#nextFrame = perAnimationFrame(() => this.#advance(), signal);
+    // Before the cards, which show the time that it sets.
+    this.#nextFrame = perAnimationFrame(() => this.#advance(), signal, true);
     onChange(model, ["time"], () => this.#onTime(), signal);
     onChange(model, ["playing"], () => this.#onPlaying(), signal);
     onChange(model, ["speed", "loop", "selection", "marks", "_status", "_leader"], () => this.#changed(), signal);

@@ -1,7 +1,7 @@
 import type { Point } from "../shared/box.ts";
 import { Canvas, type Context, circle, fill, line, stroke, write } from "../shared/canvas.ts";
 import { Card } from "../shared/card.ts";
-import { make, makeButton, makeIcon, PAUSE, PLAY, setHidden, setLabel, setText } from "../shared/dom.ts";
+import { make, makeButton, makeIcon, PAUSE, PLAY, set, setHidden, setLabel, setText } from "../shared/dom.ts";
 import { isPlain, on, onAbort } from "../shared/events.ts";
 import { toFixed, toMany } from "../shared/format.ts";
 import { describeMark, markBeside } from "../shared/marks.ts";
@@ -367,7 +367,7 @@ export class PlotView {
     const paused = this.#model.get("paused");
     const view = this.#model.get("view");
     setHidden(this.#freeze, !live);
-    this.#freeze.ariaPressed = String(paused);
+    set(this.#freeze, "ariaPressed", String(paused));
     setLabel(this.#freeze, paused ? "Show the newest again (space)" : "Freeze the picture (space)");
     if (this.#freeze.dataset.state !== String(paused)) {
       this.#freeze.dataset.state = String(paused);
@@ -376,9 +376,9 @@ export class PlotView {
     setHidden(this.#follow, !live || (view === null && this.#model.get("window") !== null));
     const isOver = this.#model.get("x_over_y") !== null;
     setHidden(this.#over, !isOver && this.#entries.length < 2);
-    this.#over.ariaPressed = String(isOver);
+    set(this.#over, "ariaPressed", String(isOver));
     setLabel(this.#over, isOver ? "Draw all lines over time again" : "Draw the second line over the first");
-    this.#all.disabled = view === null && (!live || this.#model.get("window") === null);
+    set(this.#all, "disabled", view === null && (!live || this.#model.get("window") === null));
     this.#card.root.classList.toggle("rw-frozen", paused);
   }
 

@@ -1,4 +1,4 @@
-import { make, makeButton, mount, setHidden, setLabel, setText, setTip } from "../shared/dom.ts";
+import { make, makeButton, mount, set, setHidden, setLabel, setText, setTip } from "../shared/dom.ts";
 import { StopButtons } from "../shared/driving/buttons.ts";
 import { StopControl } from "../shared/driving/control.ts";
 import { Readout } from "../shared/driving/readout.ts";
@@ -108,7 +108,7 @@ export class ProgramView {
     const program = this.#program;
     const isKnown = this.#control.hasKernel && !this.#control.silence;
     const mode = program ? toMode(told, program, isKnown) : "";
-    this.#root.dataset.mode = mode || "none";
+    set(this.#root.dataset, "mode", mode || "none");
     this.#root.classList.toggle("rw-silent", mode === NOT_KNOWN);
     setText(this.#name, program?.name ?? "no program yet");
     setText(this.#version, program ? `v${program.version}` : "");
@@ -120,9 +120,9 @@ export class ProgramView {
     setLabel(this.#run, label);
     const isOver = !program || program.mode === "ended" || !this.#control.hasKernel;
     const isUnknown = mode === NOT_KNOWN;
-    this.#run.disabled = isOver || (isUnknown && !this.#isRunning);
-    this.#restart.disabled = isOver || isUnknown;
-    this.#step.disabled = isOver || isUnknown || this.#isRunning || told.stopped;
+    set(this.#run, "disabled", isOver || (isUnknown && !this.#isRunning));
+    set(this.#restart, "disabled", isOver || isUnknown);
+    set(this.#step, "disabled", isOver || isUnknown || this.#isRunning || told.stopped);
     const numbers = program ? [program.rate.toFixed(1), program.step_ms.toFixed(2), String(program.since)] : [];
     for (const [i, fact] of this.#facts.entries()) setText(fact, numbers[i] ?? "\u2013");
     setText(this.#active, program?.active ?? "");
@@ -138,7 +138,7 @@ export class ProgramView {
     this.#drawPrints(program);
     const { text, hint, kind } = toDriverText(this.#control);
     setText(this.#hint, [text, hint].filter(Boolean).join(" \u00b7 "));
-    this.#hint.dataset.kind = kind;
+    set(this.#hint.dataset, "kind", kind);
     setTip(this.#hint, this.#control.told.sender ?? "");
   }
 
@@ -152,7 +152,7 @@ export class ProgramView {
       if (!label || !text) continue;
       setText(label, name);
       setText(text, value);
-      text.title = value;
+      set(text, "title", value);
     }
   }
 
@@ -160,7 +160,7 @@ export class ProgramView {
   #drawPrints(program: Program | null): void {
     const notice = program ? toNotice(this.#model.get("_state"), program) : { text: "", isError: false };
     const lines = notice.text ? [] : (program?.prints ?? []);
-    this.#prints.dataset.kind = notice.isError ? "error" : notice.text ? "notice" : "prints";
+    set(this.#prints.dataset, "kind", notice.isError ? "error" : notice.text ? "notice" : "prints");
     const rows = lines.map(([seconds, text]) => [seconds.toFixed(2), text] as const);
     const shown = notice.text ? ([["", notice.text]] as const) : rows;
     const words = shown.map((row) => row.join("\t")).join("\n");

@@ -1,6 +1,6 @@
 import type { Point, Size } from "../shared/box.ts";
 import { Card } from "../shared/card.ts";
-import { make, makeButton, setHidden, setText } from "../shared/dom.ts";
+import { make, makeButton, set, setHidden, setText } from "../shared/dom.ts";
 import { lacksKernel, type Model, NO_KERNEL, onChange } from "../shared/model.ts";
 import { offerPng } from "../shared/png.ts";
 import { Popup } from "../shared/popup.ts";
@@ -176,8 +176,8 @@ export class ScanogramView {
     const late = this.#state.lacksPixels ? LATE_MEDIAN : LATE;
     setText(this.#chip, isAlone ? NEVER : late);
     setHidden(this.#chip, !this.#state.waits && !this.#state.lacksPixels);
-    this.#median.ariaPressed = String(this.#state.pixel === "median");
-    this.#all.disabled = lengthOf(view) >= lengthOf(whole?.span);
+    set(this.#median, "ariaPressed", String(this.#state.pixel === "median"));
+    set(this.#all, "disabled", lengthOf(view) >= lengthOf(whole?.span));
     const { theme, size } = this.#card;
     this.#scene.measure(size, whole, this.#state.states, view, this.#card.noticeHeight);
     this.#scene.drawBase(this.#state, theme);

@@ -1,4 +1,4 @@
-import { make, makeButton, setHidden, setText } from "./dom.ts";
+import { make, makeButton, set, setHidden, setText } from "./dom.ts";
 import { on } from "./events.ts";
 import { toAge } from "./format.ts";
 import type { Frame, Place, Stream } from "./stream.ts";
@@ -37,6 +37,6 @@ export class Bar {
     setText(this.#time, age ? `\u2212${age}` : isEarlier ? "earlier" : "newest");
     setText(this.#word, age && " from newest");
     const words = age ? `${age.replace(/s$/, "seconds")} before the newest` : this.#time.textContent;
-    this.#slider.ariaValueText = `${words}, ${index + 1} of ${count}`;
+    set(this.#slider, "ariaValueText", `${words}, ${index + 1} of ${count}`);
   }
 }

@@ -1,14 +1,17 @@
 import { type Surface, sizeOf, watchSize } from "./canvas.ts";
-import { make, mount, setHidden, setText } from "./dom.ts";
+import { make, mount, set, setHidden, setText } from "./dom.ts";
+import { onAbort } from "./events.ts";
 import { keepKeys } from "./keys.ts";
 import { LaidOut } from "./laid_out.ts";
 import { type Model, onChange } from "./model.ts";
 import { Notice } from "./notice.ts";
-import { perAnimationFrame, Texts } from "./schedule.ts";
+import { afterDrawings, perAnimationFrame, Texts, throttle } from "./schedule.ts";
 import { followTheme, type Theme } from "./theme.ts";
 import type { CardTraits, Problem } from "./traits.ts";
 
 const BORDER = 1;
+/** Milliseconds between two drawings of what is scrolled out of sight, where only its texts can be found. */
+const UNSEEN_MS = 500;
 
 /** The frame around a picture: title and controls above, a notice over it, a footer below. It has the picture drawn. */
 export class Card {
@@ -32,6 +35,8 @@ export class Card {
   readonly #model: Model<CardTraits>;
   readonly #draw: () => void;
   readonly #theme: () => Theme;
+  /** Whether some of it is in view. */
+  #isSeen = true;
 
   /**
    * @param kind name of the widget, for its CSS class and its label: "laser", "speed", "touch"
@@ -43,7 +48,10 @@ export class Card {
     this.#kind = kind;
     this.#draw = draw;
     this.texts = new Texts(signal);
-    this.redraw = perAnimationFrame(() => this.#drawAll(false), signal);
+    // A person drives by the laser: it waits for no other card.
+    const soon = perAnimationFrame(() => this.#drawAll(false), signal, kind === "laser");
+    const late = throttle(soon, UNSEEN_MS, signal);
+    this.redraw = () => (this.#isSeen ? soon : late)();
     this.root = make("div", `rw-card rw-${kind}`);
     this.root.role = "group";
     this.picture.tabIndex = 0;
@@ -61,6 +69,13 @@ export class Card {
     watchSize(this.picture, () => this.drawNow(), signal);
     onChange(model, ["title", "header", "footer"], this.redraw, signal);
     keepKeys(this.root, signal);
+    const observer = new IntersectionObserver((entries) => {
+      const wasSeen = this.#isSeen;
+      this.#isSeen = entries.at(-1)?.isIntersecting !== false;
+      if (this.#isSeen && !wasSeen) soon();
+    });
+    observer.observe(this.root);
+    onAbort(signal, () => observer.disconnect());
   }
 
   /** Draws the picture at once, at a pixel ratio or the screen's. */
@@ -74,7 +89,8 @@ export class Card {
     const { noticeHeight } = this;
     this.#draw();
     if (this.noticeHeight !== noticeHeight) this.#draw();
-    this.texts.write(isNow);
+    if (isNow) this.texts.write(true);
+    else afterDrawings(() => this.texts.write(false));
   }
 
   /** Colours and fonts. Read it while drawing: an element outside the page has no computed style. */
@@ -102,7 +118,7 @@ export class Card {
     setHidden(this.footer, !this.#model.get("footer"));
     const title = this.#model.get("title");
     setText(this.#title, title);
-    this.root.ariaLabel = `${this.#kind} ${title}`.trim();
+    set(this.root, "ariaLabel", `${this.#kind} ${title}`.trim());
     this.#notice.update(lines, problems, kind);
   }
 

@@ -1,5 +1,6 @@
 import type { Box, Point } from "./box.ts";
 import { on, onAbort } from "./events.ts";
+import { enter } from "./room.ts";
 
 /** An element with a class and text. Text is never parsed as HTML. */
 export function make<K extends keyof HTMLElementTagNameMap>(
@@ -22,20 +23,25 @@ export function setText(element: HTMLElement, text: string): void {
   else element.textContent = text;
 }
 
-/** Hides or shows an element, and leaves the page alone when it is so: setting the same has its style computed anew. */
+/** Sets what becomes an attribute, and leaves the page alone when it is so: setting the same has styles computed anew. */
+export function set<T, K extends keyof T>(holder: T, name: K, value: T[K]): void {
+  if (holder[name] !== value) holder[name] = value;
+}
+
+/** Hides or shows an element. */
 export function setHidden(element: HTMLElement, isHidden: boolean): void {
-  if (element.hidden !== isHidden) element.hidden = isHidden;
+  set(element, "hidden", isHidden);
 }
 
 /** Sets what a pointer that rests on an element shows. */
 export function setTip(element: HTMLElement, tip: string): void {
-  if (element.title !== tip) element.title = tip;
+  set(element, "title", tip);
 }
 
 /** Sets the label of a button, for screen readers and as its tooltip. */
 export function setLabel(button: HTMLButtonElement, label: string): void {
   setTip(button, label);
-  if (button.ariaLabel !== label) button.ariaLabel = label;
+  set(button, "ariaLabel", label);
 }
 
 /** A button that calls back. */
@@ -53,10 +59,11 @@ export function makeButton(
   return button;
 }
 
-/** Shows an element in a view's own until the signal aborts: hosts keep the latter, empty, while the model lives. */
-export function mount(parent: HTMLElement, element: HTMLElement, signal: AbortSignal): void {
-  parent.append(element);
-  onAbort(signal, () => element.remove());
+/** Shows a card in a view's own element until the signal aborts: hosts keep the latter, empty, while the model lives. */
+export function mount(parent: HTMLElement, card: HTMLElement, signal: AbortSignal): void {
+  parent.append(card);
+  onAbort(signal, () => card.remove());
+  enter(parent, card, signal);
 }
 
 /** The box of an element in the coordinates of one that holds it. */

@@ -1,4 +1,4 @@
-import { make, makeButton, setHidden, setText } from "./dom.ts";
+import { make, makeButton, set, setHidden, setText } from "./dom.ts";
 import { on } from "./events.ts";
 import { toAge } from "./format.ts";
 import type { Texts } from "./schedule.ts";
@@ -66,7 +66,7 @@ class Row {
   draw(lamp: Lamp, arrived: number, isOpen: boolean, isFrozen: boolean): void {
     const isNew = this.#shown?.lamp.state !== lamp.state;
     this.#shown = { lamp, arrived, isOpen };
-    this.name.dataset.rwState = lamp.state;
+    set(this.name.dataset, "rwState", lamp.state);
     for (const element of this.elements.slice(1)) setHidden(element, !isOpen);
     this.#changes.style.visibility = lamp.changes ? "" : "hidden";
     if (isNew || isFrozen) this.#write();
@@ -81,9 +81,9 @@ class Row {
     setText(this.#time, time);
     setText(this.#text, lamp.text);
     setText(this.#count, `${lamp.changes} change${lamp.changes === 1 ? "" : "s"}`);
-    this.name.title = [`${lamp.name} is ${word}${time}`, lamp.text].filter(Boolean).join("\n");
-    this.name.ariaLabel = `${lamp.name}: ${word}`;
-    this.name.ariaExpanded = String(isOpen);
+    set(this.name, "title", [`${lamp.name} is ${word}${time}`, lamp.text].filter(Boolean).join("\n"));
+    set(this.name, "ariaLabel", `${lamp.name}: ${word}`);
+    set(this.name, "ariaExpanded", String(isOpen));
   };
 }
 

@@ -1,4 +1,4 @@
-import { make, makeButton, setHidden, setText } from "./dom.ts";
+import { make, makeButton, set, setHidden, setText } from "./dom.ts";
 import { on } from "./events.ts";
 import { asSentence } from "./format.ts";
 import { LaidOut } from "./laid_out.ts";
@@ -52,7 +52,7 @@ export class Notice {
     this.#text.classList.toggle("rw-error", kind === "error");
     this.#text.classList.toggle("rw-status", kind === "status");
     setText(this.#text, all.join(" · "));
-    this.#text.title = all.join("\n");
+    set(this.#text, "title", all.join("\n"));
     setHidden(this.#more, !problems.some(([, remedy]) => remedy));
     const key = JSON.stringify(problems);
     if (key === this.#problems) return;
@@ -64,7 +64,7 @@ export class Notice {
 
   #unfold(isOpen: boolean): void {
     this.#isOpen = isOpen;
-    this.#more.ariaExpanded = String(isOpen);
+    set(this.#more, "ariaExpanded", String(isOpen));
     setHidden(this.#remedies, !isOpen);
   }
 }

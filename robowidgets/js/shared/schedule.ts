@@ -5,17 +5,94 @@ const READING_MS = 100;
 /** From the first change of a text until it is written without a drawing. */
 const LATE_MS = 1.5 * READING_MS;
 
-/** Draws at most once per animation frame. */
-export function perAnimationFrame(draw: () => void, signal: AbortSignal): () => void {
-  let pending = 0;
-  onAbort(signal, () => cancelAnimationFrame(pending));
+/** Of one animation frame, for drawings; what is left of them waits for the next one. */
+const BUDGET_MS = 8;
+
+/** What is asked for until it is drawn. */
+interface Drawing {
+  draw: () => void;
+  /** Whether it waits for no other one. */
+  isFirst: boolean;
+}
+
+/**
+ * The drawings of all cards of the page, which share its animation frames. However often one is asked for, it shows the
+ * newest, once per frame. Each frame draws those that go first, then others in the order in which they were asked for,
+ * and then has elements changed: to paint text on a canvas, a browser first lays out what another card has changed.
+ */
+class Frames {
+  readonly #waiting = new Set<Drawing>();
+  /** What is done at the end of the frame that is being drawn; null: none is. */
+  #last: Set<() => void> | null = null;
+
+  ask(drawing: Drawing): void {
+    if (!this.#waiting.size && !this.#last) requestAnimationFrame(() => this.#run());
+    this.#waiting.add(drawing);
+  }
+
+  forget(drawing: Drawing): void {
+    this.#waiting.delete(drawing);
+  }
+
+  /** Calls at the end of the frame that is being drawn, or else at once. */
+  atEnd(call: () => void): void {
+    if (this.#last) this.#last.add(call);
+    else call();
+  }
+
+  #run(): void {
+    const last = new Set<() => void>();
+    this.#last = last;
+    const [begin, all] = [performance.now(), [...this.#waiting]];
+    const later = all.filter(({ isFirst }) => !isFirst);
+    for (const drawing of all) if (drawing.isFirst) this.#draw(drawing);
+    for (const [i, drawing] of later.entries()) {
+      // One at least: all have their turn, also beside one that takes the whole frame.
+      if (i && performance.now() - begin > BUDGET_MS) break;
+      this.#draw(drawing);
+    }
+    for (const call of last) attempt(call);
+    this.#last = null;
+    if (this.#waiting.size) requestAnimationFrame(() => this.#run());
+  }
+
+  #draw(drawing: Drawing): void {
+    // Another one may have ended its view.
+    if (this.#waiting.delete(drawing)) attempt(drawing.draw);
+  }
+}
+
+/** Calls, and reports what it throws, so that it stops no other. */
+function attempt(call: () => void): void {
+  try {
+    call();
+  } catch (error) {
+    reportError(error);
+  }
+}
+
+const KEY: unique symbol = Symbol.for("robowidgets frames") as never;
+
+/** The scripts of different widgets meet nowhere but here. */
+const page = globalThis as { [KEY]?: Frames };
+
+function frames(): Frames {
+  page[KEY] ??= new Frames();
+  return page[KEY];
+}
+
+/** Draws at most once per animation frame, in turn with all others of the page, or before them. */
+export function perAnimationFrame(draw: () => void, signal: AbortSignal, isFirst = false): () => void {
+  const drawing: Drawing = { draw, isFirst };
+  onAbort(signal, () => frames().forget(drawing));
   return () => {
-    if (pending || signal.aborted) return;
-    pending = requestAnimationFrame(() => {
-      pending = 0;
-      draw();
-    });
+    if (!signal.aborted) frames().ask(drawing);
   };
+}
+
+/** Calls once all drawings of the animation frame are painted; at once where none is under way. */
+export function afterDrawings(call: () => void): void {
+  frames().atEnd(call);
 }
 
 /** Calls at once, then at most once per `ms`; calls in between are merged into one at the end of the interval. */

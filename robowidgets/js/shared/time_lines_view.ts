@@ -1,5 +1,5 @@
 import { Canvas, type Context, line, type Surface, stroke, watchSize, write } from "./canvas.ts";
-import { make, pointIn, setHidden } from "./dom.ts";
+import { make, pointIn, set, setHidden } from "./dom.ts";
 import { on } from "./events.ts";
 import { toFixed } from "./format.ts";
 import { type Theme, textFont } from "./theme.ts";
@@ -51,7 +51,7 @@ export class TimeLinesView {
     if (!lines) return;
     this.#canvas ??= this.#open();
     this.#root.style.height = `${lines.length * ROW + FOOT}px`;
-    this.#root.ariaLabel = `the last ${seconds} s of ${lines.map(({ name }) => name).join(", ")}`;
+    set(this.#root, "ariaLabel", `the last ${seconds} s of ${lines.map(({ name }) => name).join(", ")}`);
     if (!this.#size.width) return;
     const context = this.#canvas.begin({ ...this.#size, ratio });
     context.font = textFont(theme);

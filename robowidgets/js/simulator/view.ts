@@ -1,7 +1,7 @@
 import { copyOf, toBytes } from "../shared/bytes.ts";
 import { Canvas } from "../shared/canvas.ts";
 import { Card } from "../shared/card.ts";
-import { isDragged, make, makeButton, pointIn, setText } from "../shared/dom.ts";
+import { isDragged, make, makeButton, pointIn, set, setText } from "../shared/dom.ts";
 import { isPlain, on } from "../shared/events.ts";
 import {
   BELOW,
@@ -223,11 +223,11 @@ export class SimulatorView implements Member {
     const words = `${toWords(robot)} \u00B7 ${toDegrees(robot.yaw)}`;
     setText(this.#pose, words);
     setText(this.#pointed, this.#pointer && !this.paused ? toWords(this.#pointer) : isEditable ? HINT : "");
-    this.#put.disabled = !isEditable;
-    this.#reset.disabled = !isEditable;
-    this.#remove.disabled = !isEditable || typeof this.#selected !== "number";
+    set(this.#put, "disabled", !isEditable);
+    set(this.#reset, "disabled", !isEditable);
+    set(this.#remove, "disabled", !isEditable || typeof this.#selected !== "number");
     const drops = this.#drops.length ? `, ${toMany(this.#drops.length / 4, "drop")}` : "";
-    picture.ariaLabel = `robot at ${words}, ${toMany(obstacles.length, "obstacle")}${drops}`;
+    set(picture, "ariaLabel", `robot at ${words}, ${toMany(obstacles.length, "obstacle")}${drops}`);
     picture.ariaDescription =
       "n: next thing. Arrows: move it. Brackets: turn the robot. o: put an obstacle ahead. Delete: remove it.";
   }
@@ -245,7 +245,7 @@ export class SimulatorView implements Member {
 
   #onPut(isOn = !this.#isPutting): void {
     this.#put.ariaPressed = String(isOn);
-    this.#card.picture.dataset.cursor = isOn ? "put" : "";
+    set(this.#card.picture.dataset, "cursor", isOn ? "put" : "");
   }
 
   #onRemove(): void {
@@ -312,7 +312,7 @@ export class SimulatorView implements Member {
     const from = toFloor(this.#projection, point);
     this.#drag = { thing, pointer: event.pointerId, from, before: poseOf(scene, thing), hasMoved: false };
     this.#card.picture.setPointerCapture(event.pointerId);
-    this.#card.picture.dataset.cursor = "grabbing";
+    set(this.#card.picture.dataset, "cursor", "grabbing");
   }
 
   #onMove({ pointerId, pointerType }: PointerEvent, point: Place): void {
@@ -324,7 +324,7 @@ export class SimulatorView implements Member {
       if (drag.hasMoved)
         this.#edits.move(drag.thing, draggedTo(drag.before, drag.thing, drag.from, this.#pointer), true);
     } else if (pointerType !== "touch" && !this.#isPutting) {
-      this.#card.picture.dataset.cursor = this.#thingAt(point, false) === null ? "" : "grab";
+      set(this.#card.picture.dataset, "cursor", this.#thingAt(point, false) === null ? "" : "grab");
     }
     this.#card.redraw();
   }
@@ -333,7 +333,7 @@ export class SimulatorView implements Member {
     const drag = this.#drag;
     if (!drag || pointerId !== drag.pointer || !this.#projection) return;
     this.#drag = null;
-    this.#card.picture.dataset.cursor = "";
+    set(this.#card.picture.dataset, "cursor", "");
     // A click selects, and moves nothing.
     if (drag.hasMoved) {
       const to = toFloor(this.#projection, point);

@@ -1,6 +1,6 @@
 import { Canvas } from "../shared/canvas.ts";
 import { CopyCode } from "../shared/copy.ts";
-import { make, makeButton, pointIn, setHidden, setText } from "../shared/dom.ts";
+import { make, makeButton, pointIn, set, setHidden, setText } from "../shared/dom.ts";
 import { isPlain, on, onAbort } from "../shared/events.ts";
 import { toMany, toShortMetres } from "../shared/format.ts";
 import { FARTHEST_VIEW } from "../shared/frames/scan.ts";
@@ -57,6 +57,7 @@ export class SonarView implements Zoom {
   readonly #copy: CopyCode;
   readonly #picked: Popup;
   readonly #hovered: Popup;
+  readonly #tell = () => this.#footer.update(this.#cones, this.#model.get("near"), this.#viewRange);
   #cones: Cone[] = [];
   #layout: Layout | null = null;
   #layoutKey = "";
@@ -132,12 +133,7 @@ export class SonarView implements Zoom {
       : [];
     const cones = this.#cones;
     const hasCome = cones.some((cone) => cone.hasCome);
-    card.update([cones.length ? toMany(cones.length, "sensor") : ""], "range");
-    setText(this.#empty, hasCome ? "" : card.waiting("range"));
-    setHidden(this.#empty, hasCome);
     this.#viewRange = resolveRange(model.get("view_range"), cones, this.#viewRange);
-    setText(this.#range, hasCome ? toShortMetres(this.#viewRange) : "");
-    this.#fit.ariaPressed = String(hasCome && model.get("view_range") === fitReadings(cones));
     const context = this.#canvas.begin(card.size);
     const { theme } = card;
     const layout = this.#layOut(context, theme);
@@ -146,9 +142,14 @@ export class SonarView implements Zoom {
     const [picked, hovered] = [this.#named(this.#pickedName), this.#named(this.#hoveredName)];
     for (const cone of [picked, hovered]) if (cone) drawPointed(context, layout.view, cone, theme);
     drawLabels(context, layout, cones, theme);
+    card.update([cones.length ? toMany(cones.length, "sensor") : ""], "range");
+    setText(this.#empty, hasCome ? "" : card.waiting("range"));
+    setHidden(this.#empty, hasCome);
+    setText(this.#range, hasCome ? toShortMetres(this.#viewRange) : "");
+    set(this.#fit, "ariaPressed", String(hasCome && model.get("view_range") === fitReadings(cones)));
     setText(this.#places, wordsOnPlaces(cones));
     this.#drawPopups(layout, picked, hovered);
-    this.#footer.update(cones, near, this.#viewRange);
+    card.texts.ask(this.#tell);
     this.#wait();
   }
 

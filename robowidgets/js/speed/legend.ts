@@ -1,4 +1,4 @@
-import { make, setHidden, setText } from "../shared/dom.ts";
+import { make, set, setHidden, setText } from "../shared/dom.ts";
 
 const KEYS = ["measured", "command", "limit", "peak"] as const;
 type Key = (typeof KEYS)[number];
@@ -28,7 +28,7 @@ export class Legend {
     this.#show("limit", hasLimits);
     this.#show("peak", hasPeaks);
     setText(this.#summary, summary);
-    this.#summary.title = summary;
+    set(this.#summary, "title", summary);
   }
 
   #show(key: Key, shown: boolean): void {

@@ -1,8 +1,9 @@
 import type { Box } from "../shared/box.ts";
-import { boxWithin, make, makeButton, makeIcon, setHidden, setText } from "../shared/dom.ts";
+import { boxWithin, make, makeButton, makeIcon, set, setHidden, setText } from "../shared/dom.ts";
 import type { Speeds } from "../shared/frames/speeds.ts";
 import { LaidOut } from "../shared/laid_out.ts";
 import { type Model, onChange, setTraits } from "../shared/model.ts";
+import { setHeld } from "../shared/room.ts";
 import { SampleCard } from "../shared/sample_card.ts";
 import type { Stream } from "../shared/stream.ts";
 import { TimeLinesView } from "../shared/time_lines_view.ts";
@@ -167,7 +168,7 @@ export class SpeedView {
 
   #drawOverTime(groups: GroupFacts[]): void {
     const seconds = this.#model.get("over_time");
-    this.#overTime.ariaPressed = String(seconds > 0);
+    set(this.#overTime, "ariaPressed", String(seconds > 0));
     const { paused, rate } = this.#stream;
     // Samples that are picked from a recording come at no time of their own.
     const isLive = !Number.isNaN(rate);
@@ -183,7 +184,9 @@ export class SpeedView {
     this.#isPlanar = planar;
     this.#layout = layout;
     this.#groups = groupsOf(layout).map((group) => new GroupView(group, planar));
-    this.#board.classList.toggle("rw-planar", planar || layout === "car");
+    const isFew = planar || layout === "car";
+    this.#board.classList.toggle("rw-planar", isFew);
+    setHeld(this.#card.root, "planar", isFew);
     this.#card.root.classList.toggle("rw-both", layout === "both");
     this.#board.replaceChildren(...this.#groups.map(({ root }) => root));
     const [first] = this.#columns;
@@ -198,7 +201,7 @@ export class SpeedView {
     this.#card.update([this.#stream.about.frame_id ?? "", isCommanded ? bars : "", command], "speed");
     this.#card.root.classList.toggle("rw-bars-commanded", isCommanded);
     this.#board.style.paddingTop = `${this.#card.noticeHeight}px`;
-    this.#planar.ariaPressed = String(model.get("planar"));
+    set(this.#planar, "ariaPressed", String(model.get("planar")));
     setHidden(this.#planar, this.#layout === "car");
     setHidden(this.#reset, !model.get("hold_peaks"));
     setHidden(this.#empty, speeds !== null);

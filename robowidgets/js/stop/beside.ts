@@ -1,4 +1,4 @@
-import { make, makeButton, setLabel, setText } from "../shared/dom.ts";
+import { make, makeButton, set, setLabel, setText } from "../shared/dom.ts";
 import { onAbort } from "../shared/events.ts";
 import { lacksKernel, type Model, newName } from "../shared/model.ts";
 import type { StopTraits } from "./traits.ts";
@@ -67,7 +67,7 @@ export class Beside {
     const isOpen = this.#pane !== null;
     this.button.hidden =
       !isAble || this.#notebook === null || this.#model.get("_view") === "" || lacksKernel(this.#model);
-    this.button.ariaPressed = String(isOpen);
+    set(this.button, "ariaPressed", String(isOpen));
     setLabel(this.button, isOpen ? "Close the view beside the notebook" : "Show this view beside the notebook");
     const opens = this.#model.get("_opens") && this.#root.isConnected;
     setText(this.words, opens && !isAble ? CANNOT : this.#said);

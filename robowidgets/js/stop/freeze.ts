@@ -1,4 +1,4 @@
-import { make, makeButton, makeIcon, PAUSE, PLAY, setHidden, setText } from "../shared/dom.ts";
+import { make, makeButton, makeIcon, PAUSE, PLAY, set, setHidden, setText } from "../shared/dom.ts";
 import { type Model, onChange } from "../shared/model.ts";
 import { join, type Member, othersOf, setFrozen } from "../shared/together.ts";
 import type { StopTraits } from "./traits.ts";
@@ -49,8 +49,8 @@ export class Freeze implements Member {
     setHidden(this.button, this.#pictures.length === 0);
     if (this.#isShown === paused) return;
     this.#isShown = paused;
-    this.button.ariaPressed = String(paused);
-    this.button.title = paused ? "Show the newest again" : "Freeze all pictures of this view";
+    set(this.button, "ariaPressed", String(paused));
+    set(this.button, "title", paused ? "Show the newest again" : "Freeze all pictures of this view");
     setText(this.#text, paused ? "Frozen" : "Freeze");
     this.button.replaceChildren(makeIcon(paused ? PLAY : PAUSE), this.#text);
   }

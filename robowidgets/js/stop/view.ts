@@ -1,4 +1,4 @@
-import { make, mount, setText, setTip } from "../shared/dom.ts";
+import { make, mount, set, setText, setTip } from "../shared/dom.ts";
 import { StopButtons } from "../shared/driving/buttons.ts";
 import { StopControl } from "../shared/driving/control.ts";
 import { toDriverText } from "../shared/driving/text.ts";
@@ -43,7 +43,7 @@ export class StopView {
     this.#freeze.update();
     this.#beside.update();
     const { text, hint, kind } = toDriverText(this.#control);
-    this.#root.dataset.kind = kind;
+    set(this.#root.dataset, "kind", kind);
     setText(this.#text, text);
     setText(this.#hint, hint);
     setTip(this.#text, this.#control.told.sender ?? "");

@@ -1,8 +1,9 @@
-import { make, makeButton, makeSvg, mount, setHidden, setLabel, setText } from "../shared/dom.ts";
+import { make, makeButton, makeSvg, mount, set, setHidden, setLabel, setText } from "../shared/dom.ts";
 import { isPlain, on, onAbort } from "../shared/events.ts";
 import { toAge, toFixed } from "../shared/format.ts";
 import { keepKeys } from "../shared/keys.ts";
 import { lacksKernel, type Model, NO_KERNEL, onChange, onMessage, setTraits } from "../shared/model.ts";
+import { setHeld } from "../shared/room.ts";
 import { perAnimationFrame, throttle } from "../shared/schedule.ts";
 import { watchSeen } from "../shared/seen.ts";
 import { followTheme } from "../shared/theme.ts";
@@ -178,7 +179,11 @@ export class TopicsView {
       ({ name, messages: count, problem }) => !problem && count !== 0 && !this.#isShown(name),
     );
     const folded = this.#model.get("folded");
-    this.#root.dataset.open = folded === null ? (isMissing ? "auto" : "no") : folded ? "no" : "yes";
+    const open = folded === null ? (isMissing ? "auto" : "no") : folded ? "no" : "yes";
+    if (this.#root.dataset.open !== open) {
+      this.#root.dataset.open = open;
+      for (const one of ["auto", "no", "yes"]) setHeld(this.#root, `topics-${one}`, one === open);
+    }
     this.#root.toggleAttribute("data-fixed", !this.#canChange);
     setText(this.#railText, `Topics ${shown} / ${rows.length}`);
     setLabel(this.#rail, `List all topics: ${shown} of ${rows.length} are shown`);
@@ -271,8 +276,8 @@ export class TopicsView {
     const { messages: count, rate } = this.#countsOf(row ?? NO_ROW);
     setText(this.#footName, name);
     setText(this.#footType, type);
-    this.#footName.title = name;
-    this.#footType.title = type;
+    set(this.#footName, "title", name);
+    set(this.#footType, "title", type);
     const isShown = this.#isShown(name);
     const by = widget && !problem ? [`shown by ${widget}`] : [];
     const waits = this.#pending.size > 0 && this.#isBusy;
@@ -284,10 +289,10 @@ export class TopicsView {
     const help =
       lacksKernel(this.#model) && !this.#model.get("_fixed") ? NO_KERNEL : "point at a topic, or type / to filter";
     setText(this.#footFacts, text || (row ? "" : help));
-    this.#footFacts.title = text;
+    set(this.#footFacts, "title", text);
     setHidden(this.#footButton, !row || !this.#canChange || (Boolean(problem) && !isShown));
     setText(this.#footButton, isShown ? "Take off" : "Show");
-    this.#footButton.title = isShown ? "Take it off the screen (space)" : "Put it on the screen (space)";
+    set(this.#footButton, "title", isShown ? "Take it off the screen (space)" : "Put it on the screen (space)");
   }
 
   #onSize(): void {

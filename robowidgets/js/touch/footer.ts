@@ -1,4 +1,4 @@
-import { make, setHidden, setText } from "../shared/dom.ts";
+import { make, setHidden, setText, setTip } from "../shared/dom.ts";
 import { toCount } from "../shared/format.ts";
 import type { Sensor, TouchState } from "../shared/frames/touch.ts";
 import { summarize, tellBeside, toTouches } from "./text.ts";
@@ -32,7 +32,7 @@ export class Footer {
     const { counts, touches } = summarize(sensors);
     const beside = tellBeside(all, sensors);
     setText(this.#beside, beside);
-    this.#beside.title = beside;
+    setTip(this.#beside, beside);
     for (const [state, element] of this.#counts) setText(element, toCount(counts[state]));
     // The other two come and go, and keep their places.
     setHidden(this.#unknown, counts.unknown === 0);

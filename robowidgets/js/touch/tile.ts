@@ -1,5 +1,5 @@
 import type { Box } from "../shared/box.ts";
-import { make, setBox, setText } from "../shared/dom.ts";
+import { make, set, setBox, setText } from "../shared/dom.ts";
 import type { Sensor } from "../shared/frames/touch.ts";
 import { heightOf, NARROW } from "./rows.ts";
 import { detailOf, tellAll } from "./text.ts";
@@ -25,7 +25,7 @@ export class Tile {
   }
 
   update(sensor: Sensor, label: string, elapsed: number | null): void {
-    this.element.dataset.state = sensor.state;
+    set(this.element.dataset, "state", sensor.state);
     this.#setLabel(label);
     setText(this.#state, sensor.state);
     setText(this.#detail, detailOf(sensor, elapsed));

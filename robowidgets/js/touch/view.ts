@@ -3,6 +3,7 @@ import { make, setHidden, setText } from "../shared/dom.ts";
 import { onAbort } from "../shared/events.ts";
 import type { Sensor, Touch } from "../shared/frames/touch.ts";
 import { type Model, onChange } from "../shared/model.ts";
+import { setHeld } from "../shared/room.ts";
 import { SampleCard } from "../shared/sample_card.ts";
 import type { Stream } from "../shared/stream.ts";
 import type { About } from "../shared/traits.ts";
@@ -25,6 +26,8 @@ interface TouchAbout extends About {
 
 const TICK_MS = 100;
 const PADDING = 12;
+/** Of rectangles: from as many on, a card has more room on the screen of a recording or a feed. */
+const MANY = [3, 4, 5, 7, 9];
 
 /** One view of a touch widget: a rectangle for each sensor, in rows or round the robot's body. */
 export class TouchView {
@@ -37,6 +40,7 @@ export class TouchView {
   readonly #empty = make("div", "rw-empty");
   readonly #body = new Body();
   readonly #tiles = new Map<string, Tile>();
+  #count = 0;
   #tick: ReturnType<typeof setTimeout> | undefined;
   /** Size of the picture at which `#isLow` was read. */
   #sized = "";
@@ -107,8 +111,17 @@ export class TouchView {
     this.#card.picture.style.paddingTop = `${this.#padding + this.#card.noticeHeight}px`;
     this.#field.style.height = `${rows.boxes.size ? rows.bottom : (around?.height ?? 0)}px`;
     this.#putTiles(names, new Map([...(around?.boxes ?? []), ...rows.boxes]));
-    if (around) this.#field.prepend(this.#body.element);
-    else this.#body.element.remove();
+    if (!around) this.#body.element.remove();
+    else if (this.#field.firstChild !== this.#body.element) this.#field.prepend(this.#body.element);
+    this.#tellCount();
+  }
+
+  /** Tells the boxes around how much there is. */
+  #tellCount(): void {
+    const { length } = this.#field.children;
+    if (length === this.#count) return;
+    this.#count = length;
+    for (const many of MANY) setHeld(this.#card.root, `tiles-${many}`, length >= many);
   }
 
   #putTiles(names: string[], boxes: Map<string, Box>): void {

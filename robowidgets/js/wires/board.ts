@@ -1,4 +1,4 @@
-import { make, makeSvg, setBox, setText } from "../shared/dom.ts";
+import { make, makeSvg, set, setBox, setText } from "../shared/dom.ts";
 import type { Graph, Item } from "./graph.ts";
 import type { Placed } from "./layout.ts";
 import { isSilent, rateOf, runsOf, sayingOf } from "./words.ts";
@@ -44,7 +44,7 @@ export class Board {
       if (wire && fact && got) {
         setText(fact, rateOf(wire));
         setText(got, sayingOf(wire));
-        element.dataset.state = wire.offered === false ? "missing" : isSilent(wire) ? "silent" : "";
+        set(element.dataset, "state", wire.offered === false ? "missing" : isSilent(wire) ? "silent" : "");
         words.push(rateOf(wire), sayingOf(wire));
       }
       if (part && fact && got && gave) {
@@ -52,25 +52,26 @@ export class Board {
         setText(got, part.kind === "speeds" ? (part.gave ?? "") : part.got ? `got ${part.got}` : "");
         const says = part.kind === "speeds" ? part.got && `asked for by ${part.got}` : part.gave && `gave ${part.gave}`;
         setText(gave, part.problem || says || "");
-        element.dataset.state = part.problem ? "problem" : "";
+        set(element.dataset, "state", part.problem ? "problem" : "");
         words.push(`ran ${runsOf(part)}`, part.problem ?? "", part.got ?? "", part.gave ?? "");
       }
-      element.ariaLabel = words.filter(Boolean).join(", ");
+      set(element, "ariaLabel", words.filter(Boolean).join(", "));
     }
   }
 
   /** Shows one box with the wires and the boxes around it, and pales the others; none: all alike. */
   point(key: string | null, near: Set<string>): void {
     this.root.classList.toggle("rw-wires-pointed", key !== null);
-    for (const [other, element] of this.#elements) element.dataset.near = String(key !== null && near.has(other));
-    for (const { from, to, element } of this.#lines) element.dataset.near = String(from === key || to === key);
+    for (const [other, element] of this.#elements)
+      set(element.dataset, "near", String(key !== null && near.has(other)));
+    for (const { from, to, element } of this.#lines) set(element.dataset, "near", String(from === key || to === key));
   }
 
   /** Marks the box that a person picked, and the one that Tab reaches. */
   mark(picked: string | null, reached: string | null): void {
     const first = reached !== null && this.#elements.has(reached) ? reached : this.#elements.keys().next().value;
     for (const [key, element] of this.#elements) {
-      element.ariaPressed = String(key === picked);
+      set(element, "ariaPressed", String(key === picked));
       element.tabIndex = key === first ? 0 : -1;
     }
   }

@@ -1,5 +1,5 @@
 import type { Point } from "../shared/box.ts";
-import { isDragged, make, makeButton, pointIn, setHidden, setLabel, setText } from "../shared/dom.ts";
+import { isDragged, make, makeButton, pointIn, set, setHidden, setLabel, setText } from "../shared/dom.ts";
 import { isPlain, on } from "../shared/events.ts";
 import { toMany } from "../shared/format.ts";
 import { lacksKernel, type Model, onChange, setTraits } from "../shared/model.ts";
@@ -104,7 +104,7 @@ export class WiresView {
     const nodes = wiring?.nodes.length ?? 0;
     const counts = wiring ? [nodes ? toMany(nodes, "node") : "", toMany(wiring.wires.length, "topic")] : [];
     this.#card.update(counts, "list of topics", false);
-    this.#plumbing.ariaPressed = String(infrastructure);
+    set(this.#plumbing, "ariaPressed", String(infrastructure));
     setHidden(this.#plumbing, !plumbing && !infrastructure);
     setText(this.#plumbing, plumbing ? `Infrastructure ${plumbing}` : "Infrastructure");
     setHidden(this.#empty, items.size > 0);
@@ -300,7 +300,7 @@ export class WiresView {
     const act = picked === item ? this.#actOf(picked) : "";
     // Its room is kept, so that nothing moves.
     this.#act.classList.toggle("rw-wires-none", !act);
-    this.#act.disabled = !act;
+    set(this.#act, "disabled", !act);
     if (act) {
       setText(this.#act, act);
       setLabel(this.#act, `${act}: ${picked?.name}`);

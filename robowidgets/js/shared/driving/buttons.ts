@@ -1,4 +1,4 @@
-import { make, makeButton, makeIcon, setHidden, setText } from "../dom.ts";
+import { make, makeButton, makeIcon, set, setHidden, setText } from "../dom.ts";
 import { isPlain, on } from "../events.ts";
 import { keepKeys } from "../keys.ts";
 import type { StopControl } from "./control.ts";
@@ -44,7 +44,7 @@ export class StopButtons {
     const { stopped } = this.#control.told;
     const isDown = stopped || ["asking", "interrupted"].includes(this.#control.note);
     setText(this.#word, stopped ? "Stopped" : "Stop");
-    this.stop.ariaPressed = String(isDown);
+    set(this.stop, "ariaPressed", String(isDown));
     setHidden(this.allow, !stopped);
   }
 }

@@ -1,4 +1,4 @@
-import { make, setText } from "../dom.ts";
+import { make, set, setText } from "../dom.ts";
 import { toFixed } from "../format.ts";
 import { toBar } from "./text.ts";
 
@@ -29,6 +29,6 @@ export class Readout {
     setText(this.#value, toFixed(value, 2));
     setText(this.#limit, `limit ±${toFixed(limit, 2)}`);
     Object.assign(this.#bar.style, toBar(this.#side * value, limit));
-    this.root.title = `${value} ${this.#unit}`;
+    set(this.root, "title", `${value} ${this.#unit}`);
   }
 }
