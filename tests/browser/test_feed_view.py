@@ -74,6 +74,7 @@ def test_a_robot_with_a_program_and_its_machine_stands_on_one_screen(
     plain_page: Callable[..., PlainPage], robot: str
 ) -> None:
     nb = opened(plain_page, robot)
+    nb.python("robot.variables.f_vel = 0.0")  # at the wall, the machine unfolds a state, and shrinks for it
     cards = nb.output(2).locator(".rw-card")
     for width in (1112, 900):
         nb.resize(width, 720)
