@@ -160,15 +160,17 @@ class _Standstill:
         self._show()
 
     def _turn(self) -> float:
-        problem = ""
-        try:
-            self._feed.stopped = True
-            self._feed.stop()
-        except (FeedError, OSError) as error:
-            problem = str(error)
+        problem = others = ""
         if self._feed.connection.is_closed:
-            problem = problem or "cannot stop: its feed is closed; open it again"
-        others = self._feed.drive_status
+            problem = "cannot stop: its feed is closed; open it again"
+        else:
+            try:
+                if not self._feed.stopped:
+                    self._feed.stopped = True
+                self._feed.stop()
+            except (FeedError, OSError) as error:
+                problem = str(error)
+            others = self._feed.drive_status
         if self._ticket is not None:
             self.answered = True
             self.tell(problem or (f"is sent zero, but {others}" if others else ""))

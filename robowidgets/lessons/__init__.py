@@ -4,9 +4,20 @@ The simulator is all they need.
 """
 
 from ._check import check, example
-from ._progress import Progress, progress, report
+from ._progress import LessonProgress, progress, report
 from ._result import Result
-from ._summary import Summary, summary
+from ._summary import ClassSummary, summary
 from ._texts import ENGLISH, languages
 
-__all__ = ["ENGLISH", "Progress", "Result", "Summary", "check", "example", "languages", "progress", "report", "summary"]
+__all__ = [
+    "ENGLISH",
+    "ClassSummary",
+    "LessonProgress",
+    "Result",
+    "check",
+    "example",
+    "languages",
+    "progress",
+    "report",
+    "summary",
+]

@@ -82,7 +82,7 @@ class Task:
     answer: str = ""
 
 
-class Progress:
+class LessonProgress:
     """How many tasks are done, as a line that follows the checks.
 
     Attributes:
@@ -172,10 +172,10 @@ class Progress:
         self._line.value = f'<span aria-hidden="true">{boxes}</span> <b>{line}</b>{problem}'
 
 
-_current: Progress | None = None
+_current: LessonProgress | None = None
 
 
-def progress(language: str = ENGLISH) -> Progress:
+def progress(language: str = ENGLISH) -> LessonProgress:
     """Show how many tasks of the lessons are done, in a line that follows the checks.
 
     From now on checks keep their results in ``robowidgets-progress.json``, in the folder of the notebook, and speak the
@@ -189,7 +189,7 @@ def progress(language: str = ENGLISH) -> Progress:
     """
     global _current
     speak(language)
-    _current = Progress(Path(FILE).absolute())
+    _current = LessonProgress(Path(FILE).absolute())
     return _current
 
 
@@ -214,7 +214,7 @@ def report(file: str | os.PathLike[str]) -> str:
             read(path)
         except ReportError as error:
             raise FileExistsError(f"report: {path} is another file, which stays as it is ({error})") from None
-    done = (_current or Progress(Path(FILE).absolute())).report(path)
+    done = (_current or LessonProgress(Path(FILE).absolute())).report(path)
     return say("{file}: {done} of {all} done. Hand in this file", file=path.name, done=done, all=len(TASKS))
 
 

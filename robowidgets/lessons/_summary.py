@@ -27,7 +27,7 @@ class Fault(NamedTuple):
     faults: tuple[tuple[str, int], ...]
 
 
-class Summary:
+class ClassSummary:
     """How far the students of a class are. A notebook shows it as a picture; printed it is a table.
 
     Args:
@@ -114,7 +114,7 @@ class Summary:
         )
 
 
-def summary(folder: str | os.PathLike[str]) -> Summary:
+def summary(folder: str | os.PathLike[str]) -> ClassSummary:
     """How far a class is, from a folder with the reports of its students, at any depth.
 
     Reports are files that `report` wrote, each with the name of its student, and the ``robowidgets-progress.json`` of
@@ -145,7 +145,7 @@ def summary(folder: str | os.PathLike[str]) -> Summary:
         for task, row in tasks.items():
             if task not in of or (row.done, row.last) > (of[task].done, of[task].last):
                 of[task] = row
-    return Summary(students, problems)
+    return ClassSummary(students, problems)
 
 
 def _is_stuck(task: Task | None) -> bool:
@@ -178,6 +178,7 @@ _STYLE = """
 .rw-class table { border-collapse: separate; border-spacing: 3px; font-variant-numeric: tabular-nums; }
 .rw-class th { font-weight: 500; text-align: left; padding-right: .6em; background: none; white-space: nowrap; }
 .rw-class thead th { vertical-align: bottom; }
+.rw-class thead th:last-child { text-align: right; padding-right: 0; }
 .rw-class .rw-task { padding: 0; text-align: center; }
 .rw-class .rw-task span { writing-mode: vertical-rl; transform: rotate(180deg); }
 .rw-class tbody td { width: 2.1em; min-width: 2.1em; height: 1.7em; padding: 0; text-align: center; border-radius: 3px;
