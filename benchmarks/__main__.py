@@ -8,6 +8,7 @@ from pathlib import Path
 
 from . import (
     columns,
+    drives,
     feeds,
     hour,
     layers,
@@ -126,6 +127,9 @@ def main() -> None:
     parser.add_argument(
         "--hour", nargs="?", type=float, const=60.0, metavar="MINUTES", help="a robot for an hour only; writes nothing"
     )
+    parser.add_argument(
+        "--drives", nargs="?", type=int, const=drives.COUNT, metavar="COUNT", help="many recordings; writes nothing"
+    )
     parser.add_argument("--only", nargs="+", choices=NAMES, default=NAMES, help="libraries; writes nothing")
     options = parser.parse_args()
     repeats, seconds, long = (1, 1.0, 6.0) if options.quick else (3, 3.0, 60.0)
@@ -164,6 +168,9 @@ def main() -> None:
     if options.leaks:
         with open_stage() as stage:
             print("\n".join(leak_parts(stage, quick=options.quick)))
+        return
+    if options.drives:
+        drives.compare(options.drives)
         return
     if options.hour:
         with open_stage() as stage:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 from collections import deque
 from collections.abc import Callable, Generator, Iterable, Iterator
-from concurrent.futures import Executor, Future
+from concurrent.futures import BrokenExecutor, CancelledError, Executor, Future
 from contextlib import contextmanager
 from functools import lru_cache
 from queue import SimpleQueue
@@ -64,7 +64,9 @@ def each(
     if executor is not None:
         yield from _by(_executor(executor), _AHEAD_ELSEWHERE, waiting, suspects, task, longest)
         if waiting or suspects:
-            inform("the executor broke: processes of this machine go on")
+            inform("the executor broke, or lost workers: processes of this machine go on")
+        waiting.extend(suspects)  # too many wait there for a look at each in a process of its own
+        suspects.clear()
     while waiting:
         with _processes() as (own, count):
             yield from _by(own, _AHEAD * count, waiting, suspects, task, longest)
@@ -108,9 +110,11 @@ def _by(
                 answer = future.result()
             except KeyboardInterrupt:
                 raise
-            except BaseException:
-                suspects.append(path)  # what a job raises comes as an answer
+            except (BrokenExecutor, CancelledError):  # a pool whose process ended, a cluster whose scheduler did
+                suspects.append(path)
                 is_whole = False
+            except BaseException:  # what a job raises comes as an answer: a cluster gave this one up
+                suspects.append(path)
             else:
                 yield Done(path, *answer)
     finally:

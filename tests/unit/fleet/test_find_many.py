@@ -160,6 +160,13 @@ def test_where_an_executor_breaks_processes_of_this_machine_go_on(runs: Path) ->
 
 
 @pytest.mark.slow
+def test_a_cluster_that_gives_one_recording_up_goes_on_with_the_others(runs: Path) -> None:
+    cluster = Here(gives_up="run_2.mcap")
+    assert rows(find(NEAR, runs, executor=cluster, keep=False)) == rows(find(NEAR, runs, executor=Here(), keep=False))
+    assert len(cluster.ran) == 3
+
+
+@pytest.mark.slow
 def test_a_process_that_is_killed_loses_its_own_recording_alone(runs: Path) -> None:
     copy(runs / "run_2.mcap", runs / "run_3.mcap")
 
