@@ -12,6 +12,7 @@ from threading import Thread
 from typing import Any, NamedTuple
 
 from .._core.cache_folder import cache_folder
+from ..messages.decoding import one_line
 from ..recordings import remote
 from ..repair import RecordingError, find_files
 
@@ -66,6 +67,8 @@ def _state_of(path: Path | str) -> RecordingState:
         return RecordingState(None, f"cannot be read: {error.strerror or error}")
     except RecordingError as error:
         return RecordingState(None, str(error))
+    except Exception as error:  # of a driver: who waits for the answer must get one
+        return RecordingState(None, f"cannot be looked at: {type(error).__name__}: {one_line(error)}")
     return RecordingState(json.dumps([str(path), *((name, stat.st_size, stat.st_mtime_ns) for name, stat in stats)]))
 
 
