@@ -20,6 +20,7 @@ from . import (
     plots,
     programs,
     recordings,
+    sheet,
     simulator,
     stopping,
     table,
@@ -122,6 +123,7 @@ def main() -> None:
     parser.add_argument("--player", action="store_true", help="the player only; writes nothing")
     parser.add_argument("--plots", action="store_true", help="plots of an hour only; writes nothing")
     parser.add_argument("--topics", action="store_true", help="a robot of thirty topics only; writes nothing")
+    parser.add_argument("--sheet", action="store_true", help="a contact sheet of 5,000 moments only; writes nothing")
     parser.add_argument("--layers", action="store_true", help="the layers of the laser only; writes nothing")
     parser.add_argument("--leaks", action="store_true", help="what views leave in the page only; writes nothing")
     parser.add_argument(
@@ -160,6 +162,10 @@ def main() -> None:
     if options.topics:
         with open_stage() as stage:
             print("\n".join(topic_parts(stage, repeats, 2 * seconds)))
+        return
+    if options.sheet:
+        with open_stage() as stage:
+            print("\n".join(sheet_parts(stage, repeats)))
         return
     if options.layers:
         with open_stage() as stage:
@@ -204,6 +210,7 @@ def main() -> None:
             parts += feed_parts(stage, 2 * seconds, repeats, long)
             parts += topic_parts(stage, repeats, 2 * seconds)
             parts += player_parts(stage, repeats, seconds, quick=options.quick)
+            parts += sheet_parts(stage, repeats)
             parts += leak_parts(stage, quick=options.quick)
             parts += stopping_parts(2 if options.quick else stopping.TIMES)
             parts += program_parts(quick=options.quick)
@@ -237,6 +244,19 @@ def feed_parts(stage: Stage, seconds: float, repeats: int, long: float) -> list[
         *[f"\n{name} was not measured: its Python package is not here." for name in absent],
         f"\n## A feed at 1000 Hz for {long:.0f} s\n",
         table.feed_endurance({"first sixth": first, "last sixth": last}),
+    ]
+
+
+def sheet_parts(stage: Stage, repeats: int) -> list[str]:
+    """What is said of a contact sheet."""
+    found = sheet.measured(stage, repeats)
+    return [
+        f"\n## A contact sheet of {sheet.COUNT:,} moments\n",
+        f"The moments stand there {found.there:.0f} ms after the start of the cell, with all pictures of the first "
+        f"screen after {found.seen:.0f} ms. Scrolling to the end in {sheet.STEPS} steps, and {sheet.JUMPS} jumps, take "
+        f"{found.cpu:.1f} ms of the page's main thread each, and make "
+        f"{found.long_tasks:.0f} tasks above 50 ms, the longest of {found.longest:.0f} ms; {found.items:.0f} moments "
+        "are on the page.",
     ]
 
 

@@ -37,7 +37,8 @@ class SheetWidget(NamedWidget):
     """Moments side by side: what each looked like, its value, its file and its time.
 
     Only what is seen is drawn, so that thousands stay smooth. They are sorted and filtered by column. A click opens
-    one. Arrow keys walk, Enter opens, `c` copies the code that opens it, `x` marks a false find, `/` filters. Sorting,
+    one. Arrow keys walk, Enter opens, `c` copies the code that opens it, `x` marks a false find, `l` gives it a
+    name, `/` filters. Sorting,
     filtering and walking need no kernel.
 
     Args:
@@ -53,6 +54,7 @@ class SheetWidget(NamedWidget):
             view writes it.
         picked: the number of the moment that is kept; None: none. The view writes it.
         false_finds: the numbers of those that are marked as false finds. The view writes it.
+        labels: by the number of a moment, as text, the name that a person gave it here.
     """
 
     _esm, _css = bundle("sheet_widget")
@@ -70,6 +72,7 @@ class SheetWidget(NamedWidget):
         sync=True
     )
     false_finds = traitlets.List(traitlets.Int(), help="The numbers of false finds.").tag(sync=True)
+    labels = traitlets.Dict(help="By the number of a moment, the name that a person gave it here.").tag(sync=True)
 
     _columns = traitlets.Dict(help="The moments, by column.").tag(sync=True, echo_update=False)
     _files = traitlets.List(traitlets.List(), help="Path and name of each file with moments.").tag(
@@ -92,13 +95,14 @@ class SheetWidget(NamedWidget):
         on_look: Callable[[Sequence[int]], None] | None = None,
         on_open: Callable[[int], None] | None = None,
         on_new_page: Callable[[], None] | None = None,
+        on_label: Callable[[int, str], None] | None = None,
         **kwargs: Any,
     ) -> None:
-        self._on_look, self._on_open, self._on_new_page = on_look, on_open, on_new_page
+        self._on_look, self._on_open, self._on_new_page, self._on_label = on_look, on_open, on_new_page, on_label
         super().__init__(**{"title": "Moments", **kwargs})
         self.on_msg(self._on_page)
 
-    _keywords = ("on_look", "on_open", "on_new_page")
+    _keywords = ("on_look", "on_open", "on_new_page", "on_label")
 
     def open(self) -> None:
         """Connect to the page."""
@@ -145,7 +149,7 @@ class SheetWidget(NamedWidget):
 
     def close(self) -> None:
         """Remove it from the page."""
-        self._on_look = self._on_open = self._on_new_page = None
+        self._on_look = self._on_open = self._on_new_page = self._on_label = None
         super().close()
 
     def _summary(self) -> str:
@@ -161,6 +165,16 @@ class SheetWidget(NamedWidget):
             self._on_new_page()
         if isinstance(looked_at, list) and self._on_look:
             self._on_look([one for one in looked_at[:MOST_LOOKED_AT] if isinstance(one, int) and 0 <= one < count])
+        named = content.get("label")
+        if isinstance(named, list) and self._on_label and isinstance(named[0], int) and 0 <= named[0] < count:
+            try:
+                self._on_label(named[0], named[1])
+            except (RecordingError, TypeError, ValueError) as error:
+                self.complain(str(error))
+            else:
+                self.complain("")
+                self.labels = {**self.labels, str(named[0]): " ".join(named[1].split())}
+            self.send({"labelled": named[0]})
         if isinstance(opened, int) and 0 <= opened < count and self._on_open:
             try:
                 self._on_open(opened)

@@ -60,6 +60,8 @@ def _identity(value: Any, within: tuple[int, ...]) -> str:
     if isinstance(value, MethodType):
         return f"{_identity(value.__self__, within)}.{_identity(value.__func__, within)}"
     kind = type(value)
+    if getattr(kind, "is_lasting", True) is False:
+        raise NotIdentifiedError(f"{value!r}")
     if is_dataclass(value) and _version_of(kind.__module__.partition(".")[0]):
         parts = {field.name: getattr(value, field.name) for field in fields(value)}
     elif kind.__module__.startswith(f"{_OURS}."):

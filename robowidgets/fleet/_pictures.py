@@ -93,6 +93,8 @@ def _picture(recording: RecordingData, hit: Hit, wanted: Condition | None, numbe
     words = verdict.text or (f"nothing on {', '.join(hit.silent)}" if hit.silent else "")
     known = shown(recording.topics)
     scanned = next((name for name in topics if name in known and known[name].widget == LASER.name), None)
+    if not hit.topic:  # it was found by its label: all that is known is when
+        scanned = next((name for name, topic in known.items() if topic.widget == LASER.name), None)
     scan = recording.at(scanned, seconds) if scanned else None
     if scan is not None and len(scan.sample):
         return _of_scan(scan.sample, hit, verdict)._replace(words=words)

@@ -19,6 +19,9 @@ from ._fleet_table import Unread, short
 from ._hit import Hit
 from ._picture_sender import PictureSender
 
+_SHORTEST = 1e-3
+"""Seconds of the span of a label, at least: an event takes none."""
+
 
 class Sheet(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
     """A contact sheet of hits; a click opens the player of a hit below it. `Hits.show` returns it.
@@ -42,7 +45,12 @@ class Sheet(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
         self._hits: Sequence[Hit] = ()
         self._opening = threading.RLock()
         self.widget = SheetWidget(
-            on_look=self._look, on_open=self.open_hit, on_new_page=self._start_anew, condition=condition, **options
+            on_look=self._look,
+            on_open=self.open_hit,
+            on_new_page=self._start_anew,
+            on_label=self.label_hit,
+            condition=condition,
+            **options,
         )
         self._sender = PictureSender(self.widget.send_pictures, self.widget.keep_pictures, wanted)
         super().__init__([self.widget])
@@ -128,6 +136,20 @@ class Sheet(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
             assert self.player is not None
             self.player.marks = [(one.start, one.end, "") for one in self._hits if one.file == hit.file]
             self.player.seek(hit.moment)
+
+    def label_hit(self, number: int, name: str) -> None:
+        """Give the span of a hit a name, which is kept beside its recording: see `Recording.label`.
+
+        Args:
+            number: of the hit.
+            name: such as ``"door"``.
+
+        Raises:
+            TypeError, ValueError: no name. RecordingError: it cannot be kept there.
+        """
+        hit = self._hits[number]
+        with open_recording(hit.file) as recording:
+            recording.label(name, hit.start, max(hit.end, hit.start + _SHORTEST))
 
     def close(self) -> None:
         """Remove everything from the page."""

@@ -20,6 +20,7 @@ from ..samples import Problem
 from ..samples.checks import not_negative
 from ..samples.event import Event, holds, to_level, to_words
 from ..samples.state_span import StateSpan
+from ..samples.time_span import time_span
 from ._info import heading, table_of
 from ._sample_reader import Messages
 from .columns._clock_problems import TopicClock, about_clocks, clock_of
@@ -31,6 +32,7 @@ from .columns.speeds import Speeds
 from .columns.touches import Touches
 from .events import Events, RecordedEvent, has_events
 from .files import open_source
+from .labels import Label, LabelFile, to_name
 from .odometry import places_of
 from .program_log import PROGRAM, STATES, ProgramVersion, spans_of, version_of
 from .remote import fetch, held, is_url, without_secrets
@@ -86,6 +88,7 @@ class RecordingData:
         self._memory = Memory()
         self._series: dict[str, Series[Any]] = {}
         self._clocks: dict[str, TopicClock] = {}
+        self._label_problems: list[Problem] = []
         self._fields: dict[str, Fields] = {}
         """Of the topics that were read from start to end, and are not silent for long in a sound recording."""
 
@@ -403,6 +406,37 @@ class RecordingData:
         return self._messages.transforms()
 
     @property
+    def labels(self) -> tuple[Label, ...]:
+        """The spans that people gave a name, by `label` or on a contact sheet: label, start and end in seconds."""
+        found, problems = LabelFile(self.path).read()
+        self._label_problems = [
+            Problem(line, "the others are read; mend the line, or take it out") for line in problems
+        ]
+        return tuple(found)
+
+    def label(self, name: str, start: float, end: float) -> None:
+        """Give a span a name. It is kept in ``labels.jsonl`` beside the recording, a line of JSON for each.
+
+        Args:
+            name: such as ``"door"``.
+            start: seconds from the start of the recording.
+            end: seconds from its start.
+
+        Raises:
+            TypeError, ValueError: no name, or no span. RecordingError: the labels cannot be written there.
+        """
+        named = to_name(name)
+        first, last = time_span("label", (start, end))
+        if self.url is not None:
+            raise RecordingError(f"{self.path.name} is a copy of {self.url}, which has no place for labels beside it")
+        start_ns = self.start_ns or 0
+        marked = Label(named, first, last, start_ns + round(first * 1e9), start_ns + round(last * 1e9))
+        try:
+            LabelFile(self.path).add(marked)
+        except OSError as error:
+            raise RecordingError(f"{self.path.name}: the label is not kept: {error.strerror or error}") from None
+
+    @property
     def states(self) -> tuple[StateSpan, ...]:
         """The spans in which states of a program were active, by start; none unless `Feed.record` wrote the file.
 
@@ -487,7 +521,7 @@ class RecordingData:
         return self._messages.why_unreadable(name)
 
     def _with_remedies(self) -> tuple[Problem, ...]:
-        found = self._messages.problems
+        found = (*self._messages.problems, *self._label_problems)
         if self.start_ns is None:
             return (*found, Problem("there is no message in it: nothing was recorded", _NOTHING))
         if not shown(self.topics):

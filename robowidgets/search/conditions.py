@@ -31,6 +31,7 @@ from ..samples.traced_numbers import fact
 from ..samples.verdict import Verdict
 from ._events import EventCondition
 from ._fields import Field
+from ._labels import LabelCondition
 from ._steps import NO, UNKNOWN, YES, Steps, combined, steps
 from ._stops import StopsCondition
 from .base import VALUES, Condition, Curve, FunctionCondition
@@ -41,7 +42,7 @@ if TYPE_CHECKING:
     from ..recordings import RecordingData
     from ._search import Search
 
-__all__ = ["Condition", "event", "field", "gap", "nearest_below", "speed_above", "stops", "touched", "when"]
+__all__ = ["Condition", "event", "field", "gap", "label", "nearest_below", "speed_above", "stops", "touched", "when"]
 
 
 def touched(label: str | None = None, topic: str | None = None) -> Condition:
@@ -175,6 +176,18 @@ def stops(program: Any, rate: float = RATE) -> Condition:
         'careful stops'
     """
     return StopsCondition(program, rate)
+
+
+def label(name: str | None = None) -> Condition:
+    """A person gave the span a name, by `Recording.label` or on a contact sheet.
+
+    Args:
+        name: the name; None: any.
+
+    Raises:
+        TypeError, ValueError: no name.
+    """
+    return LabelCondition(name)
 
 
 def when(function: Callable[[Any], Any]) -> Condition:

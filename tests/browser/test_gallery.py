@@ -6,6 +6,7 @@ import re
 from collections.abc import Callable
 from math import cos, radians, sin
 from pathlib import Path
+from shutil import copy
 from typing import Literal
 
 import pytest
@@ -209,6 +210,35 @@ def test_pictures_of_what_was_found(plain_page: Callable[..., PlainPage], theme:
     drive = nb.output(0).locator(".rw-scanogram")
     drive.locator(".rw-scanogram-chip").wait_for(state="hidden")
     shoot(nb.widget(0), f"gallery-find-{theme}")
+
+
+MOMENTS = """
+import robowidgets
+from concurrent.futures import ThreadPoolExecutor
+from robowidgets import conditions
+
+with ThreadPoolExecutor(1) as here:
+    hits = robowidgets.find(conditions.nearest_below(0.6), {folder!r}, executor=here, keep=False)
+sheet = hits.show()
+sheet
+"""
+
+
+@every_theme
+def test_pictures_of_moments_in_many_recordings(
+    plain_page: Callable[..., PlainPage], tmp_path: Path, theme: Literal["light", "dark"]
+) -> None:
+    for number in (412, 87, 733, 260):
+        copy(robowidgets.SAMPLE, tmp_path / f"drive_{number:04}.mcap")
+    (tmp_path / "drive_0583.bag").touch()
+    nb = plain_page([MOMENTS.format(folder=str(tmp_path))], scale=2, theme=theme)
+    nb.resize(1280, height=1000)
+    nb.run_all()
+    sheet = nb.widget(0).locator(".rw-sheet")
+    nb.page.wait_for_function("() => document.querySelectorAll('[data-painted=\"rays\"]').length >= 24")
+    nb.python("sheet.widget.sort = '-nearest'")
+    nb.page.wait_for_function("() => !document.querySelector('.rw-sheet-tile:not([data-painted])')")
+    shoot(sheet, f"gallery-moments-{theme}")
 
 
 CONDITIONS = """

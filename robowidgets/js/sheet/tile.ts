@@ -23,6 +23,7 @@ export abstract class Item {
   moment: Moment | null = null;
   /** Whether it has to be painted. */
   isStale = true;
+  #at = "";
 
   constructor(className: string) {
     this.element = make("div", `rw-sheet-item ${className}`);
@@ -43,15 +44,26 @@ export abstract class Item {
     this.element.classList.toggle("rw-open", isOpen);
     const value = moment.nearest === null ? "" : `${moment.nearest.toFixed(2)} metres at index ${moment.index}`;
     const words = [value, moment.file, `${moment.time.toFixed(1)} seconds`, `${place + 1} of ${count}`];
-    this.element.ariaLabel = [...words, isFalse ? "false find" : ""].filter(Boolean).join(", ");
-    this.element.ariaSelected = String(isPicked);
+    const label = [...words, isFalse ? "false find" : ""].filter(Boolean).join(", ");
+    if (this.element.ariaLabel !== label) this.element.ariaLabel = label;
+    if (this.element.ariaSelected !== String(isPicked)) this.element.ariaSelected = String(isPicked);
   }
 
   place(x: number, y: number, width: number, height: number): void {
+    const at = [x, y, width, height].join();
+    if (this.#at === at) return;
+    this.#at = at;
     const { style } = this.element;
     style.transform = `translate(${x}px, ${y}px)`;
     style.width = `${width}px`;
     style.height = `${height}px`;
+  }
+
+  /** Takes it from sight, for another moment: taking it from the page has the rules of the whole page looked at. */
+  putAside(): void {
+    this.moment = null;
+    this.#at = "";
+    this.element.style.transform = "translate(-9999px, 0)";
   }
 
   protected abstract write(moment: Moment): void;

@@ -34,6 +34,8 @@ export interface SheetTraits extends CardTraits {
   filters: Record<string, string>;
   picked: number | null;
   false_finds: number[];
+  /** By the number of a moment, the name that a person gave it here. */
+  labels: Record<string, string>;
   _columns: Partial<Columns>;
   /** Path and name of each file. */
   _files: string[][];

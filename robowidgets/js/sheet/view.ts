@@ -64,6 +64,8 @@ export class SheetView {
   readonly #said = make("span", "rw-sheet-said");
   readonly #open: HTMLButtonElement;
   readonly #copy: CopyCode;
+  readonly #label: HTMLButtonElement;
+  readonly #name = make("input", "rw-sheet-name");
   readonly #odd = make("div", "rw-sheet-odd");
   readonly #foot = [make("span", ""), make("span", "rw-sheet-legend")] as const;
   readonly #sorts = new Map<Column, HTMLButtonElement>();
@@ -79,6 +81,8 @@ export class SheetView {
   /** Those on show, in their order. */
   #order: Moment[] = [];
   #step = 1;
+  /** By path, how many moments a file has. */
+  readonly #ofFile = new Map<string, number>();
   /** Moments that came after the last sorting. */
   #isUnsorted = false;
   #cut: Cut = { reach: FAR, inner: 1 };
@@ -119,7 +123,12 @@ export class SheetView {
       signal,
       "Open here",
     );
-    this.#bar.append(this.#code, this.#said, this.#copy.row, this.#open, this.#copy.field);
+    this.#label = makeButton("rw-sheet-named", "Give the span a name (L)", () => this.#askName(), signal, "Label");
+    this.#name.placeholder = "name, then Enter";
+    this.#name.ariaLabel = "name of the span";
+    this.#name.hidden = true;
+    on(this.#name, "keydown", (event) => this.#onNameKey(event), signal);
+    this.#bar.append(this.#code, this.#said, this.#name, this.#label, this.#copy.row, this.#open, this.#copy.field);
     footer.before(this.#bar, this.#odd);
     footer.append(...this.#foot);
     const sorts = make("span", "rw-sheet-sorts");
@@ -184,7 +193,7 @@ export class SheetView {
     onChange(model, ["sort", "filters", "one_per_file", "every", "rows"], () => this.#sortAgain(), signal);
     onChange(
       model,
-      ["picked", "false_finds", "_opened", "_status", "_done", "_total", "_unread", "condition"],
+      ["picked", "false_finds", "labels", "_opened", "_status", "_done", "_total", "_unread", "condition"],
       this.#card.redraw,
       signal,
     );
@@ -212,6 +221,8 @@ export class SheetView {
     const before = this.#moments.length;
     const model = this.#model;
     this.#moments = toMoments(model.get("_columns"), model.get("_files"), model.get("_topics"));
+    this.#ofFile.clear();
+    for (const { path } of this.#moments) this.#ofFile.set(path, (this.#ofFile.get(path) ?? 0) + 1);
     const reach = cutOf(this.#moments) ?? FAR;
     if (reach !== this.#cut.reach) {
       this.#cut = { reach, inner: toInner(reach) };
@@ -264,7 +275,7 @@ export class SheetView {
     setHidden(this.#empty, this.#order.length > 0);
     setText(this.#empty, all ? "none passes the filters" : done === null ? "never" : "nothing yet");
     this.#card.updateFrame([], "note");
-    const files = new Set(this.#moments.map(({ path }) => path)).size;
+    const files = this.#ofFile.size;
     const isFalse = this.#model.get("false_finds").length;
     const found =
       done === null
@@ -306,17 +317,21 @@ export class SheetView {
     const status = this.#model.get("_status");
     setText(this.#code, moment ? toCode(moment) : "");
     this.#code.title = this.#code.textContent;
-    const same = moment ? this.#moments.filter(({ path }) => path === moment.path).length - 1 : 0;
+    const same = moment ? (this.#ofFile.get(moment.path) ?? 1) - 1 : 0;
     const held = moment?.held ? `held ${moment.held < 10 ? moment.held.toFixed(2) : moment.held.toFixed(0)} s` : "";
+    const name = this.#model.get("labels")[moment?.number ?? -1];
     const more = same > 0 ? `${count(same)} more in this file` : "";
     const words = this.#pictures.get(moment?.number ?? -1)?.words ?? "";
-    const facts = [moment?.nearest === null ? words : "", held, more].filter(Boolean).join(", ");
+    const facts = [name ? `“${name}”` : "", moment?.nearest === null ? words : "", held, more]
+      .filter(Boolean)
+      .join(", ");
     const waits = this.#waits !== null;
     const busy = waits && this.#isBusy ? "the kernel is busy: it opens when the cell ends" : waits ? "opens …" : "";
     setText(this.#said, busy || status || (moment ? facts : "click a moment to open it, x marks a false find"));
     this.#said.classList.toggle("rw-error", Boolean(!busy && status));
     setHidden(this.#copy.row, !moment);
     setHidden(this.#open, !moment);
+    setHidden(this.#label, !moment);
   }
 
   #drawOdd(odd: OddFile[]): void {
@@ -439,9 +454,12 @@ export class SheetView {
       const x = this.#isTable ? 0 : PADDING + column * (this.#width + GAP_X);
       item.place(x, this.#above + row * this.#pitch, this.#width, this.#isTable ? ROW : TILE);
     }
-    for (const item of this.#spare) item.element.remove();
+    for (const item of this.#spare) if (item.moment) item.putAside();
     const at = [...this.#items.values()].find(({ moment }) => moment?.number === picked);
-    this.#scroll.setAttribute("aria-activedescendant", at?.element.id ?? "");
+    const active = at?.element.id ?? "";
+    if (this.#scroll.getAttribute("aria-activedescendant") !== active) {
+      this.#scroll.setAttribute("aria-activedescendant", active);
+    }
     this.#paint();
     this.#look();
   }
@@ -472,7 +490,7 @@ export class SheetView {
 
   /** Takes all items off: others stand in their places now. */
   #forget(): void {
-    for (const item of this.#items.values()) item.element.remove();
+    for (const item of [...this.#items.values(), ...this.#spare]) item.element.remove();
     this.#items.clear();
     this.#spare = [];
   }
@@ -605,6 +623,29 @@ export class SheetView {
     this.#drawBar();
   }
 
+  /** Asks for the name of the moment that is shown, which is kept meanwhile. */
+  #askName(): void {
+    const moment = this.#shown;
+    if (!moment) return;
+    this.#pick(moment);
+    this.#name.hidden = false;
+    this.#name.value = this.#model.get("labels")[moment.number] ?? this.#name.value;
+    this.#name.focus();
+    this.#name.select();
+  }
+
+  #onNameKey(event: KeyboardEvent): void {
+    event.stopPropagation();
+    const picked = this.#model.get("picked");
+    if (event.key !== "Enter" && event.key !== "Escape") return;
+    event.preventDefault();
+    this.#name.hidden = true;
+    this.#scroll.focus({ preventScroll: true });
+    if (event.key === "Enter" && picked !== null && this.#name.value.trim()) {
+      this.#model.send({ label: [picked, this.#name.value] });
+    }
+  }
+
   #onOpened(): void {
     this.#waits = null;
     this.#isBusy = false;
@@ -643,6 +684,7 @@ export class SheetView {
     else if (event.key === "Enter" && onItems) this.#openShown();
     else if (event.key === "c") this.#copy.copy();
     else if (event.key === "x") this.#toggleFalse();
+    else if (event.key === "l") this.#askName();
     else if (event.key === "/") {
       if (this.#filters.hidden) this.#toggleFilters();
       else this.#fields.get("file")?.focus();

@@ -203,6 +203,15 @@ def test_what_a_person_picked_and_marked_is_there_for_the_program(sheet: Sheet, 
     assert sheet.false_finds == [hits[1], hits[3]]
 
 
+def test_a_name_that_a_person_gives_a_moment_is_kept_beside_its_recording(sheet: Sheet, hits: Hits) -> None:
+    sheet.widget._on_page(sheet.widget, {"label": [2, " door "]}, [])
+    assert sheet.widget.labels == {"2": "door"}
+    with robowidgets.open(hits[2].file) as recording:
+        assert [one[:3] for one in recording.labels] == [("door", hits[2].start, hits[2].end)]
+    sheet.widget._on_page(sheet.widget, {"label": [3, " "]}, [])
+    assert "expected a name" in sheet.widget._status
+
+
 def test_a_page_of_hits_says_what_would_make_it_smaller_and_leaves_nothing_where_it_is_too_large(
     hits: Hits, tmp_path: Path
 ) -> None:

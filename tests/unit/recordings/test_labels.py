@@ -1,0 +1,75 @@
+"""The names that people give to spans of recordings."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from shutil import copy
+
+import pytest
+
+import robowidgets
+from robowidgets import RecordingError, conditions
+from robowidgets.fleet import find
+from robowidgets.recordings.labels import FILE
+
+
+@pytest.fixture
+def drive(tmp_path: Path) -> Path:
+    for name in ("drive.mcap", "other.mcap"):
+        copy(robowidgets.SAMPLE, tmp_path / name)
+    return tmp_path / "drive.mcap"
+
+
+def test_a_label_is_kept_beside_the_recording_read_again_and_searched(drive: Path, tmp_path: Path) -> None:
+    with robowidgets.open(drive) as recording:
+        assert recording.labels == ()
+        recording.label("door", 12.0, 14.5)
+        recording.label(" narrow  door ", 3.0, 5.0)
+        recording.label("door", 14.0, 15.0)
+    with robowidgets.open(drive) as recording, robowidgets.open(tmp_path / "other.mcap") as other:
+        assert [one[:3] for one in recording.labels] == [
+            ("narrow door", 3.0, 5.0),
+            ("door", 12.0, 14.5),
+            ("door", 14.0, 15.0),
+        ]
+        assert other.labels == ()
+        assert [span[:2] for span in recording.find(conditions.label("door"))] == [(12.0, 15.0)]
+        assert [span[:2] for span in recording.find(conditions.label())] == [(3.0, 5.0), (12.0, 15.0)]
+        near = conditions.nearest_below(0.3)
+        inside = [span.start for span in recording.find(near) if 12 <= span.start < 15]
+        assert [span.start for span in recording.find(conditions.label("door") & near)] == inside
+
+
+def test_a_search_of_many_recordings_sees_a_label_that_was_given_since(drive: Path) -> None:
+    def found() -> list[tuple[str, float]]:
+        return [(Path(hit.file).name, hit.start) for hit in find(conditions.label("door"), drive)]
+
+    assert found() == []
+    with robowidgets.open(drive) as recording:
+        recording.label("door", 12.0, 14.5)
+    assert found() == [("drive.mcap", 12.0)]
+
+
+def test_a_damaged_line_is_told_and_stays_and_the_others_are_read(drive: Path) -> None:
+    file = drive.parent / FILE
+    with robowidgets.open(drive) as recording:
+        recording.label("door", 1.0, 2.0)
+        cut = file.read_bytes() + b'{"file": "drive.mcap", "label": "wi'
+        file.write_bytes(cut)
+        recording.label("wall", 3.0, 4.0)
+        assert [one.label for one in recording.labels] == ["door", "wall"]
+        assert any("no label" in line and FILE in line for line in recording.problems)
+    assert file.read_bytes().startswith(cut)
+
+
+def test_what_is_no_label_is_refused(drive: Path) -> None:
+    with robowidgets.open(drive) as recording:
+        with pytest.raises(TypeError, match="expected a name"):
+            recording.label(3, 1.0, 2.0)  # type: ignore[arg-type]
+        with pytest.raises(ValueError, match="expected a name"):
+            recording.label(" ", 1.0, 2.0)
+        with pytest.raises(ValueError, match="label"):
+            recording.label("door", 3.0, 2.0)
+        (drive.parent / FILE).mkdir()
+        with pytest.raises(RecordingError, match="the label is not kept"):
+            recording.label("door", 1.0, 2.0)
