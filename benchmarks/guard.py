@@ -141,7 +141,7 @@ print(json.dumps(list(sent.items())))
 
 @dataclass
 class Fault:
-    """Seconds from a fault to zero, each time; infinite where none came, or something moved after it."""
+    """Seconds from a fault until zero stays, each time; infinite where it did not."""
 
     feed: str
     fault: str
@@ -223,11 +223,11 @@ def heard(path: Path, since: float) -> list[tuple[float, float]]:
 
 
 def until_zero(path: Path, fault: float, watched: float = WATCHED) -> float:
-    """Seconds from a fault to zero; infinite where none came in time, or something moved after it meanwhile."""
+    """Seconds from a fault until zero stays; infinite where the last that came in time was a speed, or nothing came."""
     time.sleep(max(0.0, fault + watched - time.monotonic()))
     since = [(at, speed) for at, speed in heard(path, fault) if at < fault + watched]  # it may be later by now
-    zero = next((at for at, speed in since if speed == 0.0), math.inf)
-    return zero - fault if all(speed == 0.0 for at, speed in since if at > zero) else math.inf
+    moved = max((at for at, speed in since if speed), default=fault)
+    return min((at for at, speed in since if not speed and at > moved), default=math.inf) - fault
 
 
 def measured(name: str, times: int, *, guarded: bool, faults: Sequence[str], held: float) -> None:
