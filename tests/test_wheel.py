@@ -98,9 +98,11 @@ def test_the_wheel_holds_types_definitions_notebooks_and_one_small_recording(pac
     assert (package / "py.typed").is_file()
     for name in ("kobuki_msgs", "create_msgs", "irobot_create_msgs", "turtlebot3_msgs", "gazebo_msgs"):
         assert (package / "messages" / "definitions" / f"{name}.txt").is_file(), f"no definitions of {name}"
-    shipped = {file.name for file in (package / "notebooks").glob("*.ipynb")}
-    assert shipped == {file.name for file in (ROOT / "notebooks").glob("*.ipynb")}
-    assert shipped
+    shipped, ours = package / "notebooks", ROOT / "notebooks"
+    assert {file.relative_to(shipped) for file in shipped.glob("**/*.ipynb")} == {
+        file.relative_to(ours) for file in ours.glob("**/*.ipynb") if "checkpoints" not in str(file)
+    }
+    assert {file.name for file in (package / "lessons" / "texts").glob("*.mo")} == {"de.mo", "es.mo"}
     (sample,) = samples(package)
     assert sample.stat().st_size <= LARGEST_SAMPLE
 
