@@ -11,12 +11,7 @@ import traitlets
 from ._core.front_end import FrontEndWidget, bundle
 from ._core.platform_fixes import route_by_message
 from ._core.traits import Flag
-
-SILENT_S = 3.0
-"""Seconds without a message after which a topic is silent, at least."""
-
-INTERVALS = 3
-"""Intervals without a message after which it is."""
+from .samples.staleness import LISTED
 
 MOST_LOOKED_AT = 100
 """Topics of which values are sent at most: a page shows no more at once."""
@@ -54,7 +49,7 @@ class TopicNow(NamedTuple):
     def told(self) -> dict[str, Any]:
         """Rate and count as the page shows them, and for how long the topic is silent where it is."""
         told: dict[str, Any] = {"rate": self.rate, "messages": self.messages}
-        if self.rate and self.age is not None and self.age > max(INTERVALS / self.rate, SILENT_S):
+        if self.rate and self.age is not None and self.age > LISTED.after(1 / self.rate):
             told |= {"rate": 0.0, "silent": round(self.age)}
         return told
 

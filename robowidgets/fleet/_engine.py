@@ -6,13 +6,14 @@ import sys
 from collections import deque
 from collections.abc import Callable, Generator, Iterable, Iterator
 from concurrent.futures import BrokenExecutor, CancelledError, Executor, Future
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from functools import lru_cache
-from queue import SimpleQueue
+from queue import Empty, SimpleQueue
 from typing import Any, NamedTuple
 
 from .._core.inform import inform
 from .._core.user_threads import UserThread
+from .._core.waiters import LOOK
 from ..messages.decoding import one_line
 from ..repair import RecordingError
 
@@ -103,8 +104,7 @@ def _by(
                 future.add_done_callback(done.put)
             if not under_way:
                 break
-            # Not concurrent.futures.wait(): an interrupt may leave the lock of its Condition held for ever.
-            future = done.get()
+            future = _next(done)
             path = under_way.pop(future)
             try:
                 answer = future.result()
@@ -121,6 +121,14 @@ def _by(
         for future in under_way:
             future.cancel()
         suspects.extend(under_way.values())
+
+
+def _next(done: SimpleQueue[Future[Any]]) -> Future[Any]:
+    """The future that is done next. An interrupt just before a wait wakes nobody, so it looks for one now and then."""
+    # Not concurrent.futures.wait(): an interrupt may leave the lock of its Condition held for ever.
+    while True:
+        with suppress(Empty):
+            return done.get(timeout=LOOK)
 
 
 def work(task: bytes, path: str, longest: float) -> tuple[Any, str]:

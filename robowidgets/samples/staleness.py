@@ -38,6 +38,9 @@ LIVE = SilenceRule(3, 1.0, 10.0)
 TO_DRIVE_BY = SilenceRule(2, 0.4, 2.0)
 """Of what a program drives by: the robot is stopped."""
 
+LISTED = SilenceRule(3, 3.0)
+"""Of a row in the list of a robot's topics: its rate is none."""
+
 RECORDED = SilenceRule(2, 2.0)
 """Of a topic of a recording: the sample before is stale, to `find` and in a player."""
 

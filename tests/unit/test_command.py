@@ -163,7 +163,7 @@ def test_the_demo_is_a_copy_of_the_tour_with_the_other_notebooks_beside_it(lab, 
     assert tour.name == "tour.ipynb"
     assert tour.is_relative_to(tmp_path)
     assert tour.read_bytes() == (ROOT / "notebooks" / "tour.ipynb").read_bytes()
-    assert {file.name for file in tour.parent.iterdir()} == {file.name for file in (ROOT / "notebooks").iterdir()}
+    assert {file.name for file in tour.parent.iterdir()} == {file.name for file in (ROOT / "notebooks").glob("*.ipynb")}
 
 
 def test_a_notebook_that_a_person_changed_stays_where_it_was_and_as_it_was(lab, tmp_path, capsys, here):

@@ -404,19 +404,6 @@ def test_a_speed_is_published_in_what_the_robot_takes(encoding: str, ears: Ears)
     assert taken.payloads == [b'{"linear": {"x": 0.25}}' if encoding == "json" else lead[encoding] + doubles]
 
 
-@pytest.mark.parametrize("encoding", ["cdr", "ros1"])
-def test_no_speed_waits_for_the_first_message_of_the_process_to_be_encoded(
-    encoding: str, ears: Ears, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    encoded: list[str] = []
-    monkeypatch.setattr(sys.modules[Foxglove.__module__], "encode", lambda *given: encoded.append(given[0]))
-    monkeypatch.setattr(ears, "on_connected", lambda: encoded.append("connected"))
-    with OldFoxglove([], capabilities=["clientPublish"], supportedEncodings=[encoding]) as server:
-        middleware = opened(server.address, ears)
-        wait_for(lambda: encoded == [encoding, "connected"], "one was encoded before it counted as connected")
-        middleware.close()
-
-
 def test_a_feed_that_drives_stops_the_robot_when_it_is_closed() -> None:
     taken = Taken()
     real = Real(capabilities=[Capability.ClientPublish], supported_encodings=["cdr"], server_listener=taken)

@@ -12,7 +12,7 @@ from robowidgets._core.clock import Threads
 from robowidgets.feeds import Advert, Feed
 from robowidgets.feeds._listening import FAST, PATIENCE, PAUSE, PERIOD, SEEN_FOR, Listening
 from robowidgets.feeds._subscription import RARE, SOON
-from robowidgets.topics_widget import SILENT_S
+from robowidgets.samples.staleness import LISTED
 
 from ..clocks import ManualClock
 from ..waiting import wait_for
@@ -163,7 +163,7 @@ def test_a_topic_that_is_silent_says_so(script: Scripted, page: Looking, clock: 
     clock.advance()
     send(script, clock, "/temperature", {"data": 21.5}, 20, 0.1)
     assert "silent" not in page.says("/temperature")
-    clock.advance(SILENT_S + 1)
+    clock.advance(LISTED.shortest + 1)
     silent = page.says("/temperature")
     assert (silent["value"], silent["rate"], silent["silent"]) == ("21.5", 0.0, 4)
 

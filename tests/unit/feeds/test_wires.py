@@ -153,7 +153,7 @@ def test_a_topic_that_the_notebook_listens_to_anyway_is_counted_whatever_its_siz
     wires.look(True)
     clock.advance(1)
     script.listener.on_message("/image", {"height": 480, "width": 640, "encoding": "mono8", "data": bytes(1000)})
-    assert wire(wires, "/image").value == 'height 480, width 640, encoding "mono8", data [1,000]'
+    assert wire(wires, "/image").value == "640×480 mono8"
     feed.disconnect("/image")
     clock.advance(1)
     assert script._followed == {"/scan"}

@@ -6,6 +6,7 @@ import os
 import resource
 import sys
 from concurrent.futures import ThreadPoolExecutor
+from itertools import count
 from pathlib import Path
 from shutil import copy
 from signal import SIGINT
@@ -17,6 +18,7 @@ import pytest
 
 import robowidgets
 from robowidgets import conditions
+from robowidgets._core.progress import Progress
 from robowidgets.command import main
 from robowidgets.fleet import drives, find, index
 from robowidgets.fleet.hits import Hits
@@ -132,16 +134,23 @@ def test_a_new_index_reads_what_is_new_and_leaves_out_what_is_not_named(runs: Pa
 def test_an_interrupt_leaves_an_index_that_misses_nothing(
     runs: Path, output: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    released = Event()
+    released, both_before = Event(), Event()
     own = sys.modules["robowidgets.fleet.drives"]  # the package has the function under this name
-    seconds_of = own.seconds_of
+    seconds_of, update, updates = own.seconds_of, Progress.update, count(1)
+
+    def counts(*given: Any) -> None:
+        update(*given)
+        if next(updates) == 2:
+            both_before.set()
 
     def interrupts(recording: Any) -> Any:
         if recording.path.name == "run_10.mcap" and not released.is_set():
+            both_before.wait()
             os.kill(os.getpid(), SIGINT)
             released.wait()
         return seconds_of(recording)
 
+    monkeypatch.setattr(Progress, "update", counts)
     monkeypatch.setattr(own, "seconds_of", interrupts)
     with ThreadPoolExecutor(1) as threads:
         there = index(runs, output=output, executor=threads)
