@@ -65,18 +65,18 @@ class Pushed:
 def threads_take_turns_where_they_sleep_and_join_waits_for_them(threads: Any, call_from_page: Any) -> None:
     done: list[str] = []
 
-    def count(name: str) -> None:
+    def count(name: str, other: str) -> None:
         for number in range(3):
             done.append(f"{name}{number}")
-            time.sleep(0.002)
+            while f"{other}{number}" not in done:
+                time.sleep(0.002)
 
-    started = began(lambda: count("a"), lambda: count("b"))
+    started = began(lambda: count("a", "b"), lambda: count("b", "a"))
     assert all(thread.is_alive() for thread in started)
     assert set(started) < {*threading.enumerate()}
     for thread in started:
         thread.join()
-    assert sorted(done[:2]) == ["a0", "b0"], done
-    assert len(done) == 6
+    assert [sorted(done[i : i + 2]) for i in (0, 2, 4)] == [["a0", "b0"], ["a1", "b1"], ["a2", "b2"]], done
     assert not any(thread.is_alive() for thread in started)
     assert threading.enumerate() == [threading.main_thread()]
 
