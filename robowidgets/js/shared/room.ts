@@ -21,6 +21,8 @@ export function enter(room: Room, card: HTMLElement, signal: AbortSignal): void 
     room.classList.remove("rw-room");
     delete room.dataset.rwHolds;
     for (const box of room.rwBoxes ?? []) update(box);
+    // JupyterLab keeps the room, and with it what it knows.
+    delete room.rwBoxes;
   });
   onConnected(
     room,
