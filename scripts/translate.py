@@ -137,8 +137,8 @@ def files_of(language: str, catalog: Catalog) -> dict[Path, bytes]:
         if message.id and any(str(file).endswith(".py") for file, _ in message.locations):
             spoken.add(message.id, message.string, flags=message.flags)
     write_mo(mo, spoken)
-    # Of Babel's version and of addresses that there are not.
-    text = re.sub(rb'"(Generated-By|.*EMAIL@ADDRESS|.*li\.org).*\n', b"", po.getvalue())
+    # Of Babel's version, of plurals, which no text has, and of addresses that there are not.
+    text = re.sub(rb'"(Generated-By|Plural-Forms|.*EMAIL@ADDRESS|.*li\.org).*\n', b"", po.getvalue())
     made = {TEXTS / f"{language}.po": text, TEXTS / f"{language}.mo": mo.getvalue()}
     for name in LESSONS:
         notebook = translated(lesson(name), language, translate)
