@@ -204,7 +204,7 @@ LASER = Kind(
     noun="laser scans",
     sample=Scan,
     read=to_scan,
-    types=frozenset({"sensor_msgs/msg/LaserScan"}),
+    types=frozenset({"sensor_msgs/msg/LaserScan", "sensor_msgs/msg/MultiEchoLaserScan"}),
     widget="robowidgets.laser_widget:LaserWidget",
     nothing=Scan(
         np.empty(0, np.float32),

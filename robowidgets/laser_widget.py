@@ -20,6 +20,7 @@ from .messages import to_scan
 from .messages.fields import unwrap
 from .samples import Problem, Scan, Validity
 from .samples.age import note_arrival
+from .samples.echoes import CHOICES, Sources
 from .samples.scan import MAX_RAYS
 from .shapes.drawing import DrawsShapes
 
@@ -101,6 +102,7 @@ class LaserWidget(
         marks: which rays without a reading are drawn: of "too_close", "nothing_in_range", "no_measurement",
             "outside_limits".
         color_by_intensity: whether the intensities colour the dots.
+        echo: which echo of each ray is shown of a scanner that sends several: "first", "last" or "strongest".
         index_view: whether distance over index stands below the picture, as a program sees the array.
         sectors: kept sectors by name, each drawn with its name; see `sectors`.
         pins: indices of rays by name, each drawn with its name.
@@ -133,7 +135,7 @@ class LaserWidget(
     _keywords = ("sectors", "pins")
     column = "wide"
     sample_name = "scan"
-    frame_traits = ("angle_offset", "_edition", "trail", "_robot")
+    frame_traits = ("angle_offset", "echo", "_edition", "trail", "_robot")
     judges_frames = True
 
     arc_count = traitlets.Int(
@@ -153,6 +155,7 @@ class LaserWidget(
     angle_offset = Angle(0.0, help="Radians added to every angle, within ±2 pi.").tag(sync=True)
     marks = traitlets.List(traitlets.Enum(_MARKS), list(_MARKS), help="Marks that are drawn.").tag(sync=True)
     color_by_intensity = Flag(False, help="Whether intensities colour the dots.").tag(sync=True)
+    echo = traitlets.Enum(CHOICES, "first", help="Which of several echoes of a ray is shown.").tag(sync=True)
     free_space = Flag(False, help="Whether the ground shows what the scanner has seen to be free.").tag(sync=True)
     index_view = Flag(False, help="Whether distance over index stands below the picture.").tag(sync=True)
     angle_unit = traitlets.Enum(("deg", "rad"), "deg", help="Unit of all angles. Python and the view write it.").tag(
@@ -177,7 +180,7 @@ class LaserWidget(
     ).tag(sync=True)
 
     def __init__(self, **kwargs: Any) -> None:
-        self._offset = 0.0
+        self._offset, self._echo = 0.0, "first"
         sectors, pins = kwargs.pop("sectors", {}), kwargs.pop("pins", {})
         super().__init__(**kwargs)
         try:
@@ -192,7 +195,8 @@ class LaserWidget(
         It only stores, and may be called from any thread at any rate; the newest wins.
 
         Args:
-            message: a sensor_msgs/LaserScan of rclpy, rospy or rosbags, a rosbridge dictionary, or a `Scan`.
+            message: a sensor_msgs/LaserScan or MultiEchoLaserScan of rclpy, rospy or rosbags, a rosbridge dictionary, or
+                a `Scan`.
             *unnamed: refused, with the call that takes numbers by name.
             **fields: instead of a message, its fields: ranges (R metres), angle_min and angle_increment (radians),
                 range_min and range_max (metres), and if there are any intensities (R).
@@ -211,7 +215,7 @@ class LaserWidget(
             self._refuse(error)
         else:
             with self._newest.lock:
-                self._show(scan.turned(self._offset) if self._offset else scan)
+                self._show(scan.echo(self._echo).turned(self._offset))
 
     @property
     def scan(self) -> Scan | None:
@@ -225,9 +229,9 @@ class LaserWidget(
 
     def frame_of(self, sample: Scan) -> tuple[dict[str, Any], bytes]:
         """See `RobotWidget`."""
-        scan = sample.turned(self.angle_offset)
+        scan = sample.echo(self.echo).turned(self.angle_offset)
         judged = self._watches.judged_on(scan if len(scan) else None)
-        return about_scan(sample, self.angle_offset) | self._drawn_on(scan) | judged, self._pack(scan)
+        return about_scan(scan, self.angle_offset) | self._drawn_on(scan) | judged, self._pack(scan)
 
     def _describe(self) -> str:
         return repr(self.scan).strip("<>") if self.scan else ""
@@ -245,7 +249,7 @@ class LaserWidget(
         return about
 
     def arrays_of(self, frame: bytes) -> tuple[int, int]:
-        """See `RobotWidget`: ranges, and intensities if there are any."""
+        """See `RobotWidget`: ranges, then intensities and sources if there are any."""
         *_, count = _GEOMETRY.unpack_from(frame, FRAME_HEADER.size)
         head = FRAME_HEADER.size + _GEOMETRY.size
         return head, (len(frame) - head) // (4 * int(count)) if count else 0
@@ -253,28 +257,46 @@ class LaserWidget(
     def _pack(self, sample: Scan) -> bytes:
         ranges, intensities = sample.ranges, sample.intensities
         head = _GEOMETRY.pack(sample.angle_min, sample.angle_increment, sample.range_min, sample.range_max, ranges.size)
-        columns = (ranges, intensities) if intensities.size else (ranges,)
+        columns = [ranges, intensities] if intensities.size else [ranges]
+        if sample.sources:
+            numbers = sample.sources.numbers
+            none = np.full(ranges.size, np.nan, _FLOAT)
+            columns = [ranges, intensities if intensities.size else none, np.where(numbers < 0, none, numbers)]
         return b"".join([head, *[column.astype(_FLOAT, copy=False).data for column in columns]])
 
     def _unpack(self, frame: bytes) -> Scan:
         _, _, stamp_ns, arrived = FRAME_HEADER.unpack_from(frame)
         angle_min, angle_increment, range_min, range_max, count = _GEOMETRY.unpack_from(frame, FRAME_HEADER.size)
         values = np.frombuffer(frame, _FLOAT, offset=FRAME_HEADER.size + _GEOMETRY.size)
+        ranges, intensities, numbers = (values[i * int(count) : (i + 1) * int(count)] for i in range(3))
         texts = self._frozen_about
+        sources = None
+        if numbers.size:
+            sources = Sources(*texts.get("made_of", ("", "")), np.where(np.isnan(numbers), -1, numbers))
         known = (*([texts["empty"]] if "empty" in texts else []), *texts.get("problems", ()))
         scan = Scan(
-            ranges=values[: int(count)],
+            ranges=ranges,
             angle_min=angle_min,
             angle_increment=angle_increment,
             range_min=range_min,
             range_max=range_max,
-            intensities=values[int(count) :],
+            intensities=intensities[:0] if sources and np.isnan(intensities).all() else intensities,
             stamp_ns=stamp_ns or None,
             frame_id=texts.get("frame_id", ""),
             header_problems=tuple(Problem(*problem) for problem in known),
+            sources=sources,
         )
         note_arrival(scan, arrived)
         return scan
+
+    @traitlets.observe("echo")
+    def _choose_echo(self, change: Any) -> None:
+        """Show another echo of the scan on show too: it may be the only one that comes."""
+        with self._newest.lock:
+            self._echo = change["new"]
+            newest = self._newest.sample
+            if newest is not None:
+                self._show(newest.echo(self._echo), self._newest.about, counts=False)
 
     @traitlets.observe("angle_offset")
     def _turn(self, change: Any) -> None:
@@ -296,6 +318,8 @@ def about_scan(scan: Scan, offset: float = 0.0) -> dict[str, Any]:
         offset: radians that were added to the scanner's own angles.
     """
     about: dict[str, Any] = {"frame_id": scan.frame_id, **({"angle_offset": offset} if offset else {})}
+    if scan.sources:
+        about["made_of"] = [scan.sources.made_of, scan.sources.code]
     odd = scan.problems()
     if odd and not scan.valid.any():
         about["empty"], *odd = odd  # type: ignore[assignment]

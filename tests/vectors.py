@@ -65,6 +65,7 @@ def make() -> dict[str, Any]:
     with clock, patch.object(RobotWidget, "rate", 30.0):
         made = {
             "laser": _laser(),
+            "echoes": _echoes(),
             "speed": _speed(),
             "touch": _touch(),
             "sonar": _sonar(),
@@ -213,7 +214,22 @@ def _laser() -> tuple[bytes, dict[str, Any]]:
     laser.close()
     geometry = {"angleMin": 0.5, "angleIncrement": -0.25, "minRange": 0.125, "maxRange": 30.0, "count": 5}
     head = {"sequence": 1, "rate": 30.0, "arrived": 12.5}
-    return frame, head | geometry | {"ranges": ranges, "kinds": [0, 2, 1, 3, 4], "intensities": intensities}
+    return frame, head | geometry | {
+        "ranges": ranges,
+        "kinds": [0, 2, 1, 3, 4],
+        "intensities": intensities,
+        "sources": [],
+    }
+
+
+def _echoes() -> tuple[bytes, dict[str, Any]]:
+    laser = LaserWidget(echo="last")
+    rays = [{"echoes": [1.0, 2.5]}, {"echoes": []}, {"echoes": [4.0]}]
+    laser.update(ranges=rays, angle_min=0.5, angle_increment=-0.25, range_min=0.125, range_max=30.0)
+    frame = laser.get_state()["_frame"]
+    laser.close()
+    columns = {"ranges": [2.5, nan, 4.0], "kinds": [0, 3, 0], "intensities": [], "sources": [1, nan, 0]}
+    return frame, {"sequence": 1, "rate": 30.0, "arrived": 12.5, "count": 3, **columns}
 
 
 def _speed() -> tuple[bytes, dict[str, Any]]:

@@ -1,20 +1,24 @@
-"""LaserScan messages to scans."""
+"""LaserScan and MultiEchoLaserScan messages to scans."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sized
+from collections.abc import Callable, Iterator, Sequence, Sized
 from math import degrees, inf, isfinite, nan, pi
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..samples import Problem, Scan
-from ..samples.checks import OF_DEGREES, is_angle, number, to_radians
+from ..samples.checks import OF_DEGREES, floats, is_angle, number, to_radians
+from ..samples.echoes import Echoes
 from .fields import MISSING, describe, frame_id, get, has, reader, stamp_ns, unwrap
 
 _NEEDED = ("ranges", "angle_min", "angle_increment", "range_min", "range_max")
 LONGEST_SCAN = 60.0
 """Seconds; a scan_time or time_increment above it is noted and not used."""
+MOST_ECHOES = 100
+"""Of a ray; scanners send up to five."""
 _ONE_RAY = (
     "; a single distance is one ray: ranges=[message.range], angle_min=0, angle_increment=0, "
     "range_min=message.min_range, range_max=message.max_range"
@@ -22,10 +26,11 @@ _ONE_RAY = (
 
 
 def to_scan(message: Any) -> Scan:
-    """The scan in a LaserScan-like message.
+    """The scan in a LaserScan-like message; of one with several echoes, the first of each ray.
 
     Args:
-        message: an object or dictionary with the fields of sensor_msgs/LaserScan; a `Scan` is returned as it is.
+        message: an object or dictionary with the fields of sensor_msgs/LaserScan or MultiEchoLaserScan; a `Scan` is
+            returned as it is.
 
     Raises:
         TypeError: it is not such a message; the text says what came and what was expected.
@@ -52,22 +57,65 @@ def to_scan(message: Any) -> Scan:
     if range_max is None:
         range_max = inf
     intensities = read("intensities", None)
+    intensities = np.empty(0, np.float32) if intensities is None else intensities
+    count = _count(ranges)
+    odd: tuple[Problem, ...] = ()
+    several: dict[str, Any] = {}
+    if count and has(ranges[0], "echoes"):
+        echoes, odd = _echoes(ranges, intensities)
+        sources = echoes.sources("first")
+        ranges, intensities = echoes.at(sources.numbers)
+        several = {"echoes": echoes, "sources": sources}
     return Scan(
         ranges=ranges,
         angle_min=angle_min,
         angle_increment=increment,
         range_min=range_min,
         range_max=range_max,
-        intensities=np.empty(0, np.float32) if intensities is None else intensities,
+        intensities=intensities,
         stamp_ns=stamp_ns(message),
         frame_id=frame_id(message),
         header_problems=(
-            *_about_angles(read("angle_max", None), _count(ranges), angle_min, increment),
+            *odd,
+            *_about_angles(read("angle_max", None), count, angle_min, increment),
             *_about_unit(angle_min),
             *_about_times(read),
             *_about_frame(message),
         ),
+        **several,
     )
+
+
+def _echoes(ranges: Sequence[Any], intensities: Sequence[Any]) -> tuple[Echoes, tuple[Problem, ...]]:
+    """The echoes of all rays, and what is odd about them."""
+    counts, columns = _columns("ranges", ranges)
+    none = np.empty((len(counts), 0), np.float32)
+    if not len(intensities):
+        return Echoes(counts, columns, none), ()
+    lit, strengths = _columns("intensities", intensities)
+    if np.array_equal(lit, counts):
+        # A scanner without intensities may send empty lists of them.
+        return Echoes(counts, columns, strengths if lit.any() else none), ()
+    if not lit.any():
+        return Echoes(counts, columns, none), ()
+    odd = Problem(
+        f"{lit.sum():,} intensities for {counts.sum():,} echoes: not used",
+        "the driver should send one for each echo of each ray, or none",
+    )
+    return Echoes(counts, columns, none), (odd,)
+
+
+def _columns(name: str, rays: Sequence[Any]) -> tuple[NDArray[np.intp], NDArray[np.float32]]:
+    """The number of values of each ray, and the values as rows, with NaN after the last of each."""
+    lists = [get(ray, "echoes", None) for ray in rays]
+    if any(not isinstance(values, Sized) or isinstance(values, (bytes, str)) for values in lists):
+        raise TypeError(f"{name}: expected a list of echoes for each ray, got {describe(rays[0])}")
+    counts = np.fromiter(map(len, lists), np.intp, len(lists))
+    columns = np.full((len(lists), counts.max(initial=0)), np.nan, np.float32)
+    if columns.shape[1] > MOST_ECHOES:
+        raise ValueError(f"{name}: expected at most {MOST_ECHOES} echoes of a ray, got {columns.shape[1]:,}")
+    columns[np.arange(columns.shape[1]) < counts[:, None]] = floats(name, [value for ray in lists for value in ray])
+    return counts, columns
 
 
 def _count(ranges: Any) -> int:

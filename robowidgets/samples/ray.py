@@ -27,7 +27,8 @@ class Ray(NamedTuple):
 
     ``index`` is the index in ``ranges``; ``range`` is in metres, as measured, the shortest decimal of its float32 (it
     may be NaN or infinite); ``angle`` is in radians within ±pi, counter-clockwise from forward; ``x`` and ``y`` are in
-    metres and None when there is no reading; ``intensity`` is in device units and None when the scanner sent none.
+    metres and None when there is no reading; ``intensity`` is in device units and None when the scanner sent none;
+    ``source`` is the number of its echo, or of its point in the cloud, where the scan was made of these; else None.
     """
 
     index: int  # type: ignore[assignment]  # as ROS calls it; it hides tuple.index
@@ -37,3 +38,4 @@ class Ray(NamedTuple):
     y: float | None
     intensity: float | None
     validity: Validity
+    source: int | None = None

@@ -28,6 +28,7 @@ from .checks import (
     to_radians,
 )
 from .distances import angles_of, difference, distances, inside, ray_distances
+from .echoes import Echoes, Sources, check_choice
 from .problem import Problem
 from .ray import Ray, Validity
 from .sector import ALL_ROUND, Asked, order_in_sector, to_sector
@@ -55,6 +56,8 @@ class Scan(HasAge):
         stamp_ns: time of the first ray in nanoseconds since the epoch, or None.
         frame_id: coordinate frame of the scanner.
         header_problems: what was odd in the message besides its ranges; `problems` has them, and those of the ranges.
+        echoes: all echoes of each ray, of a scanner that sends several; `echo` chooses among them.
+        sources: where each range stands in the data that the scan was made of; None: the data is the array of ranges.
 
     Raises:
         TypeError: something is not a number.
@@ -77,6 +80,8 @@ class Scan(HasAge):
     stamp_ns: int | None = None
     frame_id: str = ""
     header_problems: tuple[Problem, ...] = ()
+    echoes: Echoes | None = None
+    sources: Sources | None = None
 
     def __post_init__(self) -> None:
         put = object.__setattr__
@@ -90,6 +95,12 @@ class Scan(HasAge):
             odd.append(scan_problems.of_intensities(intensities.size, ranges.size))
             intensities = floats("intensities", ())
         put(self, "intensities", intensities)
+        for name, count in (
+            ("echoes", self.echoes and len(self.echoes.counts)),
+            ("sources", self.sources and self.sources.numbers.size),
+        ):
+            if count is not None and count != ranges.size:
+                raise ValueError(f"{name}: expected those of {ranges.size:,} rays, got {count:,}")
 
         put(self, "angle_min", finite("angle_min", to_radians("angle_min", self.angle_min), "radians"))
         increment = to_radians("angle_increment", self.angle_increment)
@@ -140,6 +151,7 @@ class Scan(HasAge):
             y=float(self.y[i]) if reading else None,
             intensity=float(self.intensities[i]) if self.intensities.size else None,
             validity=validity,
+            source=int(self.sources.numbers[i]) if self.sources and self.sources.numbers[i] >= 0 else None,
         )
 
     def __getstate__(self) -> dict[str, Any]:
@@ -179,6 +191,8 @@ class Scan(HasAge):
     def again(self, ranges: ArrayLike, intensities: ArrayLike | None, stamp_ns: int | None) -> Scan:
         """The next sweep of the same scanner: what is not given stays as it is, and is not checked again.
 
+        It has no echoes and no sources.
+
         Args:
             ranges: as many as this scan has. They are copied, unless they are float32 and read-only.
             intensities: the same, or None to keep those of this scan.
@@ -191,6 +205,7 @@ class Scan(HasAge):
         values = scan.__dict__
         values.update(self._settings)
         values["stamp_ns"], values["_arrived"] = stamp_ns, time.monotonic()
+        values["echoes"] = values["sources"] = None
         for name, given in (("ranges", ranges), ("intensities", intensities)):
             if given is not None:
                 array = given if is_frozen(given) else floats(name, given)
@@ -332,7 +347,41 @@ class Scan(HasAge):
         of_ranges = scan_problems.of_ranges(self.ranges, self.range_min, self.range_max)
         # Without a remedy it is the reason why there are no rays: nothing has been measured yet.
         is_explained = not len(self) and any(not problem.remedy for problem in self.header_problems)
-        return tuple(dict.fromkeys((*(() if is_explained else of_ranges), *self.header_problems)))
+        of_sources = self.sources.problems if self.sources else ()
+        return tuple(dict.fromkeys((*of_sources, *(() if is_explained else of_ranges), *self.header_problems)))
+
+    def echo(self, which: str) -> Scan:
+        """The same scan, of the same age, with the first, last or strongest echo of each ray as its range.
+
+        A scan of a scanner with one echo is returned as it is.
+
+        Args:
+            which: ``"first"``, ``"last"`` or ``"strongest"``.
+
+        Raises:
+            ValueError: another choice.
+
+        Examples:
+            >>> from robowidgets.messages import to_scan
+            >>> rays = [{"echoes": [1.0, 4.5]}, {"echoes": [2.0]}]
+            >>> glass = to_scan({"ranges": rays, "angle_min": 0, "angle_increment": 0.1, "range_min": 0, "range_max": 9})
+            >>> glass.ranges.tolist(), glass.echo("last").ranges.tolist(), glass.echo("last")[0].source
+            ([1.0, 2.0], [4.5, 2.0], 1)
+        """
+        check_choice(which)
+        if self.echoes is None or (self.sources and self.sources.made_of == f"{which} echo"):
+            return self
+        sources = self.echoes.sources(which)
+        ranges, intensities = self.echoes.at(sources.numbers)
+        chosen = replace(self, ranges=ranges, intensities=intensities, sources=sources)
+        note_arrival(chosen, self._arrived)
+        return chosen
+
+    def with_echoes(self, echoes: Echoes) -> Scan:
+        """The same scan with the echoes of which its ranges are the first."""
+        scan = replace(self, echoes=echoes, sources=echoes.sources("first"))
+        note_arrival(scan, self._arrived)
+        return scan
 
     def turned(self, angle: float | str) -> Scan:
         """The same scan, of the same age, with every ray turned by an angle, counter-clockwise.

@@ -62,6 +62,7 @@ export function scanOf(values: number[], more: Partial<Scan> = {}): Scan {
     kinds,
     ...takeCensus(ranges, kinds, minRange),
     intensities: new Float32Array(0),
+    sources: new Float32Array(0),
     ...more,
   };
 }

@@ -1,6 +1,6 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { describeRay } from "../../robowidgets/js/laser/text.ts";
+import { describeRay, sourceOf } from "../../robowidgets/js/laser/text.ts";
 import { sideOf } from "../../robowidgets/js/shared/format.ts";
 import { CLASSES, meaningOf } from "../../robowidgets/js/shared/frames/classes.ts";
 import { DEGREE, scanOf } from "./laser.ts";
@@ -109,4 +109,14 @@ test("sides are the robot's", () => {
     "ahead",
     "left",
   ]);
+});
+
+test("the range of a scan that was made of other data has its place there", () => {
+  const made = { ...scan, sources: Float32Array.of(2, Number.NaN, 0) };
+  const about = { made_of: ["last echo", "ranges[{ray}].echoes[{number}]"] } as const;
+  assert.deepEqual(
+    [0, 1, 2, 9].map((index) => sourceOf(made, index, { made_of: [...about.made_of] })),
+    ["ranges[0].echoes[2]", "", "ranges[2].echoes[0]", ""],
+  );
+  assert.equal(sourceOf(scan, 0, {}), "");
 });

@@ -25,6 +25,7 @@ function toArray(view: ArrayBufferView): number[] {
 
 const FRAMES: Record<string, (bytes: DataView) => Record<string, unknown>> = {
   laser: (bytes) => pick(decodeScan(bytes), readsOf("laser")),
+  echoes: (bytes) => pick(decodeScan(bytes), readsOf("echoes")),
   speed: (bytes) => ({ ...decodeSpeeds(bytes) }),
   touch: (bytes) => ({ ...decodeTouch(bytes) }),
   sonar: (bytes) => ({ ...decodeRing(bytes) }),

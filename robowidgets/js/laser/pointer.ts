@@ -14,7 +14,7 @@ import { FormulaFoot } from "./formula_foot.ts";
 import type { Depth, Host, Layer, Painter, Stage, StripPainter } from "./layer.ts";
 import { pick } from "./pick.ts";
 import { sectorOf } from "./sector.ts";
-import { describeRay } from "./text.ts";
+import { describeRay, sourceOf } from "./text.ts";
 
 /** Rays that the keys for a page walk. */
 const FAR = 10;
@@ -149,7 +149,9 @@ export class PointerLayer implements Layer {
   }
 
   #describe(scan: Scan, index: number, reach: number): PopupWords {
-    return describeRay(scan, index, reach, this.#host.model.get("angle_unit"), this.#moreOf(index));
+    const { model, stream } = this.#host;
+    const more = [sourceOf(scan, index, stream.about), this.#moreOf(index)].filter(Boolean).join("\n");
+    return describeRay(scan, index, reach, model.get("angle_unit"), more);
   }
 
   /** The pinned ray and the one under the pointer, where that is another. */

@@ -2,6 +2,15 @@ import { type AngleUnit, decimalsFor, sideOf, toAngle, toFixed, toMany, toMetres
 import { meaningOf } from "../shared/frames/classes.ts";
 import { angleOf, type Scan } from "../shared/frames/scan.ts";
 import type { PopupWords } from "../shared/popup.ts";
+import type { About } from "../shared/traits.ts";
+
+/** Where the range of a ray stands in what its scan was made of, by Python's template; empty where that is nothing else. */
+export function sourceOf(scan: Scan, index: number, about: About): string {
+  const number = scan.sources[index];
+  const [, code = ""] = about.made_of ?? [];
+  if (number === undefined || Number.isNaN(number)) return "";
+  return code.replace("{ray}", `${index}`).replace("{number}", `${number}`);
+}
 
 /**
  * What the pop-up says of one ray.

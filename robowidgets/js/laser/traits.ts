@@ -37,6 +37,8 @@ export interface LaserTraits extends SampleTraits {
   /** Classes whose rays are marked. */
   marks: string[];
   color_by_intensity: boolean;
+  /** Which of several echoes of a ray is its range. */
+  echo: "first" | "last" | "strongest";
   index_view: boolean;
   free_space: boolean;
   /** How many scans before the one on show are behind it. */

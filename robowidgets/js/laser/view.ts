@@ -157,11 +157,11 @@ export class LaserView implements Host {
     const scan = this.stream.shown;
     const decided = scan && this.model.get("view_range") === "auto" ? decideRange(scan) : null;
     if (decided) setTraits(this.model, { view_range: decided });
-    const { empty = [], frame_id = "" } = this.stream.about;
+    const { empty = [], frame_id = "", made_of: [madeOf = ""] = [] } = this.stream.about;
     const words = scan ? empty.filter(Boolean).join("\n") : this.card.waiting("scan");
     const covered = words ? [this.#emptyBox] : [];
     this.#scene.draw(this.#layers, scan, this.card.size, this.card.noticeHeight, covered, this.card.theme);
-    this.card.update([frame_id, scan ? toMany(scan.count, "ray") : ""], "scan");
+    this.card.update([frame_id, scan ? toMany(scan.count, "ray") : "", madeOf], "scan");
     setText(this.#empty, words);
     setHidden(this.#empty, !words);
     this.card.texts.ask(this.#tell);

@@ -55,6 +55,8 @@ export interface About {
   error?: string;
   /** Radians in the angles of a scan that were added to the scanner's own; missing where none were. */
   angle_offset?: number;
+  /** Of a scan that was made of other data, what that is, and the code of a part of it: `ranges[{ray}].echoes[{number}]`. */
+  made_of?: [what: string, code: string];
   /** Milliseconds for which a recording has nothing newer; missing unless that is long. */
   age?: number;
   /** Whether it is of another moment than the one that a player is asked for, which it does not have yet. */

@@ -93,7 +93,8 @@ class ScanDecoder(TemplateDecoder):
 
     def _cut(self, template: MessageTemplate, times: NDArray[np.int64], rows: Rows) -> ScanChunk:
         ranges, intensities = (template.cut(rows, part, np.dtype("<f4")) for part in (template.numbers, template.more))
-        return ScanChunk(0, times, template.stamps(rows), ranges, intensities, template.sample)
+        one_echo = np.empty((len(rows), 0), object)  # scans with several are read one by one
+        return ScanChunk(0, times, template.stamps(rows), ranges, intensities, template.sample, one_echo)
 
 
 class SpeedDecoder(TemplateDecoder):

@@ -74,6 +74,8 @@ class MessageTemplate(NamedTuple):
 
 def scan_template(raw: bytes, message: Any, scan: Scan, shape: MessageShape, encoding: str) -> MessageTemplate | None:
     """The template of a LaserScan-like message; None if its numbers have no fixed offsets."""
+    if scan.echoes:
+        return None
     ranges = _place(raw, message.ranges)
     intensities = _place(raw, message.intensities) if len(scan.intensities) else None
     if not _is_stamped(shape) or ranges is None or (intensities is None and len(scan.intensities)):

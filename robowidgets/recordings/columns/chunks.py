@@ -68,11 +68,13 @@ class ScanChunk(Chunk):
         ranges: metres, shape (N, R), float32; NaN and infinities as in REP-117.
         intensities: device units, shape (N, R), float32; (N, 0) without intensities.
         like: one of the scans, for the properties that all share.
+        echoes: of scanners with several echoes, those of each scan, shape (N, 1), objects; (N, 0) of others.
     """
 
     ranges: NDArray[np.float32]
     intensities: NDArray[np.float32]
     like: Scan
+    echoes: NDArray[np.object_]
 
     @property
     def angle_min(self) -> float:
@@ -100,16 +102,22 @@ class ScanChunk(Chunk):
         return self.like.range_max
 
     @property
+    def nbytes(self) -> int:
+        """See `Chunk`."""
+        return super().nbytes + sum(one.nbytes for one in self.echoes.flat)
+
+    @property
     def key(self) -> tuple[Any, ...]:
         """See `Chunk`."""
         s = self.like
-        counts = (self.ranges.shape[1], self.intensities.shape[1])
+        counts = (self.ranges.shape[1], self.intensities.shape[1], self.echoes.shape[1])
         return (*counts, s.angle_min, s.angle_increment, s.range_min, s.range_max, s.frame_id, s.header_problems)
 
     def sample(self, i: int) -> Scan:
         """See `Chunk`."""
         ranges, intensities = self.ranges[i], self.intensities[i]
-        return self.like.again(ranges, intensities, int(self.stamps_ns[i]) or None)
+        scan = self.like.again(ranges, intensities, int(self.stamps_ns[i]) or None)
+        return scan.with_echoes(self.echoes[i, 0]) if self.echoes.shape[1] else scan
 
 
 @dataclass(frozen=True)
@@ -198,7 +206,9 @@ def _keeps_alive_more(column: NDArray[Any]) -> bool:
 def single_scan(scan: Scan, time_ns: int) -> ScanChunk:
     """A chunk of one scan."""
     times, stamps = np.array([[time_ns], [scan.stamp_ns or 0]], np.int64)
-    return ScanChunk(0, times, stamps, scan.ranges[None], scan.intensities[None], scan)
+    echoes = np.empty((1, 1 if scan.echoes else 0), object)
+    echoes[:] = scan.echoes
+    return ScanChunk(0, times, stamps, scan.ranges[None], scan.intensities[None], scan, echoes)
 
 
 def single_speed(speed: Speed, time_ns: int) -> SpeedChunk:

@@ -17,7 +17,9 @@ from robowidgets._core.sample_widget import SampleWidget
 from robowidgets._widget_choice import choose_widgets
 from robowidgets.feeds import Feed
 from robowidgets.feeds._topics import decided
-from robowidgets.messages.decoding import definition_of
+from robowidgets.messages.channel import Channel
+from robowidgets.messages.decoding import decoder_of, definition_of
+from robowidgets.messages.encoding import encode
 
 from ..recordings.first_messages import Sent, by_type, first_messages
 from ..recordings.test_fields import bits
@@ -29,7 +31,15 @@ DOMAIN = 160 + os.getpid() % 70  # several test runs on a machine do not hear ea
 
 @pytest.fixture(scope="module")
 def sent(data: Path) -> list[Sent]:
-    return first_messages(data, FEW)
+    return [*first_messages(data, FEW), several_echoes()]
+
+
+def several_echoes() -> Sent:
+    """A scan of a type that no recording has."""
+    channel = Channel(0, "/glass", "sensor_msgs/msg/MultiEchoLaserScan", "cdr", "", 0)
+    rays = [{"echoes": np.float32([1.0, 4.5])}, {"echoes": np.float32([2.0])}]
+    raw = encode("cdr", channel.type, {"ranges": rays, "angle_increment": 0.1, "range_max": 30.0})
+    return Sent("/glass", channel._replace(definition=definition_of(channel)), [raw], [decoder_of(channel)(raw)])
 
 
 def assert_same(got: Any, expected: Any, name: str) -> None:

@@ -35,6 +35,8 @@ export interface Scan extends Frame, Sweep, Limits, Census {
   kinds: Validity[];
   /** As long as ranges, or empty. */
   intensities: Float32Array;
+  /** Of each ray its number in what the scan was made of, as an echo of many; NaN: none. As long as ranges, or empty. */
+  sources: Float32Array;
 }
 
 export function decodeScan(bytes: DataView): Scan {
@@ -43,7 +45,9 @@ export function decodeScan(bytes: DataView): Scan {
   const [angleMin = 0, angleIncrement = 0, minRange = 0, maxRange = 0, count = 0] = reader.float64s(5);
   const ranges = reader.float32s(count);
   const kinds = Array.from(ranges, (range) => classify(range, minRange, maxRange));
-  const intensities = reader.float32s(reader.left / 4);
+  const lit = reader.left ? reader.float32s(count) : new Float32Array();
+  const sources = reader.float32s(reader.left / 4);
+  const intensities = sources.length && lit.every(Number.isNaN) ? new Float32Array() : lit;
   return {
     ...head,
     angleMin,
@@ -54,6 +58,7 @@ export function decodeScan(bytes: DataView): Scan {
     ranges,
     kinds,
     intensities,
+    sources,
     ...takeCensus(ranges, kinds, minRange),
   };
 }
