@@ -195,8 +195,8 @@ class LaserWidget(
         It only stores, and may be called from any thread at any rate; the newest wins.
 
         Args:
-            message: a sensor_msgs/LaserScan or MultiEchoLaserScan of rclpy, rospy or rosbags, a rosbridge dictionary, or
-                a `Scan`.
+            message: a sensor_msgs/LaserScan or MultiEchoLaserScan of rclpy, rospy or rosbags, a rosbridge dictionary,
+                or a `Scan`.
             *unnamed: refused, with the call that takes numbers by name.
             **fields: instead of a message, its fields: ranges (R metres), angle_min and angle_increment (radians),
                 range_min and range_max (metres), and if there are any intensities (R).

@@ -364,7 +364,8 @@ class Scan(HasAge):
         Examples:
             >>> from robowidgets.messages import to_scan
             >>> rays = [{"echoes": [1.0, 4.5]}, {"echoes": [2.0]}]
-            >>> glass = to_scan({"ranges": rays, "angle_min": 0, "angle_increment": 0.1, "range_min": 0, "range_max": 9})
+            >>> limits = {"range_min": 0.1, "range_max": 9.0}
+            >>> glass = to_scan({"ranges": rays, "angle_min": 0.0, "angle_increment": 0.1, **limits})
             >>> glass.ranges.tolist(), glass.echo("last").ranges.tolist(), glass.echo("last")[0].source
             ([1.0, 2.0], [4.5, 2.0], 1)
         """

@@ -29,8 +29,13 @@ def several(rays: list[list[float]] = RAYS, lit: list[list[float]] | None = LIT)
     """The fields of a MultiEchoLaserScan."""
     return {
         "header": stamped(5_000_000_000, "laser"),
-        **{"angle_min": -0.5, "angle_max": -0.5 + 0.1 * (len(rays) - 1), "angle_increment": 0.1},
-        **{"time_increment": 0.0, "scan_time": 0.0, "range_min": 0.1, "range_max": 30.0},
+        "angle_min": -0.5,
+        "angle_max": -0.5 + 0.1 * (len(rays) - 1),
+        "angle_increment": 0.1,
+        "time_increment": 0.0,
+        "scan_time": 0.0,
+        "range_min": 0.1,
+        "range_max": 30.0,
         "ranges": [{"echoes": echoes} for echoes in rays],
         "intensities": [{"echoes": echoes} for echoes in lit or []],
     }
