@@ -7,13 +7,14 @@ from __future__ import annotations
 
 import os
 
+from .cloud import to_cloud
 from .pose import to_pose
 from .range import to_range
 from .scan import to_scan
 from .speed import to_speed
 from .touch import to_touch
 
-__all__ = ["add_definitions", "to_pose", "to_range", "to_scan", "to_speed", "to_touch"]
+__all__ = ["add_definitions", "to_cloud", "to_pose", "to_range", "to_scan", "to_speed", "to_touch"]
 
 
 def add_definitions(*sources: str | os.PathLike[str]) -> tuple[str, ...]:

@@ -5,6 +5,7 @@ counter-clockwise). It knows neither ROS nor a page.
 """
 
 from .age import HasAge
+from .cloud import Cloud
 from .event import Event, Level
 from .map_grid import MapGrid
 from .pose import Pose, yaw_of
@@ -20,6 +21,7 @@ from .touch import Touch, TouchMode, TouchState
 
 __all__ = [
     "AXES",
+    "Cloud",
     "Event",
     "HasAge",
     "Level",
