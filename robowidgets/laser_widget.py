@@ -272,7 +272,8 @@ class LaserWidget(
         texts = self._frozen_about
         sources = None
         if numbers.size:
-            sources = Sources(*texts.get("made_of", ("", "")), np.where(np.isnan(numbers), -1, numbers))
+            made_of, code = texts.get("made_of", ("", ""))
+            sources = Sources(made_of, code, np.where(np.isnan(numbers), -1, numbers).astype(np.int32))
         known = (*([texts["empty"]] if "empty" in texts else []), *texts.get("problems", ()))
         scan = Scan(
             ranges=ranges,

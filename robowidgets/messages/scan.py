@@ -57,7 +57,7 @@ def to_scan(message: Any) -> Scan:
     if range_max is None:
         range_max = inf
     intensities = read("intensities", None)
-    intensities = np.empty(0, np.float32) if intensities is None else intensities
+    intensities = () if intensities is None else intensities
     count = _count(ranges)
     odd: tuple[Problem, ...] = ()
     several: dict[str, Any] = {}
