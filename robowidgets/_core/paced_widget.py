@@ -78,8 +78,10 @@ class PacedWidget(BeatingWidget, FreezableWidget):
             comm = values.get("comm")
             if comm is None:
                 return 0
-            self._bring_up_to_date()
-            frame, about = newest = values["_frame"], values["_about"]
+            may_send = self._may_send_frame()
+            if may_send:
+                self._bring_up_to_date()
+            frame, about = newest = (values["_frame"], values["_about"]) if may_send else self._sent
             keys = []
             if not self.driven_by_player:
                 keys += ["_frame"] if frame != self._sent[0] else []
@@ -109,8 +111,16 @@ class PacedWidget(BeatingWidget, FreezableWidget):
                 raise
             if "_frame" in keys:
                 self._sent_frames.add(TimedFrame(self._newest.arrived, about, frame), self.history)
+                self._on_frame_sent(frame)
             self._sent = newest
             return len(frame) if "_frame" in keys else 0
+
+    def _may_send_frame(self) -> bool:
+        """Whether the newest frame may go now. Called with the lock of the sends."""
+        return True
+
+    def _on_frame_sent(self, frame: bytes) -> None:
+        """Note that a frame went to the page. Called with the lock of the sends."""
 
     def sent_frames(self) -> list[TimedFrame]:
         """The frames of its history, oldest first; the last one is that of the newest sample."""

@@ -80,6 +80,9 @@ class Pacer:
         self._earliest: dict[int, float] = {}
         self._failures: dict[int, _Failure] = {}
         self._timers: dict[Sender, float] = {}
+        self._held: set[Sender] = set()
+        self.is_flushing = False
+        """Whether what is sent now is the last of a cell, or of the process."""
         self._free_at = 0.0
         self._thread: Ticket | None = None
 
@@ -100,9 +103,15 @@ class Pacer:
             self._timers[sender] = when
             self._wake()
 
+    def hold(self, sender: Sender) -> None:
+        """Note that a sender has held back what it has to send: `flush` asks it once more."""
+        with self._lock:
+            self._held.add(sender)
+
     def forget(self, sender: Sender) -> None:
         """Send nothing more for a sender."""
         with self._lock:
+            self._held.discard(sender)
             for table in (self._due, self._timers):
                 table.pop(sender, None)
             for numbers in (self._earliest, self._failures):
@@ -118,13 +127,17 @@ class Pacer:
         # Not `acquire` with a time-out: an interrupt right after it would leave the lock held.
         with self._turn:
             with self._lock:
-                waiting = list(self._due)
-            for sender in waiting:
-                with self._lock:
-                    marked = self._due.pop(sender, None) is not None
-                    self._earliest[id(sender)] = self._clock() + _interval(sender)
-                if marked:
-                    self._send(sender)
+                waiting = [*dict.fromkeys((*self._due, *self._held))]
+            self.is_flushing = True
+            try:
+                for sender in waiting:
+                    with self._lock:
+                        marked = self._due.pop(sender, None) is not None or sender in self._held
+                        self._earliest[id(sender)] = self._clock() + _interval(sender)
+                    if marked:
+                        self._send(sender)
+            finally:
+                self.is_flushing = False
 
     def _wake(self) -> None:
         if self._thread is None:
@@ -188,6 +201,7 @@ class Pacer:
 
     def _send(self, sender: Sender) -> None:
         size, pause, failed = 0, FIRST_PAUSE, True
+        self._held.discard(sender)
         try:
             size, pause, failed = sender.send_newest(), REST, False
         except Exception as error:

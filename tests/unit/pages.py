@@ -16,6 +16,7 @@ class Page:
     def __init__(self, widget: Widget) -> None:
         self.state: dict[str, Any] = widget.get_state()
         self.messages: list[dict[str, Any]] = []
+        self.customs: list[Any] = []
         self.history: list[dict[str, Any]] = []
         self.threads: list[str] = []
         self.sizes: list[int] = []
@@ -24,6 +25,9 @@ class Page:
         widget.comm = self
 
     def send(self, data: dict[str, Any], buffers: list[Any] | None = None) -> None:
+        if data.get("method") == "custom":
+            self.customs.append(data["content"])
+            return
         self.sizes.append(len(json.dumps(data)) + sum(len(b) for b in buffers or ()))
         _put_buffers(data["state"], data["buffer_paths"], [bytes(b) for b in buffers or ()])
         self.messages.append(data["state"])

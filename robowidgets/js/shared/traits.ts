@@ -33,6 +33,12 @@ export interface SampleTraits extends FrameTraits {
   _beat: number;
 }
 
+/** Of a widget whose frames are large. */
+export interface LargeTraits extends SampleTraits {
+  /** Whether Python waits for the page to say what it has drawn. */
+  _answers: boolean;
+}
+
 /** Something odd, in plain words, and what to do about it, which may be empty. */
 export type Problem = readonly [what: string, remedy: string];
 
@@ -62,6 +68,8 @@ export interface About {
   /** Whether it is of another moment than the one that a player is asked for, which it does not have yet. */
   waits?: boolean;
   lamps?: Lamp[];
+  /** Why fewer frames come than could. */
+  pace?: string;
   /** What the program drew on the sample. */
   shapes?: Shape[];
   /** Numbers that the program plots, by name; null where it gave none since the sample before. */

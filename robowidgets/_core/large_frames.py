@@ -1,0 +1,108 @@
+"""The base of the widgets whose frames are large: pictures and clouds."""
+
+from __future__ import annotations
+
+from math import isfinite
+from typing import Any, TypeVar
+
+from .clock import scheduler
+from .credit import Credit
+from .error_routing import cell_is_running
+from .pacer import pacer
+from .platform_fixes import route_by_message
+from .robot_widget import RobotWidget
+from .timed_frame import FRAME_HEADER
+from .traits import Flag
+
+S = TypeVar("S")
+
+_NO_ANSWERS = "fewer pictures while a cell runs: this notebook does not say before its end what the page has drawn"
+
+
+class LargeFrameWidget(RobotWidget[S]):
+    """A widget that sends a frame when the page has drawn the one before; what came meanwhile is dropped.
+
+    A subclass packs frames as every `RobotWidget` does, and draws them in the page with a `Credit` of
+    ``shared/credit.ts``. It gets its own messages of the page in `_on_message`. See `Credit` for what goes when.
+    """
+
+    _answers = Flag(True, help="Whether Python waits for the page to say what it has drawn.").tag(sync=True)
+
+    def __init__(self, **kwargs: Any) -> None:
+        self._credit = Credit(scheduler.clock.now, cell_is_running)
+        self._look = _Look(self)
+        self._pace = ""
+        super().__init__(**kwargs)
+        self.on_msg(self._on_page)
+
+    def open(self) -> None:
+        """Connect to the page."""
+        super().open()
+        route_by_message(self.comm)
+
+    def close(self) -> None:
+        """Remove the widget from the page."""
+        super().close()
+        pacer.forget(self._look)
+
+    def follow_player(self) -> None:
+        """See `PacedWidget`."""
+        self._answers = False
+        super().follow_player()
+
+    def _may_send_frame(self) -> bool:
+        """See `PacedWidget`."""
+        has_more = self._newest.changed or self._trait_values["_frame"] != self._sent[0]
+        is_last = pacer.is_flushing and self._credit.is_unheard
+        if self.driven_by_player or not has_more or is_last or self._credit.may_send():
+            return True
+        pacer.hold(self)
+        pacer.mark_at(self._look, self._credit.look_at)
+        return False
+
+    def _on_frame_sent(self, frame: bytes) -> None:
+        """See `PacedWidget`."""
+        number, *_ = FRAME_HEADER.unpack_from(frame)
+        self._credit.sent(number, len(frame))
+
+    def look_again(self) -> None:
+        """Send what is held back if it may go by now, or ask pages what they have drawn. The pacer calls it."""
+        asked_after = self._credit.asks()
+        if asked_after is not None and self.comm is not None:
+            self.send({"asks": asked_after})
+        pacer.mark(self)
+
+    def _texts_now(self) -> dict[str, Any]:
+        """See `RobotWidget`."""
+        return {**super()._texts_now(), **({"pace": _NO_ANSWERS} if self._credit.says_paced else {})}
+
+    def _on_page(self, _widget: Any, content: Any, _buffers: Any) -> None:
+        """Handle a message of the page, in the main thread or a subshell's. It does not wait."""
+        if not isinstance(content, dict):
+            return
+        if "drawn" not in content:
+            self._on_message(content)
+            return
+        page, number, lacks = content.get("page"), content["drawn"], content.get("lacks")
+        if isinstance(page, str) and _is_number(number) and (lacks is None or _is_number(lacks)):
+            if self._credit.on_drawn(page, number, lacks):
+                pacer.mark(self)
+
+    def _on_message(self, content: dict[str, Any]) -> None:
+        """Handle a message of the page that is of the subclass."""
+
+
+class _Look:
+    """Has the pacer look whether a frame may go by now, beside the time that the widget may have with the pacer."""
+
+    def __init__(self, widget: LargeFrameWidget[Any]) -> None:
+        self._widget = widget
+
+    def send_newest(self) -> int:
+        """The pacer calls it."""
+        self._widget.look_again()
+        return 0
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, (int, float)) and isfinite(value)
