@@ -24,6 +24,7 @@ from .messages.map_grid import load_map
 from .path_widget import PathWidget
 from .plot_widget import PlotWidget
 from .samples import (
+    CameraInfo,
     Event,
     MapGrid,
     Range,
@@ -48,6 +49,8 @@ if TYPE_CHECKING:
     from . import feeds, lessons, simulator
     from ._compare import compare as compare
     from ._plot import plot as plot
+    from .camera import CameraModel as CameraModel
+    from .camera import depth_scan as depth_scan
     from .fleet import drives as drives
     from .fleet import find as find
     from .fleet import index as index
@@ -70,6 +73,8 @@ __all__ = [
     "SAMPLE",
     "Arc",
     "Arrow",
+    "CameraInfo",
+    "CameraModel",
     "DriveWidget",
     "Event",
     "EventsWidget",
@@ -104,6 +109,7 @@ __all__ = [
     "WiresWidget",
     "compare",
     "conditions",
+    "depth_scan",
     "drives",
     "feeds",
     "find",
@@ -122,10 +128,12 @@ shorten_tracebacks()
 _RENAMED = {"Pose": Arrow}
 
 _LATER = {
+    "CameraModel": ".camera",
     "MachineWidget": ".machine_widget",
     "ProgramWidget": ".program_widget",
     "Recording": ".recording",
     "compare": "._compare",
+    "depth_scan": ".camera",
     "drives": ".fleet",
     "find": ".fleet",
     "index": ".fleet",

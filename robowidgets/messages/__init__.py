@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import os
 
+from .camera_info import to_camera_info
 from .cloud import to_cloud
 from .pose import to_pose
 from .range import to_range
@@ -14,7 +15,7 @@ from .scan import to_scan
 from .speed import to_speed
 from .touch import to_touch
 
-__all__ = ["add_definitions", "to_cloud", "to_pose", "to_range", "to_scan", "to_speed", "to_touch"]
+__all__ = ["add_definitions", "to_camera_info", "to_cloud", "to_pose", "to_range", "to_scan", "to_speed", "to_touch"]
 
 
 def add_definitions(*sources: str | os.PathLike[str]) -> tuple[str, ...]:

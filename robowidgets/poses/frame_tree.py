@@ -34,6 +34,10 @@ class Poses(NamedTuple):
         positions = self.positions + _rotated(self.orientations, inner.positions)
         return Poses(positions, _product(self.orientations, inner.orientations))
 
+    def moved(self, points: Floats) -> Floats:
+        """Points in the inner frame, shape (M, 3), in the outer one, of a single pose."""
+        return np.asarray(self.positions + _rotated(np.repeat(self.orientations, len(points), axis=0), points))
+
     def inverse(self) -> Poses:
         """The poses of the outer frame in the inner one."""
         back = self.orientations * [-1.0, -1.0, -1.0, 1.0]

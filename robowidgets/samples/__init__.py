@@ -5,6 +5,7 @@ counter-clockwise). It knows neither ROS nor a page.
 """
 
 from .age import HasAge
+from .camera_info import CameraInfo
 from .cloud import Cloud
 from .event import Event, Level
 from .map_grid import MapGrid
@@ -21,6 +22,7 @@ from .touch import Touch, TouchMode, TouchState
 
 __all__ = [
     "AXES",
+    "CameraInfo",
     "Cloud",
     "Event",
     "HasAge",

@@ -31,7 +31,7 @@ LAYERS = (
     "*_widget _widget_choice _layout _together",
     "behaviors lessons",
     "driving laser maps message_tree plotting scanogram",
-    "kinds poses shapes simulator",
+    "camera kinds poses shapes simulator",
     "repair",
     "_core",
     "messages",

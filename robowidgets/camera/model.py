@@ -1,0 +1,216 @@
+"""From points in the frame of a camera to the pixels of its picture, and back."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ..samples.camera_info import CameraInfo
+
+Floats = NDArray[np.float64]
+
+_STEPS = 60
+"""Most steps by which a distortion is undone."""
+
+_CLOSE = 1e-6
+"""How close, in units of the focal length, an undone distortion comes back to its pixel."""
+
+_WIDEST = 10.0
+"""Tangent of the angle from the axis up to which a lens is looked at: 84 degrees."""
+
+
+class CameraModel:
+    """How a camera sees: by its calibration, in the coordinates of the pictures that come.
+
+    Pixels are (column, row), and the middle of the first one is (0, 0), as in OpenCV. Points are in metres in the frame
+    of the camera: x to the right, y down, z ahead (REP-103).
+
+    Args:
+        info: the calibration.
+        rectified: whether the picture is rectified (``image_rect``), in which straight lines are straight; else it is
+            as the lens shows it (``image_raw``).
+        size: width and height of the picture, where it is not that of the calibration but the same picture scaled.
+
+    Attributes:
+        size: width and height of the picture in pixels.
+        focus: the focal lengths across and down, in pixels.
+        shift: metres by which the camera sees from beside the origin of its frame, as the second one of a pair.
+        bends: whether what is straight is not so in the picture.
+        middle: the pixel in which the axis of the camera meets the picture.
+
+    Raises:
+        ValueError: the camera is not calibrated, its distortion model is not known, or the picture is another one.
+
+    Source: sensor_msgs/CameraInfo, image_geometry, OpenCV (calib3d, fisheye).
+
+    Examples:
+        >>> model = CameraModel(CameraInfo(640, 480, [500, 0, 319.5, 0, 500, 239.5, 0, 0, 1]))
+        >>> model.project([[0.0, 0.0, 2.0], [1.0, 0.0, 2.0], [0.0, 0.0, -2.0]]).tolist()
+        [[319.5, 239.5], [569.5, 239.5], [nan, nan]]
+        >>> model.points([[569.5, 239.5]], 2.0).tolist()
+        [[1.0, 0.0, 2.0]]
+    """
+
+    def __init__(self, info: CameraInfo, *, rectified: bool = False, size: tuple[int, int] | None = None) -> None:
+        if not info.is_calibrated:
+            raise ValueError("the camera is not calibrated: k of its camera_info is all 0")
+        self.info = info
+        k, p = (np.array(matrix).reshape(3, -1) for matrix in (info.k, info.p))
+        if not p[0, 0]:
+            p = np.column_stack([k, np.zeros(3)])
+        elif not k[0, 0]:
+            k = p[:, :3]
+        self.size = size or info.size
+        expected = info.size
+        scale = np.ones(2) if 0 in expected else np.array(self.size) / expected
+        if abs(scale[0] * expected[1] - scale[1] * expected[1]) > 1:
+            raise ValueError(
+                "camera_info is of another picture: of {} x {} pixels, and this one has {} x {}".format(
+                    *expected, *self.size
+                )
+            )
+        # The second camera of a pair sees from beside the origin of the frame, and turned by r.
+        self.shift = np.array([p[0, 3] / p[0, 0], p[1, 3] / p[1, 1], 0.0])
+        turn = np.array(info.r).reshape(3, 3)
+        self._turn = turn if turn.any() and not rectified else np.eye(3)
+        self._distort: Distort = _same
+        self._undistort: Distort = _same
+        self._widest = np.inf
+        self.bends = bool(not rectified and info.d.any())
+        if self.bends:
+            self._distort, self._widest = _lens(info)
+            self._undistort = self._undone
+        self.focus, self.middle = _in_picture(p if rectified else k, info, scale)
+
+    def project(self, points: ArrayLike, *, beyond: bool = False) -> Floats:
+        """The pixels of points, shape (N, 3), as shape (N, 2); NaN for one behind the camera or outside the picture.
+
+        Args:
+            points: metres in the frame of the camera.
+            beyond: whether those outside the picture have their pixels too, as far as the lens can tell.
+        """
+        x, y, z = ((np.asarray(points, np.float64).reshape(-1, 3) + self.shift) @ self._turn).T
+        with np.errstate(all="ignore"):
+            ideal = np.array([x / z, y / z])
+            ideal[:, ~((z > 0) & (np.hypot(*ideal) < self._widest))] = np.nan
+            pixels: Floats = self._distort(ideal).T * self.focus + self.middle
+            is_in = ((pixels >= -0.5) & (pixels < np.array(self.size) - 0.5)).all(axis=1)
+        if not beyond:
+            pixels[~is_in] = np.nan
+        return pixels
+
+    def rays(self, pixels: ArrayLike) -> Floats:
+        """The directions in which pixels look, shape (N, 2) to (N, 3), each 1 m ahead; NaN where the lens has none."""
+        ideal = self._undistort((np.asarray(pixels, np.float64).reshape(-1, 2) - self.middle).T / self.focus[:, None])
+        turned = np.vstack([ideal, np.ones(ideal.shape[1])]).T @ self._turn.T
+        with np.errstate(all="ignore"):
+            rays: Floats = np.where(turned[:, 2:] > 0, turned / turned[:, 2:], np.nan)
+            return rays
+
+    def points(self, pixels: ArrayLike, depth: ArrayLike) -> Floats:
+        """The points at pixels, shape (N, 2), whose depth is known: metres ahead (REP-118), shape (N,); as (N, 3)."""
+        ahead = np.broadcast_to(np.asarray(depth, np.float64), (len(np.reshape(pixels, (-1, 2))),))
+        return self.rays(pixels) * ahead[:, None] - self.shift
+
+    @property
+    def view(self) -> tuple[float, float]:
+        """Radians from the left edge of the picture to its right one, and from the upper edge to the lower one."""
+        (width, height), (column, row) = self.size, self.middle
+        ends = [(-0.5, row), (width - 0.5, row), (column, -0.5), (column, height - 0.5)]
+        left, right, top, bottom = self.rays(ends)
+        across = np.arctan2(right[0], right[2]) - np.arctan2(left[0], left[2])
+        return float(across), float(np.arctan2(bottom[1], bottom[2]) - np.arctan2(top[1], top[2]))
+
+    def _undone(self, distorted: Floats) -> Floats:
+        """What the lens shows there: by Newton's method, whose steps are halved where they lead away."""
+        with np.errstate(all="ignore"):
+            ideal = distorted.copy()
+            radius = np.hypot(*ideal)
+            ideal *= np.minimum(1.0, 0.9 * self._widest / np.maximum(radius, 1e-12))
+            for _ in range(_STEPS):
+                off = self._distort(ideal) - distorted
+                if not (np.abs(off) > _CLOSE * 1e-6).any():
+                    break
+                ideal = self._step(ideal, off)
+            off = np.hypot(*(self._distort(ideal) - distorted))
+            found: Floats = np.where((off < _CLOSE) & (np.hypot(*ideal) <= self._widest), ideal, np.nan)
+            return found
+
+    def _step(self, ideal: Floats, off: Floats) -> Floats:
+        small = 1e-7
+        here = self._distort(ideal)
+        by_x = (self._distort(ideal + np.array([[small], [0.0]])) - here) / small
+        by_y = (self._distort(ideal + np.array([[0.0], [small]])) - here) / small
+        det = by_x[0] * by_y[1] - by_y[0] * by_x[1]
+        step = np.array([off[0] * by_y[1] - off[1] * by_y[0], off[1] * by_x[0] - off[0] * by_x[1]]) / det
+        length = np.hypot(*step)
+        nearer: Floats = ideal - step * np.minimum(1.0, 0.5 * (1.0 + np.hypot(*ideal)) / np.maximum(length, 1e-12))
+        return nearer
+
+
+def _in_picture(matrix: Floats, info: CameraInfo, scale: Floats) -> tuple[Floats, Floats]:
+    """Focal lengths and the middle of a matrix, in pixels of the pictures that come."""
+    binning, offset = np.array(info.binning, np.float64), np.array(info.roi[:2], np.float64)
+    focus = np.array([matrix[0, 0], matrix[1, 1]]) / binning * scale
+    middle = (np.array([matrix[0, 2], matrix[1, 2]]) - offset) / binning
+    return focus, (middle + 0.5) * scale - 0.5
+
+
+def _same(ideal: Floats) -> Floats:
+    return ideal
+
+
+Distort = Callable[[Floats], Floats]
+"""From where a picture without distortion has points to where this one has them, (2, N), in focal lengths."""
+
+
+def _lens(info: CameraInfo) -> tuple[Distort, float]:
+    """The distortion of a lens, and how far from the axis it holds: beyond, its formula comes back into the picture."""
+    name, d = info.distortion_model, info.d
+    if name in ("", "plumb_bob", "rational_polynomial") and d.size in (4, 5, 8):
+        k1, k2, p1, p2, k3, k4, k5, k6 = np.pad(d, (0, 8 - d.size))
+
+        def along(r2: Floats) -> Floats:
+            above, below = ((a * r2 + b) * r2 + c for a, b, c in ((k3, k2, k1), (k6, k5, k4)))
+            factor: Floats = (1 + above * r2) / (1 + below * r2)
+            return factor
+
+        def distort(ideal: Floats) -> Floats:
+            x, y = ideal
+            r2 = x * x + y * y
+            factor = along(r2)
+            return np.array(
+                [
+                    x * factor + 2 * p1 * x * y + p2 * (r2 + 2 * x * x),
+                    y * factor + p1 * (r2 + 2 * y * y) + 2 * p2 * x * y,
+                ]
+            )
+
+        return distort, _monotone(lambda radius: radius * along(radius * radius))
+    if name in ("equidistant", "fisheye") and d.size == 4:
+
+        def bend(radius: Floats) -> Floats:
+            theta = np.arctan(radius)
+            t2 = theta * theta
+            bent: Floats = theta * (1 + t2 * (d[0] + t2 * (d[1] + t2 * (d[2] + t2 * d[3]))))
+            return bent
+
+        def distort_fisheye(ideal: Floats) -> Floats:
+            radius = np.hypot(*ideal)
+            return np.where(radius > 0, ideal * (bend(radius) / np.where(radius > 0, radius, 1.0)), ideal)
+
+        return distort_fisheye, _monotone(bend)
+    raise ValueError(
+        f"distortion_model {name!r} with {d.size} numbers is not understood: expected plumb_bob (5), "
+        "rational_polynomial (8) or equidistant (4); a rectified picture needs none"
+    )
+
+
+def _monotone(at: Callable[[Floats], Floats]) -> float:
+    """The radius up to which a distortion grows."""
+    radii = np.linspace(0.0, _WIDEST, 20_001)
+    with np.errstate(all="ignore"):
+        grows = np.diff(at(radii)) > 0
+    return _WIDEST if grows.all() else float(radii[np.argmin(grows)])
