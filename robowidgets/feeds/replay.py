@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import heapq
 import os
-import threading
-import time
 from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 
+from .._core.clock import Clock
 from ..recordings import RecordingData
 from ..recordings.topics import Topic
 from ..samples import HasAge
@@ -31,14 +30,15 @@ class Played(ThreadedMiddleware):
         recording: the recording; nothing else may read it meanwhile, and closing the feed closes it.
         speed: seconds of the recording per second.
         loop: whether it starts again at its end.
+        clock: as `ThreadedMiddleware` takes it.
     """
 
-    def __init__(self, recording: RecordingData, speed: float, loop: bool) -> None:
-        super().__init__()
+    def __init__(self, recording: RecordingData, speed: float, loop: bool, clock: Clock | None = None) -> None:
+        super().__init__(clock)
         self._recording = recording
         self._speed = speed
         self._loop = loop
-        self._woken = threading.Event()
+        self._is_woken = False
         self._listener: Listener
         self._adverts: list[Advert] = []
 
@@ -74,13 +74,14 @@ class Played(ThreadedMiddleware):
             self._recording.close()
 
     def _wake(self) -> None:
-        self._woken.set()
+        self._is_woken = True
+        self._changed.notify_all()
 
     def _run_session(self, listener: Listener) -> str:
-        started = time.monotonic()
+        started = self._clock.now()
         with self._recording:
             while True:
-                self._woken.clear()
+                self._is_woken = False
                 if self._closed.is_set():
                     return ""
                 topics = self._recording.topics
@@ -91,7 +92,7 @@ class Played(ThreadedMiddleware):
                 elif ended:
                     for name in names:
                         listener.on_trouble(name, f"{self.where} is at its end")
-                    self._woken.wait()
+                    self._is_woken_before(None)
 
     def _is_wanted(self, topic: Topic, listener: Listener) -> bool:
         """Whether a topic is to be played; where its messages cannot be read, it is told why."""
@@ -104,17 +105,24 @@ class Played(ThreadedMiddleware):
 
     def _play(self, listener: Listener, names: frozenset[str], started: float) -> bool:
         """Pass on the samples that are due from now on, until other topics are wanted; returns whether it ended."""
-        now = max((time.monotonic() - started) * self._speed, 0.0)
+        now = max((self._clock.now() - started) * self._speed, 0.0)
         shown = names & {topic.name for topic in self._recording.topics if topic.widget}
         samples = [self._recording.samples(shown, start=now)] if shown else []
         messages = [self._recording.messages(name, start=now) for name in sorted(names - shown)]
         for moment in heapq.merge(*samples, *messages, key=lambda moment: moment.time_ns):
-            if self._woken.wait(max(0.0, started + moment.seconds / self._speed - time.monotonic())):
+            if self._is_woken_before(started + moment.seconds / self._speed):
                 return False
             if isinstance(moment.sample, HasAge):
                 note_arrival(moment.sample)
             listener.on_message(moment.topic, moment.sample)
-        return not self._woken.wait(max(0.0, started + self._recording.duration / self._speed - time.monotonic()))
+        return not self._is_woken_before(started + self._recording.duration / self._speed)
+
+    def _is_woken_before(self, when: float | None) -> bool:
+        """Wait until other topics are wanted, or for a time; returns whether they are."""
+        with self._lock:
+            while not self._is_woken and self._changed.wait_until(when):
+                pass
+            return self._is_woken
 
 
 def recording(path: str | os.PathLike[str], *, speed: float = 1.0, loop: bool = False) -> Feed:

@@ -10,6 +10,7 @@ from dataclasses import replace
 from typing import Any
 
 from .._core import in_browser
+from .._core.clock import Clock
 from ..behaviors.program import ENDED
 from ..driving.command_watchdog import Velocity
 from ..kinds import KINDS, load
@@ -42,10 +43,11 @@ class Simulated(ThreadedMiddleware):
         robot, hz, wander: as `RealTime` takes them.
         process: whether the robot runs in a process of its own. One that has ended is started anew, with the robot as
             it was.
+        clock: as `ThreadedMiddleware` takes it.
     """
 
-    def __init__(self, robot: Robot, hz: float, wander: bool, process: bool) -> None:
-        super().__init__()
+    def __init__(self, robot: Robot, hz: float, wander: bool, process: bool, clock: Clock | None = None) -> None:
+        super().__init__(clock)
         self._robot = robot
         offers: list[MakeOffers] = [load(kind.simulated) for kind in KINDS.values() if kind.simulated]
         self._topics = [
@@ -62,7 +64,7 @@ class Simulated(ThreadedMiddleware):
         """In the process of the robot; None without one."""
         self._live: RealTime | RobotProcess
         if not process:
-            self._live = RealTime(robot, hz, wander, offers)
+            self._live = RealTime(robot, hz, wander, offers, self._clock)
         elif self.guard is None:
             self._live = RobotProcess(robot, hz, wander, offers)
         else:

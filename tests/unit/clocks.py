@@ -107,7 +107,7 @@ class ManualClock:
 
     def settle(self, hangs: tuple[str, ...] = ()) -> None:
         """Wait until no thread that this clock knows is at work."""
-        until = time.monotonic() + 120.0
+        until = time.monotonic() + 240.0
         with self._lock:
             self._awake.discard(threading.current_thread())
             while busy := [thread.name for thread in self._awake if thread.is_alive() and thread.name not in hangs]:

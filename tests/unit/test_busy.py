@@ -29,8 +29,8 @@ def feed():
         pacer.mark(sender)
 
 threading.Thread(target=feed, daemon=True).start()
-end = time.monotonic() + 2
-while time.monotonic() < end:
+end = time.process_time() + 2  # of computing, however little of it a busy machine grants
+while time.process_time() < end:
     os.path.exists("/no/such/file")
     sum(range({work}))
 print(sender.sent, sys.getswitchinterval())
@@ -39,7 +39,7 @@ print(sender.sent, sys.getswitchinterval())
 
 def run(before: str = "", work: int = 100_000) -> tuple[int, float]:
     program = STARVING.format(before=before, work=work)
-    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True, timeout=240)
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
     sent, interval = done.stdout.split()
     return int(sent), float(interval)
 

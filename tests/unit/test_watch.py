@@ -188,9 +188,9 @@ class TestOtherWidgets:
         touch = TouchWidget(sensors=["left"], hold=0.1)
         page = Page(touch)
         bump = touch.watch(conditions.touched("left"), name="bump")
-        touch.update(robowidgets.Touch({"left": True}, mode=robowidgets.TouchMode.PRESENCE))
-        bump.wait(5)
-        bump.wait(5, value=False)
+        contact = robowidgets.Touch({"left": True}, mode=robowidgets.TouchMode.PRESENCE)
+        wait_for(lambda: touch.update(contact) or bump.value, "it is judged before it is over")
+        bump.wait(240, value=False)
         wait_for(lambda: lamp(page, "bump")["state"] == "false", "the lamp is off")
         for state in page.history:
             if state["_frame"] and "lamps" in state["_about"]:
@@ -218,7 +218,7 @@ class TestWaiting:
         show(laser, 1.0)
         timer = threading.Timer(0.1, show, (laser, 0.4))
         timer.start()
-        scan = wall.wait(5)
+        scan = wall.wait(240)
         assert scan.distance() == pytest.approx(0.4)
         assert wall.wait(0) is scan, "it still is"
         assert wall.verdict.rays.tolist() == [2]
@@ -228,8 +228,8 @@ class TestWaiting:
         with pytest.raises(TimeoutError, match=r"wall was not true within 0.05 s: it is unknown: no scan came$"):
             wall.wait(0.05)
         show(laser, 1.0)
-        wall.wait(5, value=False)
-        told = r"wall was not true within 0.05 s: it is false for 0\.\d s \(1.00 ≥ 0.50 m\)$"
+        wall.wait(240, value=False)
+        told = r"wall was not true within 0.05 s: it is false for \d+\.\d s \(1.00 ≥ 0.50 m\)$"
         with pytest.raises(TimeoutError, match=told):
             wall.wait(0.05)
         with pytest.raises(TypeError, match="timeout: expected a number"):
@@ -240,12 +240,12 @@ class TestWaiting:
     def test_a_stale_scan_is_unknown(self, laser: LaserWidget, monkeypatch: pytest.MonkeyPatch) -> None:
         wall = laser.watch(conditions.nearest_below(0.5), name="wall")
         show(laser, 0.4)
-        wall.wait(5)
+        wall.wait(240)
         now = time.monotonic()
         monkeypatch.setattr(time, "monotonic", lambda: now + 60)
         assert wall.value is None
         assert wall.verdict.value is True
-        with pytest.raises(TimeoutError, match=r"unknown: no new scan for 60.\d s"):
+        with pytest.raises(TimeoutError, match=r"unknown: no new scan for \d+\.\d s"):
             wall.wait(0)
 
     def test_the_verdict_on_an_old_scan_is_not_that_on_the_newest(
@@ -255,8 +255,8 @@ class TestWaiting:
         clear = laser.watch(lambda scan: scan.distance() > 0.5 or gate.wait(120), name="clear")
         other = laser.watch(conditions.nearest_below(3.0), name="other")
         show(laser, 2.0)
-        clear.wait(5)
-        other.wait(5)
+        clear.wait(240)
+        other.wait(240)
         show(laser, 0.11)
         wait_for(lambda: laser._watches.judge and laser._watches.judge.is_late, "it is at work")
         assert (clear.value, other.value) == (True, True)
@@ -265,8 +265,9 @@ class TestWaiting:
         monkeypatch.setattr(laser._watches.judge._runner, "_now", lambda: now + 60)
         show(laser, 0.11)
         assert (clear.value, other.value) == (None, None)
-        assert re.fullmatch(r"<clear: unknown: conditions at work for 60\.\d s, 2.00 > 0.50 m, 0 changes>", repr(clear))
-        with pytest.raises(TimeoutError, match=r"unknown: conditions at work for 60\.\d s"):
+        words = r"<clear: unknown: conditions at work for \d+\.\d s, 2.00 > 0.50 m, 0 changes>"
+        assert re.fullmatch(words, repr(clear))
+        with pytest.raises(TimeoutError, match=r"unknown: conditions at work for \d+\.\d s"):
             clear.wait(0)
         gate.set()
 
@@ -274,7 +275,7 @@ class TestWaiting:
         wall = laser.watch(conditions.nearest_below(0.5), name="wall")
         threading.Timer(0.1, laser.unwatch, ("wall",)).start()
         with pytest.raises(RuntimeError, match="wall: it is watched no more"):
-            wall.wait(5)
+            wall.wait(240)
 
     def test_with_await(self, laser: LaserWidget) -> None:
         wall = laser.watch(lambda scan: scan.distance() < 0.5, name="wall")
@@ -290,7 +291,7 @@ class TestWaiting:
             with pytest.raises(TimeoutError, match=r"wall was not true within 0\.01 s"):
                 await wall.wait_async(0.01)
             threading.Timer(0.1, show, (laser, 0.4)).start()
-            scan = await wall.wait_async(5)
+            scan = await wall.wait_async(240)
             ticking.cancel()
             return scan
 
@@ -372,7 +373,7 @@ class TestArguments:
             assert (lamp["since"], lamp["changes"], bool(lamp["rays"])) == (None, 0, is_found)
         assert {lamp["state"] for lamp in lit.values()} == {"true", "false"}
         player.seek(found[0].start + 0.05)
-        assert wall.wait(5) is view.widget.scan
+        assert wall.wait(240) is view.widget.scan
         view.widget.unwatch("wall")
         assert "lamps" not in next(view.track.frames(0.0, 0.1)).about
         player.close()
@@ -396,7 +397,7 @@ def test_no_user_function_runs_in_a_thread_that_carries_data(laser: LaserWidget)
     threads: set[str] = set()
     wall = laser.watch(lambda scan: threads.add(threading.current_thread().name) or scan.distance() < 0.5, name="wall")
     threading.Thread(target=show, args=(laser, 0.4), name="data").start()
-    wall.wait(5)
+    wall.wait(240)
     assert threads == {"robowidgets-judge"}
 
 
@@ -446,7 +447,7 @@ def test_a_function_may_end_its_own_watch(laser: LaserWidget) -> None:
     done = threading.Event()
     laser.watch(lambda _: (laser.unwatch("once"), time.sleep(0.01), done.set()) and True, name="once")
     show(laser, 0.4)
-    assert done.wait(5)
+    assert done.wait(240)
 
 
 def test_the_thread_ends_with_the_last_watch_and_with_the_widget() -> None:

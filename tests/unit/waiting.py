@@ -15,7 +15,7 @@ class Clock(SimpleNamespace):
         super().__init__(now=100.0, monotonic=lambda: self.now)
 
 
-def wait_for(condition: Callable[[], object], what: str, seconds: float = 120.0) -> None:
+def wait_for(condition: Callable[[], object], what: str, seconds: float = 240.0) -> None:
     """Return once the condition holds; fail by name when it never does."""
     deadline = time.monotonic() + seconds
     while not condition():

@@ -144,7 +144,7 @@ def test_a_version_may_choose_other_samples_while_those_of_the_last_are_taken(ro
     thread = threading.Thread(target=take)
     thread.start()
     until = time.monotonic() + 0.5
-    while time.monotonic() < until:
+    while time.monotonic() < until or not seen:
         inputs.choose({"scan": None, "touch": None, "speed": None}, None)
         script.listener.on_message("/scan", scan())
         inputs.choose({"scan": None}, None)

@@ -32,7 +32,7 @@ def test_of_roslibpy(laser: LaserWidget) -> None:
     header = {"stamp": {"sec": 1, "nanosec": 2}, "frame_id": "laser"}
     with Rosbridge({"/scan": "sensor_msgs/LaserScan"}) as server:
         ros = roslibpy.Ros("127.0.0.1", server.port)
-        ros.run(timeout=10)
+        ros.run(timeout=240)
         try:
             roslibpy.Topic(ros, "/scan", "sensor_msgs/LaserScan").subscribe(laser.update)
             wait_for(lambda: "/scan" in server.subscribed, "it subscribed")

@@ -535,7 +535,7 @@ def test_a_feed_that_nobody_closes_stops_the_robot_and_lets_the_process_end() ->
         "view = feed.show()\n"
         "feed.drive(0.25, 0.0)\n"
     )
-    ended = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=240, check=False)
+    ended = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=False)
     assert (ended.returncode, ended.stdout.split(), ended.stderr) == (0, ["0.25", "0.0"], "")
 
 
@@ -561,7 +561,7 @@ def test_at_the_end_feeds_are_closed_before_what_a_middleware_brings_along_and_o
         "    feed.drive(0.25, 0.0)\n"
         "    feed.connection.middleware.close = fail\n"
     )
-    ended = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=240, check=False)
+    ended = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=False)
     end = ["the end of the middleware"] * 2
     assert (ended.returncode, ended.stdout.splitlines()) == (0, ["0.25", "0.25", "0.0", "0.0", *end])
     assert ended.stderr.count("RuntimeError: cannot close") == 2
@@ -576,7 +576,7 @@ def test_feeds_are_reached_from_the_package_without_being_imported_by_it() -> No
         "assert callable(robowidgets.feeds.simulator) and callable(robowidgets.feeds.recording)\n"
         "print([name for name in ('tornado', 'cyclonedds', 'rclpy', 'rospy') if name in sys.modules])\n"
     )
-    ended = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=240, check=False)
+    ended = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=False)
     assert (ended.stdout, ended.stderr) == ("[]\n", "")
 
 

@@ -477,7 +477,7 @@ class TestScans:
         feed, script = opened(SCAN, ODOM)
         laser, got = LaserWidget(), []
         feed.connect("/scna", laser)
-        loop = {"scans": lambda: next(feed.scans("/scna")), "wait": lambda: laser.wait(30.0)}[how]
+        loop = {"scans": lambda: next(feed.scans("/scna")), "wait": lambda: laser.wait(240.0)}[how]
         thread = threading.Thread(target=lambda: got.append(loop()))
         thread.start()
         wait_for(lambda: caplog.records, "it is told")

@@ -4,35 +4,49 @@ from __future__ import annotations
 
 import os
 import threading
-import time
 from itertools import pairwise
 from pathlib import Path
 
 import pytest
 
 import robowidgets
-from robowidgets import SAMPLE, LaserWidget, RecordingError, Scan, feeds
+from robowidgets import SAMPLE, LaserWidget, RecordingError, feeds
+from robowidgets.feeds import Feed
+from robowidgets.feeds.replay import Played
+from robowidgets.recordings import RecordingData
 
+from ..clocks import ManualClock
 from ..recordings import recorded
 from ..recordings.test_definitions import unknown_recording
 from ..waiting import wait_for
 
 
-def test_a_recording_is_played_to_its_end_at_any_speed() -> None:
+@pytest.fixture
+def clock() -> ManualClock:
+    return ManualClock()
+
+
+def played(path: Path, clock: ManualClock, speed: float) -> Feed:
+    """A feed of a recording that is played while the clock is moved."""
+    return Feed(Played(RecordingData(path), speed, False, clock))
+
+
+def test_a_recording_is_played_to_its_end_at_any_speed(clock: ManualClock) -> None:
     with robowidgets.open(SAMPLE) as recording:
-        stamps = [moment.sample.stamp_ns for moment in recording.samples("/scan")]
+        recorded = [(moment.seconds, moment.sample.stamp_ns) for moment in recording.samples("/scan")]
         duration = recording.duration
-    got: list[Scan] = []
+    got: list[int | None] = []
     laser = LaserWidget()
-    with feeds.recording(SAMPLE, speed=100) as feed:
-        began = time.monotonic()
-        feed.connection.attach("/scan", got.append)
+    with played(SAMPLE, clock, speed=100) as feed:
+        feed.connection.attach("/scan", lambda scan: got.append(scan.stamp_ns), lambda _: None)
         feed.connect("/scan", laser)
-        wait_for(lambda: "end" in laser._source.get("status", ""), "it is at its end")
+        clock.advance(0.0501)
+        assert got == [stamp for seconds, stamp in recorded if seconds <= 5.01]
+        clock.advance(duration / 100 - 0.0502)
+        assert laser._source["status"] == ""
+        clock.advance(0.0002)
         assert laser._source["status"] == "sample.mcap is at its end"
-        assert time.monotonic() - began > 0.8 * duration / 100
-    assert [scan.stamp_ns for scan in got] == stamps[-len(got) :]
-    assert len(got) > 0.9 * len(stamps)
+    assert got == [stamp for _, stamp in recorded]
 
 
 def test_its_topics_are_those_of_the_file() -> None:
@@ -54,30 +68,35 @@ def test_in_a_loop_it_starts_anew() -> None:
         wait_for(lambda: any(b < a for a, b in pairwise(stamps)), "it starts anew")  # type: ignore[operator]
 
 
-def test_topics_that_are_connected_later_join_at_the_same_time() -> None:
-    first: list[Scan] = []
-    with feeds.recording(SAMPLE, speed=20) as feed:
-        feed.connect("/scan", first.append)
-        wait_for(lambda: len(first) > 20, "some scans have come")
-        odometry: list[robowidgets.Speed] = []
-        feed.connect("/odom", odometry.append)
-        wait_for(lambda: odometry, "a speed has come")
-        assert (odometry[0].stamp_ns or 0) >= (first[19].stamp_ns or 0)
+def test_topics_that_are_connected_later_join_at_the_same_time(clock: ManualClock) -> None:
+    with robowidgets.open(SAMPLE) as recording:
+        stamps = [moment.sample.stamp_ns for moment in recording.samples("/odom", 4.0, 5.0)]
+    got: list[int | None] = []
+    with played(SAMPLE, clock, speed=20) as feed:
+        feed.connection.attach("/scan", lambda _: None)
+        clock.advance(4.0 / 20)
+        feed.connection.attach("/odom", lambda speed: got.append(speed.stamp_ns), lambda _: None)
+        clock.advance(0.999 / 20)
+    assert got == stamps
 
 
-def test_a_topic_that_no_widget_shows_comes_as_messages_in_its_place_among_the_others(tmp_path: Path) -> None:
+def test_a_topic_that_no_widget_shows_comes_as_messages_in_its_place_among_the_others(
+    clock: ManualClock, tmp_path: Path
+) -> None:
     messages = [(0.1 * i, "/imu", {"linear_acceleration": {"x": float(i)}}) for i in range(20)]
-    speeds = [(0.1 * i, "/speed", {"linear": {"x": float(i)}}) for i in range(20)]
+    speeds = [(0.1 * i + 0.05, "/speed", {"linear": {"x": float(i)}}) for i in range(20)]
     types = {"/imu": "sensor_msgs/msg/Imu", "/speed": "geometry_msgs/msg/Twist"}
     path = recorded.write(tmp_path / "x", types, sorted([*messages, *speeds], key=lambda one: one[0]))
     came: list[tuple[str, float]] = []
-    with feeds.recording(path, speed=10) as feed:
-        feed.connect("/imu", lambda message: came.append(("imu", message.linear_acceleration.x)), each=True)
-        feed.connect("/speed", lambda speed: came.append(("speed", speed.linear[0])), each=True)
-        wait_for(lambda: {name for name, x in came if x == 19} == {"imu", "speed"}, "all have come")
-    for name in ("imu", "speed"):
-        values = [x for own, x in came if own == name]
-        assert values == sorted(values)
+    take = {
+        "/imu": lambda message: came.append(("imu", message.linear_acceleration.x)),
+        "/speed": lambda speed: came.append(("speed", speed.linear[0])),
+    }
+    with played(path, clock, speed=10) as feed:
+        for topic, function in take.items():
+            feed.connection.attach(topic, function, lambda _: None)
+        clock.advance(0.2)
+    assert came == [(name, float(i)) for i in range(20) for name in ("imu", "speed")]
 
 
 def test_a_topic_that_cannot_be_read_says_why(tmp_path: Path) -> None:
@@ -88,7 +107,7 @@ def test_a_topic_that_cannot_be_read_says_why(tmp_path: Path) -> None:
 
 
 def test_a_real_recording_plays(data: Path) -> None:
-    with feeds.recording(data / "good" / "hokuyo_people.bag", speed=50) as feed:
+    with feeds.recording(data / "good" / "hokuyo_people.bag", loop=True) as feed:
         view = feed.show()
         (laser,) = view.widgets.values()
         wait_for(lambda: laser.scan, "a scan has come")
@@ -108,7 +127,7 @@ def test_it_may_be_closed_at_any_time_and_in_a_callback() -> None:
 def test_a_hundred_opens_and_closes_leave_no_thread_and_no_file() -> None:
     def once() -> None:
         came = threading.Event()
-        with feeds.recording(SAMPLE, speed=10.0) as feed:
+        with feeds.recording(SAMPLE, speed=10.0, loop=True) as feed:
             feed.connect("/scan", lambda _: came.set())
             assert came.wait(120)
 
@@ -143,6 +162,7 @@ def test_words_for_what_cannot_be_played(tmp_path: Path) -> None:
 
 def test_a_program_drives_it_and_its_speeds_are_shown_beside_those_that_were_driven_then() -> None:
     with feeds.recording(SAMPLE, loop=True) as feed:
+        feed.driving = feeds.Driving(hold=3600.0)
         view = feed.show()
         feed.drive(0.25, 0.5)
         wait_for(lambda: "/cmd_vel (your program)" in view.widgets, "it has a widget of its own")
@@ -154,13 +174,14 @@ def test_a_program_drives_it_and_its_speeds_are_shown_beside_those_that_were_dri
         assert not then.commanded or then.commanded.values[::5] != (0.25, 0.5)
         assert "commanded linear.x 0.25 m/s" in repr(own)
         assert feed.drive_status == ""
+        feed.stop()
         wait_for(lambda: own.speed.values[::5] == (0.0, 0.0), "and the zero that follows")
 
 
 @pytest.mark.parametrize("topic", ["/base/cmd_vel", "/drive"])
 def test_a_topic_that_the_recording_does_not_have_is_driven_there_all_the_same(topic: str) -> None:
     with feeds.recording(SAMPLE, loop=True) as feed:
-        feed.driving = feeds.Driving(topic=topic)
+        feed.driving = feeds.Driving(topic=topic, hold=3600.0)
         view = feed.show()
         feed.drive(0.25)
         wait_for(lambda: topic in view.widgets, "it has a widget")

@@ -468,7 +468,7 @@ def test_a_process_that_ends_while_it_drives_stops_the_robot(end: str) -> None:
             "while not feed.topics: pass\n"
             "for i in range(10): feed.drive(0.25)\n" + end
         )
-        subprocess.run([sys.executable, "-c", script], check=True, timeout=240)
+        subprocess.run([sys.executable, "-c", script], check=True)
         speeds = [message["linear"]["x"] for _, message in server.published]
     assert (speeds[0], speeds[-1]) == (0.25, 0.0)
 

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import threading
-import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any
 
 import pytest
 
 from robowidgets import Scan, Speed, Touch, feeds
-from robowidgets.feeds import FeedError
+from robowidgets.feeds import Feed, FeedError
+from robowidgets.feeds.simulator import Simulated
 from robowidgets.simulator import Robot, World, real_time
 from robowidgets.simulator.offers import speeds
 
@@ -16,61 +19,77 @@ from ..clocks import ManualClock
 from ..waiting import wait_for
 
 
-def test_it_tells_its_scans_speeds_and_bumpers_in_real_time() -> None:
-    got: dict[str, list[object]] = {"/scan": [], "/odom": [], "/cmd_vel": [], "/bumper": []}
-    began = time.monotonic()
-    with feeds.simulator(hz=50.0) as feed:
-        for topic, messages in got.items():
-            feed.connect(topic, messages.append)
-        wait_for(lambda: len(got["/scan"]) >= 5, "five scans have come")
-        passed = time.monotonic() - began
+@pytest.fixture
+def clock() -> ManualClock:
+    return ManualClock()
+
+
+@contextmanager
+def simulated(clock: ManualClock, wander: bool = False) -> Iterator[tuple[Robot, Feed]]:
+    """A robot in an empty world, and its feed: 50 steps a second of a clock that is moved by hand."""
+    robot = Robot(World([]))
+    with Feed(Simulated(robot, 50.0, wander, False, clock), clock=clock) as feed:
+        yield robot, feed
+
+
+def test_it_tells_its_scans_speeds_and_bumpers_as_time_passes(clock: ManualClock) -> None:
+    got: dict[str, list[Any]] = {}
+    with simulated(clock, wander=True) as (_, feed):
+        for topic in ("/scan", "/odom", "/cmd_vel", "/bumper"):
+            got[topic] = []
+            feed.connection.attach(topic, got[topic].append, lambda _: None)
+        clock.advance(1.01)
     assert {topic: {type(m) for m in messages} for topic, messages in got.items()} == {
         "/scan": {Scan},
         "/odom": {Speed},
         "/cmd_vel": {Speed},
         "/bumper": {Touch},
     }
-    stamps = [(scan.stamp_ns or 0) / 1e9 for scan in got["/scan"][:5] if isinstance(scan, Scan)]
+    assert len(got["/odom"]) == pytest.approx(50, abs=1)
+    stamps = [scan.stamp_ns / 1e9 for scan in got["/scan"]]
+    assert len(stamps) == pytest.approx(10, abs=1)
     assert stamps[4] - stamps[0] == pytest.approx(0.4)
-    assert stamps[4] <= passed + 0.02
-    assert len(got["/odom"]) > 2 * len(got["/scan"])
 
 
-def test_it_wanders_until_somebody_drives_and_again_when_nobody_does(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(real_time, "LET_GO", 0.2)
-    robot = Robot(World([]))
-    with feeds.simulator(robot, hz=100.0) as feed:
-        wait_for(lambda: robot.command().linear[0] == 0.5, "it wanders")
+def test_it_wanders_until_somebody_drives_and_again_when_nobody_does(clock: ManualClock) -> None:
+    with simulated(clock, wander=True) as (robot, feed):
+        clock.advance(0.1)
+        assert robot.command().linear[0] == 0.5
         feed.driving = feeds.Driving(hold=0.1)
         feed.drive(-0.25, 0.5)
-        wait_for(lambda: robot.command().values[::5] == (-0.25, 0.5), "it obeys")
-        wait_for(lambda: robot.command().values[::5] == (0.0, 0.0), "it stops when nobody renews the speed")
-        wait_for(lambda: robot.command().linear[0] == 0.5, "it wanders again")
+        clock.advance(0.05)
+        assert robot.command().values[::5] == (-0.25, 0.5)
+        clock.advance(0.1)
+        assert robot.command().values[::5] == (0.0, 0.0), "nobody renews the speed"
+        clock.advance(real_time.LET_GO - 0.1)
+        assert robot.command().values[::5] == (0.0, 0.0)
+        clock.advance(0.1)
+        assert robot.command().linear[0] == 0.5, "it wanders again"
 
 
-def test_a_speed_that_is_sent_is_shown_once(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(real_time, "QUIET", 3600.0)
-    robot, shown = Robot(World([])), list[float]()
-    with feeds.simulator(robot, hz=100.0, wander=False) as feed:
-        feed.connect("/cmd_vel", lambda speed: shown.append(speed.linear[0]))
+def test_a_speed_that_is_sent_is_shown_once(clock: ManualClock) -> None:
+    shown = list[float]()
+    with simulated(clock) as (_, feed):
+        feed.connection.attach("/cmd_vel", lambda speed: shown.append(speed.linear[0]), lambda _: None)
         feed.driving = feeds.Driving(hold=0.2)
         feed.drive(0.25)
         assert feed.drive_status == ""
-        wait_for(lambda: 0.25 in shown and shown[-1] == 0.0, "it stops")
-    assert shown.count(0.25) == 1
+        clock.advance(0.2 + real_time.QUIET - 0.1)
+    assert shown == [0.25, 0.0]
 
 
-def test_it_stands_still_until_somebody_drives_if_it_is_not_to_wander(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(real_time, "LET_GO", 0.05)
-    robot = Robot(World([]))
-    with feeds.simulator(robot, hz=100.0, wander=False) as feed:
-        wait_for(lambda: robot.time > 0.5, "time passes")
+def test_it_stands_still_until_somebody_drives_if_it_is_not_to_wander(clock: ManualClock) -> None:
+    with simulated(clock) as (robot, feed):
+        clock.advance(0.5)
+        assert robot.time > 0.4
         assert robot.pose == Robot(World([])).pose
+        feed.driving = feeds.Driving(hold=0.5)
         feed.drive(0.2)
-        wait_for(lambda: robot.command().linear[0] == 0.2, "it obeys")
-        wait_for(lambda: robot.command().linear[0] == 0.0, "it stops")
-        since = robot.time
-        wait_for(lambda: robot.time > since + 0.2, "time passes")
+        clock.advance(0.1)
+        assert robot.command().linear[0] == 0.2
+        clock.advance(0.5)
+        assert robot.command().linear[0] == 0.0
+        clock.advance(2 * real_time.LET_GO)
         assert robot.command().linear[0] == 0.0
     with pytest.raises(TypeError, match="wander: expected True or False, got 1"):
         feeds.simulator(wander=1)  # type: ignore[arg-type]

@@ -20,7 +20,7 @@ print([name for name in sys.modules if name.split(".")[0] in ("rerun", "rerun_no
 
 @pytest.mark.slow
 def test_nothing_of_rerun_is_imported_until_it_is_asked_for() -> None:
-    ended = subprocess.run([sys.executable, "-c", _SHOW], capture_output=True, text=True, timeout=60, check=True)
+    ended = subprocess.run([sys.executable, "-c", _SHOW], capture_output=True, text=True, check=True)
     assert ended.stdout.strip() == "[]"
 
 

@@ -23,7 +23,7 @@ def server() -> Server:
 
 
 def fetch(address: str) -> bytes:
-    with urlopen(address, timeout=60) as answer:
+    with urlopen(address, timeout=240) as answer:
         return bytes(answer.read())
 
 
@@ -35,7 +35,7 @@ def test_it_listens_on_this_machine_alone(server: Server) -> None:
 def test_each_who_asks_gets_the_content_anew_piece_by_piece(server: Server, tmp_path: Path) -> None:
     (tmp_path / "file").write_bytes(bytes(range(256)) * 10_000)
     address = server.put("b.wasm", lambda: read(tmp_path / "file"))
-    with urlopen(address, timeout=60) as answer:
+    with urlopen(address, timeout=240) as answer:
         assert answer.headers["Content-Type"] == "application/wasm"
         assert answer.headers["Access-Control-Allow-Origin"] == "*"
         assert answer.read() == bytes(range(256)) * 10_000
@@ -78,7 +78,7 @@ def test_a_page_that_goes_away_is_no_error(server: Server, caplog: pytest.LogCap
             ended.append(True)
 
     with caplog.at_level(logging.ERROR, "robowidgets"):
-        with urlopen(Request(server.put("e.rrd", endless)), timeout=60) as answer:
+        with urlopen(Request(server.put("e.rrd", endless)), timeout=240) as answer:
             answer.read(10)
         wait_for(lambda: bool(ended), "it stopped")
     assert not caplog.text

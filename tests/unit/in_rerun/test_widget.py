@@ -228,19 +228,19 @@ def test_viewer_and_player_follow_one_time_and_come_to_rest(player: Player) -> N
 
 
 def test_where_it_is_closed_nothing_is_served_any_more(widget: RerunWidget) -> None:
-    with urlopen(widget._url, timeout=120) as answer:
+    with urlopen(widget._url, timeout=240) as answer:
         assert answer.read(4) == b"RRF2"
     widget.close()
     with pytest.raises(HTTPError, match="404"):
-        urlopen(widget._url, timeout=120)
+        urlopen(widget._url, timeout=240)
 
 
 def test_the_viewer_is_fetched_from_here(widget: RerunWidget) -> None:
     address = widget._viewer._esm
     assert address.startswith("http://127.0.0.1:")
-    with urlopen(address, timeout=120) as answer:
+    with urlopen(address, timeout=240) as answer:
         assert b"const fetch =" in answer.read(200)
-    with urlopen(address.replace("widget.js", "re_viewer_bg.wasm"), timeout=120) as answer:
+    with urlopen(address.replace("widget.js", "re_viewer_bg.wasm"), timeout=240) as answer:
         assert answer.read(4) == b"\0asm"
 
 

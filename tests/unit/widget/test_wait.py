@@ -52,10 +52,10 @@ class TestTheNextOne:
     def test_none_is_given_twice_to_one_thread(self, widget: NumberWidget) -> None:
         widget.update(1)
         assert widget.wait(0).value == 1
-        with pytest.raises(TimeoutError, match=r"^NumberWidget had no new number for 0\.\d+ s$"):
+        with pytest.raises(TimeoutError, match=r"^NumberWidget had no new number for \d+\.\d+ s$"):
             widget.wait(0.02)
         threading.Timer(0.05, widget.update, [2]).start()
-        assert widget.wait(20.0).value == 2
+        assert widget.wait(240.0).value == 2
 
     def test_each_thread_is_given_each_one(self, widget: NumberWidget) -> None:
         widget.update(1)
@@ -204,7 +204,7 @@ def test_all_who_wait_get_the_first_one_and_nobody_spins_meanwhile(widget: Numbe
 
     def wait() -> None:
         began = time.thread_time()
-        got.append(widget.wait(20.0))
+        got.append(widget.wait(240.0))
         busy.append(time.thread_time() - began)
 
     threads = [threading.Thread(target=wait) for _ in range(3)]
@@ -213,7 +213,7 @@ def test_all_who_wait_get_the_first_one_and_nobody_spins_meanwhile(widget: Numbe
     wait_for(lambda: len(widget._newest.waiters) == 3, "all wait")
     in_a_thread(widget.update, 7)
     for thread in threads:
-        thread.join(20.0)
+        thread.join()
     assert [number.value for number in got] == [7, 7, 7]
     assert max(busy) < 0.05
     assert len(widget._newest.waiters) == 0
@@ -276,7 +276,7 @@ def test_where_no_next_one_comes_it_says_how_old_the_last_is_and_why() -> None:
     in_a_thread(script.listener.on_message, "/scan", scan(1.5))
     assert laser.wait(0).ranges[0] == 1.5
     feed.close()
-    with pytest.raises(TimeoutError, match=r"^LaserWidget /scan had no new scan for 0\.\d+ s: the feed is closed$"):
+    with pytest.raises(TimeoutError, match=r"^LaserWidget /scan had no new scan for \d+\.\d+ s: the feed is closed$"):
         laser.wait(0.01)
 
 
