@@ -7,6 +7,7 @@ from typing import Any
 import traitlets
 
 from ._core.front_end import FrontEndWidget, bundle
+from ._core.platform_fixes import route_by_message
 from ._core.time_traits import Marks, Seconds, States, TimeSpan
 from ._core.traits import Flag
 
@@ -16,8 +17,9 @@ class PlayerWidget(FrontEndWidget):
 
     It shows frames in the widgets whose models it is given, from segments of the recording that Python sends ahead.
     Space plays and stops, `,` and `.` step from scan to scan, arrow keys jump, `n` and `p` go from mark to mark,
-    `l` plays it again and again, `+` and `-` change the speed: all over the player that it is part of, where what has
-    the focus has no use for the key. Beside the seconds stands the date and time of day, in UTC, if there is one.
+    `l` plays it again and again, `+` and `-` change the speed, `a` gives a name to the selected span, or to one from
+    here to where it is pressed again: all over the player that it is part of, where what has the focus has no use for
+    the key. Beside the seconds stands the date and time of day, in UTC, if there is one.
 
     Args:
         duration: seconds of the recording.
@@ -34,6 +36,10 @@ class PlayerWidget(FrontEndWidget):
     marks = Marks(help="What is marked on the slider: (start, end, text), in seconds from the start.").tag(sync=True)
     states = States(help="Rows of states below the slider: (start, end, path), in seconds.").tag(sync=True)
 
+    labels = Marks(help="Spans to which people gave a name: (start, end, name), in seconds from the start.").tag(
+        sync=True
+    )
+
     _begin = traitlets.Float(0.0, help="Seconds at which it begins.").tag(sync=True)
     _segment = traitlets.Float(1.0).tag(sync=True)
     _targets = traitlets.List(traitlets.Unicode()).tag(sync=True)
@@ -47,6 +53,11 @@ class PlayerWidget(FrontEndWidget):
     _leader = traitlets.Dict(help="The player that this one follows, and where to; empty: none.").tag(sync=True)
     _status = traitlets.Unicode().tag(sync=True)
     _note = traitlets.Unicode(help="A line under it, which stays.").tag(sync=True)
+
+    def open(self) -> None:
+        """Connect to the page."""
+        super().open()
+        route_by_message(self.comm, with_traits=False)
 
     @property
     def span(self) -> tuple[float, float]:

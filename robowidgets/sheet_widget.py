@@ -54,7 +54,7 @@ class SheetWidget(NamedWidget):
             view writes it.
         picked: the number of the moment that is kept; None: none. The view writes it.
         false_finds: the numbers of those that are marked as false finds. The view writes it.
-        labels: by the number of a moment, as text, the name that a person gave it here.
+        labels: by the number of a moment, as text, the name that people gave its span.
     """
 
     _esm, _css = bundle("sheet_widget")
@@ -72,7 +72,7 @@ class SheetWidget(NamedWidget):
         sync=True
     )
     false_finds = traitlets.List(traitlets.Int(), help="The numbers of false finds.").tag(sync=True)
-    labels = traitlets.Dict(help="By the number of a moment, the name that a person gave it here.").tag(sync=True)
+    labels = traitlets.Dict(help="By the number of a moment, the name of its span.").tag(sync=True)
 
     _columns = traitlets.Dict(help="The moments, by column.").tag(sync=True, echo_update=False)
     _files = traitlets.List(traitlets.List(), help="Path and name of each file with moments.").tag(
@@ -166,14 +166,13 @@ class SheetWidget(NamedWidget):
         if isinstance(looked_at, list) and self._on_look:
             self._on_look([one for one in looked_at[:MOST_LOOKED_AT] if isinstance(one, int) and 0 <= one < count])
         named = content.get("label")
-        if isinstance(named, list) and self._on_label and isinstance(named[0], int) and 0 <= named[0] < count:
+        if self._on_label and isinstance(named, list) and isinstance(named[0], int) and 0 <= named[0] < count:
             try:
                 self._on_label(named[0], named[1])
             except (RecordingError, TypeError, ValueError) as error:
                 self.complain(str(error))
             else:
                 self.complain("")
-                self.labels = {**self.labels, str(named[0]): " ".join(named[1].split())}
             self.send({"labelled": named[0]})
         if isinstance(opened, int) and 0 <= opened < count and self._on_open:
             try:

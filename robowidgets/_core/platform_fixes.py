@@ -77,18 +77,25 @@ def run_beside_debugger(thread: Any) -> None:
         thread.pydev_do_not_trace = thread.is_pydev_daemon_thread = True
 
 
-def route_by_message(comm: Any) -> None:
+def route_by_message(comm: Any, *, with_traits: bool = True) -> None:
     """Have a widget's comm handle messages of the page beside a running cell, so that Stop does not wait for the cell.
 
     JupyterLab has a subshell for widgets, a thread beside the main one, and names it in each message. ipykernel 7.1 to
     7.3 handle the message there. ipykernel 7.4 handles it in the shell from which the widget last sent something. That
     is nearly always the main one, where the message waits for the end of the cell. The fix makes one comm use the name
-    in the message instead; its handlers must be safe in any thread. ipykernel 6 has no subshells.
+    in the message instead; its handlers must be safe in any thread. ipykernel 6 has no subshells. Without
+    ``with_traits``, changes of traits, which functions of the user may observe, stay where ipykernel handles them.
 
     Needed for ipykernel >=7.4: https://github.com/ipython/ipykernel/blob/main/ipykernel/comm/comm.py
     """
     if ENABLED and hasattr(comm, "_reply_subshell_for"):
-        comm._reply_subshell_for = lambda _data, named_by_message: named_by_message
+        usual = comm._reply_subshell_for
+
+        def shell_for(data: Any, named_by_message: Any) -> Any:
+            is_routed = with_traits or (isinstance(data, dict) and data.get("method") == "custom")
+            return named_by_message if is_routed else usual(data, named_by_message)
+
+        comm._reply_subshell_for = shell_for
 
 
 def call_on_interrupt(call: Callable[[], None]) -> None:

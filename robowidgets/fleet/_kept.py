@@ -48,7 +48,7 @@ def states_of(paths: Iterable[Path | str]) -> dict[str, RecordingState]:
         ask()
     else:
         for _ in range(min(_AT_ONCE, len(urls))):
-            Thread(target=ask, name="robowidgets: states of recordings", daemon=True).start()
+            Thread(target=ask, name="robowidgets-states", daemon=True).start()
     try:
         told = dict(answers.get() for _ in urls)
     finally:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Mapping, Sequence
+from pathlib import Path
 from typing import Any
 
 import ipywidgets
@@ -12,6 +13,8 @@ from .._core.cells import close_all, take_the_place
 from .._core.text import many
 from ..player.player import Player
 from ..recording import open as open_recording
+from ..recordings.labels import SHORTEST, Label, LabelFile
+from ..recordings.remote import is_url
 from ..recordings.times import has_date
 from ..search.base import Condition
 from ..sheet_widget import SheetFile, SheetWidget
@@ -19,8 +22,8 @@ from ._fleet_table import Unread, short
 from ._hit import Hit
 from ._picture_sender import PictureSender
 
-_SHORTEST = 1e-3
-"""Seconds of the span of a label, at least: an event takes none."""
+_SAME = 1e-6
+"""Seconds by which two times of one moment differ at most."""
 
 
 class Sheet(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
@@ -94,6 +97,7 @@ class Sheet(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
             "silent": [", ".join(hit.silent) for hit in hits],
         }
         unread_files = [SheetFile(one.file, names.get(one.file, one.file), one.problem, False) for one in unread]
+        self._read_labels()
         self.widget.show(columns, [*there, *unread_files], topics, total=len(files), done=done)
         self._sender.set_hits(hits)
 
@@ -130,6 +134,7 @@ class Sheet(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
                     recording.close()
                     raise
                 self.player, self._file_of_player = new, hit.file
+                new.bar.observe(self._read_labels, "labels")
                 self.children = [self.widget, new]
                 if player is not None:
                     close_all(player)
@@ -138,18 +143,40 @@ class Sheet(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
             self.player.seek(hit.moment)
 
     def label_hit(self, number: int, name: str) -> None:
-        """Give the span of a hit a name, which is kept beside its recording: see `Recording.label`.
+        """Give the span of a hit a name, which is kept beside its recording, in place of the one that it has.
 
         Args:
             number: of the hit.
-            name: such as ``"door"``.
+            name: such as ``"door"``; empty: it has none any more.
 
         Raises:
-            TypeError, ValueError: no name. RecordingError: it cannot be kept there.
+            TypeError, ValueError: no name. RecordingError: it cannot be kept there. See `Recording.label`.
         """
         hit = self._hits[number]
         with open_recording(hit.file) as recording:
-            recording.label(name, hit.start, max(hit.end, hit.start + _SHORTEST))
+            before = _label_of(hit, recording.labels)
+            named = recording.label(name, hit.start, max(hit.end, hit.start + SHORTEST)) if name else None
+            if before and before != named:
+                recording.remove_label(before)
+        with self._opening:
+            if self.player is not None and self._file_of_player == hit.file:
+                self.player.read_labels()
+        self._read_labels()
+
+    def _read_labels(self, _change: Any = None) -> None:
+        """Show the names that spans of hits have beside their recordings by now."""
+        of_folder: dict[Path, dict[str, list[Label]]] = {}
+        labels = {}
+        for number, hit in enumerate(self._hits):
+            if is_url(hit.file):
+                continue
+            path = Path(hit.file)
+            if path.parent not in of_folder:
+                of_folder[path.parent], _ = LabelFile(path.parent).read()
+            label = _label_of(hit, of_folder[path.parent].get(path.name, ()))
+            if label:
+                labels[str(number)] = label.label
+        self.widget.labels = labels
 
     def close(self) -> None:
         """Remove everything from the page."""
@@ -171,3 +198,10 @@ class Sheet(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
 
     def _start_anew(self) -> None:
         self._sender.start_anew()
+
+
+def _label_of(hit: Hit, labels: Sequence[Label]) -> Label | None:
+    """The name of the span of a hit that was given last; None: it has none."""
+    end = max(hit.end, hit.start + SHORTEST)
+    same = [one for one in labels if abs(one.start - hit.start) < _SAME and abs(one.end - end) < _SAME]
+    return same[-1] if same else None

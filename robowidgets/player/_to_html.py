@@ -160,7 +160,9 @@ def _models(
 ) -> Models:
     models = Models()
     bar = player.bar
-    marks = [mark for mark in bar.marks if mark[0] <= span[1] and mark[1] >= span[0]]
+    marks, labels = (
+        [one for one in named if one[0] <= span[1] and one[1] >= span[0]] for named in (bar.marks, bar.labels)
+    )
     time = bar.time if span[0] <= bar.time <= span[1] else span[0]
     for view in player.views:
         changed: dict[str, Any] = {"_frame": b"", "_about": {}, "_source": {}, "_silence": 0.0}
@@ -175,6 +177,7 @@ def _models(
         bar,
         {
             **shown_at,
+            "labels": labels,
             # The scanogram shows all rows.
             "states": bar.states[: 1 if picture else None],
             "playing": False,

@@ -42,6 +42,7 @@ from ..player_widget import PlayerWidget
 from ..poses.places import WITHIN, Places
 from ..recordings import RecordingData
 from ..recordings.data import NO_SENSOR
+from ..recordings.labels import SHORTEST
 from ..recordings.odometry import places_of
 from ..recordings.times import has_date
 from ..recordings.topics import UnknownTopicError, shown, wanted
@@ -289,6 +290,7 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
             _start=start_ns / 1e9 if has_date(start_ns) else None,
             _note=note,
             marks=marks_of(touch_marks(self.recording, touching), event_marks(self.recording)),
+            labels=_labels(self.recording),
             # The scanogram shows all rows.
             states=rows_of(self.recording.states)[: 1 if self.scanogram else None],
             **self._of_views(seconds),
@@ -482,6 +484,31 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
             ahead.point(content["pointed"])
         elif "step" in content:
             self._step(*content["step"])
+        elif "label" in content:
+            self._label(content["label"])
+
+    def _label(self, asked: Any) -> None:
+        """Give a span a name, take one away, or both: the new one and the old, of which one may be None."""
+        problem = ""
+        try:
+            new, old = asked
+            with self._seeking:
+                gone = [one for one in self.recording.labels if old and [one.start, one.end, one.label] == old]
+                if new is not None:
+                    start, end, name = new
+                    named = self.recording.label(name, start, max(end, start + SHORTEST))
+                    gone = [label for label in gone if label != named]
+                for label in gone:
+                    self.recording.remove_label(label)
+                self.read_labels()
+        except (RecordingError, TypeError, ValueError) as error:
+            problem = str(error)
+        self.bar.send({"labelled": asked, "problem": problem})
+
+    def read_labels(self) -> None:
+        """Show the labels as they are beside the recording by now."""
+        with self._seeking:
+            self.bar.labels = _labels(self.recording)
 
     def _step(self, seconds: float, direction: int) -> None:
         """Go from a time to the next or previous sample of the first widget, which may be an hour away."""
@@ -527,6 +554,11 @@ def _select(scanogram: ScanogramWidget, change: Any) -> None:
     selected = scanogram.selection
     if change["new"] != (selected and selected[:2]):
         scanogram.selection = change["new"]
+
+
+def _labels(recording: RecordingData) -> list[tuple[float, float, str]]:
+    """The labels of a recording as marks."""
+    return [(one.start, one.end, one.label) for one in recording.labels]
 
 
 def _check(recording: RecordingData, entries: Sequence[Entry]) -> None:

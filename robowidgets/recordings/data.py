@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Collection, Iterable, Iterator, Sequence
+from contextlib import contextmanager
 from datetime import datetime
 from pathlib import Path
 from types import TracebackType
@@ -408,13 +409,13 @@ class RecordingData:
     @property
     def labels(self) -> tuple[Label, ...]:
         """The spans that people gave a name, by `label` or on a contact sheet: label, start and end in seconds."""
-        found, problems = LabelFile(self.path).read()
+        found, problems = LabelFile(self.path.parent).read()
         self._label_problems = [
             Problem(line, "the others are read; mend the line, or take it out") for line in problems
         ]
-        return tuple(found)
+        return tuple(found.get(self.path.name, ()))
 
-    def label(self, name: str, start: float, end: float) -> None:
+    def label(self, name: str, start: float, end: float) -> Label:
         """Give a span a name. It is kept in ``labels.jsonl`` beside the recording, a line of JSON for each.
 
         Args:
@@ -427,14 +428,35 @@ class RecordingData:
         """
         named = to_name(name)
         first, last = time_span("label", (start, end))
-        if self.url is not None:
-            raise RecordingError(f"{self.path.name} is a copy of {self.url}, which has no place for labels beside it")
         start_ns = self.start_ns or 0
         marked = Label(named, first, last, start_ns + round(first * 1e9), start_ns + round(last * 1e9))
+        with self._writing_labels("kept") as file:
+            file.add(self.path.name, marked)
+        return marked
+
+    def remove_label(self, label: Label) -> None:
+        """Take a name from a span. The file says so in a line of its own, so that the earlier line is not lost.
+
+        Args:
+            label: one of `labels`.
+
+        Raises:
+            ValueError: the recording has no such label. RecordingError: the labels cannot be written there.
+        """
+        if label not in self.labels:
+            raise ValueError(f"label: {self.path.name} has no {label!r}")
+        with self._writing_labels("taken away") as file:
+            file.remove(self.path.name, label)
+
+    @contextmanager
+    def _writing_labels(self, done: str) -> Iterator[LabelFile]:
+        """The file of the labels; what keeps it from being written becomes a RecordingError."""
+        if self.url is not None:
+            raise RecordingError(f"{self.path.name} is a copy of {self.url}, which has no place for labels beside it")
         try:
-            LabelFile(self.path).add(marked)
+            yield LabelFile(self.path.parent)
         except OSError as error:
-            raise RecordingError(f"{self.path.name}: the label is not kept: {error.strerror or error}") from None
+            raise RecordingError(f"{self.path.name}: the label is not {done}: {error.strerror or error}") from None
 
     @property
     def states(self) -> tuple[StateSpan, ...]:

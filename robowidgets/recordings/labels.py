@@ -6,10 +6,17 @@ import json
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from ..samples.time_span import time_span
+
 FILE = "labels.jsonl"
 """The name of the file, in the folder of the recording."""
 
 MOST_TEXT = 200
+
+SHORTEST = 1e-3
+"""Seconds of a span with a name, at least, where a person names a moment."""
+
+_REMOVED = "removed"
 
 
 class Label(NamedTuple):
@@ -26,43 +33,49 @@ class LabelFile:
     """The labels of the recordings of a folder. A line that was cut, or is of no use, stays, and is told.
 
     Args:
-        recording: the path of one of them.
+        folder: the folder.
     """
 
-    def __init__(self, recording: Path) -> None:
-        self.path = recording.parent / FILE
-        self._name = recording.name
+    def __init__(self, folder: Path) -> None:
+        self.path = folder / FILE
 
-    def read(self) -> tuple[list[Label], list[str]]:
-        """The labels of the recording by time, without those of equal spans and names, and lines on what is wrong."""
-        found: dict[Label, None] = {}
+    def read(self) -> tuple[dict[str, list[Label]], list[str]]:
+        """The labels of each recording by time, those of equal spans and names once, and lines on what is wrong."""
+        found: dict[str, dict[Label, None]] = {}
         problems = []
         try:
             lines = self.path.read_bytes().splitlines()
         except FileNotFoundError:
-            return [], []
+            return {}, []
         except OSError as error:
-            return [], [f"labels: {self.path.name} cannot be read: {error.strerror or error}"]
+            return {}, [f"labels: {self.path.name} cannot be read: {error.strerror or error}"]
         for number, line in enumerate(lines, start=1):
             if not line.strip():
                 continue
             try:
                 one = json.loads(line)
-                label = Label(
-                    str(one["label"]), float(one["start"]), float(one["end"]), int(one["start_ns"]), int(one["end_ns"])
-                )
-                if one["file"] == self._name:
-                    found[label] = None
-            except (ValueError, KeyError, TypeError):
+                start, end = time_span("label", [one["start"], one["end"]])
+                label = Label(to_name(one["label"]), start, end, int(one["start_ns"]), int(one["end_ns"]))
+                there = found.setdefault(str(one["file"]), {})
+                there.pop(label, None)
+                if not one.get(_REMOVED):
+                    there[label] = None
+            except (ValueError, KeyError, TypeError, AttributeError):
                 problems.append(f"labels: line {number} of {self.path.name} is no label")
-        return sorted(found, key=lambda one: one.start_ns), problems
+        return {name: sorted(labels, key=lambda one: one.start_ns) for name, labels in found.items()}, problems
 
-    def add(self, label: Label) -> None:
-        """Add a label; OSError if the file cannot be written."""
-        line = json.dumps({"file": self._name, **label._asdict()}, ensure_ascii=False)
+    def add(self, file: str, label: Label) -> None:
+        """Add a label of a recording; OSError if the file cannot be written."""
+        self._write({"file": file, **label._asdict()})
+
+    def remove(self, file: str, label: Label) -> None:
+        """Take a label of a recording away; OSError if the file cannot be written."""
+        self._write({"file": file, **label._asdict(), _REMOVED: True})
+
+    def _write(self, line: dict[str, Any]) -> None:
         # One write at the end of the file: another program may write to it, too, or have been cut off in a line.
         with self.path.open("ab", buffering=0) as file:
-            file.write(f"\n{line}\n".encode())
+            file.write(f"\n{json.dumps(line, ensure_ascii=False)}\n".encode())
 
 
 def to_name(value: Any) -> str:

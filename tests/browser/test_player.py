@@ -7,6 +7,7 @@ import re
 from collections.abc import Callable
 from itertools import pairwise
 from pathlib import Path
+from shutil import copy
 from typing import Any
 
 import pytest
@@ -280,6 +281,72 @@ def test_where_pointer_or_finger_rests_a_click_shows_at_once_also_while_a_cell_r
         assert bar(nb).locator(".rw-play-words").text_content() == ""
 
 
+def test_a_span_gets_a_name_by_keys_or_by_a_click_and_loses_it_and_a_busy_kernel_is_told_of(
+    plain_page: Open, tmp_path: Path
+) -> None:
+    path = robot.write(tmp_path / "drive")
+    nb = opened(plain_page, path, width=1280, height=720)
+    player, press = bar(nb), nb.page.keyboard.press
+    lane, words, field = (player.locator(one) for one in (".rw-play-label", ".rw-play-words", ".rw-naming > input"))
+    # Where it begins, and where it ends.
+    nb.python("player.time = 3")
+    expect(player.locator(".rw-play-now")).to_have_text("3.00")
+    player.locator(".rw-play").focus()
+    press("a")
+    expect(words).to_contain_text("from 3.00 s on")
+    press("ArrowRight")
+    shoot(player, "player_label_begun")
+    press("a")
+    expect(player.locator(".rw-naming-about")).to_have_text("3.00 to 4.00 s")
+    nb.page.keyboard.type("<b>door</b>")
+    shoot(player, "player_label_name")
+    press("Enter")
+    expect(lane).to_have_text(["<b>door</b>"])
+    expect(player.locator(".rw-play")).to_be_focused()
+    assert nb.python("[one[:3] for one in recording.labels]").strip() == "[('<b>door</b>', 3.0, 4.0)]"
+    # The selected span, by click, while a cell runs: the page says that it will be kept, and shows it until then.
+    nb.python("player.selection = (5, 9)")
+    with nb.busy():
+        player.get_by_title("Give a name to the selected span").click()
+        field.fill("corridor")
+        player.get_by_role("button", name="Keep").click()
+        expect(words).to_contain_text("\u201ccorridor\u201d is kept when the running cell ends")
+        expect(player.locator(".rw-coming")).to_have_text("corridor")
+        shoot(player, "player_label_busy")
+    expect(player.locator(".rw-coming")).to_have_count(0)
+    expect(lane).to_have_text(["corridor", "<b>door</b>"])
+    # They are among the marks; a click goes there, and renames it, or takes it away.
+    player.locator(".rw-play-mark-words").click()
+    expect(player.locator(".rw-play-row", has_text="\u201ccorridor\u201d")).to_have_count(1)
+    player.locator(".rw-play-mark-words").click()
+    lane.first.click()
+    expect(player.locator(".rw-play-now")).to_have_text("5.00")
+    field.fill("long corridor")
+    press("Enter")
+    expect(lane).to_have_text(["long corridor", "<b>door</b>"])
+    lane.last.focus()
+    press("Delete")
+    expect(lane).to_have_text(["long corridor"])
+    # Its span is selected: naming it again takes it back.
+    player.locator(".rw-play").focus()
+    press("a")
+    expect(player.locator(".rw-naming-about")).to_have_text("3.00 to 4.00 s")
+    press("Escape")
+    lane.first.click()
+    player.get_by_role("button", name="Remove").click()
+    expect(lane).to_have_count(0)
+    # What cannot be kept stands in the row again, with the reason.
+    nb.python(
+        "import pathlib; p = recording.path.parent / 'labels.jsonl'; p.unlink(); p.mkdir(); player.selection = (1, 2)"
+    )
+    player.locator(".rw-play").focus()
+    press("a")
+    field.fill("door")
+    press("Enter")
+    expect(player.locator(".rw-naming-about")).to_contain_text("the label is not kept")
+    expect(field).to_have_value("door")
+
+
 def test_what_is_of_another_moment_is_pale_until_its_data_come(
     plain_page: Open, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -443,8 +510,8 @@ def test_a_first_look_is_there_though_the_kernel_is_busy_at_once(notebook: Open)
         nb.wait(1)
 
 
-def test_while_a_cell_runs_it_plays_steps_points_and_seeks(notebook: Open) -> None:
-    nb = opened(notebook, Path(robowidgets.SAMPLE), width=1280, height=720)
+def test_while_a_cell_runs_it_plays_steps_points_seeks_and_keeps_a_name(notebook: Open, tmp_path: Path) -> None:
+    nb = opened(notebook, Path(copy(robowidgets.SAMPLE, tmp_path)), width=1280, height=720)
     wait_for(lambda: nb.python("len(player._prefetcher._sent) == 59") == "True", "all segments were sent", 120)
     busy = nb.append(BUSY)
     nb.start(busy)
@@ -507,6 +574,16 @@ def test_while_a_cell_runs_it_plays_steps_points_and_seeks(notebook: Open) -> No
         bar(nb).locator(focused).focus()
         nb.page.keyboard.press("x")
     expect(nb.page.locator(".jp-Cell"), "no key reached the notebook").to_have_count(3)
+    # A name is kept beside the recording meanwhile.
+    bar(nb).locator(".rw-play").focus()
+    for key in ("a", "ArrowRight", "a"):
+        nb.page.keyboard.press(key)
+    bar(nb).locator(".rw-naming > input").fill("door")
+    nb.page.keyboard.press("Enter")
+    expect(bar(nb).locator(".rw-play-label:not(.rw-coming)")).to_have_text("door")
+    with robowidgets.open(tmp_path / Path(robowidgets.SAMPLE).name) as recording:
+        assert [one.label for one in recording.labels] == ["door"]
+    stepped = now(nb)
     nb.interrupt()
     with pytest.raises(CellError, match="KeyboardInterrupt"):
         nb.wait(busy)

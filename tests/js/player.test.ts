@@ -125,6 +125,7 @@ async function play(values: Record<string, unknown> = {}, segments = [0, 1, 2]) 
     loop: false,
     selection: null,
     marks: [],
+    labels: [],
     _segment: 1,
     _begin: 0,
     _first: [],

@@ -9,6 +9,7 @@ import { StateBand } from "../shared/states/band.ts";
 import { statesAt, toWords } from "../shared/states/states.ts";
 import { followTheme, type Theme } from "../shared/theme.ts";
 import { actionOf, isBarsAlone, SPEEDS, usesItself } from "./keys.ts";
+import { Labels } from "./labels.ts";
 import { MarkList } from "./mark_list.ts";
 import type { Playback } from "./playback.ts";
 import type { PlayerTraits } from "./traits.ts";
@@ -41,6 +42,7 @@ export class PlayerBar {
   readonly #list: MarkList;
   readonly #track = make("div", "rw-play-line");
   readonly #states: StateBand;
+  readonly #labels: Labels;
   readonly #theme: () => Theme;
   #drawn: unknown[] = [];
   #icon = "";
@@ -64,7 +66,8 @@ export class PlayerBar {
     const onPick = (time: number) => playback.seek(time);
     const onPoint = (time: number | null) => playback.point(time);
     this.#states = new StateBand("rw-play-states", 0, { onPick, onPoint }, draw, signal);
-    track.append(this.#marks, this.#slider, this.#words, this.#states.root);
+    this.#labels = new Labels(model, playback, draw, signal);
+    track.append(this.#marks, this.#slider, this.#words, this.#labels.lane, this.#states.root);
     const toMark = (direction: -1 | 1) => () => playback.toMark(direction);
     this.#list = new MarkList((time) => playback.seek(time), signal);
     on(this.#list.toggle, "click", () => this.#draw(), signal);
@@ -73,7 +76,8 @@ export class PlayerBar {
       makeButton("rw-step", "To the mark before (p)", toMark(-1), signal, "p"),
       makeButton("rw-step", "To the next mark (n)", toMark(1), signal, "n"),
     );
-    const end = [this.#walk, this.#speed, this.#loop, this.#note, this.#list.rows];
+    const { button, row } = this.#labels;
+    const end = [this.#walk, this.#speed, this.#loop, button, this.#note, row.root, this.#list.rows];
     this.#root.append(back, this.#play, forth, this.#moment, track, ...end);
     this.#root.tabIndex = -1;
     on(this.#root, "keydown", (event) => this.#onKey(event), signal);
@@ -123,11 +127,13 @@ export class PlayerBar {
   }
 
   #onKey(event: KeyboardEvent): void {
-    const action = isPlain(event) && actionOf(event.key, event.shiftKey);
-    if (!action || usesItself(event.target as HTMLElement, event.key)) return;
+    if (!isPlain(event) || usesItself(event.target as HTMLElement, event.key)) return;
+    const action = actionOf(event.key, event.shiftKey);
+    if (action) action(this.#playback, this.#model);
+    else if (event.key === "a") this.#labels.press();
+    else if (event.key !== "Escape" || !this.#labels.cancel()) return;
     event.preventDefault();
     event.stopPropagation();
-    action(this.#playback, this.#model);
   }
 
   #draw(): void {
@@ -145,7 +151,10 @@ export class PlayerBar {
     const active = statesAt(states, shown).map(([, , path]) => toWords(path));
     const state = active.length ? `, ${active.at(-1)}` : "";
     set(this.#slider, "ariaValueText", `${toFixed(shown, DECIMALS)} of ${toFixed(duration, DECIMALS)} seconds${state}`);
-    this.#track.classList.toggle("rw-play-with-states", states.length > 0);
+    this.#labels.update(begin, duration);
+    const hasLabels = !this.#labels.lane.hidden;
+    this.#track.classList.toggle("rw-play-with-states", states.length > 0 || hasLabels);
+    setHeld(this.#root, "labels", hasLabels);
     setHeld(this.#root, "states", states.length > 0);
     this.#states.update(states, [begin, duration], shown, this.#theme());
     const icon = playing ? PAUSE : PLAY;
@@ -160,13 +169,13 @@ export class PlayerBar {
     const [from, to] = (held ?? []).map((time) => toMinutes(time, 0, duration));
     const part = held && `${NO_KERNEL}: it has ${from} to ${to}${duration < MINUTE ? " s" : ""}`;
     const waiting = waits ? (part ?? "waiting for the kernel") : "";
-    setText(this.#words, this.#model.get("_status") || waiting || this.#playback.lost);
+    setText(this.#words, this.#model.get("_status") || waiting || this.#labels.words || this.#playback.lost);
     // They leave the knob free.
     this.#words.classList.toggle("rw-left", shown - begin > (duration - begin) / 2);
     setText(this.#note, this.#model.get("_note"));
     this.#drawSpeed();
     this.#drawMarks(begin, duration);
-    const marks = this.#model.get("marks");
+    const { marks } = this.#playback;
     setHidden(this.#walk, marks.length === 0);
     this.#list.update(marks, shown);
   }

@@ -1,6 +1,6 @@
 import { toBytes } from "../shared/bytes.ts";
 import { onAbort } from "../shared/events.ts";
-import { markBeside } from "../shared/marks.ts";
+import { type Mark, markBeside } from "../shared/marks.ts";
 import { lacksKernel, type Model, onChange, onMessage, setTraits } from "../shared/model.ts";
 import { perAnimationFrame, throttle } from "../shared/schedule.ts";
 import type { Span } from "../shared/time_axis.ts";
@@ -45,6 +45,7 @@ export class Playback {
   #ray: number | null = null;
   /** Whether the player that this one follows is at no place of this recording. */
   #isLost = false;
+  #joined: { of: Mark[][]; marks: Mark[] } = { of: [], marks: [] };
   #last = 0;
   /** Whether the segment of the moment on show is missing. */
   #lacks = true;
@@ -214,9 +215,22 @@ export class Playback {
     if (to !== null) this.#goTo(to, true);
   }
 
+  /** Marks, and spans that have a name, by their starts. */
+  get marks(): Mark[] {
+    const [marks, labels] = [this.#model.get("marks"), this.#model.get("labels")];
+    if (!labels.length) return marks;
+    const [ofMarks, ofLabels] = this.#joined.of;
+    // The same array while both are the same: there may be thousands, and this runs in every frame while it plays.
+    if (ofMarks !== marks || ofLabels !== labels) {
+      const named = labels.map(([start, end, name]): Mark => [start, end, `\u201c${name}\u201d`]);
+      this.#joined = { of: [marks, labels], marks: [...marks, ...named].sort(([a], [b]) => a - b) };
+    }
+    return this.#joined.marks;
+  }
+
   /** To the start of the next mark, or of the one before. */
   toMark(direction: -1 | 1): void {
-    const found = markBeside(this.#model.get("marks"), this.#time, direction);
+    const found = markBeside(this.marks, this.#time, direction);
     if (found !== undefined) this.seek(found);
   }
 

@@ -12,6 +12,8 @@ export interface PlayerTraits {
   loop: boolean;
   selection: [number, number] | null;
   marks: Mark[];
+  /** Spans to which people gave a name. */
+  labels: Mark[];
   /** Rows of states below the slider, outer machines first. */
   states: StateSpan[][];
   /** Seconds of a segment. */

@@ -15,12 +15,15 @@ export interface Standing {
   isPicked: boolean;
   isFalse: boolean;
   isOpen: boolean;
+  /** The name of its span; empty: it has none. */
+  label: string;
 }
 
 /** What shows one moment: a tile or a row, which is used again for another where it is scrolled away. */
 export abstract class Item {
   readonly element: HTMLElement;
   moment: Moment | null = null;
+  protected readonly label = make("span", "rw-sheet-label");
   /** Whether it has to be painted. */
   isStale = true;
   #at = "";
@@ -38,12 +41,13 @@ export abstract class Item {
       this.element.dataset.number = String(moment.number);
       this.write(moment);
     }
-    const { isPicked, isFalse, isOpen, place, count } = standing;
+    const { isPicked, isFalse, isOpen, place, count, label: name } = standing;
+    setText(this.label, name);
     this.element.classList.toggle("rw-picked", isPicked);
     this.element.classList.toggle("rw-false", isFalse);
     this.element.classList.toggle("rw-open", isOpen);
     const value = moment.nearest === null ? "" : `${moment.nearest.toFixed(2)} metres at index ${moment.index}`;
-    const words = [value, moment.file, `${moment.time.toFixed(1)} seconds`, `${place + 1} of ${count}`];
+    const words = [name, value, moment.file, `${moment.time.toFixed(1)} seconds`, `${place + 1} of ${count}`];
     const label = [...words, isFalse ? "false find" : ""].filter(Boolean).join(", ");
     if (this.element.ariaLabel !== label) this.element.ariaLabel = label;
     if (this.element.ariaSelected !== String(isPicked)) this.element.ariaSelected = String(isPicked);
@@ -81,7 +85,7 @@ export class Tile extends Item {
   constructor() {
     super("rw-sheet-tile");
     this.#canvas = new Canvas(this.element);
-    this.element.append(this.#value, this.#index, this.#file, this.#time);
+    this.element.append(this.#value, this.#index, this.#file, this.#time, this.label);
   }
 
   protected override write({ nearest, index, file, path, time, silent }: Moment): void {
@@ -106,11 +110,13 @@ export class Row extends Item {
   readonly #cells = COLUMNS.map(({ name, isNumber }) =>
     make("span", `rw-sheet-cell rw-sheet-of-${name}${isNumber ? " rw-sheet-number" : ""}`),
   );
-  readonly #words = make("span", "rw-sheet-cell rw-sheet-words");
+  readonly #words = make("span", "");
 
   constructor() {
     super("rw-sheet-row");
-    this.element.append(...this.#cells, this.#words);
+    const last = make("span", "rw-sheet-cell rw-sheet-words");
+    last.append(this.label, this.#words);
+    this.element.append(...this.#cells, last);
   }
 
   protected override write(moment: Moment): void {

@@ -4,6 +4,7 @@ import { make, makeButton, setHidden, setText } from "../shared/dom.ts";
 import { isPlain, on, onAbort } from "../shared/events.ts";
 import { toShortMetres } from "../shared/format.ts";
 import { lacksKernel, type Model, NO_KERNEL, onChange, onMessage, setTraits } from "../shared/model.ts";
+import { NameRow } from "../shared/naming.ts";
 import { offerPng } from "../shared/png.ts";
 import { perAnimationFrame, throttle } from "../shared/schedule.ts";
 import type { Cut } from "./draw.ts";
@@ -65,7 +66,7 @@ export class SheetView {
   readonly #open: HTMLButtonElement;
   readonly #copy: CopyCode;
   readonly #label: HTMLButtonElement;
-  readonly #name = make("input", "rw-sheet-name");
+  readonly #name: NameRow;
   readonly #odd = make("div", "rw-sheet-odd");
   readonly #foot = [make("span", ""), make("span", "rw-sheet-legend")] as const;
   readonly #sorts = new Map<Column, HTMLButtonElement>();
@@ -94,6 +95,8 @@ export class SheetView {
   #pointed: Moment | null = null;
   #asked: string = "";
   #waits: number | null = null;
+  /** The moment whose name the kernel has not kept yet, and that name; empty: it takes it away. */
+  #named: [number, string] | null = null;
   #isBusy = false;
   #timer: ReturnType<typeof setTimeout> | undefined;
   #isTouch = false;
@@ -124,11 +127,10 @@ export class SheetView {
       "Open here",
     );
     this.#label = makeButton("rw-sheet-named", "Give the span a name (L)", () => this.#askName(), signal, "Label");
-    this.#name.placeholder = "name, then Enter";
-    this.#name.ariaLabel = "name of the span";
-    this.#name.hidden = true;
-    on(this.#name, "keydown", (event) => this.#onNameKey(event), signal);
-    this.#bar.append(this.#code, this.#said, this.#name, this.#label, this.#copy.row, this.#open, this.#copy.field);
+    const naming = { onName: (name: string) => this.#sendName(name), onRemove: () => this.#sendName("") };
+    this.#name = new NameRow("name of the span", naming, signal);
+    const parts = [this.#code, this.#said, this.#label, this.#copy.row, this.#open, this.#copy.field, this.#name.root];
+    this.#bar.append(...parts);
     footer.before(this.#bar, this.#odd);
     footer.append(...this.#foot);
     const sorts = make("span", "rw-sheet-sorts");
@@ -197,7 +199,14 @@ export class SheetView {
       this.#card.redraw,
       signal,
     );
-    onMessage(model, ({ opened }: { opened?: number }) => opened !== undefined && this.#onOpened(), signal);
+    onMessage(
+      model,
+      ({ opened, labelled }: { opened?: number; labelled?: number }) => {
+        if (opened !== undefined) this.#onOpened();
+        if (labelled === this.#named?.[0]) this.#onNamed();
+      },
+      signal,
+    );
     pictures.listen(() => {
       for (const item of this.#items.values()) item.isStale ||= !item.element.dataset.painted;
       this.#paint();
@@ -326,12 +335,17 @@ export class SheetView {
       .filter(Boolean)
       .join(", ");
     const waits = this.#waits !== null;
-    const busy = waits && this.#isBusy ? "the kernel is busy: it opens when the cell ends" : waits ? "opens …" : "";
+    const [, given] = this.#named ?? [];
+    const isKept = given ? `\u201c${given}\u201d is kept` : "the name is taken away";
+    const does = waits ? "it opens" : isKept;
+    const isAsked = waits || this.#named !== null;
+    const busy = isAsked && this.#isBusy ? `the kernel is busy: ${does} when the cell ends` : waits ? "opens …" : "";
     setText(this.#said, busy || status || (moment ? facts : "click a moment to open it, x marks a false find"));
     this.#said.classList.toggle("rw-error", Boolean(!busy && status));
     setHidden(this.#copy.row, !moment);
+    const isAlone = lacksKernel(this.#model);
     setHidden(this.#open, !moment);
-    setHidden(this.#label, !moment);
+    setHidden(this.#label, !moment || isAlone);
   }
 
   #drawOdd(odd: OddFile[]): void {
@@ -431,6 +445,7 @@ export class SheetView {
     }
     const [picked, opened] = [this.#model.get("picked"), this.#model.get("_opened")];
     const wrong = new Set(this.#model.get("false_finds"));
+    const labels = this.#model.get("labels");
     const total = this.#order.length;
     for (let place = first; place < stop; place++) {
       const moment = this.#order[place] as Moment;
@@ -447,6 +462,7 @@ export class SheetView {
         isPicked: number === picked,
         isFalse: wrong.has(number),
         isOpen: number === opened,
+        label: labels[number] ?? "",
       });
       if (item.isStale) delete item.element.dataset.painted;
       item.element.id ||= `rw-sheet-${Math.random().toString(36).slice(2)}`;
@@ -613,11 +629,16 @@ export class SheetView {
     }
     if (moment.number !== this.#model.get("picked")) this.#pick(moment);
     this.#waits = moment.number;
-    this.#isBusy = false;
     this.#model.send({ open: moment.number });
+    this.#wait();
+  }
+
+  /** Says after a while that the kernel is busy, if it has not answered. */
+  #wait(): void {
+    this.#isBusy = false;
     clearTimeout(this.#timer);
     this.#timer = setTimeout(() => {
-      this.#isBusy = this.#waits !== null;
+      this.#isBusy = this.#waits !== null || this.#named !== null;
       this.#drawBar();
     }, BUSY_MS);
     this.#drawBar();
@@ -627,23 +648,31 @@ export class SheetView {
   #askName(): void {
     const moment = this.#shown;
     if (!moment) return;
+    if (lacksKernel(this.#model)) {
+      setText(this.#said, NO_KERNEL);
+      return;
+    }
     this.#pick(moment);
-    this.#name.hidden = false;
-    this.#name.value = this.#model.get("labels")[moment.number] ?? this.#name.value;
-    this.#name.focus();
-    this.#name.select();
+    const labels = this.#model.get("labels");
+    this.#name.open("", labels[moment.number] ?? "", Object.values(labels));
   }
 
-  #onNameKey(event: KeyboardEvent): void {
-    event.stopPropagation();
+  #sendName(name: string): void {
     const picked = this.#model.get("picked");
-    if (event.key !== "Enter" && event.key !== "Escape") return;
-    event.preventDefault();
-    this.#name.hidden = true;
-    this.#scroll.focus({ preventScroll: true });
-    if (event.key === "Enter" && picked !== null && this.#name.value.trim()) {
-      this.#model.send({ label: [picked, this.#name.value] });
-    }
+    if (picked === null) return;
+    this.#named = [picked, name];
+    this.#model.send({ label: this.#named });
+    this.#wait();
+  }
+
+  #onNamed(): void {
+    const [number, name] = this.#named ?? [0, ""];
+    this.#named = null;
+    // Nothing is lost: what could not be kept stands in the row again.
+    if (this.#model.get("_status") && name && !this.#name.isOpen) {
+      this.#name.open("", this.#model.get("labels")[number] ?? "", [], name);
+    } else this.#card.say([name ? `named ${name}` : "the name is taken away"]);
+    this.#card.redraw();
   }
 
   #onOpened(): void {

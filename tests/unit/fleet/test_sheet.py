@@ -208,8 +208,33 @@ def test_a_name_that_a_person_gives_a_moment_is_kept_beside_its_recording(sheet:
     assert sheet.widget.labels == {"2": "door"}
     with robowidgets.open(hits[2].file) as recording:
         assert [one[:3] for one in recording.labels] == [("door", hits[2].start, hits[2].end)]
-    sheet.widget._on_page(sheet.widget, {"label": [3, " "]}, [])
-    assert "expected a name" in sheet.widget._status
+        sheet.widget._on_page(sheet.widget, {"label": [3, " "]}, [])
+        assert "expected a name" in sheet.widget._status
+        # Another name takes its place, and none takes it away.
+        sheet.widget._on_page(sheet.widget, {"label": [2, "wall"]}, [])
+        assert [one.label for one in recording.labels] == ["wall"]
+        assert sheet.widget._status == ""
+        sheet.widget._on_page(sheet.widget, {"label": [2, ""]}, [])
+        assert recording.labels == ()
+    assert sheet.widget.labels == {}
+
+
+def test_a_sheet_has_the_names_that_spans_were_given_before_and_those_of_its_player(sheet: Sheet, hits: Hits) -> None:
+    with robowidgets.open(hits[1].file) as recording:
+        recording.label("door", hits[1].start, hits[1].end)
+        recording.label("elsewhere", hits[1].start, hits[1].end + 1)
+    again = hits.show()
+    assert again.widget.labels == {"1": "door"}
+    again.open_hit(1)
+    assert again.player is not None
+    bar = again.player.bar
+    assert [name for _, _, name in bar.labels] == ["door", "elsewhere"]
+    door = [hits[1].start, hits[1].end, "door"]
+    again.player._on_page(bar, {"label": [[*door[:2], "wall"], door]}, [])
+    assert again.widget.labels == {"1": "wall"}
+    again.label_hit(1, "")
+    assert [name for _, _, name in bar.labels] == ["elsewhere"]
+    again.close()
 
 
 def test_a_page_of_hits_says_what_would_make_it_smaller_and_leaves_nothing_where_it_is_too_large(

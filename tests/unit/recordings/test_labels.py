@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+from math import nan
 from pathlib import Path
 from shutil import copy
 
@@ -50,6 +52,21 @@ def test_a_search_of_many_recordings_sees_a_label_that_was_given_since(drive: Pa
     assert found() == [("drive.mcap", 12.0)]
 
 
+def test_a_label_that_was_taken_away_is_gone_its_line_stays_and_it_can_be_given_again(drive: Path) -> None:
+    with robowidgets.open(drive) as recording, robowidgets.open(drive) as other:
+        door = recording.label("door", 1.0, 2.0)
+        wall = recording.label("wall", 1.0, 2.0)
+        before = (drive.parent / FILE).read_bytes()
+        other.remove_label(door)
+        assert recording.labels == (wall,)
+        assert list(recording.find(conditions.label("door"))) == []
+        with pytest.raises(ValueError, match="has no Label"):
+            recording.remove_label(door)
+        assert (drive.parent / FILE).read_bytes().startswith(before)
+        recording.label("door", 1.0, 2.0)
+        assert recording.labels == (wall, door)
+
+
 def test_a_damaged_line_is_told_and_stays_and_the_others_are_read(drive: Path) -> None:
     file = drive.parent / FILE
     with robowidgets.open(drive) as recording:
@@ -57,8 +74,12 @@ def test_a_damaged_line_is_told_and_stays_and_the_others_are_read(drive: Path) -
         cut = file.read_bytes() + b'{"file": "drive.mcap", "label": "wi'
         file.write_bytes(cut)
         recording.label("wall", 3.0, 4.0)
+        with file.open("a") as lines:
+            for start, name in ((-1.0, "early"), (nan, "never"), (1.0, " ")):
+                line = {"file": "drive.mcap", "label": name, "start": start, "end": 2.0, "start_ns": 1, "end_ns": 2}
+                lines.write(f"{json.dumps(line)}\n[1]\n")
         assert [one.label for one in recording.labels] == ["door", "wall"]
-        assert any("no label" in line and FILE in line for line in recording.problems)
+        assert sum("no label" in line and FILE in line for line in recording.problems) == 7
     assert file.read_bytes().startswith(cut)
 
 

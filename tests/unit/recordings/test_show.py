@@ -12,6 +12,7 @@ from itertools import count, islice
 from math import isnan, nan
 from pathlib import Path
 from types import SimpleNamespace
+from typing import Any
 
 import pytest
 from comm import get_comm_manager
@@ -74,6 +75,31 @@ def test_each_topic_gets_its_widget_and_a_command_the_bars_of_the_measured_speed
     ]  # fmt: skip
     about = f"{player.recording.path.name}: 0.00 of {player.duration:.2f} s, /scan, /odom, /cmd_vel, /bumper"
     assert repr(player) == f"<Player {about}>"
+
+
+def test_a_span_is_named_renamed_and_loses_its_name_on_the_page_which_hears_what_came_of_it(
+    path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    told: list[Any] = []
+    monkeypatch.setattr(
+        "robowidgets.player_widget.PlayerWidget.send", lambda _self, content, _buffers=None: told.append(content)
+    )
+    with shown(path) as player:
+        door, moment = [3.0, 4.5, "door"], [6.0, 6.0, "here"]
+        player._on_page(player.bar, {"label": [door, None]}, [])
+        player._on_page(player.bar, {"label": [moment, None]}, [])
+        assert player.bar.labels == ((3.0, 4.5, "door"), (6.0, 6.001, "here"))
+        for name in ("door", "wall"):  # the same name again is no change
+            player._on_page(player.bar, {"label": [[3.0, 4.5, name], door]}, [])
+            assert player.bar.labels[0] == (3.0, 4.5, name)
+        player._on_page(player.bar, {"label": [None, [3.0, 4.5, "wall"]]}, [])
+        player._on_page(player.bar, {"label": [[5.0, 5.5, " "], None]}, [])
+        answers = [content for content in told if "labelled" in content]
+        assert [bool(answer["problem"]) for answer in answers] == [False] * 5 + [True]
+        assert [one.label for one in player.recording.labels] == ["here"]
+    with shown(path) as again:
+        assert [name for _, _, name in again.bar.labels] == ["here"]
+    (path.parent / "labels.jsonl").unlink()
 
 
 class TestATopicWithoutAMessage:
