@@ -15,6 +15,7 @@ if in_browser.IN_BROWSER:
 from ._core.renamed import renamed
 from ._core.short_traceback import shorten_tracebacks
 from ._together import together
+from .cloud_widget import CloudWidget
 from .drive_widget import DriveWidget
 from .events_widget import EventsWidget
 from .laser.footprint import Footprint
@@ -25,6 +26,7 @@ from .path_widget import PathWidget
 from .plot_widget import PlotWidget
 from .samples import (
     CameraInfo,
+    Cloud,
     Event,
     MapGrid,
     Range,
@@ -75,6 +77,8 @@ __all__ = [
     "Arrow",
     "CameraInfo",
     "CameraModel",
+    "Cloud",
+    "CloudWidget",
     "DriveWidget",
     "Event",
     "EventsWidget",

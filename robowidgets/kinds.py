@@ -16,11 +16,12 @@ from typing import Any, Protocol
 import numpy as np
 
 from .messages import to_range, to_scan, to_speed, to_touch
+from .messages.cloud import CLOUD_TYPES
 from .messages.event import SAID_TYPES
 from .messages.fields import MessageShape, unwrap
 from .messages.standard import ContactMessages, ToMessage, range_message, scan_message, speed_message
 from .messages.touch import TOUCH_TYPES
-from .samples import Pose, Problem, Range, Ranges, Scan, Speed, Touch
+from .samples import Cloud, Pose, Problem, Range, Ranges, Scan, Speed, Touch
 from .samples.touch_tracker import TouchesBetween
 
 _SAMPLE_FRAMES = "robowidgets.player._frames:SampleFrames"
@@ -322,6 +323,20 @@ EVENTS = Asked(
     every_message=True,
     goes_stale=False,
 )
+CLOUD = Asked(
+    name="cloud",
+    types=CLOUD_TYPES,
+    widget="robowidgets.cloud_widget:CloudWidget",
+    nothing=Cloud(np.empty(0, [(axis, np.float32) for axis in "xyz"])),
+)
+SCAN = Asked(
+    name="scan",
+    types=CLOUD_TYPES,
+    widget="robowidgets.laser_widget:LaserWidget",
+    nothing=LASER.nothing,
+    options=LASER.options,
+)
+"""A band of heights of a cloud, as a laser scan."""
 MESSAGE = Asked(
     name="message",
     widget="robowidgets.message_widget:MessageWidget",
@@ -339,7 +354,7 @@ PLOT = Asked(
     every_message=True,
 )
 
-ASKED: dict[str, Asked] = {row.name: row for row in (PATH, EVENTS, MESSAGE, PLOT)}
+ASKED: dict[str, Asked] = {row.name: row for row in (PATH, EVENTS, CLOUD, SCAN, MESSAGE, PLOT)}
 """By name, the most useful first: widgets that topics have where they are asked for. `add` appends another."""
 
 _RESERVED = ("time_ns", "seconds", "topic")

@@ -12,11 +12,12 @@ import traitlets
 from ._core.base_widget import check_given, refuse_unnamed
 from ._core.front_end import bundle
 from ._core.timed_frame import FRAME_HEADER
-from ._core.traits import Angle, Angles, Flag
+from ._core.traits import Angle, Angles, Band, Flag
 from .laser.ghost import HasGhost
 from .laser.sectors import HasSectors
 from .laser.trail import HasTrail
-from .messages import to_scan
+from .messages import to_cloud, to_scan
+from .messages.cloud import is_cloud
 from .messages.fields import unwrap
 from .samples import Problem, Scan, Validity
 from .samples.age import note_arrival
@@ -103,6 +104,8 @@ class LaserWidget(
             "outside_limits".
         color_by_intensity: whether the intensities colour the dots.
         echo: which echo of each ray is shown of a scanner that sends several: "first", "last" or "strongest".
+        band: of clouds of points, the lower and the upper height in metres of those that are shown as a scan; None:
+            all.
         index_view: whether distance over index stands below the picture, as a program sees the array.
         sectors: kept sectors by name, each drawn with its name; see `sectors`.
         pins: indices of rays by name, each drawn with its name.
@@ -135,7 +138,7 @@ class LaserWidget(
     _keywords = ("sectors", "pins")
     column = "wide"
     sample_name = "scan"
-    frame_traits = ("angle_offset", "echo", "_edition", "trail", "_robot")
+    frame_traits = ("angle_offset", "band", "echo", "_edition", "trail", "_robot")
     judges_frames = True
 
     arc_count = traitlets.Int(
@@ -156,6 +159,7 @@ class LaserWidget(
     marks = traitlets.List(traitlets.Enum(_MARKS), list(_MARKS), help="Marks that are drawn.").tag(sync=True)
     color_by_intensity = Flag(False, help="Whether intensities colour the dots.").tag(sync=True)
     echo = traitlets.Enum(CHOICES, "first", help="Which of several echoes of a ray is shown.").tag(sync=True)
+    band = Band(None, allow_none=True, help="Heights of the points of a cloud that are shown as a scan.").tag(sync=True)
     free_space = Flag(False, help="Whether the ground shows what the scanner has seen to be free.").tag(sync=True)
     index_view = Flag(False, help="Whether distance over index stands below the picture.").tag(sync=True)
     angle_unit = traitlets.Enum(("deg", "rad"), "deg", help="Unit of all angles. Python and the view write it.").tag(
@@ -181,6 +185,7 @@ class LaserWidget(
 
     def __init__(self, **kwargs: Any) -> None:
         self._offset, self._echo = 0.0, "first"
+        self._band: tuple[float, float] | None = None
         sectors, pins = kwargs.pop("sectors", {}), kwargs.pop("pins", {})
         super().__init__(**kwargs)
         try:
@@ -196,7 +201,8 @@ class LaserWidget(
 
         Args:
             message: a sensor_msgs/LaserScan or MultiEchoLaserScan of rclpy, rospy or rosbags, a rosbridge dictionary,
-                or a `Scan`.
+                or a `Scan`; or a `Cloud`, or a message with one, whose points within `band` are shown: the nearest of
+                each half degree.
             *unnamed: refused, with the call that takes numbers by name.
             **fields: instead of a message, its fields: ranges (R metres), angle_min and angle_increment (radians),
                 range_min and range_max (metres), and if there are any intensities (R).
@@ -210,7 +216,7 @@ class LaserWidget(
             check_given("update", message, fields, _INSTEAD, _FIELDS)
             given = fields if message is None else message
             _refuse_array(unwrap(given))
-            scan = to_scan(given)
+            scan = self._scan_in(given)
         except (TypeError, ValueError) as error:
             self._refuse(error)
         else:
@@ -227,11 +233,18 @@ class LaserWidget(
         """The scan on show while frozen, which may be stepped back to; None while live and before the first."""
         return self.scan if self.paused else None
 
-    def frame_of(self, sample: Scan) -> tuple[dict[str, Any], bytes]:
-        """See `RobotWidget`."""
-        scan = sample.echo(self.echo).turned(self.angle_offset)
+    def frame_of(self, sample: Any) -> tuple[dict[str, Any], bytes]:
+        """See `RobotWidget`: of a scan, or of a message with a cloud."""
+        scan = self._scan_in(sample).echo(self.echo).turned(self.angle_offset)
         judged = self._watches.judged_on(scan if len(scan) else None)
         return about_scan(scan, self.angle_offset) | self._drawn_on(scan) | judged, self._pack(scan)
+
+    def _scan_in(self, given: Any) -> Scan:
+        """The scan that is given, or that a cloud is from above."""
+        if not is_cloud(given):
+            return to_scan(given)
+        cloud = to_cloud(given)
+        return cloud.scan() if self._band is None else cloud.scan(z=self._band)
 
     def _describe(self) -> str:
         return repr(self.scan).strip("<>") if self.scan else ""
@@ -289,6 +302,11 @@ class LaserWidget(
         )
         note_arrival(scan, arrived)
         return scan
+
+    @traitlets.observe("band")
+    def _choose_band(self, change: Any) -> None:
+        """Show these heights of the next cloud: that on show is not kept."""
+        self._band = change["new"]
 
     @traitlets.observe("echo")
     def _choose_echo(self, change: Any) -> None:

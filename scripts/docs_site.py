@@ -45,9 +45,10 @@ NOT_IN_BROWSER = {
 """Pages whose snippets want a robot, processes, or what a browser has not: without "Try it"."""
 
 API = {
-    "Widgets": """LaserWidget SpeedWidget TouchWidget SonarWidget PathWidget PlotWidget MessageWidget EventsWidget
-        ScanogramWidget WiresWidget DriveWidget ProgramWidget MachineWidget Footprint Sector together plot load_map""",
-    "Samples": "Scan Ray Range Ranges Speed Touch TouchState TouchMode Event MapGrid Validity spread",
+    "Widgets": """LaserWidget SpeedWidget TouchWidget SonarWidget CloudWidget PathWidget PlotWidget MessageWidget
+        EventsWidget ScanogramWidget WiresWidget DriveWidget ProgramWidget MachineWidget Footprint Sector together
+        plot load_map""",
+    "Samples": "Scan Ray Range Ranges Cloud Speed Touch TouchState TouchMode Event MapGrid Validity spread",
     "Shapes": "Arc Arrow Line Points Polygon Text",
     "Recordings": "open Recording RecordingError find summary",
 }

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from math import isfinite
 from typing import Any
 
 import numpy as np
 import traitlets
 
 from ..samples.checks import in_radians
+from ..samples.cloud import to_band
 
 LONGEST_HISTORY = 600
 """Seconds of the longest history; a recording holds more."""
@@ -55,6 +57,22 @@ class Angle(traitlets.TraitType[Any, Any]):
             return in_radians(str(self.name), value)
         except (TypeError, ValueError) as error:
             raise traitlets.TraitError(str(error)) from None
+
+
+class Band(traitlets.TraitType[Any, Any]):
+    """Two finite bounds, the lower one first."""
+
+    info_text = "a lower and an upper bound, both finite"
+
+    def validate(self, obj: Any, value: Any) -> tuple[float, float]:
+        """The bounds as floats."""
+        try:
+            low, high = to_band(str(self.name), value)
+        except ValueError as error:
+            raise traitlets.TraitError(str(error)) from None
+        if not (isfinite(low) and isfinite(high)):
+            self.error(obj, value)
+        return low, high
 
 
 class Angles(traitlets.TraitType[Any, Any]):

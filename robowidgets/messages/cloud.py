@@ -46,13 +46,19 @@ def to_cloud(message: Any) -> Cloud:
         return message
     if isinstance(message, (list, tuple)) or hasattr(message, "__array__"):
         return _of_array(message)
-    if has(message, "fields", "point_step", "data"):
-        return _of_bytes(message)
-    if has(message, "points", "channels"):
-        return _of_points(message)
+    if is_cloud(message):
+        return _of_bytes(message) if has(message, "point_step") else _of_points(message)
     raise TypeError(
         "expected a message like sensor_msgs/PointCloud2 or PointCloud, or numbers of shape (N, 3); "
         f"got {describe(message)}{_PACKETS if has(message, 'packets') else ''}"
+    )
+
+
+def is_cloud(message: Any) -> bool:
+    """Whether this is a cloud, or a message with one; arrays may be something else."""
+    message = unwrap(message)
+    return (
+        isinstance(message, Cloud) or has(message, "fields", "point_step", "data") or has(message, "points", "channels")
     )
 
 

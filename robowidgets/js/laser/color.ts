@@ -2,7 +2,7 @@ import { write } from "../shared/canvas.ts";
 import { toFixed } from "../shared/format.ts";
 import { READING, type Scan } from "../shared/frames/scan.ts";
 import { type Theme, textFont } from "../shared/theme.ts";
-import { VIRIDIS } from "../shared/viridis.ts";
+import { viridisFor } from "../shared/viridis.ts";
 
 export type Domain = [number, number];
 
@@ -22,7 +22,7 @@ export function intensityDomain(scan: Scan, previous: Domain | null): Domain | n
 
 /** Colour of an intensity, without the end of viridis that is too close to the background. */
 export function colorScale([low, high]: Domain, dark: boolean): (intensity: number) => string {
-  const colors = dark ? VIRIDIS.slice(16) : VIRIDIS.slice(0, 54);
+  const colors = viridisFor(dark);
   const width = high - low || 1;
   return (intensity) => {
     const step = Math.floor(((intensity - low) / width) * colors.length);

@@ -37,6 +37,8 @@ export interface LaserTraits extends SampleTraits {
   /** Classes whose rays are marked. */
   marks: string[];
   color_by_intensity: boolean;
+  /** Of a cloud, the lower and the upper height in metres of the points that are a scan; null: all. */
+  band: [low: number, high: number] | null;
   /** Which of several echoes of a ray is its range. */
   echo: "first" | "last" | "strongest";
   index_view: boolean;

@@ -9,6 +9,11 @@ const STEPS =
 /** Viridis in 64 even steps from dark to light, as d3-scale-chromatic gives it; a test holds the two together. */
 export const VIRIDIS = toColors([68, 1, 84]);
 
+/** Viridis without the end that is too close to the background. */
+export function viridisFor(dark: boolean): string[] {
+  return dark ? VIRIDIS.slice(16) : VIRIDIS.slice(0, 54);
+}
+
 function toColors(rgb: number[]): string[] {
   return (STEPS.match(/.../g) ?? []).map((step) => {
     rgb = rgb.map((value, i) => value + Number.parseInt(step.charAt(i), 36) - 7);

@@ -1,0 +1,124 @@
+import { decimalsFor, toCount, toFixed, toMany, toMetres } from "../shared/format.ts";
+import type { PopupWords } from "../shared/popup.ts";
+import { type Cloud, type Column, indexOf, isColor, placeOf } from "./cloud.ts";
+import type { Selection } from "./traits.ts";
+
+/** Units of the fields that drivers agree on. */
+const UNITS: Record<string, string> = { x: "m", y: "m", z: "m", distance: "m", range: "mm" };
+const LABELS: Record<string, string> = { z: "height", distance: "distance", "": "one colour" };
+/** Numbers of a field that a pop-up has room for. */
+const MOST_NUMBERS = 4;
+const MOST_FIELDS = 9;
+
+/** What a field is called where points are coloured by it. */
+export function labelOf(name: string): string {
+  return LABELS[name] ?? name;
+}
+
+/** The name of a field, with its unit where that is sure: a range may be in any. */
+export function titleOf(name: string): string {
+  return name in UNITS && name !== "range" ? `${labelOf(name)} ${UNITS[name]}` : labelOf(name);
+}
+
+/** A value as exact as it was sent, of a float32 with the digits that tell it from others. */
+export function exact(value: number, values: Column): string {
+  if (!(values instanceof Float32Array) || !Number.isFinite(value)) return toText(value);
+  for (let digits = 6; digits < 10; digits++) {
+    const rounded = Number(value.toPrecision(digits));
+    if (Math.fround(rounded) === value) return toText(rounded);
+  }
+  return toText(value);
+}
+
+function toText(value: number): string {
+  return Number.isFinite(value) ? String(value).replace("-", "\u2212") : toFixed(value, 0);
+}
+
+/** What the pop-up says of a point that the page has. */
+export function describePoint(cloud: Cloud, i: number): PopupWords {
+  const index = indexOf(cloud, i);
+  const places = [cloud.x, cloud.y, cloud.z].map((column, axis) => {
+    const value = column[i] as number;
+    return `${"xyz"[axis]}\u00A0${toFixed(value, decimalsFor(1) + 1)}`;
+  });
+  const others = [...cloud.fields.values()].filter(({ name }) => !["x", "y", "z"].includes(name));
+  const lines = others.slice(0, MOST_FIELDS).map(({ name, size, values }) => {
+    if (isColor(name) && size === 1) return `${name} ${colorAt(values, i)}`;
+    const numbers = Array.from(values.subarray(i * size, i * size + Math.min(size, MOST_NUMBERS)), (value) =>
+      exact(value, values),
+    );
+    return `${name} ${numbers.join(", ")}${size > MOST_NUMBERS ? ", \u2026" : ""}`;
+  });
+  if (others.length > MOST_FIELDS) lines.push(`and ${others.length - MOST_FIELDS} more fields`);
+  const [row, column] = placeOf(cloud, i);
+  return {
+    expression: `points[${index}]`,
+    distance: toMetres(cloud.distance[i] as number),
+    angle: "",
+    details: [places.join("  "), ...lines].join("\n"),
+    side: cloud.rows > 1 ? `row ${row}, column ${column}` : "",
+  };
+}
+
+/** A colour that a camera of depth packed into a number. */
+function colorAt(values: Column, i: number): string {
+  if (values.BYTES_PER_ELEMENT !== 4) return String(values[i]);
+  const word = new Uint32Array(values.buffer, values.byteOffset)[i] ?? 0;
+  return `${(word >> 16) & 0xff}, ${(word >> 8) & 0xff}, ${word & 0xff}`;
+}
+
+/** How many points are within bounds, and of how many that is known. */
+export function countWords(cloud: Cloud, found: number, whole: number | null): string {
+  if (whole !== null || cloud.step === 1) return `${toCount(whole ?? found)} of ${toMany(cloud.total, "point")}`;
+  return `${toCount(found)} of ${toMany(cloud.count, "drawn point")}`;
+}
+
+/** What is not drawn, for the footer: "every 4th of 100 000 points"; empty where all are. */
+export function thinnedWords(cloud: Cloud): string {
+  if (cloud.step === 1) return "";
+  const nth = `${cloud.step}${["th", "st", "nd", "rd"][ordinal(cloud.step)] ?? "th"}`;
+  const what = cloud.rows > 1 ? `every ${nth} row and column` : `every ${nth}`;
+  return `${what} of ${toMany(cloud.total, "point")} drawn`;
+}
+
+function ordinal(step: number): number {
+  return step % 100 > 10 && step % 100 < 14 ? 0 : step % 10;
+}
+
+/** The bounds as words: "z 0.1 to 0.5 m, ring 3 to 7". */
+export function bandWords(selection: Selection): string {
+  return Object.entries(selection)
+    .map(([name, [low, high]]) => {
+      const unit = UNITS[name] && name !== "range" ? ` ${UNITS[name]}` : "";
+      return `${name} ${toText(low)} to ${toText(high)}${unit}`;
+    })
+    .join("\n");
+}
+
+export const FORMS = ["points", "cloud", "array"] as const;
+export type Form = (typeof FORMS)[number];
+export const ABOUT_FORMS =
+  "points: with each field by its name; cloud: of a robowidgets Cloud; array: of numbers of shape (N, 3)";
+
+/** The code that selects points within bounds, as Python's `CloudWidget.code` gives it. */
+export function toCode(selection: Selection, form: Form): string {
+  const parts = Object.entries(selection).map(([name, [low, high]]) => {
+    const field = fieldCode(name, form);
+    return `(${field} >= ${low}) & (${field} <= ${high})`;
+  });
+  return `${form === "cloud" ? "cloud.points" : "points"}[${parts.join(" & ")}]`;
+}
+
+function fieldCode(name: string, form: Form): string {
+  const isAxis = ["x", "y", "z"].includes(name);
+  if (form === "array" && isAxis) return `points[:, ${"xyz".indexOf(name)}]`;
+  if (form === "cloud") return isAxis || name === "distance" ? `cloud.${name}` : `cloud.points["${name}"]`;
+  return /^[A-Za-z_]\w*$/.test(name) ? name : `points["${name}"]`;
+}
+
+/** Bounds with the digits that a person would write, of what spans so much. */
+export function rounded([low, high]: [number, number], span: number): [number, number] {
+  const step = 10 ** Math.floor(Math.log10(span / 500 || 1));
+  const [first, last] = [low, high].map((value) => Number((Math.round(value / step) * step).toPrecision(8)));
+  return [first as number, last as number];
+}
