@@ -14,7 +14,7 @@ import traitlets
 from numpy.typing import NDArray
 
 from ._core.front_end import bundle
-from ._core.robot_widget import RobotWidget
+from ._core.large_frames import LargeFrameWidget
 from ._core.timed_frame import FRAME_HEADER
 from ._core.traits import Band
 from .messages import to_cloud
@@ -39,7 +39,7 @@ _AS = {"b": "u1", "f2": "f4", "i8": "f8", "u8": "f8"}
 """Types of NumPy that the page gets as others; it has those that a PointField may have."""
 
 
-class CloudWidget(RobotWidget[Cloud]):
+class CloudWidget(LargeFrameWidget[Cloud]):
     """A cloud of points, live: from above, from the side, from behind, or as it lies in rows, with every field.
 
     The reader sees the points to scale on a grid of metres, x forward and up in the picture, y to the left (REP-103),
@@ -163,7 +163,7 @@ class CloudWidget(RobotWidget[Cloud]):
         return selection_code(self.selection, form)
 
     def frame_of(self, sample: Any) -> tuple[dict[str, Any], bytes]:
-        """See `RobotWidget`: of a message or a cloud."""
+        """See `RobotWidget`: of a message, or a cloud."""
         try:
             cloud = to_cloud(sample)
         except (TypeError, ValueError) as error:
@@ -190,7 +190,7 @@ class CloudWidget(RobotWidget[Cloud]):
 
     def _unpack(self, frame: bytes) -> Cloud | None:  # type: ignore[override]  # it may be gone
         packed = frame[FRAME_HEADER.size :]
-        return next((cloud for raw, cloud in reversed(self._kept) if raw == packed), None)
+        return next((cloud for raw, cloud in reversed(tuple(self._kept)) if raw == packed), None)
 
     @traitlets.observe("selection")
     def _select(self, _change: Any) -> None:

@@ -35,6 +35,8 @@ _BY_NAME = "update(ranges=..., angle_min=..., angle_increment=..., range_min=...
 _INSTEAD = f"or: {', '.join(_FIELDS)}"
 _MARKS = tuple(kind.name.lower() for kind in Validity if kind is not Validity.READING)
 
+_NO_SCAN = Scan(np.empty(0, np.float32), 0.0, 0.0, 0.0, 10.0)
+
 FARTHEST = 100_000
 """Metres; no picture reaches farther."""
 
@@ -235,7 +237,10 @@ class LaserWidget(
 
     def frame_of(self, sample: Any) -> tuple[dict[str, Any], bytes]:
         """See `RobotWidget`: of a scan, or of a message with a cloud."""
-        scan = self._scan_in(sample).echo(self.echo).turned(self.angle_offset)
+        try:
+            scan = self._scan_in(sample).echo(self.echo).turned(self.angle_offset)
+        except (TypeError, ValueError) as error:  # what a recording has of a cloud
+            return {"error": f"{error}."}, self._pack(_NO_SCAN)
         judged = self._watches.judged_on(scan if len(scan) else None)
         return about_scan(scan, self.angle_offset) | self._drawn_on(scan) | judged, self._pack(scan)
 

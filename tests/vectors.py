@@ -19,6 +19,7 @@ import numpy as np
 
 import robowidgets
 from robowidgets import (
+    CloudWidget,
     EventsWidget,
     LaserWidget,
     MapGrid,
@@ -69,6 +70,7 @@ def make() -> dict[str, Any]:
             "speed": _speed(),
             "touch": _touch(),
             "sonar": _sonar(),
+            "cloud": _cloud(),
             "events": _events(),
             "message": _message(),
             "plot": _plot(),
@@ -298,6 +300,21 @@ def _sonar() -> tuple[bytes, dict[str, Any]]:
     poses = [[0.5, -0.25, 1.5], None, None, None, None]
     sonars = [dict(zip(keys, row, strict=True), pose=pose) for row, pose in zip(rows, poses, strict=True)]
     return frame, {"sequence": 1, "rate": 30.0, "arrived": 12.5, "sonars": sonars}
+
+
+def _cloud() -> tuple[bytes, dict[str, Any]]:
+    """Rows of three points, of which every second row and column goes; a field of one byte, and one of two numbers."""
+    kind = [("x", ">f4"), ("y", "<f4"), ("z", "<f8"), ("ring", "<u1"), ("rgb", "<f4"), ("pair", "<i2", (2,))]
+    points = np.zeros((2, 3), kind)
+    points["x"], points["y"], points["z"] = [[3, 0, nan], [1, 1, 1]], 4.0, 0.0
+    points["ring"], points["pair"] = [[7, 8, 9], [0, 0, 0]], [[[1, -2], [3, 4], [5, -6]]] * 2
+    cloud = CloudWidget(most_points=2)
+    cloud.update(points)
+    frame = cloud.get_state()["_frame"]
+    cloud.close()
+    facts = {"total": 6, "rows": 2, "columns": 3, "unmeasured": 1, "step": 2, "count": 2}
+    fields = {"ring": [7, 9], "pair": [1, -2, 5, -6], "distance": [5, nan]}
+    return frame, {"sequence": 1, "rate": 30.0, "arrived": 12.5} | facts | {"x": [3, nan], "z": [0, 0]} | fields
 
 
 def _map() -> tuple[bytes, dict[str, Any]]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 
 import pytest
@@ -9,7 +10,31 @@ from playwright.sync_api import Locator, expect
 
 from .chromium import LOOKS, shoot
 from .cloud import EMPTY, FEW, MANY, NOTHING, ROOM
+from .laser import eventually
 from .plain_page import PlainPage
+
+LEFT, LEGEND, TOP, BELOW = 38, 68, 4, 20
+"""Pixels around the picture of points, for its scales and its legend."""
+
+
+def box_of(card: Locator) -> tuple[float, float, float, float]:
+    """The middle of the picture of points, and its width and height, in pixels of the page."""
+    picture = card.locator(".rw-picture").bounding_box()
+    assert picture
+    width, height = picture["width"] - LEFT - LEGEND, picture["height"] - TOP - BELOW
+    return picture["x"] + LEFT + width / 2, picture["y"] + TOP + height / 2, width, height
+
+
+def from_above(card: Locator, x: float, y: float, view_range: float) -> tuple[float, float]:
+    """Where a place of the ground is, with the sensor in the middle."""
+    middle_x, middle_y, width, height = box_of(card)
+    scale = min(width, height) / 2 / view_range
+    return middle_x - y * scale, middle_y - x * scale
+
+
+def words(card: Locator, place: str) -> Locator:
+    """The pop-up of the point that is kept, or under the pointer: its part of this name."""
+    return card.locator(".rw-popup:visible .rw-popup-" + place)
 
 
 @pytest.mark.parametrize(("theme", "scale"), LOOKS)
@@ -21,7 +46,121 @@ def test_clouds_are_readable_at_every_width(plain_page: Callable[..., PlainPage]
             card = nb.widget(i).locator(".rw-card")
             card.scroll_into_view_if_needed()
             shoot(card, f"cloud-{name}-{theme}-{width}")
+            assert card.evaluate("card => card.scrollWidth <= card.clientWidth")
     card = nb.widget(0).locator(".rw-card")
+    expect(card.locator(".rw-footer")).to_contain_text("960 not measured")
     for view in ("side", "behind", "rows"):
         card.locator("select").first.select_option(view)
         shoot(card, f"cloud-room-{view}-{theme}")
+    footer = nb.widget(1).locator(".rw-footer")
+    expect(footer).to_contain_text(re.compile(r"every 5th of 450.000 points drawn"))
+    expect(nb.widget(3).locator(".rw-empty")).to_have_text("waiting for a cloud")
+    expect(nb.widget(4).locator(".rw-empty")).to_have_text("none of its 100 points was measured")
+
+
+def test_a_point_is_named_and_points_are_selected_by_a_box_and_a_band_also_while_a_cell_runs(
+    plain_page: Callable[..., PlainPage],
+) -> None:
+    nb = plain_page([ROOM, "clouds.view_range = 5.0", FEW, "few.view_range = 10.0"])
+    nb.resize(760)
+    nb.page.context.grant_permissions(["clipboard-read", "clipboard-write"])
+    few = nb.widget(2).locator(".rw-card")
+    few.scroll_into_view_if_needed()
+    with nb.busy():
+        nb.page.mouse.move(*from_above(few, 6.5, -2.0, 10.0))
+        expect(words(few, "expression")).to_have_text("points[1]")
+        expect(words(few, "distance")).to_have_text("6.81 m")
+        expect(words(few, "details")).to_have_text("x 6.500  y −2.000  z 0.300\nspeed 0.25")
+        nb.page.mouse.click(*from_above(few, 9.0, 0.5, 10.0))
+        nb.page.mouse.move(0, 0)
+        expect(words(few, "expression")).to_have_text("points[2]")
+        few.locator(".rw-picture").focus()
+        nb.page.keyboard.press("m")
+        expect(few.locator(".rw-live")).to_contain_text("points[0], 4.12 m")
+
+        few.get_by_role("button", name="Select points by a box").click()
+        nb.page.mouse.move(*from_above(few, 10.0, 2.0, 10.0))
+        nb.page.mouse.down()
+        nb.page.mouse.move(*from_above(few, 6.0, -3.0, 10.0), steps=4)
+        nb.page.mouse.up()
+        expect(few.locator(".rw-cloud-count")).to_have_text("2 of 3 points")
+        nb.page.keyboard.press("Escape")  # lets go of the point first
+        nb.page.keyboard.press("c")
+        code = "navigator.clipboard.readText()"
+        x, y = r"\(x >= (6|5\.9\d*)\) & \(x <= (10|9\.9\d*)\)", r"\(y >= -3(\.0\d*)?\) & \(y <= (2|1\.9\d*)\)"
+        eventually(lambda: bool(re.fullmatch(rf"points\[{x} & {y}\]", nb.page.evaluate(code))), True)
+        shoot(few, "cloud-box")
+    # The code is that of Python, and gives these points.
+    eventually(lambda: nb.python("print(few.code())").strip(), nb.page.evaluate(code))
+    names = "x, y, points = few.cloud.x, few.cloud.y, few.cloud.points"
+    assert nb.python(f"{names}\nprint(len({nb.page.evaluate(code)}), len(few.selected))") == "2 2\n"
+
+    card = nb.widget(0).locator(".rw-card")
+    card.scroll_into_view_if_needed()
+    picture = card.locator(".rw-picture").bounding_box()
+    assert picture
+    right, top = picture["x"] + picture["width"] - LEGEND + 17, picture["y"] + TOP + 26
+    nb.page.mouse.move(right, top + 60)
+    nb.page.mouse.down()
+    nb.page.mouse.move(right, top + 120, steps=4)
+    nb.page.mouse.up()
+    expect(card.locator(".rw-cloud-bands")).to_have_text(re.compile(r"^z 0\.4\d* to 1\.0\d* m$"))
+    exact = nb.python("print(f'{len(clouds.selected):,}')").strip().replace(",", "\u202f")
+    expect(card.locator(".rw-cloud-count")).to_have_text(f"{exact} of 28\u202f800 points")
+    shoot(card, "cloud-band")
+    card.locator("select").nth(1).select_option("ring")
+    card.locator("select").first.select_option("rows")
+    shoot(card, "cloud-rows-band")
+    eventually(lambda: nb.python("print(clouds.view, clouds.color_by)"), "rows ring\n")
+    card.get_by_role("button", name="Select nothing").click()
+    expect(card.locator(".rw-cloud-chip")).to_be_hidden()
+    eventually(lambda: nb.python("print(clouds.selection)"), "{}\n")
+
+
+def test_a_thinned_cloud_counts_what_is_drawn_until_python_has_counted_all(
+    plain_page: Callable[..., PlainPage],
+) -> None:
+    nb = plain_page(["import numpy as np\nfrom robowidgets import CloudWidget", MANY])
+    card = nb.widget(1).locator(".rw-card")
+    with nb.busy():
+        card.locator(".rw-picture").scroll_into_view_if_needed()
+        picture = card.locator(".rw-picture").bounding_box()
+        assert picture
+        right, top = picture["x"] + picture["width"] - LEGEND + 17, picture["y"] + TOP + 26
+        nb.page.mouse.move(right, top + 80)
+        nb.page.mouse.down()
+        nb.page.mouse.move(right, top + 110, steps=2)
+        nb.page.mouse.up()
+        expect(card.locator(".rw-cloud-count")).to_have_text(re.compile(r"^\d+.\d{3} of 90.000 drawn points$"))
+    expect(card.locator(".rw-cloud-count")).to_have_text(re.compile(r"^\d+.\d{3} of 450.000 points$"))
+    shown = card.locator(".rw-cloud-count").inner_text().split(" of ")[0]
+    assert int(nb.python("print(len(many.selected))")) == int(re.sub(r"\D", "", shown))
+
+
+def test_it_freezes_steps_back_and_keeps_the_last_good_cloud_with_one_line(
+    plain_page: Callable[..., PlainPage],
+) -> None:
+    nb = plain_page([ROOM])
+    card = nb.widget(0).locator(".rw-card")
+    flush = "from robowidgets._core.pacer import pacer"
+    for i in range(3):
+        nb.python(f"{flush}\nclouds.update([[{i + 1}.0, 0.0, 0.0]]); pacer.flush()")
+        expect(card.locator(".rw-cloud-nearest")).to_contain_text(f"nearest {i + 1}.00 m")
+    card.locator(".rw-freeze").click()
+    card.locator(".rw-picture").focus()
+    nb.page.keyboard.press(",")
+    expect(card.locator(".rw-cloud-nearest")).to_contain_text("nearest 2.00 m")
+    eventually(lambda: nb.python("print(clouds.frozen.x)"), "[2.]\n")
+    nb.page.keyboard.press("Space")
+    expect(card.locator(".rw-cloud-nearest")).to_contain_text("nearest 3.00 m")
+    nb.python("try: clouds.update([[1.0, 2.0]])\nexcept ValueError: pass")
+    expect(card.locator(".rw-notice")).to_contain_text("points: expected numbers of shape (N, 3)")
+    expect(card.locator(".rw-notice")).to_contain_text("Showing the last good cloud.")
+    expect(card.locator(".rw-cloud-nearest")).to_contain_text("nearest 3.00 m")
+    nb.python(
+        "points = np.zeros(1, [('x', 'f4'), ('y', 'f4'), ('z', 'f4'), ('<b>a</b>', 'f4')])\n"
+        "points['x'] = 2; clouds.update(points)"
+    )
+    card.locator(".rw-picture").focus()
+    nb.page.keyboard.press("m")
+    expect(words(card, "details")).to_contain_text("<b>a</b> 0")

@@ -1,5 +1,6 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
+import { type Column, decodeCloud } from "../../robowidgets/js/cloud/cloud.ts";
 import { decodeMoment } from "../../robowidgets/js/events/rows.ts";
 import { decodeMessage } from "../../robowidgets/js/message/frame.ts";
 import { elementsOf, toFields } from "../../robowidgets/js/message/tree.ts";
@@ -38,6 +39,11 @@ const FRAMES: Record<string, (bytes: DataView) => Record<string, unknown>> = {
     // In the table, the text is a NaN.
     const values = packed.values.map((value) => (value === "nan" ? NaN : value));
     return { sequence, rate, arrived, values, ids: ids && elementsOf(ids, 0, 2).map(({ value }) => value) };
+  },
+  cloud(bytes) {
+    const cloud = decodeCloud(bytes);
+    const [ring, pair] = ["ring", "pair"].map((name) => toArray(cloud.fields.get(name)?.values as Column));
+    return { ...pick(cloud, readsOf("cloud")), ring, pair };
   },
   map(bytes) {
     const { layers, ...rest } = decodePose(bytes);

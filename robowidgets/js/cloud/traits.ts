@@ -1,4 +1,4 @@
-import type { About, SampleTraits } from "../shared/traits.ts";
+import type { About, LargeTraits } from "../shared/traits.ts";
 
 /** From where the points are seen. */
 export type ViewName = "above" | "side" | "behind" | "rows";
@@ -6,7 +6,7 @@ export type ViewName = "above" | "side" | "behind" | "rows";
 /** The bounds of points, by field: both belong to it. */
 export type Selection = Record<string, [low: number, high: number]>;
 
-export interface CloudTraits extends SampleTraits {
+export interface CloudTraits extends LargeTraits {
   view: ViewName;
   /** "z", "distance", the name of a field, or "" for one colour. */
   color_by: string;

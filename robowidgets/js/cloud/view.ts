@@ -1,6 +1,7 @@
 import { holds, type Point } from "../shared/box.ts";
 import { Canvas, circle, stroke } from "../shared/canvas.ts";
 import { CopyCode } from "../shared/copy.ts";
+import type { Credit } from "../shared/credit.ts";
 import { make, makeButton, pointIn, set, setHidden, setText } from "../shared/dom.ts";
 import { isPlain, on } from "../shared/events.ts";
 import { toCount, toMany, toMetres } from "../shared/format.ts";
@@ -67,6 +68,7 @@ const RING = 6;
 export class CloudView implements Zoom, CloudActs, Dragged {
   readonly #model: Model<CloudTraits>;
   readonly #stream: Stream<Cloud>;
+  readonly #credit: Credit;
   readonly #card: SampleCard;
   /** From the ground up: grid and scales, the points, what is pointed at and selected. */
   readonly #ground: Canvas;
@@ -98,9 +100,16 @@ export class CloudView implements Zoom, CloudActs, Dragged {
   #pinnedIndex: number | null = null;
   #isBox = false;
 
-  constructor(model: Model<CloudTraits>, element: HTMLElement, stream: Stream<Cloud>, signal: AbortSignal) {
+  constructor(
+    model: Model<CloudTraits>,
+    element: HTMLElement,
+    stream: Stream<Cloud>,
+    credit: Credit,
+    signal: AbortSignal,
+  ) {
     this.#model = model;
     this.#stream = stream;
+    this.#credit = credit;
     this.#card = new SampleCard(element, "cloud", model, stream, () => this.#draw(), signal);
     const { picture, footer, root } = this.#card;
     // Screen readers leave the arrow keys to it.
@@ -195,7 +204,10 @@ export class CloudView implements Zoom, CloudActs, Dragged {
       const bounds = [along(axis, ends[i]), along(axis, others[i])].sort((a, b) => a - b);
       return rounded(bounds as [number, number], span);
     };
-    this.#select({ ...this.#selection, [right.name]: boundsOf(right, 0), [up.name]: boundsOf(up, 1) });
+    const box = { [right.name]: boundsOf(right, 0), [up.name]: boundsOf(up, 1) };
+    const all: Selection = { ...this.#selection, ...box };
+    // As a person reads them: x before y before z.
+    this.#select(Object.fromEntries(Object.entries(all).sort(([one], [other]) => (one < other ? -1 : 1))));
   }
 
   onBand(from: Point, to: Point): void {
@@ -287,6 +299,7 @@ export class CloudView implements Zoom, CloudActs, Dragged {
 
   #draw(): void {
     const { size, theme, noticeHeight } = this.#card;
+    const { newest } = this.#credit;
     const cloud = this.#stream.shown;
     const by = cloud && columnOf(cloud, this.#colorBy) ? this.#colorBy : "";
     const domain = cloud && by && !isColor(by) ? this.#domainOf(cloud, by) : null;
@@ -309,6 +322,7 @@ export class CloudView implements Zoom, CloudActs, Dragged {
     setHidden(this.#empty, !this.#empty.textContent);
     this.#card.texts.ask(this.#tell);
     this.#drawChip(cloud);
+    this.#credit.drawn(newest);
   }
 
   /** The fields with one number for each point that the list has not anyway. */
@@ -359,7 +373,9 @@ export class CloudView implements Zoom, CloudActs, Dragged {
       const ghost = toPixelColor(theme.ghost);
       const { pixels } = colorsOf(cloud, by, domain, theme.dark, toPixelColor(theme.reading), ghost);
       const found = this.#found;
-      if (found) for (let i = 0; i < cloud.count; i++) if (!found[i]) pixels[i] = ghost;
+      // A ground of cells would be too loud in the gray of dots.
+      const others = this.#view === "rows" ? toPixelColor(theme.line) : ghost;
+      if (found) for (let i = 0; i < cloud.count; i++) if (!found[i]) pixels[i] = others;
       if (this.#view === "rows" || !look) {
         if (cloud.rows > 1) {
           drawRowsGround(ground, box, cloud, theme);

@@ -18,7 +18,8 @@ FITTING = {
     "PoseStamped": "path", "PoseWithCovarianceStamped": "path", "PoseArray": "path", "NavSatFix": "path",
     "TFMessage": "path", "OccupancyGrid": "path", "Path": "path", "String": "events", "Log": "events",
     "DiagnosticArray": "events", "Imu": "message", "BatteryState": "message", "JointState": "message",
-    "PointCloud2": "message", "Image": "message", "MarkerArray": "message", "Float64": "message",
+    "PointCloud2": "cloud", "PointCloud": "cloud", "MultiEchoLaserScan": "laser",
+    "Image": "message", "MarkerArray": "message", "Float64": "message",
 }  # fmt: skip
 """Short types, and the name of the widget that is the best for them."""
 
