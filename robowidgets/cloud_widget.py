@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from ._core.front_end import bundle
 from ._core.large_frames import LargeFrameWidget
 from ._core.timed_frame import FRAME_HEADER
-from ._core.traits import Band
+from ._core.traits import BandTrait
 from .messages import to_cloud
 from .samples import Cloud
 from .samples.cloud import AXES, MAX_POINTS, to_band
@@ -88,7 +88,7 @@ class CloudWidget(LargeFrameWidget[Cloud]):
     color_by = traitlets.Unicode("z", help="Field that colours the points. Python and the view write it.").tag(
         sync=True
     )
-    color_range = Band(None, allow_none=True, help="Values between which the colours lie.").tag(sync=True)
+    color_range = BandTrait(None, allow_none=True, help="Values between which the colours lie.").tag(sync=True)
     selection = traitlets.Dict(
         key_trait=traitlets.Unicode(), help="Field to its bounds. Python and the view write it."
     ).tag(sync=True)

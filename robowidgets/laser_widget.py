@@ -12,7 +12,7 @@ import traitlets
 from ._core.base_widget import check_given, refuse_unnamed
 from ._core.front_end import bundle
 from ._core.timed_frame import FRAME_HEADER
-from ._core.traits import Angle, Angles, Band, Flag
+from ._core.traits import Angle, Angles, BandTrait, Flag
 from .laser.ghost import HasGhost
 from .laser.sectors import HasSectors
 from .laser.trail import HasTrail
@@ -161,7 +161,7 @@ class LaserWidget(
     marks = traitlets.List(traitlets.Enum(_MARKS), list(_MARKS), help="Marks that are drawn.").tag(sync=True)
     color_by_intensity = Flag(False, help="Whether intensities colour the dots.").tag(sync=True)
     echo = traitlets.Enum(CHOICES, "first", help="Which of several echoes of a ray is shown.").tag(sync=True)
-    band = Band(None, allow_none=True, help="Heights of the points of a cloud that are shown as a scan.").tag(sync=True)
+    band = BandTrait(None, allow_none=True, help="Heights of the points of a cloud that are a scan.").tag(sync=True)
     free_space = Flag(False, help="Whether the ground shows what the scanner has seen to be free.").tag(sync=True)
     index_view = Flag(False, help="Whether distance over index stands below the picture.").tag(sync=True)
     angle_unit = traitlets.Enum(("deg", "rad"), "deg", help="Unit of all angles. Python and the view write it.").tag(

@@ -59,7 +59,7 @@ class Angle(traitlets.TraitType[Any, Any]):
             raise traitlets.TraitError(str(error)) from None
 
 
-class Band(traitlets.TraitType[Any, Any]):
+class BandTrait(traitlets.TraitType[Any, Any]):
     """Two finite bounds, the lower one first."""
 
     info_text = "a lower and an upper bound, both finite"

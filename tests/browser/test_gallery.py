@@ -16,6 +16,7 @@ import robowidgets
 from robowidgets import conditions
 
 from .chromium import PICTURES, SCREENSHOTS, shoot
+from .cloud import ROOM as CLOUD
 from .moving_picture import MovingPicture
 from .notebook import Notebook
 from .plain_page import PlainPage
@@ -81,6 +82,15 @@ def test_picture_of_sonars(plain_page: Callable[..., PlainPage], theme: Literal[
     card = nb.widget(0).locator(".rw-card")
     expect(card.locator(".rw-sonar-near")).to_contain_text("below 0.4 m")
     shoot(card, f"gallery-sonar-{theme}")
+
+
+@every_theme
+def test_picture_of_a_cloud(plain_page: Callable[..., PlainPage], theme: Literal["light", "dark"]) -> None:
+    nb = plain_page([CLOUD], scale=2, theme=theme)
+    nb.resize(680)
+    card = nb.widget(0).locator(".rw-card")
+    expect(card.locator(".rw-cloud-nearest")).to_contain_text("nearest 1.34 m")
+    shoot(card, f"gallery-cloud-{theme}")
 
 
 EVENTS = r"""

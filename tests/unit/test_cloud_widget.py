@@ -146,7 +146,7 @@ def test_a_recording_shows_its_clouds_and_a_band_of_them_as_a_scan_and_says_what
     folder = write(tmp_path / "drive", {"/points": kind}, messages)
     with robowidgets.open(folder) as recording:
         assert [choice.shown.name for choice in choose_widgets(recording.topics, ["/points"])] == ["cloud"]
-        for name, expected in (("cloud", [0, 3, 6, 0]), ("scan", [0, 2, 5, 0])):
+        for name, expected in (("cloud", [0, 3, 6, 0]), ("scan", [0, 3, 6, 0])):
             (choice,) = choose_widgets(recording.topics, [f"/points as {name}"])
             widget = choice.make()
             widget.follow_player()

@@ -120,7 +120,7 @@ export class CloudView implements Zoom, CloudActs, Dragged {
     this.#over = new Canvas(picture);
     const say = (words: string[]) => this.#card.say(words);
     this.#copy = new CopyCode<Form>((form) => toCode(this.#selection, form), say, signal, FORMS, ABOUT_FORMS);
-    const closer = makeButton("rw-chip-close", "Select nothing (Escape)", () => this.#select({}), signal, "\u00d7");
+    const closer = makeButton("rw-cloud-close", "Select nothing (Escape)", () => this.#select({}), signal, "\u00d7");
     const head = make("div", "rw-popup-row");
     head.append(this.#count, closer);
     this.#chip.append(head, this.#bands, this.#copy.row, this.#copy.field);
