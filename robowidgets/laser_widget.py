@@ -15,6 +15,7 @@ from ._core.timed_frame import FRAME_HEADER
 from ._core.traits import Angle, Angles, BandTrait, Flag
 from .laser.ghost import HasGhost
 from .laser.sectors import HasSectors
+from .laser.sonars import HasSonars
 from .laser.trail import HasTrail
 from .messages import to_cloud, to_scan
 from .messages.cloud import is_cloud
@@ -79,6 +80,7 @@ class ArcDistances(traitlets.TraitType[Any, Any]):
 class LaserWidget(
     HasTrail,  # trail, spread: the scans before the one on show; and from HasFootprint, footprint: the robot to scale
     HasGhost,  # ghost: the scan that it is compared with
+    HasSonars,  # sonars: the ring whose cones are on its picture
     HasSectors,  # sectors, selection, pins, highlight, distance, code: what is pointed at
     DrawsShapes[Scan],  # draw, drawn: the shapes of programs; and from RobotWidget what all widgets of samples have
 ):

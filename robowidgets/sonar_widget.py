@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import struct
+from array import array as array_type
 from collections.abc import Iterable, Mapping
+from contextlib import suppress
 from math import inf, isnan, nan, radians
 from numbers import Real
 from typing import Any, ClassVar
@@ -18,7 +20,9 @@ from ._core.robot_widget import RobotWidget
 from ._core.timed_frame import FRAME_HEADER
 from ._core.traits import Angle
 from .messages import to_range
-from .messages.fields import MISSING, has, unwrap
+from .messages.fields import MISSING, get, has, unwrap
+from .poses.mounts import mounts_of
+from .poses.transforms import Transform, transforms_in
 from .samples import Pose, Problem, Range, Ranges
 from .samples.age import arrival_of, note_arrival
 from .samples.checks import finite, in_radians, shortest
@@ -101,6 +105,9 @@ class SonarWidget(RobotWidget[Ranges]):
         self._silences: dict[str, float] = {}
         """By sensor the seconds without a reading after which it is silent: by its rate, or as a player tells it."""
         self._errors: dict[str, str] = {}
+        self._transforms: dict[str, Transform] = {}
+        self._mounts: dict[str, Pose] = {}
+        """By frame, as tf tells them."""
         super().__init__(**kwargs)
 
     def update(self, sensor: Any = None, reading: Any = MISSING, /, *unnamed: Any, **readings: Any) -> None:
@@ -111,7 +118,8 @@ class SonarWidget(RobotWidget[Ranges]):
         Args:
             sensor: the name of a sensor; or a mapping of names to readings; or a message, which goes by its frame_id.
             reading: of that sensor: metres, None for no measurement, a `Range`, or a sensor_msgs/Range of rclpy, rospy,
-                rosbags or rosbridge.
+                rosbags or rosbridge. A std_msgs/Float32MultiArray, or another array of metres, is one sensor for each
+                of its numbers: ``"ir_0"``, ``"ir_1"`` where ``"ir"`` is the name.
             *unnamed: refused, with the call that takes readings by name.
             **readings: instead, readings by the names of their sensors.
 
@@ -123,6 +131,7 @@ class SonarWidget(RobotWidget[Ranges]):
         try:
             refuse_unnamed("update", unnamed, _BY_NAME)
             given = _by_name(sensor, reading, readings)
+            given = given if isinstance(given, Ranges) else _each(given)
         except (TypeError, ValueError) as error:
             self._note("", error)
             self._refuse(error)
@@ -152,6 +161,20 @@ class SonarWidget(RobotWidget[Ranges]):
         with self._newest.lock:
             if not self._ranges.keys() >= set(names):
                 self._put_up(self._ranges.expecting(names), counts=False)
+
+    @property
+    def frame_topics(self) -> str:
+        """See `TakesFrames` in `poses.live_frames`: of tf, unless a player tells the places."""
+        return "" if self.driven_by_player else "tf"
+
+    def take_frames(self, message: Any) -> None:
+        """Take the newest message of tf, which may say where the sensors are; those in `poses` stay where they are."""
+        with self._newest.lock, suppress(TypeError, ValueError):
+            self._transforms |= {one.child: one for one in transforms_in(unwrap(message), True, 0)}
+            mounts = mounts_of(self._transforms.values())
+            if mounts != self._mounts:
+                self._mounts = mounts
+                self._put_up(self._ranges, counts=False)
 
     def be_silent_after(self, seconds: Mapping[str, float]) -> None:
         """Take sensors for silent after so many seconds without a reading, in place of what their rates say."""
@@ -263,7 +286,7 @@ class SonarWidget(RobotWidget[Ranges]):
                 reading.min_range,
                 reading.max_range,
                 reading.field_of_view,
-                *(reading.pose or _NO_POSE),
+                *(reading.pose or self._mounts.get(reading.frame_id.lstrip("/")) or _NO_POSE),
             )
             for name, reading in sample.items()
         ]
@@ -346,6 +369,18 @@ def _by_name(sensor: Any, reading: Any, readings: Mapping[str, Any]) -> Mapping[
     if isinstance(message, Mapping):
         return message
     raise TypeError(f"update() takes the name of a sensor and its reading: {_BY_NAME}; got {type(message).__name__}")
+
+
+def _each(given: Mapping[Any, Any]) -> Mapping[Any, Any]:
+    """Readings by name, with each of an array under a name of its own."""
+    found: dict[Any, Any] = {}
+    for name, value in given.items():
+        array = get(value, "data", value) if has(value, "layout", "data") else value
+        if isinstance(array, (array_type, np.ndarray, list, tuple)) and not hasattr(array, "range"):
+            found |= {f"{name}_{i}": one for i, one in enumerate(np.ravel(array).tolist())}
+        else:
+            found[name] = value
+    return found
 
 
 def _pose(name: str, given: Any) -> tuple[float, float, float]:

@@ -1,16 +1,21 @@
 """What a camera sees of what other sensors measure."""
 
+from .beside import BesidePictures, OnScan, View, about_overlay
 from .depth_scan import depth_rays, depth_scan
 from .model import CameraModel
-from .overlay import Drawn, Overlay, ScanOnPicture, cones
+from .overlay import Overlay, ScanOnPicture, Seen, cones
 from .place import NoTransformError, ground_frame, place_in_camera, pose_by_hand
 
 __all__ = [
+    "BesidePictures",
     "CameraModel",
-    "Drawn",
     "NoTransformError",
+    "OnScan",
     "Overlay",
     "ScanOnPicture",
+    "Seen",
+    "View",
+    "about_overlay",
     "cones",
     "depth_rays",
     "depth_scan",

@@ -26,10 +26,10 @@ _TURN = pi / 90
 _TIP = 0.3
 """Metres of the arrow of a program."""
 
-DrawnKind = Literal["area", "sector", "cone", "arc", "line", "points", "text"]
+SeenKind = Literal["area", "sector", "cone", "arc", "line", "points", "text"]
 
 
-class Drawn(NamedTuple):
+class Seen(NamedTuple):
     """Something in a picture, in pixels.
 
     Attributes:
@@ -41,7 +41,7 @@ class Drawn(NamedTuple):
         dashed: whether nothing was seen up to its end.
     """
 
-    kind: DrawnKind
+    kind: SeenKind
     name: str
     pieces: list[Floats]
     words: str = ""
@@ -63,7 +63,7 @@ class Overlay:
 
     scan: Scan | None = None
     pixels: Floats = field(default_factory=lambda: np.empty((0, 2)))
-    drawn: tuple[Drawn, ...] = ()
+    drawn: tuple[Seen, ...] = ()
     missing: tuple[str, ...] = ()
     apart: float | None = None
 
@@ -91,15 +91,15 @@ class ScanOnPicture:
         seen[scan.valid] = self._model.project(self._at.moved(readings[scan.valid]))
         return seen
 
-    def area(self) -> Drawn:
+    def area(self) -> Seen:
         """What the scanner has seen to be free, on the ground: up to the readings, or as far as it sees."""
         scan = self._scan
         reach = np.full(len(scan), scan.range_min)
         reach[scan.valid] = scan.ranges[scan.valid]
         reach[scan.validity == Validity.NOTHING_IN_RANGE] = scan.range_max
-        return Drawn("area", "", self._wedge(scan.angles, np.minimum(reach, FARTHEST), scan.range_min))
+        return Seen("area", "", self._wedge(scan.angles, np.minimum(reach, FARTHEST), scan.range_min))
 
-    def sectors(self, sectors: Mapping[str, Sector]) -> list[Drawn]:
+    def sectors(self, sectors: Mapping[str, Sector]) -> list[Seen]:
         """The sectors of a laser widget on the ground, up to the largest of their limits, or as far as it sees."""
         drawn = []
         for name, sector in sectors.items():
@@ -107,14 +107,14 @@ class ScanOnPicture:
             reach = min(max(limits, default=self._scan.range_max), FARTHEST)
             width = (sector.end - sector.start) % (2 * pi) or 2 * pi
             angles = sector.start + np.linspace(0.0, width, max(2, int(width / _TURN)))
-            drawn.append(Drawn("sector", name, self._wedge(angles, np.full(len(angles), reach), 0.0)))
+            drawn.append(Seen("sector", name, self._wedge(angles, np.full(len(angles), reach), 0.0)))
         return drawn
 
-    def shapes(self, forms: Iterable[Mapping[str, Any]]) -> list[Drawn]:
+    def shapes(self, forms: Iterable[Mapping[str, Any]]) -> list[Seen]:
         """What a program draws on the scan, in the plane of the scanner; not what names a ray without a reading."""
         return [drawn for form in forms if (drawn := self._shape(form)) is not None]
 
-    def _shape(self, form: Mapping[str, Any]) -> Drawn | None:
+    def _shape(self, form: Mapping[str, Any]) -> Seen | None:
         places = np.array([self._place(at) for at in form["at"]], np.float64).reshape(-1, 2)
         if not np.isfinite(places).all():
             return None
@@ -123,7 +123,7 @@ class ScanOnPicture:
         if kind in ("text", "points"):
             pixels = self._model.project(self._at.moved(_flat(places)))
             pieces = [pixels[np.isfinite(pixels).all(axis=1)]]
-            return Drawn("text" if kind == "text" else "points", name, pieces, form.get("text", ""), color)
+            return Seen("text" if kind == "text" else "points", name, pieces, form.get("text", ""), color)
         if kind == "polygon":
             places = np.vstack([places, places[:1]])
         elif kind == "arc":
@@ -133,7 +133,7 @@ class ScanOnPicture:
             tip = np.array([x + _TIP * cos(yaw), y + _TIP * sin(yaw)])
             barbs = [tip + 0.3 * _TIP * np.array([cos(yaw + turn), sin(yaw + turn)]) for turn in (2.6, -2.6)]
             places = np.array([(x, y), tip, barbs[0], tip, barbs[1]])
-        return Drawn("line", name, self._outlines.line(self._at.moved(_flat(places))), "", color)
+        return Seen("line", name, self._outlines.line(self._at.moved(_flat(places))), "", color)
 
     def _place(self, at: Any) -> tuple[float, float]:
         if not isinstance(at, int):
@@ -154,7 +154,7 @@ class ScanOnPicture:
         return [surface] if len(surface := self._outlines.surface(corners)) else []
 
 
-def cones(model: CameraModel, ranges: Mapping[str, tuple[Range, Poses]], beam: float) -> list[Drawn]:
+def cones(model: CameraModel, ranges: Mapping[str, tuple[Range, Poses]], beam: float) -> list[Seen]:
     """The cones of sonars, each to what it measured, with an arc where that may be.
 
     Args:
@@ -174,9 +174,9 @@ def cones(model: CameraModel, ranges: Mapping[str, tuple[Range, Poses]], beam: f
         cone = outlines.surface(np.vstack([at.positions, rim]))
         words = f"{one.range:.2f} m" if seen else "nothing"
         if len(cone):
-            drawn.append(Drawn("cone", name, [cone], words, dashed=not seen))
+            drawn.append(Seen("cone", name, [cone], words, dashed=not seen))
             if seen:
-                drawn.append(Drawn("arc", name, outlines.line(rim)))
+                drawn.append(Seen("arc", name, outlines.line(rim)))
     return drawn
 
 

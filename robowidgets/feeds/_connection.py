@@ -24,13 +24,13 @@ from ..messages.twist import TWIST
 from ..samples import Speed
 from ._callbacks import FunctionCaller
 from ._driver import Driver
+from ._frame_topics import FrameTopics
 from ._listening import Listening
 from ._open_feeds import open_feeds
 from ._program_inputs import FeedInputs
 from ._subscription import Target, sorted_targets
 from ._subscription_table import SubscriptionTable
 from ._topics import FeedTopic, check_name, decided, topics_of, unlisted
-from ._trail_poses import TrailPoses
 from .middleware import Advert, FeedError, Middleware
 
 log = logging.getLogger("robowidgets")
@@ -85,7 +85,7 @@ class Connection(Observed):
         self.watchdog = self.driver.watchdog
         self.programs = Programs(_robot_of(self, is_deleted))
         self.listening = Listening(self)
-        self._trail_poses = TrailPoses(self)
+        self._frame_topics = FrameTopics(self)
 
     def open(self) -> None:
         """Connect, and close what an earlier run of the same cell opened. FeedError if it can never work."""
@@ -145,7 +145,7 @@ class Connection(Observed):
         for message in kept:
             self.functions.put(self.topic_of(topic), message, new, each=False)
         self._subscribe()
-        self._trail_poses.look()
+        self._frame_topics.look()
 
     def disconnect(self, topic: str, *targets: Any) -> None:
         """See `Feed.disconnect`."""
@@ -156,7 +156,7 @@ class Connection(Observed):
             self._table.disconnect(topic, of_widgets if targets else None)
             self._show_status(topic)
         self._subscribe()
-        self._trail_poses.look()
+        self._frame_topics.look()
 
     def install(
         self, function: Callable[..., Any], rate: float | None, on: str | None, topics: Mapping[str, str]
@@ -185,7 +185,7 @@ class Connection(Observed):
                 self.middleware.close()
             finally:
                 open_feeds.discard(self)
-                self._trail_poses.close()
+                self._frame_topics.close()
                 with self._lock:
                     self._table.close()
                     self._changed.notify_all()
@@ -233,7 +233,7 @@ class Connection(Observed):
             self.adverts, self._listed = tuple(topics), True
             self._list_topics()
             self._changed.notify_all()
-        self._trail_poses.look()
+        self._frame_topics.look()
         self._call_observers()
 
     def on_message(self, topic: str, message: Any, *, newest: bool = True, each: bool = True) -> None:

@@ -1,6 +1,6 @@
+import { decodeRing, type Ring } from "./shared/frames/ring.ts";
 import type { Initialized, Rendered } from "./shared/model.ts";
 import { Stream } from "./shared/stream.ts";
-import { decodeRing, type Ring } from "./sonar/ring.ts";
 import type { SonarTraits } from "./sonar/traits.ts";
 import { SonarView } from "./sonar/view.ts";
 

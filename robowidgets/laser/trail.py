@@ -56,11 +56,11 @@ class HasTrail(HasFootprint, RobotWidget[Scan]):
         return {"pose": [round(value, 5) for value in scanner]}
 
     @property
-    def needs_poses(self) -> bool:
-        """Whether it has a trail, and a feed should tell where the robot is, in case no path in its view does."""
-        return bool(self.trail) and not self.driven_by_player
+    def frame_topics(self) -> str:
+        """See `TakesFrames` in `poses.live_frames`: where it has a trail, in case no path in its view tells."""
+        return "odometry" if self.trail and not self.driven_by_player else ""
 
-    def take_pose(self, message: Any) -> None:
+    def take_frames(self, message: Any) -> None:
         """Take the newest message of odometry, or of tf, of the robot; one that says nothing is left out."""
         inner = unwrap(message)
         now = time.monotonic()

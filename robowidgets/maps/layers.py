@@ -13,7 +13,7 @@ from ..poses.local_plane import LocalPlane
 from ..poses.path import Path
 from ..poses.transforms import Transform
 from ..samples import Pose
-from ..samples.map_item import MapItem
+from ..samples.map_item import SENSED, MapItem
 from . import _distances
 from .packing import is_small, pack_grid
 from .placing import Placed, by_plane, frame_of_map, place, pose_of_frame
@@ -163,7 +163,7 @@ class Layers:
         """The frames in which the map may be drawn, the one at the root first."""
         names: dict[str, None] = {}
         for layer in self:
-            if layer.item is not None and layer.item.frame_id and layer.item.kind != "scan":
+            if layer.item is not None and layer.item.frame_id and layer.item.kind not in SENSED:
                 names |= dict.fromkeys(reversed(self.frames.chain(layer.item.frame_id)))
         return list(names)
 

@@ -14,7 +14,7 @@ from ..poses.frame_tree import Poses
 from ..poses.live_frames import Frames, joined
 from ..poses.local_plane import LocalPlane
 from ..samples import MapGrid, Pose, yaw_of
-from ..samples.map_item import NOWHERE, MapItem, Scatter
+from ..samples.map_item import NOWHERE, SENSED, MapItem, Scatter
 
 Floats = NDArray[np.float64]
 
@@ -97,10 +97,10 @@ def frame_of_map(frames: Frames, items: Iterable[MapItem]) -> str:
     """The frame in which a map is drawn: of those above the first grid, else the first layer, "map", else the root."""
     found = list(items)
     named = [item for item in found if item.frame_id and item.frame_id != EAST_NORTH]
-    if len(named) < len(found) and all(item.frame_id == EAST_NORTH for item in found if item.kind != "scan"):
+    if len(named) < len(found) and all(item.frame_id == EAST_NORTH for item in found if item.kind not in SENSED):
         return EAST_NORTH
     # A scan or a costmap that rolls along with the robot tells less than what names the frame of the floor.
-    first = min(named, key=lambda item: (item.kind == "scan", item.kind != "grid"), default=None)
+    first = min(named, key=lambda item: (item.kind in SENSED, item.kind != "grid"), default=None)
     if first is None:
         return ""
     chain = frames.chain(first.frame_id)

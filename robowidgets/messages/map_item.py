@@ -3,22 +3,26 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import isfinite, nan
+from math import isfinite, nan, radians
 from typing import Any
 
 import numpy as np
 
-from ..samples import MapGrid, Pose, Scan, Speed, yaw_of
+from ..samples import MapGrid, Pose, Range, Scan, Speed, Validity, yaw_of
 from ..samples.map_item import NOWHERE, MapItem, Scatter
 from .fields import describe, frame_id, get, has, stamp_ns, unwrap
 from .map_grid import is_map_grid, to_map_grid
 from .pose import pose_of
+from .range import to_range
 from .scan import to_scan
 
 TAKEN = (
     "nav_msgs/Odometry, Path or OccupancyGrid, geometry_msgs/Pose, PoseStamped, PoseWithCovarianceStamped, PoseArray "
-    "or Pose2D, nav2_msgs/Costmap, sensor_msgs/NavSatFix or LaserScan"
+    "or Pose2D, nav2_msgs/Costmap, sensor_msgs/NavSatFix, LaserScan or Range"
 )
+
+_BEAM, _THIN, _TURN = radians(15), radians(3), radians(4)
+"""The opening of a sonar and of an infrared sensor that do not tell theirs, and the straight pieces of their arcs."""
 
 _NO_FIX = -1
 """The status of a receiver without a fix (sensor_msgs/NavSatStatus)."""
@@ -29,7 +33,7 @@ def to_map_item(message: Any) -> MapItem:
 
     Args:
         message: an object or a dictionary of one of the types in `TAKEN`; a moment of a recording; or a `Scan`, a
-            `MapGrid`, or a `Speed` that came with odometry.
+            `Range`, a `MapGrid`, or a `Speed` that came with odometry.
 
     Raises:
         TypeError: it has no place on a map. ValueError: its numbers cannot be.
@@ -45,6 +49,8 @@ def to_map_item(message: Any) -> MapItem:
     if isinstance(message, Scan) or has(message, "ranges", "angle_min", "angle_increment"):
         scan = to_scan(message)
         return MapItem("scan", _clean(scan.frame_id), scan.stamp_ns, points=scan.xy)
+    if isinstance(message, Range) or has(message, "range", "min_range", "max_range"):
+        return _cone(to_range(message))
     if isinstance(message, Speed):
         # A speed names the frame in which it is expressed, that of the robot.
         return MapItem("pose", "", message.stamp_ns, _known(message))
@@ -61,6 +67,21 @@ def to_map_item(message: Any) -> MapItem:
     child = _clean(str(get(message, "child_frame_id", "")))
     return MapItem(
         "pose", frame, stamp, _placed(pose), _scatter(get(message, "pose.covariance", None)), child_frame_id=child
+    )
+
+
+def _cone(one: Range) -> MapItem:
+    """The cone of a sonar up to what it met, or as far as it sees; without an end where that is not known."""
+    is_reading = one.validity is Validity.READING
+    reach = one.range if is_reading else one.max_range
+    points = np.empty((0, 2))
+    if isfinite(reach) and (is_reading or one.validity is Validity.NOTHING_IN_RANGE):
+        beam = one.field_of_view or (_THIN if one.radiation == "infrared" else _BEAM)
+        angles = np.linspace(-beam / 2, beam / 2, max(2, int(beam / _TURN) + 1))
+        arc = reach * np.column_stack([np.cos(angles), np.sin(angles)])
+        points = np.vstack([np.zeros((1, 2)), arc])
+    return MapItem(
+        "cone", _clean(one.frame_id), one.stamp_ns, Pose(0.0, 0.0, 0.0) if is_reading else NOWHERE, points=points
     )
 
 

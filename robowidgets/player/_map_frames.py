@@ -27,7 +27,7 @@ from ..poses.transforms import TRANSFORMS
 from ..recordings import RecordingData
 from ..recordings.topics import Moment, TimedMessage
 from ..samples import Pose
-from ..samples.map_item import MapItem
+from ..samples.map_item import SENSED, MapItem
 from ._frames import BEFORE, PathFrames, Track
 
 LONGEST = 3.0
@@ -102,7 +102,7 @@ class WholeMap:
             layers.append(about)
         frames: dict[str, None] = {}
         for item in self._firsts.values():
-            if item.frame_id and item.kind != "scan":
+            if item.frame_id and item.kind not in SENSED:
                 frames |= dict.fromkeys(reversed(self.tree.chain(item.frame_id)))
         return {"layers": layers, "frames": list(frames)}
 

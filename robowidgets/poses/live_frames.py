@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import deque
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 
@@ -22,6 +22,17 @@ class Frames(Protocol):
 
     def poses(self, frame: str, world: str, times_ns: Times, stamps_ns: Times) -> Poses:
         """The poses of a frame in one above it in its `chain`, at some times."""
+
+
+class TakesFrames(Protocol):
+    """A widget that a feed tells where the robot and its sensors are."""
+
+    @property
+    def frame_topics(self) -> str:
+        """By "odometry", of several topics the first, and without any by tf; by "tf"; by "both"; empty: by nothing."""
+
+    def take_frames(self, message: Any) -> None:
+        """Take a message of odometry or of tf. It may be called from any thread; one that says nothing is left out."""
 
 
 class LiveFrames:

@@ -13,7 +13,10 @@ from .age import HasAge
 from .map_grid import MapGrid
 from .pose import Pose
 
-MapKind = Literal["pose", "goal", "poses", "path", "scan", "grid"]
+MapKind = Literal["pose", "goal", "poses", "path", "scan", "cone", "grid"]
+
+SENSED = ("scan", "cone")
+"""What is seen from a robot: it tells less of the frame of the floor than what has a place on it."""
 
 NOWHERE = Pose(nan, nan, nan)
 
@@ -34,9 +37,10 @@ class MapItem(HasAge):
         kind: what it is.
         frame_id: its coordinate frame; empty: the message names none.
         stamp_ns: nanoseconds since the epoch, or None.
-        pose: of a pose, that; NaN where it is not known.
+        pose: of a pose, that; of a cone, where its sensor is; NaN where it is not known, or the cone met nothing.
         scatter: of a pose, how sure it is; None: not known.
-        points: shape (N, 2), of a path or a scan: x and y in metres; (N, 3) of poses: their yaw, too.
+        points: shape (N, 2), of a path or a scan: x and y in metres; of a cone, its sensor
+            and then its arc; (N, 3) of poses: their yaw, too.
         grid: of a grid, that.
         fix: of a fix of a satellite receiver, its latitude and longitude in degrees and its altitude in metres.
         child_frame_id: of odometry, the frame whose pose it is; empty: the message names none.

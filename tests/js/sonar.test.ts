@@ -1,6 +1,8 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
+import { type Beam, toBeams } from "../../robowidgets/js/laser/sonar_layer.ts";
 import { isWithin, overlaps } from "../../robowidgets/js/shared/box.ts";
+import { distanceOf, nearestOf, type Ring, type Sonar, toMounts } from "../../robowidgets/js/shared/frames/ring.ts";
 import { classify, READING, TOO_CLOSE } from "../../robowidgets/js/shared/frames/scan.ts";
 import {
   type Cone,
@@ -9,12 +11,10 @@ import {
   reachOf,
   resolveRange,
   toCones,
-  toMounts,
 } from "../../robowidgets/js/sonar/cones.ts";
 import { toFloorPoint, toPixel } from "../../robowidgets/js/sonar/floor.ts";
 import { type Layout, type Level, LINE, layOut } from "../../robowidgets/js/sonar/labels.ts";
 import { pick } from "../../robowidgets/js/sonar/pick.ts";
-import { distanceOf, nearestOf, type Sonar } from "../../robowidgets/js/sonar/ring.ts";
 import { describeCone, shorten, toCode, toDistance } from "../../robowidgets/js/sonar/text.ts";
 import { toNumber, vectors } from "./vectors.ts";
 
@@ -226,4 +226,35 @@ test("code has the name as Python reads it, and labels have room for a long one"
   assert.equal(toCode('a"\\b'), 'sonars["a\\"\\\\b"].distance');
   assert.equal(shorten("front_3"), "front_3");
   assert.equal(shorten("the_very_long_name_3"), "the_ve\u2026_name_3");
+});
+
+test("a laser shows the beams whose place is known, where its scanner sees them", () => {
+  const names: [string, string, string][] = [
+    ["front", "ultrasound", ""],
+    ["ir", "infrared", ""],
+    ["lost", "ultrasound", ""],
+    ["silent", "ultrasound", ""],
+  ];
+  const sonars = [
+    sonarOf(2, { pose: [0.3, 0.1, 0] }),
+    sonarOf(Infinity, { pose: [0.2, 0, Math.PI / 2], fieldOfView: 0 }),
+    sonarOf(1),
+    sonarOf(1, { pose: [0, 0, 0], behind: 20 }),
+  ];
+  // The scanner stands 0.2 m ahead of the middle of the robot, and looks to its left.
+  const scanner: [number, number, number] = [0.2, 0, Math.PI / 2];
+  const ring = { sequence: 1, rate: 10, stamp: 0, arrived: 0, sonars };
+  const beams = toBeams(ring as unknown as Ring, { sensors: names }, {}, 0.26, scanner);
+  assert.deepEqual(
+    beams.map(({ name, isReading }) => [name, isReading]),
+    [
+      ["front", true],
+      ["ir", false],
+    ],
+  );
+  const [front, ir] = beams as [Beam, Beam];
+  assert.ok(Math.hypot(front.x - 0.1, front.y + 0.1) < 1e-9);
+  assert.ok(Math.abs(front.yaw + Math.PI / 2) < 1e-9 && front.reach === 2 && front.view === 0.5);
+  assert.ok(Math.abs(ir.yaw) < 1e-9 && ir.reach === 5);
+  assert.ok(Math.abs(ir.view - Math.PI / 60) < 1e-9, "an infrared beam is thin");
 });

@@ -8,10 +8,10 @@ import { decodePose } from "../../robowidgets/js/path/path.ts";
 import { decodeFrames } from "../../robowidgets/js/player/segments.ts";
 import { decodePlot } from "../../robowidgets/js/plot/frame.ts";
 import { decodeDetail, decodeWhole } from "../../robowidgets/js/scanogram/data.ts";
+import { decodeRing } from "../../robowidgets/js/shared/frames/ring.ts";
 import { decodeScan } from "../../robowidgets/js/shared/frames/scan.ts";
 import { decodeSpeeds } from "../../robowidgets/js/shared/frames/speeds.ts";
 import { decodeTouch } from "../../robowidgets/js/shared/frames/touch.ts";
-import { decodeRing } from "../../robowidgets/js/sonar/ring.ts";
 import { frameOf, readsOf, vectors } from "./vectors.ts";
 
 /** What is read by name, in plain arrays. */

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import zlib
 from collections.abc import Callable
-from math import cos, degrees, nan, pi, radians, sin, sqrt
+from math import cos, degrees, inf, nan, pi, radians, sin, sqrt
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -14,7 +14,7 @@ import pytest
 from rosbags.highlevel import AnyReader
 
 import robowidgets
-from robowidgets import Line, MapGrid, PathWidget, load_map
+from robowidgets import Line, MapGrid, PathWidget, Range, load_map
 from robowidgets.maps.packing import _GRID, pack_grid, pack_layers, unpack_layers
 from robowidgets.maps.placing import EAST_NORTH, Placed
 from robowidgets.messages.map_grid import to_map_grid
@@ -56,6 +56,16 @@ class TestItems:
         assert amcl.scatter == (0.03, 0.01, 0.02)
         assert to_map_item(scene.odometry(Pose(1.0, 2.0, 0.0), 3.0)).scatter is None, "all 0 is not known"
         assert to_map_item(scene.odometry(Pose(1.0, 2.0, 0.0), 3.0)).child_frame_id == "base_link"
+
+    def test_a_sonar_is_a_cone_up_to_what_it_met_or_as_far_as_it_sees(self) -> None:
+        met = to_map_item(Range(2.0, 0.1, 4.0, field_of_view=0.5, frame_id="/sonar"))
+        assert (met.kind, met.frame_id, met.pose) == ("cone", "sonar", (0.0, 0.0, 0.0))
+        assert np.hypot(*met.points.T) == pytest.approx([0.0, *[2.0] * (len(met.points) - 1)])
+        assert np.arctan2(met.points[1:, 1], met.points[1:, 0])[[0, -1]] == pytest.approx([-0.25, 0.25])
+        nothing = to_map_item(Range(inf, 0.1, 4.0, radiation="infrared"))
+        assert np.isnan(nothing.pose.x)
+        assert np.ptp(np.arctan2(nothing.points[1:, 1], nothing.points[1:, 0])) == pytest.approx(radians(3))
+        assert not len(to_map_item(Range(nan, 0.1, 4.0)).points)
 
     def test_a_path_is_a_line_and_an_array_of_poses_has_headings(self) -> None:
         path = to_map_item(scene.plan([(0, 0), (1, 2), (nan, 3)], 1.0))

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from traitlets import TraitError
 
-from robowidgets import Range, Ranges, SonarWidget
+from robowidgets import LaserWidget, Range, Ranges, SonarWidget
 from robowidgets._core import newest_sample
 from robowidgets.samples import Pose, age
 from robowidgets.samples.staleness import LIVE
@@ -315,3 +315,49 @@ def test_frames_of_a_player_stand_still(sonars: SonarWidget) -> None:
     assert len(frame) == 8 + 9 * 4
     assert sonars.arrays_of(bytes(32) + frame) == (40, 9)
     assert sonars.arrays_of(bytes(32) + sonars.frame_of(Ranges({}))[1]) == (40, 0)
+
+
+def test_an_array_is_one_sensor_for_each_of_its_numbers(sonars: SonarWidget) -> None:
+    sonars.update("ir", {"layout": {"dim": [], "data_offset": 0}, "data": [0.3, None, inf]})
+    assert list(sonars) == ["ir_0", "ir_1", "ir_2"]
+    assert (sonars["ir_0"].distance, sonars["ir_2"].distance) == (0.3, inf)
+    sonars.update({"us": np.array([1.0, 2.0], np.float32)})
+    assert sonars["us_1"].distance == 2.0
+    with pytest.raises(
+        TypeError, match=r"ir_0: expected metres, a Range or a message like sensor_msgs/Range, got 'far'"
+    ):
+        sonars.update("ir", ["far"])
+
+
+def test_sensors_are_where_tf_has_their_frames_and_the_table_of_a_person_comes_first(sonars: SonarWidget) -> None:
+    sonars.update("front", message(frame="sonar_front"))
+    sonars.update("left", message(frame="sonar_left"))
+    sonars.poses = {"left": "90deg"}
+    half = 0.5**0.5
+    turn = {"x": 0.0, "y": 0.0, "z": -half, "w": half}
+    placed = [
+        {
+            "header": {"frame_id": "base_link", "stamp": {"sec": 1, "nanosec": 0}},
+            "child_frame_id": frame,
+            "transform": {"translation": {"x": 0.2, "y": 0.0, "z": 0.1}, "rotation": turn},
+        }
+        for frame in ("sonar_front", "sonar_left")
+    ]
+    sonars.take_frames({"transforms": placed})
+    sonars.send_newest()
+    frame = sonars.get_state()["_frame"]
+    rows = np.frombuffer(frame, "<f4", offset=len(frame) - 9 * 2 * 4).reshape(9, 2)
+    assert rows[6:, 0] == pytest.approx([0.2, 0.0, -pi / 2])
+    # The page goes by the table before it goes by the reading.
+    assert sonars.get_state()["poses"]["left"][2] == pytest.approx(pi / 2)
+
+
+def test_a_laser_names_the_ring_whose_cones_it_shows(sonars: SonarWidget) -> None:
+    laser = LaserWidget()
+    laser.sonars = sonars
+    assert laser.get_state()["_sonar_of"] == sonars.model_id
+    laser.sonars = None
+    assert laser.get_state()["_sonar_of"] == ""
+    with pytest.raises(TypeError, match="sonars: expected a SonarWidget or None, got 3"):
+        laser.sonars = 3
+    laser.close()

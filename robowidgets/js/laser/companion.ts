@@ -1,16 +1,16 @@
 import { toBytes } from "../shared/bytes.ts";
 import { type Model, onChange } from "../shared/model.ts";
 import type { Frame } from "../shared/stream.ts";
-import type { SampleTraits } from "../shared/traits.ts";
+import type { About, SampleTraits } from "../shared/traits.ts";
 
 /** The sample that another widget of the page shows, frozen or live. */
-export class Companion<F extends Frame> {
+export class Companion<F extends Frame, T extends SampleTraits = SampleTraits> {
   readonly #host: Model<unknown>;
   readonly #decode: (bytes: DataView) => F;
   readonly #onChange: () => void;
   readonly #signal: AbortSignal;
   #id = "";
-  #model: Model<SampleTraits> | null = null;
+  #model: Model<T> | null = null;
   #decoded: { bytes: DataView; frame: F } | null = null;
 
   constructor(host: Model<unknown>, decode: (bytes: DataView) => F, onChange: () => void, signal: AbortSignal) {
@@ -29,14 +29,24 @@ export class Companion<F extends Frame> {
     // A widget that was closed, or is not in an exported page, shows nothing.
     const found = await this.#host.widget_manager.get_model(id).catch(() => null);
     if (!found || this.#id !== id || this.#signal.aborted) return;
-    this.#model = found as Model<SampleTraits>;
-    onChange(this.#model, ["_frame", "_frozen_frame", "paused", "title"], this.#onChange, this.#signal);
+    this.#model = found as Model<T>;
+    onChange(this.#model, ["_frame", "_frozen_frame", "_about", "paused", "title"], this.#onChange, this.#signal);
     this.#onChange();
   }
 
   /** Null without a widget. */
   get title(): string | null {
     return this.#model?.get("title") ?? null;
+  }
+
+  /** Its traits; null without a widget. */
+  get model(): Model<T> | null {
+    return this.#model;
+  }
+
+  /** Python's words about what it shows. */
+  get about(): About {
+    return this.#model?.get("_about") ?? {};
   }
 
   /** Null without a widget, or before its first sample. */

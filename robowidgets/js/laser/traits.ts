@@ -67,4 +67,6 @@ export interface LaserTraits extends SampleTraits {
   _ghost_ago: number;
   /** The name of the model of another laser widget; empty: none. */
   _ghost_of: string;
+  /** The name of the model of a sonar widget, whose cones are drawn; empty: none. */
+  _sonar_of: string;
 }

@@ -27,6 +27,7 @@ import { RobotLayer } from "./robot_layer.ts";
 import { Scene, SETTINGS } from "./scene.ts";
 import { SectorLayer } from "./sector_layer.ts";
 import { ShapeLayer } from "./shape_layer.ts";
+import { SonarLayer } from "./sonar_layer.ts";
 import { SpreadLayer } from "./spread_layer.ts";
 import { Strip } from "./strip.ts";
 import { TrailLayer } from "./trail_layer.ts";
@@ -80,6 +81,7 @@ export class LaserView implements Host {
       spread,
       new RobotLayer(this),
       new ConditionLayer(this.card.lamps),
+      new SonarLayer(this),
       new ReadingLayer(model),
       new ShapeLayer(this),
       new PointerLayer(this, spread.wordsOf),

@@ -64,6 +64,7 @@ export function drawMap(context: Context, projection: Projection, scene: Scene, 
     for (const one of of("path")) drawPlan(context, projection, one, theme);
     for (const one of of("poses")) drawPoses(context, projection, one.state.points, theme);
     for (const one of poses.filter(({ isRobot }) => isRobot)) drawRobot(context, projection, one, theme);
+    for (const { state } of of("cone")) drawCone(context, projection, state, theme);
     for (const one of of("scan")) drawScan(context, projection, one.state.points, theme);
     for (const { state } of of("goal")) drawGoal(context, projection, state, theme);
     for (const shape of scene.shapes) drawPlacedShape(context, projection, shape, theme);
@@ -239,6 +240,23 @@ function drawScan(context: Context, projection: Projection, places: readonly Pla
   }
 }
 
+/** The cone of a sonar: red where it met something, dashed where it met nothing. */
+function drawCone(context: Context, projection: Projection, state: LayerState, theme: Theme): void {
+  const [sensor, ...arc] = state.points.map((place) => toPixel(projection, place));
+  if (!sensor) return;
+  const isReading = isKnown(state);
+  context.beginPath();
+  for (const { x, y } of [sensor, ...arc]) context.lineTo(x, y);
+  context.closePath();
+  context.setLineDash(isReading ? [] : [3, 3]);
+  stroke(context, theme.guide, 1.25);
+  context.setLineDash([]);
+  if (!isReading) return;
+  context.beginPath();
+  for (const { x, y } of arc) context.lineTo(x, y);
+  stroke(context, theme.reading, 2.5);
+}
+
 function drawGoal(context: Context, projection: Projection, goal: Pose, theme: Theme): void {
   const at = toPixel(projection, goal);
   circle(context, at, 8);
@@ -278,7 +296,7 @@ function drawNames(context: Context, projection: Projection, scene: Scene, theme
   const boxOf = ({ x, y }: Place, r: number) => ({ x: x - r, y: y - r, width: 2 * r, height: 2 * r });
   const labels: { at: Place; text: string; color: string; isBold: boolean }[] = [];
   for (const { about, state, isRobot } of scene.layers) {
-    if (about.kind === "scan" || about.kind === "grid" || about.kind === "poses") continue;
+    if (["scan", "cone", "grid", "poses"].includes(about.kind)) continue;
     const end = about.kind === "path" ? state.points.at(-1) : state;
     if (!end || !isKnown(end)) continue;
     const at = toPixel(projection, end);

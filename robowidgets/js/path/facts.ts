@@ -22,7 +22,13 @@ export function factOf(shown: Shown, robot: Shown | undefined, ground: Ground, n
   const parts: string[] = [];
   if (about.kind === "scan") parts.push(toMany(state.total, "reading"), drawn, age);
   else if (about.kind === "poses") parts.push(toMany(state.total, "pose"), drawn, age);
-  else if (about.kind === "path") {
+  else if (about.kind === "cone") {
+    const [sensor, ...arc] = state.points;
+    const end = arc[Math.floor(arc.length / 2)];
+    if (!sensor || !end) parts.push("unknown");
+    else parts.push(isKnown(state) ? toMetres(Math.hypot(end.x - sensor.x, end.y - sensor.y)) : "nothing");
+    parts.push(age);
+  } else if (about.kind === "path") {
     parts.push(state.total ? `${toMetres(lengthOf(state.points))} long` : "empty");
     if (robot && state.total) parts.push(`${robot.about.name} ${toMetres(distanceTo(state.points, robot.state))} off`);
     parts.push(age);

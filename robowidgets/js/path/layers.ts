@@ -6,7 +6,7 @@ import { type Point, readPoints } from "./path.ts";
 export interface LayerAbout {
   number: number;
   name: string;
-  kind: "pose" | "goal" | "poses" | "path" | "scan" | "grid";
+  kind: "pose" | "goal" | "poses" | "path" | "scan" | "cone" | "grid";
   /** Of a grid, the value of what is surely occupied: 100, or 254 for costs. */
   most?: number;
   note?: string;
@@ -29,7 +29,7 @@ export interface LayerState extends Pose {
   time: number;
   /** Covariance of x, of x and y, and of y, in square metres; NaN where nobody knows. */
   scatter: [xx: number, xy: number, yy: number];
-  /** Of a path, a scan or poses, as far as they are drawn. */
+  /** Of a path, a scan or poses, as far as they are drawn; of a cone, its sensor and then its arc. */
   points: Pose[];
   /** Points in the message. */
   total: number;

@@ -20,6 +20,7 @@ const NOUNS: Record<Row["kind"], string> = {
   poses: "poses",
   path: "plan",
   scan: "newest scan",
+  cone: "sonar",
   grid: "grid",
   shape: "program",
 };
@@ -106,6 +107,9 @@ function sampleOf(kind: Row["kind"], isRobot: boolean, isThere: boolean): SVGEle
   else if (kind === "scan") {
     for (const [i, y] of [5, 6.5, 8, 7.5, 6, 5].entries())
       add("rect", { x: 1 + 4.4 * i, y, width: 2.6, height: 2.6, fill: "var(--rw-reading)" });
+  } else if (kind === "cone") {
+    add("path", { d: "M23 2L2 6L23 10", ...stroke("guide", 1.25) });
+    add("path", { d: "M23 2Q25 6 23 10", ...stroke("reading", 2.5) });
   } else if (kind === "grid") {
     add("rect", { x: 1, y: 1, width: 8, height: 10, fill: "var(--rw-muted)" });
     add("rect", { x: 9, y: 1, width: 8, height: 10, fill: "var(--rw-area)" });

@@ -528,7 +528,7 @@ export class PathView {
 
 const NOWHERE: TimedPose = { x: NaN, y: NaN, yaw: NaN, time: NaN };
 /** Kinds of layers from top to bottom. */
-const ORDER: LayerAbout["kind"][] = ["scan", "pose", "poses", "path", "goal", "grid"];
+const ORDER: LayerAbout["kind"][] = ["scan", "cone", "pose", "poses", "path", "goal", "grid"];
 
 /** "1.05 m · 12.3°" */
 function measureWords(from: Place, to: Place): string {

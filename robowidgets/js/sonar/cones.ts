@@ -1,21 +1,20 @@
+import {
+  distanceOf,
+  type Mount,
+  type Poses,
+  type Ring,
+  type Sonar,
+  type SonarAbout,
+  toMounts,
+  viewOf,
+} from "../shared/frames/ring.ts";
 import { NO_LIMIT, READING } from "../shared/frames/scan.ts";
 import { roundUp } from "../shared/zoom.ts";
-import { distanceOf, type Ring, type Sonar } from "./ring.ts";
-import type { SonarAbout } from "./traits.ts";
 
 /** Metres shown by a picture without a limit or a reading. */
 const EMPTY = 2;
 /** Seconds; Python gives it to a sensor whose rate is not known. */
 const NO_RATE = 10;
-
-/** A place on the robot: metres and radians of its frame. */
-export interface Mount {
-  x: number;
-  y: number;
-  yaw: number;
-  /** Whether somebody said so. */
-  isKnown: boolean;
-}
 
 /** All that is shown of one sensor. */
 export interface Cone {
@@ -40,23 +39,11 @@ export interface Cone {
 }
 
 interface Settings {
-  poses: Record<string, [number, number, number]>;
+  poses: Poses;
   near: number | null;
   fieldOfView: number;
   /** Seconds since the newest frame came; 0 where time stands still. */
   elapsed: number;
-}
-
-/**
- * The places of sensors: those given, else those that their readings tell, and the others evenly by their order,
- * counter-clockwise from forward.
- */
-export function toMounts(names: string[], poses: Settings["poses"], told: Sonar["pose"][] = []): Mount[] {
-  return names.map((name, i) => {
-    const pose = Object.hasOwn(poses, name) ? poses[name] : told[i];
-    if (pose) return { x: pose[0], y: pose[1], yaw: pose[2], isKnown: true };
-    return { x: 0, y: 0, yaw: (2 * Math.PI * i) / names.length, isKnown: false };
-  });
 }
 
 /** What the picture shows of each sensor. */
@@ -80,7 +67,7 @@ export function toCones(ring: Ring, about: SonarAbout, { poses, near, fieldOfVie
       frameId,
       mount: mounts[index] as Mount,
       sonar,
-      view: sonar.fieldOfView || fieldOfView,
+      view: viewOf(sonar, radiation, fieldOfView),
       isViewKnown: sonar.fieldOfView > 0,
       distance,
       isNear: near !== null && distance < near,

@@ -1,5 +1,5 @@
 import type { Point } from "../shared/box.ts";
-import type { Mount } from "./cones.ts";
+import type { Mount } from "../shared/frames/ring.ts";
 
 /** Where metres lie in the picture: the robot's middle in its centre, x up, y to the left. */
 export interface View {

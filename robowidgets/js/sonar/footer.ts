@@ -1,9 +1,9 @@
 import { make, setHidden, setText } from "../shared/dom.ts";
 import { toAge, toCount, toMetres, toShortMetres } from "../shared/format.ts";
 import { CLASSES } from "../shared/frames/classes.ts";
+import { nearestOf } from "../shared/frames/ring.ts";
 import { READING, type Validity } from "../shared/frames/scan.ts";
 import type { Cone } from "./cones.ts";
-import { nearestOf } from "./ring.ts";
 
 /** How many sensors there are of each class, which are silent, and the nearest thing. */
 export class Footer {

@@ -3,6 +3,7 @@ import { CopyCode } from "../shared/copy.ts";
 import { make, makeButton, pointIn, set, setHidden, setText } from "../shared/dom.ts";
 import { isPlain, on, onAbort } from "../shared/events.ts";
 import { toMany, toShortMetres } from "../shared/format.ts";
+import type { Ring, SonarAbout } from "../shared/frames/ring.ts";
 import { FARTHEST_VIEW } from "../shared/frames/scan.ts";
 import { lacksKernel, type Model, onChange, setTraits } from "../shared/model.ts";
 import { Occupancy } from "../shared/occupancy.ts";
@@ -28,9 +29,8 @@ import { toFloorPoint, toPixel } from "./floor.ts";
 import { Footer } from "./footer.ts";
 import { type Half, type Layout, type Level, LINE, layOut } from "./labels.ts";
 import { pick } from "./pick.ts";
-import type { Ring } from "./ring.ts";
 import { describeCone, toCode, toDistance } from "./text.ts";
-import type { SonarAbout, SonarTraits } from "./traits.ts";
+import type { SonarTraits } from "./traits.ts";
 
 const WALK: Record<string, number> = {
   ArrowRight: 1,

@@ -8,7 +8,7 @@ from typing import Any
 import foxglove
 import pytest
 
-from robowidgets import LaserWidget, PathWidget, feeds
+from robowidgets import LaserWidget, PathWidget, Range, SonarWidget, feeds
 from robowidgets.maps.packing import unpack_layers
 from robowidgets.messages.encoding import encode
 
@@ -107,6 +107,24 @@ def test_layers_are_connected_one_by_one_too(robot: tuple[Any, Publish]) -> None
         return layers(path).keys() == {"/odom", "/amcl_pose"} and path.get_state()["_about"]["frame_id"] == "map"
 
     wait_for(is_drawn, "odometry is drawn in the frame of the map")
+
+
+@pytest.mark.slow
+def test_sonars_are_where_tf_says_by_themselves(robot: tuple[Any, Publish]) -> None:
+    feed, publish = robot
+    sonars = SonarWidget()
+    feed.connect("/scan", LaserWidget())
+    feed.connect("/sonar/front", sonars)
+    sonars.update("front", Range(0.5, frame_id="laser"))
+    told = {topic: fields for _, topic, fields in scene.messages(1.0)}
+
+    def has_place() -> bool:
+        publish("/tf", told["/tf_static"])
+        publish("/scan", told["/scan"])
+        return bool(sonars._mounts)
+
+    wait_for(has_place, "a sonar has a place")
+    assert "laser" in sonars._mounts
 
 
 @pytest.mark.slow

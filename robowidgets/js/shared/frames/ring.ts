@@ -1,6 +1,7 @@
-import { Reader } from "../shared/bytes.ts";
-import { classify, type Limits, READING, TOO_CLOSE, type Validity } from "../shared/frames/scan.ts";
-import { type Frame, readHead } from "../shared/stream.ts";
+import { Reader } from "../bytes.ts";
+import { type Frame, readHead } from "../stream.ts";
+import type { About } from "../traits.ts";
+import { classify, type Limits, READING, TOO_CLOSE, type Validity } from "./scan.ts";
 
 /** The newest range of one sensor; metres, seconds and radians. */
 export interface Sonar extends Limits {
@@ -63,4 +64,44 @@ export function nearestOf(sonars: Sonar[]): number {
     }
   }
   return found;
+}
+
+/** A place on the robot: metres and radians of its frame. */
+export interface Mount {
+  x: number;
+  y: number;
+  yaw: number;
+  /** Whether somebody said so. */
+  isKnown: boolean;
+}
+
+/** By the name of a sensor, metres and radians of the robot's frame. */
+export type Poses = Record<string, [x: number, y: number, yaw: number]>;
+
+/**
+ * The places of sensors: those given, else those that their readings tell, and the others evenly by their order,
+ * counter-clockwise from forward.
+ */
+export function toMounts(names: string[], poses: Poses, told: Sonar["pose"][] = []): Mount[] {
+  return names.map((name, i) => {
+    const pose = Object.hasOwn(poses, name) ? poses[name] : told[i];
+    if (pose) return { x: pose[0], y: pose[1], yaw: pose[2], isKnown: true };
+    return { x: 0, y: 0, yaw: (2 * Math.PI * i) / names.length, isKnown: false };
+  });
+}
+
+/** Radians of an infrared beam that does not tell its width: three degrees. */
+const THIN = Math.PI / 60;
+
+/** Radians of the opening of a sensor; of one that does not tell it, the usual one. */
+export function viewOf({ fieldOfView }: Sonar, radiation: string, usual: number): number {
+  return fieldOfView || (radiation === "infrared" ? Math.min(THIN, usual) : usual);
+}
+
+/** What Python says about the newest ranges. */
+export interface SonarAbout extends About {
+  /** In the order of the frame. */
+  sensors?: [name: string, radiation: string, frameId: string][];
+  /** Whether time stands still, as in a recording. */
+  still?: boolean;
 }

@@ -1,0 +1,191 @@
+"""What came beside the pictures of a camera, and what lies over one of them by that."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Iterable, Mapping
+from math import radians
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ..poses.frame_tree import Poses
+from ..poses.live_frames import Frames, LiveFrames
+from ..samples import CameraInfo, Range, Scan, Sector
+from .model import CameraModel
+from .overlay import Overlay, ScanOnPicture, Seen, cones
+from .place import NoTransformError, ground_frame, place_in_camera
+
+KEPT = 100
+"""Scans of which the one nearest to a picture is looked for."""
+
+FARTHEST_APART = 1.0
+"""Seconds between a picture and what lies over it."""
+
+BEAM = radians(15)
+"""Of sonars that do not tell theirs."""
+
+
+class View(NamedTuple):
+    """A picture, as far as an overlay needs to know it.
+
+    Attributes:
+        size: its width and height in pixels.
+        frame_id: of the camera; empty: that of the calibration.
+        stamp_ns: nanoseconds since the epoch, or None.
+        time_ns: when it came.
+        rectified: whether what is straight is straight in it.
+    """
+
+    size: tuple[int, int]
+    frame_id: str
+    stamp_ns: int | None
+    time_ns: int
+    rectified: bool
+
+
+class OnScan(NamedTuple):
+    """What a laser widget shows with its scans.
+
+    Attributes:
+        sectors: by name.
+        forms: the shapes of a program, as the page reads them.
+        offset: radians that are added to all angles.
+    """
+
+    sectors: Mapping[str, Sector] = {}
+    forms: Iterable[Mapping[str, Any]] = ()
+    offset: float = 0.0
+
+
+class BesidePictures:
+    """The calibration of a camera, the scans and ranges of its robot, and where these sensors are.
+
+    Attributes:
+        info: the calibration; None before it came.
+        frames: the frames of the robot.
+        by_hand: the pose of the scanner in the frame of the camera, in place of tf.
+        scans: the last ones, each with when it came in nanoseconds.
+        ranges: the newest by the name of its sensor.
+    """
+
+    def __init__(self) -> None:
+        self.info: CameraInfo | None = None
+        self.frames: Frames = LiveFrames()
+        self.by_hand: Poses | None = None
+        self.scans: deque[tuple[Scan, int]] = deque(maxlen=KEPT)
+        self.ranges: dict[str, tuple[Range, int]] = {}
+        self._model: tuple[Any, CameraModel] | None = None
+
+    def over(self, view: View, drawn: OnScan = OnScan()) -> Overlay | None:  # noqa: B008  # it does not change
+        """What lies over a picture, and why other things do not; None where nothing came that could."""
+        if not self.scans and not self.ranges:
+            return None
+        if self.info is None:
+            return Overlay(missing=("no camera_info: where readings are in the picture is not known",))
+        try:
+            model = self._model_of(self.info, view)
+        except ValueError as error:
+            return Overlay(missing=(str(error),))
+        camera = view.frame_id.lstrip("/") or self.info.frame_id
+        missing: list[str] = []
+        seen: list[Seen] = []
+        scan, apart, pixels = None, None, np.empty((0, 2))
+        if self.scans:
+            (scan, came), apart = self._nearest(view)
+            if apart is not None and abs(apart) > FARTHEST_APART:
+                missing.append(f"no scan within {FARTHEST_APART:g} s of the picture: the nearest is {_apart(apart)}")
+                scan = None
+        if scan is not None:
+            try:
+                scan = scan.turned(drawn.offset) if drawn.offset else scan
+                on_picture = self._scan(model, scan, came, camera, view)
+                pixels = on_picture.pixels()
+                seen += [on_picture.area(), *on_picture.sectors(drawn.sectors), *on_picture.shapes(drawn.forms)]
+            except NoTransformError as error:
+                missing.append(str(error))
+                scan = None
+        placed: dict[str, tuple[Range, Poses]] = {}
+        for name, (one, came) in self.ranges.items():
+            if not one.frame_id:
+                continue  # many rings of sonars have their places in a table
+            try:
+                placed[name] = one, self._at(one.frame_id, came, one.stamp_ns, camera, view)
+            except NoTransformError as error:
+                missing.append(str(error))
+        seen += cones(model, placed, BEAM)
+        return Overlay(scan, pixels, tuple(seen), tuple(dict.fromkeys(missing)), apart)
+
+    def _scan(self, model: CameraModel, scan: Scan, came: int, camera: str, view: View) -> ScanOnPicture:
+        if self.by_hand is not None:
+            return ScanOnPicture(model, self.by_hand, scan)
+        frame = scan.frame_id.lstrip("/")
+        at = self._at(frame, came, scan.stamp_ns, camera, view)
+        ground = ground_frame(self.frames, frame)
+        below = self._at(ground, came, scan.stamp_ns, camera, view) if ground else None
+        return ScanOnPicture(model, at, scan, below)
+
+    def _at(self, frame: str, came: int, stamp_ns: int | None, camera: str, view: View) -> Poses:
+        then = view.time_ns, view.stamp_ns
+        return place_in_camera(self.frames, frame.lstrip("/"), camera, when=(came, stamp_ns), then=then)
+
+    def _nearest(self, view: View) -> tuple[tuple[Scan, int], float]:
+        """The scan that was measured nearest to a picture, and by how many seconds it is younger."""
+        by_stamp = view.stamp_ns is not None and all(scan.stamp_ns is not None for scan, _ in self.scans)
+
+        def apart(one: tuple[Scan, int]) -> int:
+            scan, came = one
+            return (scan.stamp_ns or 0) - (view.stamp_ns or 0) if by_stamp else came - view.time_ns
+
+        found = min(self.scans, key=lambda one: abs(apart(one)))
+        return found, apart(found) / 1e9
+
+    def _model_of(self, info: CameraInfo, view: View) -> CameraModel:
+        key = info.k.tobytes(), info.d.tobytes(), info.p.tobytes(), info.roi, info.binning, view.size, view.rectified
+        if self._model is None or self._model[0] != key:
+            self._model = key, CameraModel(info, rectified=view.rectified, size=view.size)
+        return self._model[1]
+
+
+def _apart(seconds: float) -> str:
+    return f"{abs(seconds):.1f} s {'younger' if seconds > 0 else 'older'}"
+
+
+FINE = 4
+"""Parts of a pixel that the page is told."""
+
+
+def about_overlay(overlay: Overlay) -> dict[str, Any]:
+    """An overlay as the page reads it: places in quarters of a pixel, distances in millimetres."""
+    about: dict[str, Any] = {"missing": list(overlay.missing)} if overlay.missing else {}
+    if overlay.apart is not None:
+        about["apart"] = round(overlay.apart, 3)
+    scan = overlay.scan
+    if scan is not None:
+        rays = np.flatnonzero(np.isfinite(overlay.pixels).all(axis=1))
+        far = np.round(1000 * scan.ranges[rays].astype(np.float64))
+        columns = (rays, *np.round(FINE * overlay.pixels[rays]).T, far)
+        about["dots"] = np.column_stack(columns).astype(int).ravel().tolist()
+        about |= {"angle_min": scan.angle_min, "angle_increment": scan.angle_increment}
+    about["drawn"] = [
+        {
+            "kind": one.kind,
+            "name": one.name,
+            "pieces": [piece for places in one.pieces if (piece := _thinned(places))],
+            **({"words": one.words} if one.words else {}),
+            **({"color": one.color} if one.color else {}),
+            **({"dashed": True} if one.dashed else {}),
+        }
+        for one in overlay.drawn
+        if any(len(piece) for piece in one.pieces)
+    ]
+    return about
+
+
+def _thinned(places: Any) -> list[int]:
+    """Places in quarters of a pixel, without those on the one before."""
+    fine = np.round(FINE * np.clip(places, -1e5, 1e5)).astype(int)
+    keeps = np.ones(len(fine), bool)
+    keeps[1:] = np.abs(np.diff(fine, axis=0)).max(axis=1) >= FINE // 2
+    kept: list[int] = fine[keeps].ravel().tolist()
+    return kept

@@ -1,0 +1,83 @@
+"""Where the robot of a feed is, and its sensors on it, for the widgets that need to know."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable, Iterable, Sequence
+from typing import Any, Protocol
+
+from ..kinds import ODOMETRY_TYPES, TRANSFORM_TYPES
+from ..poses.live_frames import TakesFrames
+from ._subscription import Target
+from ._topics import FeedTopic
+
+
+class Attaching(Protocol):
+    """A connection, as this knows it."""
+
+    @property
+    def topics(self) -> tuple[FeedTopic, ...]:
+        """The topics that are known."""
+
+    @property
+    def widgets(self) -> Sequence[Any]:
+        """The widgets that are connected."""
+
+    def attach(
+        self, topic: str, take: Callable[[Any], object], on_missed: Callable[[int], object] | None = None
+    ) -> Target:
+        """Pass the messages of a topic to a function."""
+
+    def detach(self, topic: str, target: Target) -> None:
+        """End that."""
+
+
+class FrameTopics:
+    """Gives the widgets that need it the odometry and tf of their robot; see `TakesFrames`."""
+
+    def __init__(self, connection: Attaching) -> None:
+        self._connection = connection
+        self._lock = threading.RLock()
+        self._attached: dict[TakesFrames, list[tuple[str, Target]]] = {}
+        self._observed: set[Any] = set()
+
+    def look(self, _change: Any = None) -> None:
+        """Attach what widgets need now, and detach what they need no longer."""
+        connection = self._connection
+        with self._lock:
+            there = {widget for widget in connection.widgets if hasattr(widget, "frame_topics")}
+            for widget in there - self._observed:
+                widget.observe(self.look, "trail")
+            for widget in self._observed - there:
+                widget.unobserve(self.look, "trail")
+            self._observed = there
+            for widget in there | self._attached.keys():
+                wanted = _wanted(connection.topics, widget.frame_topics if widget in there else "")
+                before = self._attached.pop(widget, [])
+                if wanted and [topic for topic, _ in before] == wanted:
+                    self._attached[widget] = before
+                    continue
+                for topic, target in before:
+                    connection.detach(topic, target)
+                if wanted:
+                    self._attached[widget] = [
+                        (topic, connection.attach(topic, widget.take_frames, _miss)) for topic in wanted
+                    ]
+
+    def close(self) -> None:
+        """Observe no widget any more."""
+        with self._lock:
+            for widget in self._observed:
+                widget.unobserve(self.look, "trail")
+            self._observed = set()
+
+
+def _wanted(topics: Iterable[FeedTopic], by: str) -> list[str]:
+    there = list(topics) if by else []
+    odometry = sorted(topic.name for topic in there if topic.type in ODOMETRY_TYPES and topic.widget)[:1]
+    frames = sorted(topic.name for topic in there if topic.type in TRANSFORM_TYPES)
+    return [*odometry, *frames] if by == "both" else (odometry or frames) if by == "odometry" else frames
+
+
+def _miss(_count: int) -> None:
+    """The next message says where the robot is then."""
