@@ -112,7 +112,8 @@ class CameraModel:
     def points(self, pixels: ArrayLike, depth: ArrayLike) -> Floats:
         """The points at pixels, shape (N, 2), whose depth is known: metres ahead (REP-118), shape (N,); as (N, 3)."""
         ahead = np.broadcast_to(np.asarray(depth, np.float64), (len(np.reshape(pixels, (-1, 2))),))
-        return self.rays(pixels) * ahead[:, None] - self.shift
+        found: Floats = self.rays(pixels) * ahead[:, None] - self.shift
+        return found
 
     @property
     def view(self) -> tuple[float, float]:
