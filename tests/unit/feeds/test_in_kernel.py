@@ -44,7 +44,7 @@ def log(tmp_path: Path) -> Log:
     return Log(tmp_path / "heard.txt")
 
 
-HOLD = "feed.driving = feeds.Driving(hold=60.0)\n"
+HOLD = "feed.driving = feeds.Driving(hold=3600.0)\n"
 LOOP = """
 while True:
     feed.drive(0.3)
@@ -77,7 +77,7 @@ def test_a_cell_that_raises_after_it_drove_sends_zero_at_once_one_that_ends_well
     assert kernel.run("well", "feed.driving = feeds.Driving(hold=3.0); feed.drive(0.2)")["status"] == "ok"
     wait_for(lambda: kernel.heard and kernel.heard[-1][1] == 0.0, "zero follows")
     assert kernel.heard[-1][0] - kernel.heard[-2][0] > 1.0, "at the end of the hold, not of the cell"
-    badly = "feed.driving = feeds.Driving(hold=60.0); feed.drive(0.2); 1 / 0"
+    badly = "feed.driving = feeds.Driving(hold=3600.0); feed.drive(0.2); 1 / 0"
     assert kernel.run("badly", badly)["ename"] == "ZeroDivisionError"
     wait_for(lambda: len(kernel.heard) == 4, "zero is sent long before the hold ends")
 
@@ -207,7 +207,7 @@ def test_an_unending_function_is_replaced_by_running_its_cell_again(kernel: Kern
 def test_the_end_of_the_kernel_sends_zero_though_a_function_hangs(own_kernel: Kernel) -> None:
     own_kernel.run("behave", BEHAVE.format(body="feed.drive(0.3)\n    time.sleep(3600)"))
     wait_for(lambda: 0.3 in own_kernel.heard_since(0.0), "the function drives, and hangs")
-    own_kernel.run("hold", "feed.driving = feeds.Driving(hold=60.0); feed.drive(0.2)")
+    own_kernel.run("hold", "feed.driving = feeds.Driving(hold=3600.0); feed.drive(0.2)")
     wait_for(lambda: own_kernel.heard[-1][1] == 0.2, "it drives")
     own_kernel.manager.shutdown_kernel()
     assert own_kernel.heard[-1][1] == 0.0
