@@ -72,6 +72,8 @@ def test_a_speed_that_is_sent_is_shown_once(clock: ManualClock) -> None:
     with simulated(clock) as (_, feed):
         feed.connection.attach("/cmd_vel", lambda speed: shown.append(speed.linear[0]), lambda _: None)
         feed.driving = feeds.Driving(hold=0.2)
+        clock.advance(0.1)
+        shown.clear()
         feed.drive(0.25)
         assert feed.drive_status == ""
         clock.advance(0.2 + real_time.QUIET - 0.1)

@@ -195,6 +195,7 @@ def test_a_robot_that_answers_but_says_nothing_is_not_given_up(ears: Ears, clock
         middleware.open(ears)
         wait_for(lambda: server.clients and middleware._socket and middleware._socket.is_open, "it is connected")
         server.clients[0].on_ping = lambda data: pings.append(data)  # type: ignore[method-assign]
+        clock.advance()  # the first ping is sent
         wait_for(lambda: not _unanswered(middleware), "it answered")
         before = len(pings)
         for _ in range(20):
@@ -472,7 +473,7 @@ def test_closing_takes_half_a_second_while_the_robot_does_not_answer(
     assert closing.is_alive()
     clock.advance(TICK)
     closing.join()
-    assert _threads() == []
+    wait_for(lambda: _threads() == [], "its thread ends, too")
     go_on()
 
 
@@ -538,14 +539,14 @@ def test_a_server_that_never_answers_is_told(ears: Ears, monkeypatch: pytest.Mon
     assert ears.lost[0].startswith(f"no answer from {server.address} within 0.2 s: is the robot on, ")
 
 
-def test_closing_does_not_wait_for_an_answer(ears: Ears) -> None:
+def test_closing_does_not_wait_for_an_answer(ears: Ears, clock: ManualClock) -> None:
     called = threading.Event()
     with Raw(lambda _: called.set()) as server:
-        middleware = Foxglove(server.address)
+        middleware = Foxglove(server.address, clock)
         middleware.open(ears)
         assert called.wait(120)
-        middleware.close()
-        assert _threads() == []
+        close(middleware, clock)
+        wait_for(lambda: _threads() == [], "its thread ends")
 
 
 @pytest.mark.parametrize(

@@ -56,9 +56,11 @@ def test_the_rows_are_those_of_single_searches_also_in_processes(runs: Path) -> 
 
 @pytest.mark.slow
 @pytest.mark.skipif(not DATA.is_dir(), reason="needs the recordings of real robots")
-@pytest.mark.parametrize("condition", [NEAR, conditions.touched(), conditions.gap(1.0)], ids=str)
-def test_the_rows_of_real_recordings_are_those_of_single_searches(condition: Any) -> None:
-    hits = find(condition, DATA, executor=Here())
+@pytest.mark.parametrize(
+    ("condition", "folder"), [(NEAR, ""), (conditions.touched(), "good"), (conditions.gap(1.0), "good")], ids=str
+)
+def test_the_rows_of_real_recordings_are_those_of_single_searches(condition: Any, folder: str) -> None:
+    hits = find(condition, DATA / folder, executor=Here())
     unsure = {*hits.chosen, *(one.file for one in hits.unread)}
     alone = [Path(file) for file in hits.files if file not in unsure]
     assert alone
