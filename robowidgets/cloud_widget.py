@@ -100,6 +100,8 @@ class CloudWidget(LargeFrameWidget[Cloud]):
     ).tag(sync=True)
 
     def __init__(self, **kwargs: Any) -> None:
+        self.most_bytes: int | None = None
+        """Of a frame of a player, which says so by how often clouds come; None: as many as of live clouds."""
         self._kept: deque[tuple[bytes, Cloud]] = deque()
         """The clouds that were packed last, with what was packed of each."""
         super().__init__(**kwargs)
@@ -168,7 +170,10 @@ class CloudWidget(LargeFrameWidget[Cloud]):
             cloud = to_cloud(sample)
         except (TypeError, ValueError) as error:
             return {"error": f"{error}."}, _pack(to_cloud([]), LIVE_POINTS)
-        return self._about_sample(cloud), _pack(cloud, self.most_points or LIVE_POINTS)
+        most = LIVE_POINTS
+        if self.most_bytes is not None:
+            most = max(1, self.most_bytes // cloud.points.dtype.itemsize)
+        return self._about_sample(cloud), _pack(cloud, self.most_points or most)
 
     def _about_sample(self, sample: Cloud) -> dict[str, Any]:
         about: dict[str, Any] = {"frame_id": sample.frame_id}

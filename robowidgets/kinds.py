@@ -105,6 +105,7 @@ class Asked(TopicWidget):
         nothing: what a player gives its `frame_of` before the first message.
         gathers: whether one widget has all topics that it is asked for. Its ``update`` takes the name of the topic
             before the message.
+        rerun: as of a `Kind`.
         along: of one that gathers, types of topics that it takes along by its method ``put``, asked for or not: what
             joins or completes the others.
         of_fields: of one that gathers, whether it shows single fields of topics, ``"/odom.twist.twist.linear.x"``. The
@@ -114,6 +115,7 @@ class Asked(TopicWidget):
     types: frozenset[str] = frozenset()
     nothing: Any = None
     frames: str = _MESSAGE_FRAMES
+    rerun: str = ""
     gathers: bool = False
     along: frozenset[str] = frozenset()
     of_fields: bool = False
@@ -327,6 +329,8 @@ CLOUD = Asked(
     name="cloud",
     types=CLOUD_TYPES,
     widget="robowidgets.cloud_widget:CloudWidget",
+    frames="robowidgets.player._cloud_frames:CloudFrames",
+    rerun="robowidgets.in_rerun.rerun_log:CloudLog",
     nothing=Cloud(np.empty(0, [(axis, np.float32) for axis in "xyz"])),
 )
 SCAN = Asked(
@@ -406,7 +410,7 @@ def _add_asked(row: Asked, *, replace: bool) -> None:
         )
     if row.of_fields and not row.gathers:
         raise ValueError(f"gathers: expected True, as {row.name} shows fields of several topics")
-    _check_texts(row, row.types, ("widget", "frames"))
+    _check_texts(row, row.types, ("widget", "frames", "rerun"))
     ASKED[row.name] = row
 
 

@@ -4,17 +4,20 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..kinds import KINDS, load
+from ..kinds import ASKED, KINDS, Asked, load
+from ..messages import to_cloud
 from ..poses.frame_tree import Poses
 from ..recordings import RecordingData
 from ..recordings.columns.chunks import ScanChunk
 from ..recordings.topics import Topic, wanted
-from ..samples import AXES, Scan, TouchState
+from ..samples import AXES, Cloud, Scan, TouchState
+from ..samples.cloud import AXES as CLOUD_AXES
 from ._sdk import library
 from ._world import WorldFrame
 
@@ -50,13 +53,19 @@ class Log:
     def __init__(self, recording: RecordingData, topics: Sequence[str] = ()) -> None:
         self.rr = library("rerun")
         self.recording = recording
-        recording.samples(topics or None)
+        asked = [row for row in ASKED.values() if row.rerun]
+        messages = {row.name: [t for t in recording.topics if _is_of(t, row, topics)] for row in asked}
+        named = {topic.name for own in messages.values() for topic in own}
+        others = [name for name in topics if name not in named]
+        if others or not topics:
+            recording.samples(others or None)
         self._start_ns = recording.start_ns or 0
         self._parts: list[TopicLog] = []
         for kind in KINDS.values():
             of_kind = [t for t in wanted(recording.topics, topics) if t.widget == kind.name]
             if of_kind and kind.rerun:
                 self._parts.append(load(kind.rerun)(self, of_kind))
+        self._parts += [load(row.rerun)(self, messages[row.name]) for row in asked if messages[row.name]]
 
     def stream(self) -> Any:
         """A new `rerun.RecordingStream` for it, without a sink yet."""
@@ -194,6 +203,37 @@ class ScanLog(TopicLog):
                 yield
 
 
+class CloudLog(TopicLog):
+    """Logs clouds as points in the world, all of them."""
+
+    is_large = True
+
+    def frames(self) -> list[str]:
+        """See `TopicLog`."""
+        firsts = (next(self._clouds(topic.name), None) for topic in self._topics)
+        return [first[1].frame_id for first in firsts if first]
+
+    def steps(self, stream: Any, world: WorldFrame) -> Iterator[None]:
+        """See `TopicLog`."""
+        rr, log = self._rr, self._log
+        for number, topic in enumerate(self._topics):
+            entity = log.entity("world/clouds", topic.name)
+            colour = _COLOURS[-1 - number % len(_COLOURS)]
+            stream.log(entity, rr.Points3D.from_fields(colors=colour, radii=rr.Radius.ui_points(1.0)), static=True)
+            for time_ns, cloud in self._clouds(topic.name):
+                times, stamps = np.array([[time_ns], [cloud.stamp_ns or 0]], np.int64)
+                positions = np.column_stack([cloud.points[axis] for axis in CLOUD_AXES]).astype(np.float32)
+                points = rr.Points3D.columns(positions=positions).partition([len(cloud)])
+                log.send(stream, entity, times, [*points, *log.transforms(world.poses(cloud.frame_id, times, stamps))])
+                yield
+
+    def _clouds(self, topic: str) -> Iterator[tuple[int, Cloud]]:
+        """Log times and clouds, without messages that are none."""
+        for moment in self._recording.messages(topic):
+            with suppress(TypeError, ValueError):
+                yield moment.time_ns, to_cloud(moment.message)
+
+
 class SpeedLog(TopicLog):
     """Logs speeds as curves, one for each axis."""
 
@@ -256,6 +296,12 @@ class TouchLog(TopicLog):
             changed = np.flatnonzero(np.diff(states, prepend=np.uint8(255)))
             names = [_STATE_NAMES[TouchState(int(state))] for state in states[changed]]
             self._log.send(stream, entity, touches.times_ns[changed], rr.StateChange.columns(state=names))
+
+
+def _is_of(topic: Topic, row: Asked, names: Sequence[str]) -> bool:
+    """Whether a topic is logged as a row says that is asked for: by its name, or where none is named."""
+    is_there = topic.count and not topic.problem and not row.types.isdisjoint(topic.type.split(", "))
+    return bool(is_there) and (not names or topic.name in names)
 
 
 def _points(chunk: ScanChunk) -> NDArray[np.float32]:

@@ -19,6 +19,9 @@ from robowidgets.recording import Recording
 from robowidgets.recordings import RecordingError, UnknownTopicError
 from robowidgets.simulator import World
 
+from ..recordings.recorded import write
+from ..test_cloud import cloud_message, points_of
+
 chunk = pytest.importorskip("rerun.chunk", reason="Rerun is not installed: pip install 'robowidgets[rerun]'")
 
 SCAN = "/world/scans/scan"
@@ -235,3 +238,19 @@ def test_errors_are_those_of_show(recording: Recording, tmp_path: Path) -> None:
     closed.close()
     with pytest.raises(RecordingError, match="is closed: open it again"):
         closed.to_rerun(tmp_path / "x.rrd")
+
+
+def test_all_points_of_a_cloud_keep_their_index_and_a_message_that_is_none_is_left_out(tmp_path: Path) -> None:
+    points = points_of(4, [(axis, "f4") for axis in "xyz"])
+    points["x"][1] = np.nan
+    good, bad = cloud_message(points), cloud_message(points, data=np.zeros(1, np.uint8))
+    kind = "sensor_msgs/msg/PointCloud2"
+    messages = [(0, "/points", good), (1, "/points", bad), (2, "/points", good)]
+    folder = write(tmp_path / "drive", {"/points": kind}, messages)
+    with robowidgets.open(folder) as recording:
+        for name, topics in (("all", ()), ("named", ("/points",))):
+            read = Read(recording.to_rerun(tmp_path / f"{name}.rrd", *topics))
+            rows = read.rows("/world/clouds/points", "recording_time", "Points3D:positions")
+            assert [row[0].value for row in rows] == [0, 2_000_000_000]
+            expected = np.column_stack([points[axis] for axis in "xyz"])
+            assert all(np.array_equal(np.array(row[1]), expected, equal_nan=True) for row in rows)

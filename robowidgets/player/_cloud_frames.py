@@ -1,0 +1,22 @@
+"""The clouds of a recording, with as many points as a player can send ahead."""
+
+from __future__ import annotations
+
+from .._widget_choice import WidgetChoice
+from ..cloud_widget import CloudWidget
+from ..recordings import RecordingData
+from ._frames import MessageFrames
+
+BYTES_PER_SECOND = 4_000_000
+"""Of one topic. A page plays as much beside its other widgets."""
+
+_MOST = 2_000_000
+
+
+class CloudFrames(MessageFrames):
+    """A `Track` of clouds, which are thinned the more the more often they come; see `MessageFrames`."""
+
+    def __init__(self, recording: RecordingData, choice: WidgetChoice, widget: CloudWidget) -> None:
+        super().__init__(recording, choice, widget)
+        topic = next(topic for topic in recording.topics if topic.name == choice.topic)
+        widget.most_bytes = int(min(_MOST, BYTES_PER_SECOND / max(1.0, topic.rate or 0.0)))
