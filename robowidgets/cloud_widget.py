@@ -84,6 +84,9 @@ class CloudWidget(LargeFrameWidget[Cloud]):
     sample_name = "cloud"
     frame_traits = ("most_points",)
 
+    most_bytes: int | None = None
+    """Of a frame of a player, which says so by how often clouds come; None: as many as of live clouds."""
+
     view = traitlets.Enum(VIEWS, "above", help="From where. Python and the view write it.").tag(sync=True)
     color_by = traitlets.Unicode("z", help="Field that colours the points. Python and the view write it.").tag(
         sync=True
@@ -100,8 +103,6 @@ class CloudWidget(LargeFrameWidget[Cloud]):
     ).tag(sync=True)
 
     def __init__(self, **kwargs: Any) -> None:
-        self.most_bytes: int | None = None
-        """Of a frame of a player, which says so by how often clouds come; None: as many as of live clouds."""
         self._kept: deque[tuple[bytes, Cloud]] = deque()
         """The clouds that were packed last, with what was packed of each."""
         super().__init__(**kwargs)
