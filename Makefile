@@ -13,8 +13,8 @@ MODULES := $(JS)/node_modules/.package-lock.json
 EXPORT_MODULES := tests/browser/node_modules/.package-lock.json
 BUNDLES := $(patsubst $(JS)/%.ts,robowidgets/static/%.js,$(wildcard $(JS)/*_widget.ts $(JS)/export_*.ts $(JS)/run_once.ts))
 PYTEST := .venv/bin/python -m pytest
-# Twice as many as cores: unit tests wait for half of their time.
-UNITS := $(PYTEST) --numprocesses 4 --dist loadfile tests/unit
+# Twice as many as cores: unit tests wait for half of their time. Files that take long come first (tests/unit/conftest.py).
+UNITS := $(PYTEST) --numprocesses 4 --dist loadfile --no-loadscope-reorder tests/unit
 
 export PATH := $(CURDIR)/.venv/bin:$(PATH)
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
@@ -72,10 +72,16 @@ test-unit: setup build
 	$(UNITS)
 
 # The units on the oldest Python, with the oldest versions that pyproject.toml allows; skipped without that Python.
-# Most slow ones are about our own code, which `make test` tests with newest versions; JupyterLab's start meets the oldest.
-# Robots that are simulated or programmed are our own code, too, and of Cyclone DDS the oldest version is nearly the newest.
+# Of our own code, slow tests and the files that take longest are left out: `make test` runs them with the newest versions.
+# So is what reads that code and runs none of it, and DDS, whose oldest version is nearly the newest.
+NOT_ON_THE_FLOOR := behaviors scanogram simulator feeds/test_dds.py test_layers.py test_names.py \
+  $(patsubst %,recordings/test_%.py,distances endings places scanogram show) \
+  $(patsubst tests/unit/%,%,$(wildcard tests/unit/recordings/test_find*.py)) $(patsubst %,repair/test_%.py,clock fuzz) \
+  $(patsubst %,test_%.py,distance drive_widget lesson_progress lessons map message_widget path_widget plot_widget) \
+  $(patsubst %,test_%.py,shapes sonar_ring to_html watch)
+
 test-floor: setup build
-	scripts/floor.sh -m 'not slow or versions' $(addprefix --ignore tests/unit/,simulator behaviors feeds/test_dds.py)
+	scripts/floor.sh -m 'not slow or versions' --no-loadscope-reorder $(addprefix --ignore tests/unit/,$(NOT_ON_THE_FLOOR))
 
 test-ros1: setup build
 	scripts/ros1.sh
