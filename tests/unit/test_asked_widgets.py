@@ -290,7 +290,8 @@ class TestAnArrangement:
         def run(cell: str, *topics: str) -> Player:
             monkeypatch.setattr(_cells, "running_cell", lambda: (cell, number))
             number = next(runs)
-            return robowidgets.open(recording.path).show(*topics)
+            with robowidgets.open(recording.path) as opened:
+                return opened.show(*topics)
 
         first = run("a cell", "/says", "/temperature")
         first.arrangement = ["/temperature", ["/temperature.data"]]
@@ -299,7 +300,9 @@ class TestAnArrangement:
         chosen = first.arrangement
         assert "/place" in chosen
         assert run("a cell", "/says", "/temperature").arrangement == chosen
-        assert run("a cell", "/says").arrangement == ["/says"]
+        last = run("a cell", "/says")
+        assert last.arrangement == ["/says"]
+        last.close()
 
         script = Scripted(ODOM, SCAN, NUMBER)
         with Feed(script) as feed:
