@@ -66,7 +66,14 @@ while feed.status:
 for _ in range(60):  # which of them tell who listens, and when, differs
     if not any(topic.name == "/cmd_vel" and topic.wanted for topic in feed.topics):
         time.sleep(0.05)
-drive(1.0)
+began = time.monotonic()
+def moves():
+    with open({heard!r}) as heard:
+        lines = [line.split() for line in heard.read().split("\\n")[:-1]]
+    return any(float(at) > began and float(linear) for at, linear, _ in lines)
+while not moves():  # a fault before the robot has heard anything shows nothing
+    drive(0.25)
+drive(0.5)
 {fault}
 """
 """A program with speeds that hold for a minute: no zero of the hold hides a missing one."""
@@ -178,7 +185,7 @@ class Drivers:
     def __init__(self, name: str, where: str, path: Path, *, guarded: bool = True, held: float = HELD) -> None:
         self._given = {"system": SYSTEM, "ros1": name == "ros1", "opened": OPEN[name].format(where=where)}
         self._beside = STAND_IN.format(path=str(path), folder=BESIDE) if name == "ros2" else ""
-        self._held, self._said = round(held * 1e6), path.with_name("said.txt")
+        self._held, self._heard, self._said = round(held * 1e6), path, path.with_name("said.txt")
         self._environment = {**os.environ, "ROBOWIDGETS_GUARD": "on" if guarded else "off"}
         command = [sys.executable, "-c", self._beside + FORKING.format(**self._given)]
         self._forking = subprocess.Popen(command, stdin=subprocess.PIPE, text=True, env=self._environment)
@@ -188,7 +195,7 @@ class Drivers:
         """A process that drives and has a fault; with the monotonic time of that."""
         self._said.unlink(missing_ok=True)
         what = FAULTS[fault].format(held=self._held)
-        code = self._beside + DRIVER.format(**self._given, said=str(self._said), fault=what)
+        code = self._beside + DRIVER.format(**self._given, said=str(self._said), heard=str(self._heard), fault=what)
         with ExitStack() as ends:
             server = None
             if fault == "server killed":

@@ -89,6 +89,7 @@ class MessageWidget(RobotWidget[Received]):
     _instead: ClassVar = {"values": 'widget["pose.position.x"]', "msg": "widget.message"}
     sample_name = "message"
     frame_traits = ("fields", "_wanted")
+    send_interval = 0.1
 
     fields = traitlets.List(traitlets.Unicode(), help="Paths of the fields that are shown alone; empty: all.").tag(
         sync=True

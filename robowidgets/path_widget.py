@@ -108,6 +108,7 @@ class PathWidget(DrawsShapes[PathPoint]):
     sample_name = "pose"
     beats = True
     frame_traits = ("frame", "_edition")
+    send_interval = 0.1
 
     frame = traitlets.Unicode("", help="The frame of the map; empty: found by tf. Python and the view write it.").tag(
         sync=True

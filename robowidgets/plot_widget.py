@@ -45,7 +45,7 @@ _OVERVIEW = 1.0
 """Seconds between two times that all of a long, live plot is sent, at least; what is on show comes with each."""
 
 _SHARE = 20.0
-"""All of a plot is sent again after so many times the time that this took."""
+"""What is sent of a long, live plot is sent again after so many times the time that this took."""
 
 _FIELD = '"/odom.twist.twist.linear.x"'
 _BY_NAME = 'update(v=0.3, time=1.2), or update({"/odom.v": 0.3}, time=1.2)'
@@ -160,7 +160,8 @@ class PlotWidget(PlotCard):
         self._began: float | None = None
         self._is_live = self._is_new = False
         self._edition = 0
-        self._due = 0.0
+        self._due = self._detail_due = 0.0
+        """When all of a long plot, and what is on show of it, is sent again."""
         self._error = self._png_error = ""
         self._refused: set[Any] = set()
         """The names of the lines that the error is about."""
@@ -289,7 +290,7 @@ class PlotWidget(PlotCard):
         """
         target = checked_output("to_html", path, (".html", ".htm"))
         with self._send_lock:
-            self._is_new, self._due = True, 0.0
+            self._is_new, self._due, self._detail_due = True, 0.0, 0.0
             self._compose(columns=_MOST_COLUMNS)
             written: Path = import_module(PAGES).write(self, target, title, note)
             self._is_new = True
@@ -317,7 +318,7 @@ class PlotWidget(PlotCard):
         """The synced traits, with the newest values: what a new view, a reload and a saved notebook get."""
         if key is None:
             with self._send_lock:
-                self._due = 0.0
+                self._due = self._detail_due = 0.0
                 self._compose()
         state: dict[str, Any] = super().get_state(key, drop_defaults)
         return state
@@ -343,10 +344,18 @@ class PlotWidget(PlotCard):
             values["_lines"] = pack(edition, lines, (first, last), columns)
             if is_long:
                 self._due = clock.monotonic() + max(_OVERVIEW, _SHARE * (clock.monotonic() - now))
-        elif is_new:
-            pacer.mark_at(self, self._due)
         span, columns = self._looked_at(first, last)
-        values["_detail"] = pack(edition, lines, span, columns) if is_long and span else b""
+        again = [self._due] if is_new and not is_due else []
+        if not (is_long and span):
+            values["_detail"] = b""
+        elif now >= self._detail_due:
+            began = clock.monotonic()
+            values["_detail"] = pack(edition, lines, span, columns)
+            self._detail_due = clock.monotonic() + _SHARE * (clock.monotonic() - began)
+        else:
+            again.append(self._detail_due)
+        if again:
+            pacer.mark_at(self, min(again))
         changed = [name for name, value in values.items() if self._trait_values.get(name) != value]
         for name in changed:
             self._trait_values[name] = values[name]
@@ -423,6 +432,7 @@ class PlotWidget(PlotCard):
 
     @traitlets.observe("_wanted", "view", "window")
     def _on_look(self, _change: Any) -> None:
+        self._detail_due = 0.0
         pacer.mark(self)
 
     @traitlets.observe("paused")

@@ -94,8 +94,13 @@ test("a drawing for another size writes at once, and after the end nothing is wr
   close();
 });
 
+/** Later in each test: what is drawn outlives one, as it does a widget. */
+let begun = 0;
+
 function openFrames() {
-  let now = 1000;
+  mock.timers.enable({ apis: ["setTimeout"] });
+  begun += 1000;
+  let now = begun;
   const clock = mock.method(performance, "now", () => now);
   const asked: (() => void)[] = [];
   const errors: unknown[] = [];
@@ -120,13 +125,19 @@ function openFrames() {
     for (const call of asked.splice(0)) call();
     return drawn.splice(0);
   };
+  /** Time in which the browser lays out and paints, and then has time for what else there is. */
+  const pass = (ms: number) => {
+    now += ms;
+    mock.timers.tick(ms);
+  };
   const close = () => {
     end.abort();
     frame();
+    mock.timers.reset();
     clock.mock.restore();
     Object.assign(globalThis, before);
   };
-  return { card, frame, asked, errors, signal: end.signal, close };
+  return { card, frame, pass, asked, errors, signal: end.signal, close };
 }
 
 test("cards share a frame, the laser is drawn first, each once, and texts are written when all are painted", () => {
@@ -153,6 +164,19 @@ test("the laser is in every frame, and the others in turn as long as there is ti
     ["laser", "events"],
   ]);
   assert.deepEqual(frame().slice(0, 1), ["map"], "what is left is drawn without being asked for again");
+  close();
+});
+
+test("a frame of others that took long has them rest as long, and the laser is drawn meanwhile", () => {
+  const { card, frame, pass, close } = openFrames();
+  const [map, laser] = [card("map", 2), card("laser", 1, true)];
+  const frames = [30, 10, 10, 10, 1].map((ms) => {
+    for (const ask of [map, laser]) ask();
+    const names = frame().filter((name) => !name.endsWith("text"));
+    pass(ms);
+    return names.join();
+  });
+  assert.deepEqual(frames, ["laser,map", "laser", "laser", "laser", "laser,map"]);
   close();
 });
 

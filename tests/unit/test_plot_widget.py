@@ -6,6 +6,7 @@ import threading
 from collections.abc import Iterator
 from math import inf, nan
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -208,6 +209,33 @@ def test_the_newest_of_a_long_line_comes_with_each_value_as_long_as_it_is_follow
     assert detail.values[-200:].tolist() == list(range(19_800, 20_000))
     plot.view = (0.0, 100.0)
     assert plot.get_state()["_detail"] == b""
+
+
+def test_what_is_on_show_of_a_long_line_rests_after_each_time_as_long_as_that_costs(
+    plot: PlotWidget, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    now = 1000.0
+
+    def pack_slowly(*of: Any) -> bytes:
+        nonlocal now
+        now += 1 / 64
+        return pack(*of)
+
+    monkeypatch.setattr("robowidgets.plot_widget.pack", pack_slowly)
+    monkeypatch.setattr("robowidgets.plot_widget.clock", SimpleNamespace(monotonic=lambda: now))
+    plot.close()  # so that the pacer sends nothing of it meanwhile
+    plot.set_line("v", np.arange(10_000) / 1000, np.zeros(10_000))
+    plot._compose()
+    came = []
+    for i in range(9):
+        plot.update(v=i, time=10 + i / 1000)
+        now += 3 / 64
+        plot._compose()
+        came.append(rows_of(plot._detail)[0][1].values[-1])
+    assert came == [0] * 7 + [7] * 2
+    plot.window = 1.0
+    plot._compose()
+    assert rows_of(plot._detail)[0][1].values[-1] == 8, "what is looked at comes at once"
 
 
 def test_the_oldest_values_go_when_there_are_too_many(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -7,6 +7,8 @@ const LATE_MS = 1.5 * READING_MS;
 
 /** Of one animation frame, for drawings; what is left of them waits for the next one. */
 const BUDGET_MS = 8;
+/** From one frame of a display to the next. */
+const FRAME_MS = 1000 / 60;
 
 /** What is asked for until it is drawn. */
 interface Drawing {
@@ -19,11 +21,16 @@ interface Drawing {
  * The drawings of all cards of the page, which share its animation frames. However often one is asked for, it shows the
  * newest, once per frame. Each frame draws those that go first, then others in the order in which they were asked for,
  * and then has elements changed: to paint text on a canvas, a browser first lays out what another card has changed.
+ *
+ * Where the others' frame took longer than a display's, they rest as long: of a page with too much to draw, half of the
+ * time is left to those that go first, and to messages, which would queue.
  */
 class Frames {
   readonly #waiting = new Set<Drawing>();
   /** What is done at the end of the frame that is being drawn; null: none is. */
   #last: Set<() => void> | null = null;
+  /** When others than those that go first are drawn again. */
+  #restsUntil = 0;
 
   ask(drawing: Drawing): void {
     if (!this.#waiting.size && !this.#last) requestAnimationFrame(() => this.#run());
@@ -44,7 +51,7 @@ class Frames {
     const last = new Set<() => void>();
     this.#last = last;
     const [begin, all] = [performance.now(), [...this.#waiting]];
-    const later = all.filter(({ isFirst }) => !isFirst);
+    const later = begin < this.#restsUntil ? [] : all.filter(({ isFirst }) => !isFirst);
     for (const drawing of all) if (drawing.isFirst) this.#draw(drawing);
     for (const [i, drawing] of later.entries()) {
       // One at least: all have their turn, also beside one that takes the whole frame.
@@ -53,7 +60,14 @@ class Frames {
     }
     for (const call of last) attempt(call);
     this.#last = null;
+    if (later.length) setTimeout(() => this.#rest(begin));
     if (this.#waiting.size) requestAnimationFrame(() => this.#run());
+  }
+
+  /** Called after a frame with others, which the browser has laid out and painted by now. */
+  #rest(begin: number): void {
+    const now = performance.now();
+    if (now - begin > FRAME_MS) this.#restsUntil = now + (now - begin);
   }
 
   #draw(drawing: Drawing): void {
