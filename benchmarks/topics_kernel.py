@@ -46,8 +46,8 @@ class Source(feed_kernel.Source):
 
     def __init__(self, name: str, _count: int) -> None:
         middleware, _, self._what = name.partition("-")
-        super().__init__(middleware, 0)
         self._view: Any = None
+        super().__init__(middleware, 0)
         if self._what == "bare":
             self._view, self._update = bare.make(encode(0))
             self._robot.feed.connect("/scan", self._hand)

@@ -84,9 +84,9 @@ class LargeFrameWidget(RobotWidget[S]):
             self._on_message(content)
             return
         page, number, lacks = content.get("page"), content["drawn"], content.get("lacks")
-        if isinstance(page, str) and _is_number(number) and (lacks is None or _is_number(lacks)):
-            if self._credit.on_drawn(page, number, lacks):
-                pacer.mark(self)
+        is_read = isinstance(page, str) and _is_number(number) and (lacks is None or _is_number(lacks))
+        if is_read and self._credit.on_drawn(page, number, lacks):
+            pacer.mark(self)
 
     def _on_message(self, content: dict[str, Any]) -> None:
         """Handle a message of the page that is of the subclass."""
