@@ -18,6 +18,7 @@ from ._together import together
 from .cloud_widget import CloudWidget
 from .drive_widget import DriveWidget
 from .events_widget import EventsWidget
+from .image_widget import ImageWidget
 from .laser.footprint import Footprint
 from .laser_widget import LaserWidget
 from .message_widget import MessageWidget
@@ -28,6 +29,7 @@ from .samples import (
     CameraInfo,
     Cloud,
     Event,
+    Image,
     MapGrid,
     Range,
     Ranges,
@@ -83,6 +85,8 @@ __all__ = [
     "Event",
     "EventsWidget",
     "Footprint",
+    "Image",
+    "ImageWidget",
     "LaserWidget",
     "Line",
     "MachineWidget",

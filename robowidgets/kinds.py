@@ -15,13 +15,14 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from .messages import to_range, to_scan, to_speed, to_touch
+from .messages import to_image, to_range, to_scan, to_speed, to_touch
 from .messages.cloud import CLOUD_TYPES
 from .messages.event import SAID_TYPES
 from .messages.fields import MessageShape, unwrap
+from .messages.image import IMAGE_TYPES
 from .messages.standard import ContactMessages, ToMessage, range_message, scan_message, speed_message
 from .messages.touch import TOUCH_TYPES
-from .samples import Cloud, Pose, Problem, Range, Ranges, Scan, Speed, Touch
+from .samples import Cloud, Image, Pose, Problem, Range, Ranges, Scan, Speed, Touch
 from .samples.touch_tracker import TouchesBetween
 
 _SAMPLE_FRAMES = "robowidgets.player._frames:SampleFrames"
@@ -313,7 +314,19 @@ SONAR = Kind(
     simulated="robowidgets.simulator.offers:sonars",
 )
 
-KINDS: dict[str, Kind] = {kind.name: kind for kind in (LASER, SPEED, TOUCH, SONAR)}
+IMAGE = Kind(
+    name="image",
+    sample_name="image",
+    noun="images",
+    sample=Image,
+    read=to_image,
+    types=IMAGE_TYPES,
+    widget="robowidgets.image_widget:ImageWidget",
+    nothing=Image(np.zeros((1, 1), np.uint8), "mono8"),
+    frames="robowidgets.player._image_frames:ImageFrames",
+)
+
+KINDS: dict[str, Kind] = {kind.name: kind for kind in (LASER, SPEED, TOUCH, SONAR, IMAGE)}
 """By name, in the order in which widgets stand on a page. `add` appends another."""
 
 EVENTS = Asked(

@@ -60,7 +60,7 @@ class LargeFrameWidget(RobotWidget[S]):
         pacer.mark_at(self._look, self._credit.look_at)
         return False
 
-    def _on_frame_sent(self, frame: bytes) -> None:
+    def _before_frame(self, frame: bytes) -> None:
         """See `PacedWidget`."""
         number, *_ = FRAME_HEADER.unpack_from(frame)
         self._credit.sent(number, len(frame))

@@ -97,6 +97,8 @@ class PacedWidget(BeatingWidget, FreezableWidget):
             if keys and not self.driven_by_player and time.monotonic() >= self._resync_at:
                 keys = [*dict.fromkeys((*keys, *RESYNC_TRAITS))]
                 self._resync_at = time.monotonic() + RESYNC_S
+            if "_frame" in keys:
+                self._before_frame(frame)
             try:
                 if keys in (["_frame"], ["_frame", "_about"]):
                     # The message that ipywidgets would build, without its cost.
@@ -111,7 +113,6 @@ class PacedWidget(BeatingWidget, FreezableWidget):
                 raise
             if "_frame" in keys:
                 self._sent_frames.add(TimedFrame(self._newest.arrived, about, frame), self.history)
-                self._on_frame_sent(frame)
             self._sent = newest
             return len(frame) if "_frame" in keys else 0
 
@@ -119,8 +120,8 @@ class PacedWidget(BeatingWidget, FreezableWidget):
         """Whether the newest frame may go now. Called with the lock of the sends."""
         return True
 
-    def _on_frame_sent(self, frame: bytes) -> None:
-        """Note that a frame went to the page. Called with the lock of the sends."""
+    def _before_frame(self, frame: bytes) -> None:
+        """Note that a frame goes to the page now, which may answer it at once. Called with the lock of the sends."""
 
     def sent_frames(self) -> list[TimedFrame]:
         """The frames of its history, oldest first; the last one is that of the newest sample."""

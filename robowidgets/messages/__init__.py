@@ -9,13 +9,24 @@ import os
 
 from .camera_info import to_camera_info
 from .cloud import to_cloud
+from .image import to_image
 from .pose import to_pose
 from .range import to_range
 from .scan import to_scan
 from .speed import to_speed
 from .touch import to_touch
 
-__all__ = ["add_definitions", "to_camera_info", "to_cloud", "to_pose", "to_range", "to_scan", "to_speed", "to_touch"]
+__all__ = [
+    "add_definitions",
+    "to_camera_info",
+    "to_cloud",
+    "to_image",
+    "to_pose",
+    "to_range",
+    "to_scan",
+    "to_speed",
+    "to_touch",
+]
 
 
 def add_definitions(*sources: str | os.PathLike[str]) -> tuple[str, ...]:

@@ -8,6 +8,7 @@ from .age import HasAge
 from .camera_info import CameraInfo
 from .cloud import Cloud
 from .event import Event, Level
+from .image import Image
 from .map_grid import MapGrid
 from .pose import Pose, yaw_of
 from .problem import Problem
@@ -26,6 +27,7 @@ __all__ = [
     "Cloud",
     "Event",
     "HasAge",
+    "Image",
     "Level",
     "MapGrid",
     "Pose",

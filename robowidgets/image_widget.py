@@ -1,0 +1,280 @@
+"""The image widget: what a camera sees, with the number of every pixel."""
+
+from __future__ import annotations
+
+from collections import OrderedDict
+from math import isfinite
+from typing import Any, ClassVar
+
+import numpy as np
+import traitlets
+
+from ._core.front_end import bundle
+from ._core.large_frames import LargeFrameWidget
+from ._core.timed_frame import FRAME_HEADER
+from .imaging import checked_region, pack, statistics
+from .imaging.packing import MOST_BYTES
+from .messages import to_image
+from .samples import Image
+
+_MOST_KEPT, _MOST_KEPT_BYTES = 600, 64_000_000
+"""Pictures that were sent, and about their bytes, of which the page may ask for the values of a pixel."""
+
+
+_NOTHING = Image(np.zeros((1, 1), np.uint8), "mono8")
+"""In place of a first picture that cannot be shown."""
+
+
+class ImageWidget(LargeFrameWidget[Image]):
+    """What a camera sees, live, as large as the card and never stretched.
+
+    The reader sees the picture, and for the pixel under the pointer its row, its column, its index in the data of the
+    message and its values. A drag marks a region, with its statistics and the code that reads it. A depth image is
+    shown in false colors with their scale; 0 and NaN are nothing, and have no color. With the calibration of the camera
+    a pixel of it also has x, y and z, in metres of the frame of the camera. Space freezes, the wheel zooms; none of it
+    needs the kernel. The page gets the next picture when it has drawn the last one. Of a large picture it gets every
+    second row and column, or every third ..., which the widget says; the values under the pointer then come from
+    Python. What cannot be understood leaves the last picture and says why above it.
+
+    Args:
+        title: what is shown, for the header; usually the name of the topic.
+        scale: metres at the ends of the colors of a depth image, or numbers at those of another one with one channel;
+            None: fitted to each picture. The view writes it, too.
+        region: first row, row after the last, first column, column after the last of what is marked; None: nothing.
+            The view writes it, too.
+        camera: fx, fy, cx and cy of the camera in pixels; `calibrate` takes them from a message. None: not known.
+        paused: whether the picture is frozen.
+        history: seconds for which the page keeps pictures to step back through while frozen, 0 (none) to 600; of large
+            ones fewer, as 8 MB are kept.
+        header, footer: whether they are there.
+
+    Raises:
+        TypeError: an unknown keyword.
+        traitlets.TraitError: a value out of its range.
+
+    Source: sensor_msgs/Image, sensor_msgs/CompressedImage, REP-118.
+
+    Examples:
+        >>> camera = ImageWidget(title="/camera/depth")
+        >>> camera.update(np.full((480, 640), 1.5, np.float32))
+        >>> camera[240, 320], camera.image.distance(240, 320)
+        (1.5, 1.5)
+    """
+
+    _esm, _css = bundle("image_widget")
+    _meant: ClassVar = {"topic": "title", "limits": "scale", "range": "scale", "roi": "region", "camera_info": "camera"}
+    _instead: ClassVar = {"data": "widget.image.pixels", "array": "widget.image.pixels", "depth": "widget.image.depth"}
+    column = "wide"
+    sample_name = "image"
+
+    scale = traitlets.List(
+        traitlets.Float(), None, allow_none=True, help="Numbers at the ends of the colors; None: fitted."
+    ).tag(sync=True)
+    region = traitlets.List(
+        traitlets.Int(),
+        None,
+        allow_none=True,
+        help="First row, row after the last, first column, column after the last of what is marked; None: nothing.",
+    ).tag(sync=True)
+    camera = traitlets.List(
+        traitlets.Float(), None, allow_none=True, help="fx, fy, cx, cy of the camera in pixels; None: not known."
+    ).tag(sync=True)
+
+    most_bytes = MOST_BYTES
+    """Of a picture on its way to the page. A player, which sends many ahead, sets it."""
+
+    def __init__(self, **kwargs: Any) -> None:
+        self._kept: OrderedDict[float, Image] = OrderedDict()
+        """By number what was packed last."""
+        self._bad: Image | None = None
+        self._last_good = pack(_NOTHING).data
+        super().__init__(**kwargs)
+
+    def update(self, message: Any, encoding: str = "") -> None:
+        """Show a picture in the next animation frame.
+
+        It only stores, and may be called from any thread at any rate; the newest wins. A message is not copied: do not
+        change it afterwards.
+
+        Args:
+            message: a sensor_msgs/Image or sensor_msgs/CompressedImage of rclpy, rospy, rosbags or rosbridge; an array
+                of NumPy, which is copied; or an `Image`.
+            encoding: of an array, as of a message; empty: uint8 is mono8, rgb8 or rgba8, uint16 and float are a depth
+                image in millimetres or metres.
+
+        Raises:
+            TypeError: no such message. ValueError: its encoding is unknown, or its size does not fit its data. In a
+                callback (another thread; a task, timer or button of a notebook) nothing is raised; widget and log say
+                it, and the last picture stays.
+        """
+        try:
+            image = to_image(message, encoding)
+        except (TypeError, ValueError) as error:
+            self._refuse(error)
+        else:
+            self._show(image)
+
+    def calibrate(self, message: Any) -> None:
+        """Take fx, fy, cx and cy from a sensor_msgs/CameraInfo, so that pixels of a depth image have x, y and z.
+
+        Raises:
+            TypeError: no such message. ValueError: the camera is not calibrated.
+        """
+        k = getattr(message, "k", getattr(message, "K", None))
+        if isinstance(message, dict):
+            k = message.get("k", message.get("K"))
+        if k is None or len(k) != 9:
+            self._refuse(TypeError(f"expected a message like sensor_msgs/CameraInfo, with k; got {message!r:.80}"))
+            return
+        numbers = [float(k[at]) for at in (0, 4, 2, 5)]
+        if numbers != (self.camera or []):
+            self.camera = numbers
+
+    @property
+    def image(self) -> Image | None:
+        """The picture on show, the frozen one while paused; None before the first.
+
+        While paused it is also None where the page has stepped back to a picture that is no longer kept here: about the
+        last 64 MB are.
+        """
+        return self._sample_on_show()
+
+    @property
+    def frozen(self) -> Image | None:
+        """The picture on show while frozen, which may be stepped back to; None while live."""
+        return self.image if self.paused else None
+
+    @property
+    def marked(self) -> Any:
+        """The pixels of the region that is marked, of a depth image in metres; None where nothing is marked."""
+        image = self.image
+        if image is None or self.region is None:
+            return None
+        top, bottom, left, right = self.region
+        return (image.depth if image.is_depth else image.pixels)[top:bottom, left:right]
+
+    def __getitem__(self, where: Any) -> Any:
+        image = self.image
+        if image is None:
+            raise IndexError("no picture came")
+        return image[where].item() if np.ndim(image[where]) == 0 else image[where]
+
+    def frame_of(self, sample: Image) -> tuple[dict[str, Any], bytes]:
+        """See `RobotWidget`."""
+        return self._about_sample(sample), self._pack(sample)
+
+    # -- to the page ---------------------------------------------------------------------------------------------------
+
+    def _describe(self) -> str:
+        shown = self._newest.sample
+        return repr(shown).strip("<>") if shown is not None else ""
+
+    def _about_sample(self, sample: Image) -> dict[str, Any]:
+        about: dict[str, Any] = {"encoding": sample.encoding, "frame_id": sample.frame_id}
+        letters = "rgb" if sample.compressed else "".join(sample.channels)
+        about |= {"channels": letters} if letters else {}
+        if sample.step and sample.values is not None:
+            each = sample.values.dtype.itemsize * (sample.values.shape[2] if sample.values.ndim == 3 else 1)
+            about |= {"row_bytes": sample.step, "pixel_bytes": 2 if letters == "yuv" else each}
+        return about
+
+    def _pack(self, sample: Image) -> bytes:
+        try:
+            self._last_good = pack(sample, self.most_bytes).data
+        except ValueError as error:  # a large file that has to be unpacked
+            with self._newest.lock:
+                is_new = self._bad is not sample
+                self._bad = sample
+            if is_new:
+                self._refuse_later(error)
+        return self._last_good
+
+    def _refuse_later(self, error: ValueError) -> None:
+        """Show why what was accepted cannot be shown, in place of it."""
+        with self._newest.lock:
+            self._newest.about = {**self._newest.about, "error": f"{error}."}
+        self._log_once(f"a picture could not be shown: {error}")
+        self._say_more()
+
+    def _unpack(self, frame: bytes) -> Image | None:  # type: ignore[override]  # it may be gone
+        number, *_ = FRAME_HEADER.unpack_from(frame)
+        return self._kept.get(number)
+
+    def _bring_up_to_date(self) -> None:
+        """See `FreezableWidget`; keeps what is packed, for the page to ask for its values."""
+        with self._send_lock:
+            before = self._trait_values.get("_frame")
+            super()._bring_up_to_date()
+            frame = self._frame
+            if frame is before or not frame:
+                return
+            number, *_ = FRAME_HEADER.unpack_from(frame)
+            sample = self._newest.sample
+            if sample is not None:
+                self._keep(number, sample)
+
+    def _keep(self, number: float, sample: Image) -> None:
+        kept = self._kept
+        kept[number] = sample
+        while len(kept) > _MOST_KEPT or (len(kept) > 1 and sum(map(_size_of, kept.values())) > _MOST_KEPT_BYTES):
+            kept.popitem(last=False)
+
+    # -- from the page -------------------------------------------------------------------------------------------------
+
+    def _on_message(self, content: dict[str, Any]) -> None:
+        """Answer what the page asks of a picture: the values of a pixel, or the statistics of a region."""
+        number, pixel, region = content.get("of"), content.get("pixel"), content.get("region")
+        if not isinstance(number, (int, float)):
+            return
+        image = self._kept.get(number)
+        if image is None:
+            return
+        try:
+            if region is not None:
+                where = checked_region(region)
+                self.send({"region": region, "of": number, "statistics": statistics(image, where)})
+            elif pixel is not None:
+                row, column = (int(one) for one in pixel)
+                rows, columns = image.shape
+                if 0 <= row < rows and 0 <= column < columns:
+                    values = np.atleast_1d(image[row, column]).tolist()
+                    self.send({"pixel": pixel, "of": number, "values": [v if isfinite(v) else str(v) for v in values]})
+        except (TypeError, ValueError) as error:
+            self.send({"of": number, "why": str(error)})
+
+    # -- checks --------------------------------------------------------------------------------------------------------
+
+    @traitlets.validate("region")
+    def _region_is_one(self, proposal: Any) -> Any:
+        if proposal["value"] is None:
+            return None
+        try:
+            return [*checked_region(proposal["value"])]
+        except (TypeError, ValueError) as error:
+            raise traitlets.TraitError(str(error)) from None
+
+    @traitlets.validate("scale")
+    def _scale_is_one(self, proposal: Any) -> Any:
+        value = proposal["value"]
+        if value is None:
+            return None
+        if len(value) != 2 or not all(map(isfinite, value)) or not value[0] < value[1]:
+            raise traitlets.TraitError(
+                f"scale: expected two numbers, the first below the second, or None; got {value!r}"
+            )
+        return value
+
+    @traitlets.validate("camera")
+    def _camera_is_one(self, proposal: Any) -> Any:
+        value = proposal["value"]
+        if value is None:
+            return None
+        if len(value) != 4 or not all(map(isfinite, value)) or not min(value[:2]) > 0:
+            raise traitlets.TraitError(
+                f"camera: expected fx, fy, cx and cy in pixels, fx and fy above 0; got {value!r}"
+            )
+        return value
+
+
+def _size_of(image: Image) -> int:
+    return len(image.compressed) or image.pixels.nbytes

@@ -1,0 +1,60 @@
+import { copyOf, Reader } from "../shared/bytes.ts";
+import { type Frame, readHead } from "../shared/stream.ts";
+
+/** What the bytes of a picture are, numbered as in Python. */
+export const FILE = 0;
+export const RGB = 1;
+export const RGBA = 2;
+export const GRAY = 3;
+export const UINT16 = 4;
+export const FLOAT32 = 5;
+
+/** A picture as it comes from Python. */
+export interface Picture extends Frame {
+  form: number;
+  /** Of the whole picture. */
+  rows: number;
+  columns: number;
+  /** Every how many rows and columns are there. */
+  every: number;
+  /** Metres of one step of a depth image; 0: it is none. */
+  depthScale: number;
+  /** Whether the numbers are those of the pixels. */
+  isExact: boolean;
+  /** The bytes of the rows and columns that are there, or of a file. */
+  data: Uint8Array<ArrayBuffer>;
+}
+
+export function decodeImage(bytes: DataView): Picture {
+  const reader = new Reader(bytes);
+  const head = readHead(reader);
+  const [form = 0, rows = 0, columns = 0, every = 1, depthScale = 0, isExact = 0] = reader.float64s(6);
+  const data = new Uint8Array(copyOf(bytes, bytes.byteLength - reader.left, reader.left));
+  return { ...head, form, rows, columns, every, depthScale, isExact: isExact === 1, data };
+}
+
+/** Rows and columns that are there. */
+export function sizeThere({ rows, columns, every }: Pick<Picture, "rows" | "columns" | "every">) {
+  return { height: Math.ceil(rows / every), width: Math.ceil(columns / every) };
+}
+
+/** Whether each pixel is one number, not a color. */
+export function isNumbers({ form }: Pick<Picture, "form">): boolean {
+  return form === UINT16 || form === FLOAT32;
+}
+
+/** The numbers of such a picture; metres of a depth image, NaN for nothing. */
+export function toNumbers(picture: Picture): Float32Array | Uint16Array {
+  const { data, depthScale } = picture;
+  if (picture.form === FLOAT32) {
+    const values = new Float32Array(data.buffer);
+    return depthScale ? values.map((value) => toDepth(value, depthScale)) : values;
+  }
+  const values = new Uint16Array(data.buffer);
+  return depthScale ? Float32Array.from(values, (value) => toDepth(value, depthScale)) : values;
+}
+
+/** Metres; NaN for 0 and what is no distance. */
+function toDepth(value: number, scale: number): number {
+  return value > 0 && value < Infinity ? value * scale : NaN;
+}

@@ -1,0 +1,77 @@
+import type { Box, Point, Size } from "../shared/box.ts";
+
+/** Pixels of the screen for one of the picture, at most. */
+const CLOSEST = 64;
+const STEP = 1.3;
+
+/** The middle of what is looked at, in pixels of the picture, and how many pixels of the screen each of them has. */
+export interface Look {
+  column: number;
+  row: number;
+  scale: number;
+}
+
+/** Where a picture lies on the screen. */
+export interface Placement {
+  /** Pixels of the screen for one of the picture. */
+  scale: number;
+  /** The left upper corner of pixel [0, 0]. */
+  left: number;
+  top: number;
+}
+
+/** The largest scale at which all of the picture is there. */
+export function fitScaleOf(picture: Size, room: Size): number {
+  return Math.min(room.width / picture.width, room.height / picture.height);
+}
+
+/** Places a picture in a box: all of it, or what is looked at, without room beside it that it could fill. */
+export function placeIn(picture: Size, room: Box, look: Look | null): Placement {
+  const fitted = fitScaleOf(picture, room);
+  const scale = look ? Math.max(fitted, look.scale) : fitted;
+  const along = (start: number, length: number, size: number, middle: number) => {
+    const whole = size * scale;
+    if (whole <= length) return start + (length - whole) / 2;
+    return Math.min(start, Math.max(start + length - whole, start + length / 2 - middle * scale));
+  };
+  return {
+    scale,
+    left: along(room.x, room.width, picture.width, look?.column ?? 0),
+    top: along(room.y, room.height, picture.height, look?.row ?? 0),
+  };
+}
+
+/** What is in the middle of a box. */
+export function lookAt({ scale, left, top }: Placement, room: Box): Look {
+  return {
+    scale,
+    column: (room.x + room.width / 2 - left) / scale,
+    row: (room.y + room.height / 2 - top) / scale,
+  };
+}
+
+/** One step nearer (-1) or farther (+1), with a place of the screen staying where it is; null: all of it. */
+export function zoomed(placement: Placement, direction: -1 | 1, at: Point, picture: Size, room: Box): Look | null {
+  const fitted = fitScaleOf(picture, room);
+  const scale = Math.min(Math.max(CLOSEST, fitted), placement.scale * (direction < 0 ? STEP : 1 / STEP));
+  if (scale <= fitted * 1.001) return null;
+  const { column, row } = toPicture(placement, at);
+  const [dx, dy] = [room.x + room.width / 2 - at.x, room.y + room.height / 2 - at.y];
+  return { scale, column: column + dx / scale, row: row + dy / scale };
+}
+
+/** A place of the screen in pixels of the picture, whose corners are whole numbers. */
+export function toPicture({ scale, left, top }: Placement, { x, y }: Point): { row: number; column: number } {
+  return { row: (y - top) / scale, column: (x - left) / scale };
+}
+
+/** The box of a part of the picture on the screen. */
+export function boxOf({ scale, left, top }: Placement, [from, to, first, end]: readonly number[]): Box {
+  const [row = 0, last = 0, column = 0, stop = 0] = [from, to, first, end];
+  return {
+    x: left + column * scale,
+    y: top + row * scale,
+    width: (stop - column) * scale,
+    height: (last - row) * scale,
+  };
+}

@@ -1,0 +1,99 @@
+import { toCount, toFixed, toMany } from "../shared/format.ts";
+import type { PopupWords } from "../shared/popup.ts";
+import type { Picture } from "./frame.ts";
+import type { Statistics } from "./region.ts";
+import type { ImageAbout } from "./traits.ts";
+
+/** A value with the digits that it has: whole numbers whole, others with three decimals. */
+export function toValue(value: number): string {
+  return Number.isInteger(value) ? toCount(value).replace("-", "\u2212") : toFixed(value, 3);
+}
+
+/** Of which pixel something is said. */
+export interface Pixel {
+  row: number;
+  column: number;
+}
+
+/** What is known of a pixel. */
+export interface Known {
+  values: number[];
+  /** Whether they are those of the message. */
+  isExact: boolean;
+}
+
+const ORDINALS: Record<number, string> = { 1: "", 2: "2nd ", 3: "3rd " };
+
+/** "every 2nd row and column", or nothing. */
+export function thinned({ every }: Pick<Picture, "every">): string {
+  return every > 1 ? `every ${ORDINALS[every] ?? `${every}th `}row and column` : "";
+}
+
+/** Metres in the frame of the camera: x to the right, y down, z ahead. */
+export function toCamera({ row, column }: Pixel, depth: number, [fx = 1, fy = 1, cx = 0, cy = 0]: number[]): number[] {
+  return [((column - cx) * depth) / fx, ((row - cy) * depth) / fy, depth];
+}
+
+/** What the pop-up says of a pixel. */
+export function describePixel(
+  pixel: Pixel,
+  known: Known | null,
+  picture: Picture,
+  about: ImageAbout,
+  camera: number[] | null,
+): PopupWords {
+  const { row, column } = pixel;
+  const name = picture.depthScale ? "image.depth" : "image";
+  const lines: string[] = [];
+  const { row_bytes, pixel_bytes } = about;
+  if (row_bytes && pixel_bytes) lines.push(`data[${row * row_bytes + column * pixel_bytes}]`);
+  if (camera && picture.depthScale && known?.values[0]) {
+    const [x = NaN, y = NaN, z = NaN] = toCamera(pixel, known.values[0], camera);
+    if (!Number.isNaN(z)) lines.push(`x ${toFixed(x, 3)}  y ${toFixed(y, 3)}  z ${toFixed(z, 3)} m`);
+  }
+  if (known && !known.isExact) lines.push(picture.every > 1 ? `nearest of ${thinned(picture)}` : "about, from a JPEG");
+  return {
+    expression: `${name}[${row}, ${column}]`,
+    distance: known ? toValues(known.values, picture, about) : "\u2026",
+    details: lines.join("\n"),
+  };
+}
+
+/** The values of a pixel with the letters of their channels; of a depth image the distance. */
+export function toValues(values: number[], { depthScale }: Pick<Picture, "depthScale">, about: ImageAbout): string {
+  if (depthScale) return Number.isNaN(values[0] ?? NaN) ? "nothing" : `${toFixed(values[0] ?? NaN, 3)} m`;
+  const letters = values.length > 1 ? (about.channels ?? "") : "";
+  return values.map((value, i) => `${letters[i] ?? ""} ${toValue(value)}`.trim()).join("  ");
+}
+
+/** The code that reads a region. */
+export function toCode([top, bottom, left, right]: readonly number[], isDepth: boolean): string {
+  return `${isDepth ? "image.depth" : "image"}[${top}:${bottom}, ${left}:${right}]`;
+}
+
+/** What the pop-up says of a region. */
+export function describeRegion(
+  region: readonly number[],
+  found: Statistics | null,
+  picture: Picture,
+  about: ImageAbout,
+): PopupWords {
+  const [top = 0, bottom = 0, left = 0, right = 0] = region;
+  const words = {
+    expression: toCode(region, picture.depthScale > 0),
+    distance: `${toCount(bottom - top)} \u00D7 ${toCount(right - left)}`,
+  };
+  if (!found) return { ...words, details: "\u2026" };
+  const unit = picture.depthScale ? " m" : "";
+  const letters = found.channels.length > 1 ? (about.channels ?? "") : "";
+  const show = (value: number) => (picture.depthScale ? toFixed(value, 3) : toValue(Math.round(value * 10) / 10));
+  const rows = found.channels.map((row, i) => {
+    if (!row) return `${letters[i] ?? ""} nothing`.trim();
+    const [least, mean, median, most] = row.map(show);
+    return `${letters[i] ?? ""} ${least} to ${most}${unit}, mean ${mean}, median ${median}`.trim();
+  });
+  const lacks = found.of - found.count;
+  if (lacks > 0) rows.push(`${toMany(lacks, "pixel")} of ${toCount(found.of)} nothing`);
+  if (!found.isExact) rows.push(picture.every > 1 ? `of ${thinned(picture)}` : "about, from a JPEG");
+  return { ...words, details: rows.join("\n") };
+}
