@@ -12,9 +12,10 @@ import traitlets
 from ._core.front_end import bundle
 from ._core.large_frames import LargeFrameWidget
 from ._core.timed_frame import FRAME_HEADER
+from .camera import CameraModel
 from .imaging import checked_region, pack, statistics
 from .imaging.packing import MOST_BYTES
-from .messages import to_image
+from .messages import to_camera_info, to_image
 from .samples import Image
 
 _MOST_KEPT, _MOST_KEPT_BYTES = 600, 64_000_000
@@ -38,8 +39,8 @@ class ImageWidget(LargeFrameWidget[Image]):
 
     Args:
         title: what is shown, for the header; usually the name of the topic.
-        scale: metres at the ends of the colors of a depth image, or numbers at those of another one with one channel;
-            None: fitted to each picture. The view writes it, too.
+        color_range: metres at the ends of the colors of a depth image, or numbers at those of another one with one
+            channel; None: fitted to each picture. The view writes it, too.
         region: first row, row after the last, first column, column after the last of what is marked; None: nothing.
             The view writes it, too.
         camera: fx, fy, cx and cy of the camera in pixels; `calibrate` takes them from a message. None: not known.
@@ -62,22 +63,31 @@ class ImageWidget(LargeFrameWidget[Image]):
     """
 
     _esm, _css = bundle("image_widget")
-    _meant: ClassVar = {"topic": "title", "limits": "scale", "range": "scale", "roi": "region", "camera_info": "camera"}
+    _meant: ClassVar = {
+        "topic": "title",
+        "limits": "color_range",
+        "scale": "color_range",
+        "roi": "region",
+        "camera_info": "camera",
+    }
     _instead: ClassVar = {"data": "widget.image.pixels", "array": "widget.image.pixels", "depth": "widget.image.depth"}
     column = "wide"
     sample_name = "image"
 
-    scale = traitlets.List(
-        traitlets.Float(), None, allow_none=True, help="Numbers at the ends of the colors; None: fitted."
+    color_range = traitlets.Tuple(
+        traitlets.Float(), traitlets.Float(), default_value=None, allow_none=True, help="Numbers; None: fit."
     ).tag(sync=True)
-    region = traitlets.List(
-        traitlets.Int(),
-        None,
+    region = traitlets.Tuple(
+        *(traitlets.Int() for _ in range(4)),
+        default_value=None,
         allow_none=True,
         help="First row, row after the last, first column, column after the last of what is marked; None: nothing.",
     ).tag(sync=True)
-    camera = traitlets.List(
-        traitlets.Float(), None, allow_none=True, help="fx, fy, cx, cy of the camera in pixels; None: not known."
+    camera = traitlets.Tuple(
+        *(traitlets.Float() for _ in range(4)),
+        default_value=None,
+        allow_none=True,
+        help="fx, fy, cx and cy of the camera in pixels; None: not known.",
     ).tag(sync=True)
 
     most_bytes = MOST_BYTES
@@ -120,15 +130,13 @@ class ImageWidget(LargeFrameWidget[Image]):
         Raises:
             TypeError: no such message. ValueError: the camera is not calibrated.
         """
-        k = getattr(message, "k", getattr(message, "K", None))
-        if isinstance(message, dict):
-            k = message.get("k", message.get("K"))
-        if k is None or len(k) != 9:
-            self._refuse(TypeError(f"expected a message like sensor_msgs/CameraInfo, with k; got {message!r:.80}"))
-            return
-        numbers = [float(k[at]) for at in (0, 4, 2, 5)]
-        if numbers != (self.camera or []):
-            self.camera = numbers
+        try:
+            info = to_camera_info(message)
+            # A depth image is rectified where it comes from.
+            model = CameraModel(info, rectified=True)
+            self.camera = (*map(float, model.focus), *map(float, model.middle))
+        except (TypeError, ValueError, traitlets.TraitError) as error:
+            self._refuse(error)
 
     @property
     def image(self) -> Image | None:
@@ -249,18 +257,18 @@ class ImageWidget(LargeFrameWidget[Image]):
         if proposal["value"] is None:
             return None
         try:
-            return [*checked_region(proposal["value"])]
+            return checked_region(proposal["value"])
         except (TypeError, ValueError) as error:
             raise traitlets.TraitError(str(error)) from None
 
-    @traitlets.validate("scale")
-    def _scale_is_one(self, proposal: Any) -> Any:
+    @traitlets.validate("color_range")
+    def _range_is_one(self, proposal: Any) -> Any:
         value = proposal["value"]
         if value is None:
             return None
-        if len(value) != 2 or not all(map(isfinite, value)) or not value[0] < value[1]:
+        if not all(map(isfinite, value)) or not value[0] < value[1]:
             raise traitlets.TraitError(
-                f"scale: expected two numbers, the first below the second, or None; got {value!r}"
+                f"color_range: expected two numbers, the first below the second, or None; got {value!r}"
             )
         return value
 
@@ -269,7 +277,7 @@ class ImageWidget(LargeFrameWidget[Image]):
         value = proposal["value"]
         if value is None:
             return None
-        if len(value) != 4 or not all(map(isfinite, value)) or not min(value[:2]) > 0:
+        if not all(map(isfinite, value)) or not min(value[:2]) > 0:
             raise traitlets.TraitError(
                 f"camera: expected fx, fy, cx and cy in pixels, fx and fy above 0; got {value!r}"
             )

@@ -122,9 +122,10 @@ def _shown(image: Image, values: NDArray[Any], every: int, form: Form) -> NDArra
 def _to_bytes(part: NDArray[Any]) -> NDArray[np.uint8]:
     """Channels of any type as 8 bits: the upper ones of whole numbers, and 0 to 1 as 0 to 255."""
     if part.dtype.kind == "f":
-        return (np.nan_to_num(part).clip(0, 1) * 255).astype(np.uint8)
+        return np.asarray(np.nan_to_num(part).clip(0, 1) * 255).astype(np.uint8)
     if part.dtype.kind == "i":
-        return ((part.astype(np.int64) >> (8 * part.dtype.itemsize - 8)) + 128).astype(np.uint8)
+        part = (part.astype(np.int64) >> (8 * part.dtype.itemsize - 8)) + 128
+        return np.asarray(part, np.uint8)
     shift = 8 * part.dtype.itemsize - 8
     shifted: NDArray[np.uint8] = (part >> shift).astype(np.uint8) if shift else part
     return shifted

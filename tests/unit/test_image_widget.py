@@ -42,7 +42,7 @@ def test_pixels_and_regions_are_read_as_of_an_array(widget: ImageWidget) -> None
     widget.update(COLORS)
     assert widget[1, 2].tolist() == COLORS[1, 2].tolist()
     np.testing.assert_array_equal(widget[1:3, 2:5], COLORS[1:3, 2:5])
-    widget.region = [1, 3, 2, 5]
+    widget.region = (1, 3, 2, 5)
     np.testing.assert_array_equal(widget.marked, COLORS[1:3, 2:5])
     assert repr(widget) == "<ImageWidget /camera: Image: 6 x 4 rgb8>"
 
@@ -153,8 +153,8 @@ def test_the_frozen_picture_is_that_of_the_page(widget: ImageWidget) -> None:
 
 
 def test_a_calibration_gives_its_four_numbers(widget: ImageWidget) -> None:
-    widget.calibrate({"k": [500, 0, 320, 0, 510, 240, 0, 0, 1]})
-    assert widget.camera == [500, 510, 320, 240]
+    widget.calibrate({"width": 640, "height": 480, "k": [500, 0, 320, 0, 510, 240, 0, 0, 1]})
+    assert widget.camera == (500, 510, 320, 240)
     with pytest.raises(TypeError, match="expected a message like sensor_msgs/CameraInfo"):
         widget.calibrate({"p": 1})
 
@@ -162,10 +162,9 @@ def test_a_calibration_gives_its_four_numbers(widget: ImageWidget) -> None:
 @pytest.mark.parametrize(
     ("name", "value", "text"),
     [
-        ("scale", [3.0, 1.0], "scale: expected two numbers, the first below the second"),
-        ("scale", [1.0], "scale: expected two numbers"),
-        ("region", [5, 5, 0, 1], "the ends above the starts"),
-        ("camera", [0.0, 1.0, 1.0, 1.0], "camera: expected fx, fy, cx and cy"),
+        ("color_range", (3.0, 1.0), "color_range: expected two numbers, the first below the second"),
+        ("region", (5, 5, 0, 1), "the ends above the starts"),
+        ("camera", (0.0, 1.0, 1.0, 1.0), "camera: expected fx, fy, cx and cy"),
     ],
 )
 def test_settings_that_cannot_be_are_refused(widget: ImageWidget, name: str, value: Any, text: str) -> None:

@@ -30,7 +30,7 @@ LAYERS = (
     "recordings",
     "*_widget _widget_choice _layout _together",
     "behaviors lessons",
-    "driving laser maps message_tree plotting scanogram",
+    "driving imaging laser maps message_tree plotting scanogram",
     "camera kinds poses shapes simulator",
     "repair",
     "_core",

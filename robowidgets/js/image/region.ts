@@ -8,13 +8,16 @@ export interface Statistics {
   isExact: boolean;
 }
 
+/** First row, row after the last, first column, column after the last. */
+export type Region = [top: number, bottom: number, left: number, right: number];
+
 /** A region between two pixels, both in it, within a picture. */
 export function regionOf(
   from: { row: number; column: number },
   to: { row: number; column: number },
   rows: number,
   columns: number,
-): number[] {
+): Region {
   const clamp = (value: number, size: number) => Math.min(size - 1, Math.max(0, Math.floor(value)));
   const [a, b] = [clamp(from.row, rows), clamp(to.row, rows)];
   const [c, d] = [clamp(from.column, columns), clamp(to.column, columns)];

@@ -2,11 +2,11 @@ import type { About, LargeTraits } from "../shared/traits.ts";
 
 export interface ImageTraits extends LargeTraits {
   /** Numbers at the ends of the colors; null: fitted. */
-  scale: number[] | null;
+  color_range: [number, number] | null;
   /** First row, row after the last, first column, column after the last; null: nothing is marked. */
-  region: number[] | null;
+  region: [number, number, number, number] | null;
   /** fx, fy, cx, cy in pixels; null: not known. */
-  camera: number[] | null;
+  camera: [number, number, number, number] | null;
 }
 
 /** What Python says about the newest picture. */

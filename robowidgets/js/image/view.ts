@@ -10,12 +10,11 @@ import { placePopup } from "../shared/popup_place.ts";
 import { SampleCard } from "../shared/sample_card.ts";
 import type { Stream } from "../shared/stream.ts";
 import { watchZoom, ZOOM_KEYS, type Zoom } from "../shared/zoom.ts";
-import type { Scale } from "./colors.ts";
 import { isNumbers, type Picture } from "./frame.ts";
 import { type ImageActs, watchImage } from "./gestures.ts";
 import { Legend } from "./legend.ts";
 import { boxOf, fitScaleOf, type Look, lookAt, type Placement, placeIn, toPicture, zoomed } from "./place.ts";
-import { regionOf, type Statistics } from "./region.ts";
+import { type Region, regionOf, type Statistics } from "./region.ts";
 import { Source } from "./source.ts";
 import { describePixel, describeRegion, type Known, type Pixel, thinned, toCode } from "./text.ts";
 import type { ImageAbout, ImageTraits } from "./traits.ts";
@@ -61,7 +60,7 @@ export class ImageView implements Zoom, ImageActs {
   #pointer: Point | null = null;
   #pixel: Pixel | null = null;
   /** While it is being marked. */
-  #marking: number[] | null = null;
+  #marking: Region | null = null;
   /** What Python said, by what it was asked. */
   #answers = new Map<string, Answer>();
   #answersOf = -1;
@@ -95,7 +94,7 @@ export class ImageView implements Zoom, ImageActs {
     const farther = makeButton("rw-zoom", "Zoom out (\u2212)", () => this.onZoom(1), signal, "\u2212");
     this.#fit = makeButton("rw-fit", "Show all of it (0)", () => this.#onFit(), signal, "Fit");
     this.#card.addControls(farther, closer, this.#fit);
-    onChange(model, ["scale", "region", "camera"], this.#card.redraw, signal);
+    onChange(model, ["color_range", "region", "camera"], this.#card.redraw, signal);
     onMessage(model, (answer: Answer) => this.#onAnswer(answer), signal);
     on(root, "keydown", (event) => this.#onKey(event), signal);
     watchImage(picture, this, signal);
@@ -159,7 +158,7 @@ export class ImageView implements Zoom, ImageActs {
   }
 
   #onKeep(): void {
-    setTraits(this.#model, { scale: this.#model.get("scale") ? null : [...this.#source.scale] });
+    setTraits(this.#model, { color_range: this.#model.get("color_range") ? null : [...this.#source.scale] });
     this.#card.redraw();
   }
 
@@ -248,7 +247,7 @@ export class ImageView implements Zoom, ImageActs {
     return this.#stream.about;
   }
 
-  get #region(): number[] | null {
+  get #region(): Region | null {
     return this.#marking ?? this.#model.get("region");
   }
 
@@ -276,7 +275,7 @@ export class ImageView implements Zoom, ImageActs {
     const { newest } = this.#credit;
     const isNothing = !shown || this.#about.nothing === true;
     const { theme } = card;
-    if (!isNothing) source.paint(shown, toScale(this.#model.get("scale")), theme.dark, card.redraw);
+    if (!isNothing) source.paint(shown, this.#model.get("color_range"), theme.dark, card.redraw);
     const picture = isNothing ? null : source.picture;
     const context = this.#canvas.begin(card.size);
     this.#placement = null;
@@ -284,7 +283,7 @@ export class ImageView implements Zoom, ImageActs {
     card.update(picture ? [this.#sizeWords(picture), this.#about.frame_id ?? ""] : [], "picture");
     setText(this.#empty, !shown ? card.waiting("picture") : isNothing ? "no picture up to this time" : source.problem);
     setHidden(this.#empty, !this.#empty.textContent || (Boolean(picture) && !source.problem));
-    set(this.#fit, "ariaPressed", String(this.isWhole));
+    set(this.#fit, "disabled", this.isWhole);
     this.#drawPopups(picture);
     card.texts.ask(this.#tell);
     // A file is on the screen once it is unpacked.
@@ -382,7 +381,7 @@ export class ImageView implements Zoom, ImageActs {
   #drawFooter(): void {
     const { picture, scale, nothing } = this.#source;
     const isScaled = picture !== null && isNumbers(picture);
-    const kept = this.#model.get("scale") !== null;
+    const kept = this.#model.get("color_range") !== null;
     this.#legend.update(isScaled ? scale : null, kept, this.#isDepth, nothing, this.#card.theme.dark);
     const facts = picture ? [thinned(picture) && `${thinned(picture)} shown`, this.#about.pace ?? ""] : [];
     const room = this.#room;
@@ -398,9 +397,4 @@ function sizeOf({ rows, columns }: Picture) {
 
 function isSame(one: Pixel, other: Pixel): boolean {
   return one.row === other.row && one.column === other.column;
-}
-
-function toScale(given: number[] | null): Scale | null {
-  const [low, high] = given ?? [];
-  return low === undefined || high === undefined ? null : [low, high];
 }

@@ -1,0 +1,70 @@
+"""The image widget on a page: pixels, regions, depth, and what a person does to them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import pytest
+from playwright.sync_api import Locator, expect
+
+from .chromium import LOOKS, shoot
+from .plain_page import PlainPage
+
+MAKE = """
+import numpy as np
+from robowidgets import ImageWidget
+rows, columns = np.mgrid[:480, :640]
+room = np.dstack([40 + columns // 4, 60 + rows // 4, 90 + (columns // 40 + rows // 40) % 2 * 60]).astype(np.uint8)
+room[200:280, 280:360] = (200, 60, 40)
+depth = (1 + rows / 200 + columns / 400).astype(np.float32)
+depth[200:280, 280:360] = 0.75
+depth[:, :30] = np.nan
+camera = ImageWidget(title="/camera/image_raw")
+camera
+"""
+COLOR = MAKE + "camera.update(room)"
+DEPTH = MAKE + "camera.camera = (500, 500, 320, 240)\ncamera.update(depth)"
+
+
+def point_at(nb: PlainPage, picture: Locator, row: float, column: float) -> None:
+    """Move the pointer to a pixel of a picture of 640 x 480."""
+    nb.page.mouse.move(*place_of(picture, row, column))
+
+
+def place_of(picture: Locator, row: float, column: float) -> tuple[float, float]:
+    box = picture.bounding_box()
+    assert box
+    scale = min(box["width"] / 640, box["height"] / 480)
+    left = box["x"] + (box["width"] - 640 * scale) / 2
+    top = box["y"] + (box["height"] - 480 * scale) / 2
+    return left + (column + 0.5) * scale, top + (row + 0.5) * scale
+
+
+@pytest.mark.parametrize(("theme", "scale"), LOOKS)
+def test_the_pixel_under_the_pointer_and_a_region_say_their_numbers(
+    plain_page: Callable[..., PlainPage], theme: str, scale: int
+) -> None:
+    nb = plain_page(
+        [COLOR.replace("camera\ncamera.update(room)", "camera.update(room)\ncamera")], theme=theme, scale=scale
+    )
+    card = nb.output(0).locator(".rw-card.rw-image")
+    picture = card.locator(".rw-picture")
+    expect(card.locator(".rw-facts")).to_contain_text("640 \u00d7 480 rgb8")
+    point_at(nb, picture, 240, 320)
+    hovered = card.locator(".rw-popup:not([hidden])")
+    expect(hovered).to_contain_text("image[240, 320]")
+    expect(hovered).to_contain_text("r 200  g 60  b 40")
+    shoot(card, f"image-color-{theme}-{scale}")
+    nb.page.mouse.move(*place_of(picture, 180, 300))
+    nb.page.mouse.down()
+    nb.page.mouse.move(*place_of(picture, 240, 330), steps=4)
+    nb.page.mouse.up()
+    nb.page.mouse.move(*place_of(picture, 20, 20))
+    marked = card.locator(".rw-popup:not([hidden])").first
+    expect(marked).to_contain_text("image[180:241, 300:331]")
+    expect(marked).to_contain_text("r 115 to 200")
+    assert nb.python("camera.region") == "(180, 241, 300, 331)"
+    shoot(card, f"image-region-{theme}-{scale}")
+    for width in (1200, 480, 320):
+        nb.resize(width, 720)
+        shoot(card, f"image-region-{theme}-{width}")
