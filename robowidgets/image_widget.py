@@ -9,6 +9,7 @@ from typing import Any, ClassVar
 import numpy as np
 import traitlets
 
+from . import kinds
 from ._core.front_end import bundle
 from ._core.large_frames import LargeFrameWidget
 from ._core.timed_frame import FRAME_HEADER
@@ -20,10 +21,6 @@ from .samples import Image
 
 _MOST_KEPT, _MOST_KEPT_BYTES = 600, 64_000_000
 """Pictures that were sent, and about their bytes, of which the page may ask for the values of a pixel."""
-
-
-_NOTHING = Image(np.zeros((1, 1), np.uint8), "mono8")
-"""In place of a first picture that cannot be shown."""
 
 
 class ImageWidget(LargeFrameWidget[Image]):
@@ -97,7 +94,7 @@ class ImageWidget(LargeFrameWidget[Image]):
         self._kept: OrderedDict[float, Image] = OrderedDict()
         """By number what was packed last."""
         self._bad: Image | None = None
-        self._last_good = pack(_NOTHING).data
+        self._last_good = pack(kinds.IMAGE.nothing).data
         super().__init__(**kwargs)
 
     def update(self, message: Any, encoding: str = "") -> None:
@@ -167,9 +164,17 @@ class ImageWidget(LargeFrameWidget[Image]):
             raise IndexError("no picture came")
         return image[where].item() if np.ndim(image[where]) == 0 else image[where]
 
-    def frame_of(self, sample: Image) -> tuple[dict[str, Any], bytes]:
-        """See `RobotWidget`."""
-        return self._about_sample(sample), self._pack(sample)
+    def frame_of(self, sample: Any) -> tuple[dict[str, Any], bytes]:
+        """See `RobotWidget`: of a message, or of an `Image`."""
+        about: dict[str, Any] = {}
+        try:
+            image = to_image(sample)
+            packed = pack(image, self.most_bytes).data
+        except (TypeError, ValueError) as error:
+            about, image = {"notes": [f"A picture could not be shown: {error}."]}, kinds.IMAGE.nothing
+            packed = pack(image).data
+        nothing = {"nothing": True} if image is kinds.IMAGE.nothing else {}
+        return {**self._about_sample(image), **about, **nothing}, packed
 
     # -- to the page ---------------------------------------------------------------------------------------------------
 

@@ -15,7 +15,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from .messages import to_image, to_range, to_scan, to_speed, to_touch
+from .messages import to_range, to_scan, to_speed, to_touch
 from .messages.cloud import CLOUD_TYPES
 from .messages.event import SAID_TYPES
 from .messages.fields import MessageShape, unwrap
@@ -314,19 +314,7 @@ SONAR = Kind(
     simulated="robowidgets.simulator.offers:sonars",
 )
 
-IMAGE = Kind(
-    name="image",
-    sample_name="image",
-    noun="images",
-    sample=Image,
-    read=to_image,
-    types=IMAGE_TYPES,
-    widget="robowidgets.image_widget:ImageWidget",
-    nothing=Image(np.zeros((1, 1), np.uint8), "mono8"),
-    frames="robowidgets.player._image_frames:ImageFrames",
-)
-
-KINDS: dict[str, Kind] = {kind.name: kind for kind in (LASER, SPEED, TOUCH, SONAR, IMAGE)}
+KINDS: dict[str, Kind] = {kind.name: kind for kind in (LASER, SPEED, TOUCH, SONAR)}
 """By name, in the order in which widgets stand on a page. `add` appends another."""
 
 EVENTS = Asked(
@@ -338,6 +326,14 @@ EVENTS = Asked(
     every_message=True,
     goes_stale=False,
 )
+IMAGE = Asked(
+    name="image",
+    types=IMAGE_TYPES,
+    widget="robowidgets.image_widget:ImageWidget",
+    nothing=Image(np.zeros((1, 1), np.uint8), "mono8"),
+    frames="robowidgets.player._image_frames:ImageFrames",
+)
+"""Asked for, as all cameras of a robot together would fill a network."""
 CLOUD = Asked(
     name="cloud",
     types=CLOUD_TYPES,
@@ -371,7 +367,7 @@ PLOT = Asked(
     every_message=True,
 )
 
-ASKED: dict[str, Asked] = {row.name: row for row in (PATH, EVENTS, CLOUD, SCAN, MESSAGE, PLOT)}
+ASKED: dict[str, Asked] = {row.name: row for row in (PATH, EVENTS, IMAGE, CLOUD, SCAN, MESSAGE, PLOT)}
 """By name, the most useful first: widgets that topics have where they are asked for. `add` appends another."""
 
 _RESERVED = ("time_ns", "seconds", "topic")

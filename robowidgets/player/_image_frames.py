@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 from contextlib import suppress
-from typing import Any
 
-from .._core.timed_frame import TimedFrame
 from .._widget_choice import WidgetChoice
 from ..image_widget import ImageWidget
 from ..kinds import namespace_of
 from ..recordings import RecordingData
-from ._frames import SampleFrames
+from ._frames import MessageFrames
 
 BYTES_PER_SECOND = 2_000_000
 """Of one topic. A page plays as much beside its other widgets."""
@@ -20,8 +18,8 @@ _LEAST, _MOST = 20_000, 1_000_000
 _INFO = "sensor_msgs/msg/CameraInfo"
 
 
-class ImageFrames(SampleFrames):
-    """A `Track` of pictures, with the calibration of their camera; see `SampleFrames`."""
+class ImageFrames(MessageFrames):
+    """A `Track` of pictures, with the calibration of their camera; see `MessageFrames`."""
 
     def __init__(self, recording: RecordingData, choice: WidgetChoice, widget: ImageWidget) -> None:
         super().__init__(recording, choice, widget)
@@ -30,10 +28,6 @@ class ImageFrames(SampleFrames):
         widget.most_bytes = int(min(_MOST, max(_LEAST, BYTES_PER_SECOND / rate)))
         if widget.camera is None:
             _calibrate(recording, choice.topic, widget)
-
-    def _frame(self, seconds: float, sample: Any) -> TimedFrame:
-        timed = super()._frame(seconds, sample)
-        return timed._replace(about={**timed.about, "nothing": True}) if sample is self._nothing else timed
 
 
 def _calibrate(recording: RecordingData, topic: str, widget: ImageWidget) -> None:
