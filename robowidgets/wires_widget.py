@@ -23,7 +23,8 @@ class Wire(NamedTuple):
     ``wanted`` tell whether anybody publishes it, and whether anybody subscribes to it (None: unknown), also where the
     names are not known. ``rate`` is in messages per second, None while it is not known; ``value`` is the last message
     in a few words, ``age`` the seconds since it came. ``count`` is the number of messages in a recording. ``is_heard``
-    tells whether its messages come here. ``is_infrastructure`` marks what every node has, such as /rosout. ``note`` is
+    tells whether its messages come here, ``is_glanced_at`` whether they do now and then alone, as those of a large
+    topic, so that no age of it is a silence. ``is_infrastructure`` marks what every node has, such as /rosout. ``note`` is
     a line about a problem of it.
     """
 
@@ -38,6 +39,7 @@ class Wire(NamedTuple):
     age: float | None = None
     count: int | None = None  # type: ignore[assignment]  # hides tuple.count, which nobody asks of a wire
     is_heard: bool = False
+    is_glanced_at: bool = False
     is_infrastructure: bool = False
     note: str = ""
 
@@ -295,6 +297,7 @@ def _plain(wire: Wire, names: dict[str, int]) -> dict[str, Any]:
         "to": [names[node] for node in wire.subscribers],
         "heard": wire.is_heard,
         "plumbing": wire.is_infrastructure,
+        **({"glanced": True} if wire.is_glanced_at else {}),
     }
     told.update({key: value for key in _DRAWN if (value := getattr(wire, key)) not in (None, "")})
     return told

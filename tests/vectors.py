@@ -174,8 +174,9 @@ def make_spreads() -> list[list[Any]]:
 
 
 def make_silences() -> list[list[Any]]:
-    """Usual steps of a source on show, in seconds, and the time without a sample after which it is silent."""
-    return [_in_words([step, staleness.LIVE.after(step)]) for step in (0.0, 0.025, 0.25, 0.5, 2.0, 3.0, 5.0, inf)]
+    """Usual steps in seconds, and the times without a sample after which a source is silent: on show, and in a list."""
+    steps = (0.0, 0.025, 0.25, 0.5, 1.0, 2.0, 3.0, 5.0, inf)
+    return [_in_words([step, staleness.LIVE.after(step), staleness.LISTED.after(step)]) for step in steps]
 
 
 def make_steps() -> list[list[Any]]:

@@ -326,8 +326,9 @@ def _now(topic: FeedTopic, heard: Heard, now: float) -> TopicNow:
     """What a topic says now, for the list."""
     if not heard.count:
         return TopicNow("" if heard.is_glanced_at else "nothing yet")
-    counted = (None, None) if heard.is_glanced_at else (heard.count, heard.age(now))
-    return TopicNow(brief_of(heard.message, topic), heard.rate, *counted)
+    count = None if heard.is_glanced_at else heard.count
+    age = heard.age(now) if heard.tells_silence else None
+    return TopicNow(brief_of(heard.message, topic), heard.rate, count, age)
 
 
 def _not_shown(topic: FeedTopic) -> str:

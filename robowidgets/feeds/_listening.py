@@ -63,12 +63,13 @@ class Heard:
         message: the last one.
         rate: messages per second; None while it is unknown.
         is_glanced_at: whether it is listened to now and then alone, so that its count says little.
+        is_missed: whether nothing came in the whole of the last glance at it.
     """
 
     def __init__(self) -> None:
         self.count, self.came_at, self.message = 0, 0.0, None
         self.rate: float | None = None
-        self.is_glanced_at = False
+        self.is_glanced_at = self.is_missed = False
         self.target: Target | None = None
         self.again_at = float("-inf")
         """The time from which it is glanced at again."""
@@ -83,6 +84,7 @@ class Heard:
         """Keep a message."""
         self._first_at = self._first_at if self.came else now
         self.count, self.came, self.came_at, self.message = self.count + 1, self.came + 1, now, message
+        self.is_missed = False
 
     def measure(self) -> None:
         """Measure the rate; again and again, since the meter sees the counter only then."""
@@ -92,6 +94,11 @@ class Heard:
             rate = (self.came - 1) / passed
         if isfinite(rate):
             self.rate, self.is_measured = round(rate, 2), True
+
+    @property
+    def tells_silence(self) -> bool:
+        """Whether its age says that a message is missing: not where nobody listened since."""
+        return not self.is_glanced_at or self.is_missed
 
     def age(self, now: float) -> float:
         """Seconds since the last message came."""
@@ -195,6 +202,7 @@ class Listening:
             heard.is_glanced_at = name not in used and (large or (heard.rate or 0) >= FAST)
             if heard.target is not None:
                 if heard.is_glanced_at and (now >= heard.until or (heard.is_measured and not large)):
+                    heard.is_missed = not heard.came
                     self._let_go(name)
             elif not heard.is_glanced_at or (now >= heard.again_at and not glances):
                 glances |= heard.is_glanced_at

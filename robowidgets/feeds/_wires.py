@@ -125,7 +125,8 @@ class FeedWires(Observed):
             is_heard=True,
             rate=heard.rate,
             value=brief_of(heard.message, topic),
-            age=None if heard.is_glanced_at else heard.age(listening.now),
+            age=heard.age(listening.now),
+            is_glanced_at=not heard.tells_silence,
             note=note,
         )
 

@@ -3,14 +3,18 @@ import { test } from "node:test";
 import {
   BEAT_MS,
   KERNEL_SILENT_MS,
+  listedSilentAfter,
   SCAN_GAP_STEPS,
   silentAfter,
   usualStep,
 } from "../../robowidgets/js/shared/staleness.ts";
 import { toNumber, vectors } from "./vectors.ts";
 
-test("a source on show is silent when Python says so", () => {
-  for (const [step, after] of vectors.silences) assert.equal(silentAfter(1000 * toNumber(step)), 1000 * after);
+test("a source is silent when Python says so, on show and in a list", () => {
+  for (const [step, onShow, listed] of vectors.silences) {
+    assert.equal(silentAfter(1000 * toNumber(step)), 1000 * onShow);
+    assert.equal(listedSilentAfter(1000 * toNumber(step)), 1000 * toNumber(listed));
+  }
 });
 
 test("the usual step is the median of those that go on", () => {

@@ -49,7 +49,7 @@ interface Vectors {
   rays: [of: [number, number, number], on: [number, number, number], rays: number[]][];
   ranges: [range: Word, minRange: number, maxRange: Word, kind: number, distance: Word][];
   spreads: [scans: Word[][], spread: Word[]][];
-  silences: [step: Word, after: number][];
+  silences: [step: Word, onShow: number, listed: Word][];
   steps: [times: number[], step: Word][];
   beats: { beat: number; page: number; "scan gap": number };
   codes: [start: number, end: number, offset: number, scan: string, message: string, slice: string][];

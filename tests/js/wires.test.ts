@@ -181,6 +181,9 @@ test("a topic says its rate and its last message, and why there is none", () => 
   const live = { ...wire, rate: 10, value: "nearest 0.5 m", age: 0.1 };
   assert.deepEqual([rateOf(live), sayingOf(live), isSilent(live)], ["10.0 Hz", "nearest 0.5 m", false]);
   assert.equal(sayingOf({ ...live, age: 12 }), "silent for 12.0 s");
+  assert.deepEqual([isSilent({ ...live, age: 3 }), isSilent({ ...live, rate: 0.5, age: 6 })], [false, false]);
+  // Nobody listened in between.
+  assert.equal(sayingOf({ ...live, age: 12, glanced: true }), "nearest 0.5 m");
   assert.equal(sayingOf({ ...live, note: "it is of an unknown type" }), "it is of an unknown type");
   assert.equal(sayingOf({ ...wire, offered: false }), "nobody publishes it");
   assert.equal(sayingOf({ ...wire, heard: false }), "LaserScan");

@@ -59,17 +59,21 @@ function update(box: HTMLElement): void {
   else if (box.dataset.rwHolds !== all) box.dataset.rwHolds = all;
 }
 
-/** Calls back once an element is in the page, before it is laid out there. */
+/** Calls back once an element is in the page: before it is laid out there, but in a shadow root, after that. */
 function onConnected(element: HTMLElement, callback: () => void, signal: AbortSignal): void {
   if (element.isConnected) {
     callback();
     return;
   }
-  const observer = new MutationObserver(() => {
+  const look = () => {
     if (!element.isConnected) return;
-    observer.disconnect();
+    for (const observer of observers) observer.disconnect();
     callback();
-  });
-  observer.observe(document, { childList: true, subtree: true });
-  onAbort(signal, () => observer.disconnect());
+  };
+  // The document hears nothing of what is put into a shadow root; that it is laid out, it does.
+  const [additions, sizes] = [new MutationObserver(look), new ResizeObserver(look)];
+  const observers = [additions, sizes];
+  additions.observe(document, { childList: true, subtree: true });
+  sizes.observe(element);
+  onAbort(signal, () => observers.forEach((observer) => observer.disconnect()));
 }

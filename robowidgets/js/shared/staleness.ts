@@ -11,6 +11,11 @@ export function silentAfter(step: number): number {
   return Math.min(10_000, Math.max(1000, 3 * step));
 }
 
+/** Milliseconds without a message after which a topic of a list, or a wire, with this usual step is silent. */
+export function listedSilentAfter(step: number): number {
+  return Math.max(3000, 3 * step);
+}
+
 /** Least length of a gap between two scans of a scanogram, relative to the 90th percentile of all steps. */
 export const SCAN_GAP_STEPS = 3;
 

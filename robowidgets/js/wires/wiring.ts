@@ -19,6 +19,8 @@ export interface Wire {
   /** The last message in a few words, and the seconds since it came. */
   value?: string;
   age?: number;
+  /** Whether it is listened to now and then alone, so that the age tells nothing of silence. */
+  glanced?: boolean;
   /** Messages in a recording. */
   count?: number;
   note?: string;

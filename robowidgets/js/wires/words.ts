@@ -1,9 +1,8 @@
 import { toAge, toCount, toFixed, toMany } from "../shared/format.ts";
+import { listedSilentAfter } from "../shared/staleness.ts";
 import type { Item } from "./graph.ts";
 import type { Part, Wire, Wiring } from "./wiring.ts";
 
-/** After so many intervals, or so many seconds, a topic is silent. */
-const [INTERVALS, SILENT] = [3, 3];
 const MOST_NAMES = 6;
 
 /** "10.0 Hz", "14 messages" of a recording; empty where nothing is known. */
@@ -14,8 +13,8 @@ export function rateOf({ rate, count, value }: Wire): string {
 }
 
 /** Whether the newest message of a topic with a rate is older than it should be. */
-export function isSilent({ rate, age = 0 }: Wire): boolean {
-  return rate !== undefined && age > Math.max(INTERVALS / rate, SILENT);
+export function isSilent({ rate, age = 0, glanced = false }: Wire): boolean {
+  return rate !== undefined && !glanced && 1000 * age > listedSilentAfter(1000 / rate);
 }
 
 /** The line below the name of a topic. */

@@ -12,7 +12,9 @@ from robowidgets._core.clock import Threads
 from robowidgets.feeds import Advert, Feed
 from robowidgets.feeds._listening import FAST, PATIENCE, PAUSE, PERIOD, SEEN_FOR, Listening
 from robowidgets.feeds._subscription import RARE, SOON
+from robowidgets.feeds._wires import FeedWires
 from robowidgets.samples.staleness import LISTED
+from robowidgets.wires_widget import Wire
 
 from ..clocks import ManualClock
 from ..waiting import wait_for
@@ -166,6 +168,27 @@ def test_a_topic_that_is_silent_says_so(script: Scripted, page: Looking, clock: 
     clock.advance(LISTED.shortest + 1)
     silent = page.says("/temperature")
     assert (silent["value"], silent["rate"], silent["silent"]) == ("21.5", 0.0, 4)
+
+
+def test_a_large_topic_is_silent_once_a_whole_glance_has_missed_it(
+    script: Scripted, page: Looking, clock: ManualClock, feed: Feed
+) -> None:
+    def wire() -> Wire:
+        return next(wire for wire in FeedWires(feed.connection).wiring.wires if wire.name == "/left")
+
+    page.look("/left")
+    clock.advance()
+    send(script, clock, "/left", PICTURE, 3, 0.04)
+    clock.advance(PAUSE - 1)
+    assert ("silent" in page.says("/left"), page.says("/left")["rate"]) == (False, 25.0)
+    assert (wire().is_glanced_at, wire().rate, wire().age) == (True, 25.0, pytest.approx(PAUSE - 1, abs=0.1))
+    clock.advance(1 + PATIENCE + PERIOD)
+    assert (page.says("/left")["rate"], page.says("/left")["silent"]) == (0.0, pytest.approx(PAUSE + PATIENCE, abs=1))
+    assert (wire().is_glanced_at, wire().age) == (False, pytest.approx(PAUSE + PATIENCE, abs=1))
+    clock.advance(PAUSE + PERIOD)
+    script.listener.on_message("/left", PICTURE)
+    clock.advance(PERIOD)
+    assert "silent" not in page.says("/left")
 
 
 def test_who_comes_late_gets_what_a_publisher_keeps_and_nothing_old_of_a_sensor(
