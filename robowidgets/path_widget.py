@@ -18,9 +18,10 @@ from ._core.base_widget import check_given, refuse_unnamed
 from ._core.error_routing import called_from_cell
 from ._core.front_end import bundle
 from ._core.pacer import pacer
+from ._core.text import many
 from ._core.timed_frame import FRAME_HEADER
 from ._core.traits import Flag, bytes_trait
-from .maps.layers import Layers, frames_in
+from .maps.layers import MOST_LAYERS, Layers, TooManyLayersError, frames_in
 from .maps.packing import pack_grids, pack_layers, pack_tracks, unpack_layers
 from .maps.placing import Placed, pose_of_frame
 from .messages import to_pose
@@ -76,7 +77,8 @@ class PathWidget(DrawsShapes[PathPoint]):
 
     `put` adds layers by name: other poses with their ways, planned paths, grids, scans; `ground` is a map below them.
     All are drawn in one frame, each by the transforms of tf at its own stamp. A layer that no transform joins to that
-    frame is not drawn, and the list of layers says so; `frame` chooses another one.
+    frame is on a map of its own, in the root of its frames: the list of layers names it, and a click there, or `frame`,
+    shows that map.
 
     Args:
         title: what is shown, for the header; usually the topic.
@@ -133,6 +135,8 @@ class PathWidget(DrawsShapes[PathPoint]):
         self._own = ""
         """The layer of the poses that `update` takes; empty while there are no others."""
         self._map_edition = self._map_listing = 0
+        self._left_out: set[str] = set()
+        """Names of layers for which there is no room."""
         self._shape_frames: dict[str, str] = {}
         self._ground: MapGrid | None = None
         self._whole_tracks: list[tuple[int, Floats]] = []
@@ -189,6 +193,7 @@ class PathWidget(DrawsShapes[PathPoint]):
         with self._newest.lock:
             self._track, self._recent, self._began, self._is_path_new = Path(), RecentPoses(), None, True
             self._layers, self._own, self._map_edition, self._map_listing = Layers(), "", -1, -1
+            self._left_out.clear()
             self._layers.choose(self.frame)
             if self._ground is not None:
                 self._put("ground", MapItem("grid", self._ground.frame_id, grid=self._ground), 0.0)
@@ -239,6 +244,8 @@ class PathWidget(DrawsShapes[PathPoint]):
                 if last is None or self.driven_by_player:
                     last = PathPoint(seconds, nan, nan, nan)
                 self._show(replace(last, time=max(seconds, last.time) if isfinite(last.time) else seconds))
+        except TooManyLayersError as error:
+            self._leave_out(name, error)
         except (TypeError, ValueError) as error:
             self._refuse(error)
 
@@ -248,6 +255,7 @@ class PathWidget(DrawsShapes[PathPoint]):
             if name not in self._layers.names:
                 raise KeyError(f"remove({name!r}): the layers are {', '.join(self._layers.names) or 'none'}")
             self._layers.remove(name)
+            self._left_out.clear()
             self._newest.changed = True
         pacer.mark(self)
 
@@ -310,7 +318,8 @@ class PathWidget(DrawsShapes[PathPoint]):
                 where that one was at the same time.
 
         Returns:
-            Seconds, and metres, of each point of the way that the widget keeps; NaN while the other is not known.
+            Seconds, and metres, of each point of the way that the widget keeps; NaN while the other is not known, or
+            nothing joins both.
 
         Raises:
             KeyError: there is no layer of one of the names.
@@ -380,6 +389,18 @@ class PathWidget(DrawsShapes[PathPoint]):
             return
         self._adopt()
         self._layers.put(name, to_map_item(message), seconds, time_ns)
+
+    def _leave_out(self, name: str, error: TooManyLayersError) -> None:
+        """Say that there is no room for a layer: as long as that is so, and not with each of its messages."""
+        if called_from_cell():
+            raise error
+        with self._newest.lock:
+            is_known = name in self._left_out
+            self._left_out.add(name)
+            self._newest.changed = True
+        if not is_known:
+            pacer.mark(self)
+            self._log_once(f"a map has at most {MOST_LAYERS} layers; remove(name) removes one")
 
     def _is_own(self, name: str, message: Any) -> bool:
         """Whether a message of a topic is a pose of the path: that of the first topic with poses, before any layer."""
@@ -527,8 +548,14 @@ class PathWidget(DrawsShapes[PathPoint]):
                 missing[form["name"]] = f"not drawn: no transform to {self._layers.frame}"
             else:
                 shapes.append({**form, "from": at})
-        frame = {"frame_id": self._layers.frame} if self._layers.frame else {}
-        return {**texts, **frame, **({"shapes": shapes} if shapes else {}), **({"missing": missing} if missing else {})}
+        told = {"frame_id": self._layers.frame, "shapes": shapes, "missing": missing}
+        return {**texts, **{key: value for key, value in told.items() if value}}
+
+    def _about_sample(self, sample: PathPoint) -> dict[str, Any]:  # noqa: ARG002
+        """See `RobotWidget`."""
+        if not self._left_out:
+            return {}
+        return {"notes": [f"{many(len(self._left_out), 'layer')} not drawn: a map has {MOST_LAYERS} at most"]}
 
     def _at(self, frame: str) -> list[float] | None:
         """The pose of a frame in that of the map, now; None where nothing joins them."""

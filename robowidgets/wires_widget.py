@@ -24,8 +24,8 @@ class Wire(NamedTuple):
     names are not known. ``rate`` is in messages per second, None while it is not known; ``value`` is the last message
     in a few words, ``age`` the seconds since it came. ``count`` is the number of messages in a recording. ``is_heard``
     tells whether its messages come here, ``is_glanced_at`` whether they do now and then alone, as those of a large
-    topic, so that no age of it is a silence. ``is_infrastructure`` marks what every node has, such as /rosout. ``note`` is
-    a line about a problem of it.
+    topic, so that no age of it is a silence. ``is_infrastructure`` marks what every node has, such as /rosout. ``note``
+    is a line about a problem of it.
     """
 
     name: str

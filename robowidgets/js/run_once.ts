@@ -62,8 +62,21 @@ export default () => {
       return widget.initialize?.(given);
     },
     render(given: Given) {
-      const root = given.el.getRootNode();
-      style(root instanceof ShadowRoot ? root : document.head, copyOf(given.model.get("_style")));
+      const { el, model } = given;
+      const dress = () => {
+        const root = el.getRootNode();
+        style(root instanceof ShadowRoot ? root : document.head, copyOf(model.get("_style")));
+      };
+      dress();
+      if (!el.isConnected) {
+        // It may come into a shadow root, of which the document hears nothing.
+        const observer = new ResizeObserver(() => {
+          if (!el.isConnected) return;
+          observer.disconnect();
+          dress();
+        });
+        observer.observe(el);
+      }
       return widget.render(given);
     },
   };

@@ -16,7 +16,7 @@ from ..samples import Pose
 from ..samples.map_item import SENSED, MapItem
 from . import _distances
 from .packing import is_small, pack_grid
-from .placing import Placed, by_plane, frame_of_map, place, pose_of_frame
+from .placing import Placed, by_plane, place, pose_of_frame, world_of, worlds_of_map
 
 MOST_LAYERS = 30
 MOST_PLANS = 200
@@ -26,18 +26,23 @@ ARROW = "->"
 Floats = NDArray[np.float64]
 
 
+class TooManyLayersError(ValueError):
+    """A map has no room for another layer."""
+
+
 class Layer:
     """One layer: what came last, and where it is in the frame of the map."""
 
     def __init__(self, number: int, name: str) -> None:
         self.number, self.name = number, name
         self.item: MapItem | None = None
+        self.frame: str | None = ""
+        """The frame of the map that it is on; None: nothing joins it to one."""
         self.seconds = 0.0
         self.time_ns = 0
         self.placed: Placed | None = None
         self.track = Path()
         self.plans: list[tuple[float, Floats]] = []
-        self.plane: LocalPlane | None = None
         self.grid_bytes = b""
 
     @property
@@ -47,6 +52,8 @@ class Layer:
         if item is None:
             return {"name": self.name, "kind": "pose"}
         about: dict[str, Any] = {"name": self.name, "kind": kind_of(self.name, item)}
+        if self.frame:
+            about["frame"] = self.frame
         if item.grid is not None:
             about["most"] = item.grid.most
         if not item.frame_id:
@@ -70,18 +77,22 @@ def frames_in(name: str) -> tuple[str, str] | None:
 class Layers:
     """The layers of a map that is drawn live, in one frame. The widget holds its lock during each call.
 
+    What nothing joins to that frame is drawn in the root of its own, on a map beside it.
+
     Attributes:
         frames: the coordinate frames, as far as tf and odometry told them.
         asked: the frame that a person chose; empty: the one that all have in common.
-        frame: the one in which the map is drawn.
         edition: how often ways and large grids have changed.
     """
 
     def __init__(self) -> None:
         self.frames = LiveFrames()
         self.asked = ""
-        self.frame = ""
         self.edition = self._listing = 0
+        self._worlds = [""]
+        self._settled: tuple[int, str] = (-1, "")
+        self._plane: LocalPlane | None = None
+        """That of the first fix, for all layers."""
         self._by_name: dict[str, Layer] = {}
 
     def __bool__(self) -> bool:
@@ -91,6 +102,11 @@ class Layers:
         return iter(self._by_name.values())
 
     @property
+    def frame(self) -> str:
+        """The frame in which the map is drawn."""
+        return self._worlds[0]
+
+    @property
     def listing(self) -> int:
         """How often the list of layers, or the frames, have changed."""
         return self._listing + self.frames.edition
@@ -98,10 +114,10 @@ class Layers:
     def put(self, name: str, item: MapItem, seconds: float, time_ns: int) -> None:
         """Show the newest item of a layer."""
         layer = self._layer(name)
+        item, self._plane = by_plane(item, self._plane)
         if layer.item is None or (layer.item.kind, layer.item.frame_id) != (item.kind, item.frame_id):
             self._listing += 1
-        layer.item, layer.plane = by_plane(item, layer.plane)
-        layer.seconds, layer.time_ns, layer.placed = seconds, time_ns, None
+        layer.item, layer.seconds, layer.time_ns, layer.placed = item, seconds, time_ns, None
         if item.child_frame_id and item.frame_id and item.pose == item.pose:
             half = item.pose.yaw / 2
             turn = (0.0, 0.0, float(np.sin(half)), float(np.cos(half)))
@@ -176,9 +192,14 @@ class Layers:
         return [layer.grid_bytes for layer in self if layer.grid_bytes]
 
     def distance(self, name: str, other: str) -> tuple[Floats, Floats]:
-        """Seconds of each point of the way of a layer, and its metres from another or from a plan."""
+        """Seconds of each point of the way of a layer, and its metres from another or from a plan.
+
+        NaN where nothing joins both.
+        """
         one, two = self._by_name[name], self._by_name[other]
         track = one.track.points
+        if one.frame != two.frame:
+            return track[:, 0], np.full(len(track), np.nan)
         if two.item is not None and two.item.kind == "path":
             return track[:, 0], _distances.to_plans(track, two.plans)
         return track[:, 0], _distances.to_track(track, two.track.points)
@@ -191,7 +212,9 @@ class Layers:
     def _layer(self, name: str) -> Layer:
         if name not in self._by_name:
             if len(self._by_name) >= MOST_LAYERS:
-                raise ValueError(f"put({name!r}): expected at most {MOST_LAYERS} layers; remove(name) removes one")
+                raise TooManyLayersError(
+                    f"put({name!r}): expected at most {MOST_LAYERS} layers; remove(name) removes one"
+                )
             number = 1 + max((layer.number for layer in self), default=-1)
             self._by_name[name] = Layer(number, name)
             self._listing += 1
@@ -203,22 +226,24 @@ class Layers:
         return max(found, key=lambda one: one.stamp_ns, default=None)
 
     def _settle(self) -> None:
-        """Choose the frame; in another one, ways begin anew, since those before are in the one before."""
-        items = [layer.item for layer in self if layer.item is not None]
-        frame = self.asked or frame_of_map(self.frames, items)
-        if frame == self.frame:
+        """Choose the frames; in another one, ways begin anew, since those before are in the one before."""
+        if self._settled == (self.listing, self.asked):
             return
-        self.frame = frame
-        self.edition += 1
-        self._listing += 1
+        self._worlds = worlds_of_map(self.frames, [layer.item for layer in self if layer.item is not None], self.asked)
         for layer in self:
-            layer.placed, layer.track, layer.plans = None, Path(), []
+            frame = "" if layer.item is None else world_of(self.frames, self._worlds, layer.item.frame_id)
+            if frame == layer.frame:
+                continue
+            layer.frame, layer.placed, layer.track, layer.plans = frame, None, Path(), []
+            self.edition += 1
+            self._listing += 1
+        self._settled = (self.listing, self.asked)
 
     def _place(self, layer: Layer) -> Placed | None:
         item = layer.item
-        if layer.placed is not None or item is None:
+        if layer.placed is not None or item is None or layer.frame is None:
             return layer.placed
-        placed = place(self.frames, self.frame, item, layer.time_ns, layer.number, layer.seconds)
+        placed = place(self.frames, layer.frame, item, layer.time_ns, layer.number, layer.seconds)
         layer.placed = placed
         if placed is None:
             return None

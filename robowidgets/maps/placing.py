@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from math import cos, sin
 from typing import NamedTuple
@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..poses.frame_tree import Poses
-from ..poses.live_frames import Frames, joined
+from ..poses.live_frames import Frames, are_joined, joined
 from ..poses.local_plane import LocalPlane
 from ..samples import MapGrid, Pose, yaw_of
 from ..samples.map_item import NOWHERE, SENSED, MapItem, Scatter
@@ -105,6 +105,26 @@ def frame_of_map(frames: Frames, items: Iterable[MapItem]) -> str:
         return ""
     chain = frames.chain(first.frame_id)
     return MAP if MAP in chain else chain[-1]
+
+
+def worlds_of_map(frames: Frames, items: Iterable[MapItem], asked: str = "") -> list[str]:
+    """The frames in which a map is drawn, each a map of its own: first the one asked for, or found.
+
+    Then come the roots of the frames of what nothing joins to those before. What is sensed alone is no map.
+    """
+    found = list(items)
+    worlds = [asked or frame_of_map(frames, found)]
+    for item in found:
+        if item.kind not in SENSED and world_of(frames, worlds, item.frame_id) is None:
+            worlds.append(frames.chain(item.frame_id)[-1])
+    return worlds
+
+
+def world_of(frames: Frames, worlds: Sequence[str], frame: str) -> str | None:
+    """The first of the frames of a map to which a frame is joined; None: none is. No name is taken as the first."""
+    if not frame:
+        return worlds[0]
+    return next((world for world in worlds if are_joined(frames, frame, world)), None)
 
 
 def _moved(at: Poses, pose: Pose) -> Pose:

@@ -16,7 +16,7 @@ from .._core.timed_frame import FRAME_HEADER, TimedFrame
 from .._widget_choice import WidgetChoice
 from ..maps.layers import kind_of
 from ..maps.packing import is_small, pack_grid
-from ..maps.placing import Floats, Placed, by_plane, frame_of_map, place, poses_in
+from ..maps.placing import Floats, Placed, by_plane, place, poses_in, world_of, worlds_of_map
 from ..messages.map_item import to_map_item
 from ..path_widget import PathPoint, PathWidget
 from ..poses.frame_tree import FrameTree
@@ -74,18 +74,26 @@ class WholeMap:
         self.asked, self.names = asked, names
         self._start_ns = recording.start_ns or 0
         self.notes: list[str] = []
-        self.planes: dict[str, LocalPlane] = {}
+        self.plane: LocalPlane | None = None
+        """That of the first fix, for all layers."""
         self.errors: dict[str, str] = {}
         self.grids: dict[str, list[_LargeGrid]] = {}
         with without_bars():
             self.tree = FrameTree(self._in_time(recording.transforms(), "transforms"))
             self._read(recording)
         self.base = next((name for name in ROBOT if frames and self.tree.history(name)), "")
-        firsts = list(self._firsts.values())
-        self.frame = asked or frame_of_map(self.tree, firsts)
-        if not self.frame and self.base:
-            self.frame = self.tree.chain(self.base)[-1]
-        self.layers = [*names, *([f"{self.frame}->{self.base}"] if self.base and self.base != self.frame else [])]
+        worlds = worlds_of_map(self.tree, self._firsts.values(), asked)
+        self.frame = worlds[0] or (self.tree.chain(self.base)[-1] if self.base else "")
+        worlds[0] = self.frame
+        first_frames = {name: item.frame_id for name, item in self._firsts.items()}
+        self.frame_of = {name: world_of(self.tree, worlds, frame) for name, frame in first_frames.items()}
+        """The frame of the map that each layer is on; None: nothing joins it to one."""
+        self.layers = [*names]
+        if self.base:
+            world = world_of(self.tree, worlds, self.base) or self.tree.chain(self.base)[-1]
+            if world != self.base:
+                self.layers.append(f"{world}->{self.base}")
+                self.frame_of[self.layers[-1]] = world
 
     def about(self) -> dict[str, Any]:
         """What the page is told of the layers."""
@@ -93,6 +101,8 @@ class WholeMap:
         for number, name in enumerate(self.layers):
             item = self._firsts.get(name)
             about: dict[str, Any] = {"name": name, "number": number, "kind": kind_of(name, item) if item else "pose"}
+            if frame := self.frame_of.get(name):
+                about["frame"] = frame
             if item and item.grid is not None:
                 about["most"] = item.grid.most
             if item and not item.frame_id:
@@ -118,7 +128,8 @@ class WholeMap:
             numbers = np.array([row[:4] for row in rows])
             times, stamps = (np.array([row[i] for row in rows], np.int64) for i in (4, 5))
             frame = self.base if number >= len(self.names) else self._firsts[name].frame_id
-            poses = poses_in(self.tree, frame, self.frame, times, stamps, numbers[:, 1:])
+            world = self.frame_of[name] or self.frame
+            poses = poses_in(self.tree, frame, world, times, stamps, numbers[:, 1:])
             if poses is not None:
                 found.append((number, _way(numbers[:, 0], poses, times)))
         return found
@@ -142,7 +153,7 @@ class WholeMap:
         if large:
             return next((one.told for one in reversed(large) if one.told.time_ns <= moment.time_ns), None)
         try:
-            item, _ = by_plane(to_map_item(moment), self.planes.get(name))
+            item, _ = by_plane(to_map_item(moment), self.plane)
         except (TypeError, ValueError) as error:
             self.errors[name] = f"not drawn: {error}"
             return None
@@ -160,9 +171,10 @@ class WholeMap:
                 if name in self.errors:
                     missing[name] = self.errors[name]
                 continue
-            placed = place(self.tree, self.frame, told.item, told.time_ns, number, told.seconds)
+            world = self.frame_of.get(name) or self.frame
+            placed = place(self.tree, world, told.item, told.time_ns, number, told.seconds)
             if placed is None:
-                missing[name] = f"not drawn: no transform to {self.frame}"
+                missing[name] = f"not drawn: no transform to {world}"
             else:
                 shown.append(placed)
         return shown, missing
@@ -173,20 +185,17 @@ class WholeMap:
         self._rows: dict[str, list[tuple[float, float, float, float, int, int]]] = {}
         self._counts = {topic.name: topic.count or 0 for topic in recording.topics}
         for name in self.names:
-            plane = None
             rows = self._rows[name] = []
             step = max(1, -(-self._counts[name] // MOST_GRIDS))
             for i, moment in enumerate(self._in_time(recording.messages(name), name)):
                 if i % step and name in self.grids:
                     continue
                 try:
-                    item, plane = by_plane(to_map_item(moment), plane)
+                    item, self.plane = by_plane(to_map_item(moment), self.plane)
                 except (TypeError, ValueError) as error:
                     self.errors.setdefault(name, f"not drawn: {error}")
                     continue
                 self._firsts.setdefault(name, item)
-                if plane is not None:
-                    self.planes[name] = plane
                 if item.grid is not None and not is_small(item.grid):
                     self._keep(name, moment, item)
                 elif item.kind == "pose" and kind_of(name, item) == "pose":

@@ -91,6 +91,11 @@ class LiveFrames:
         return self._histories[frame]
 
 
+def are_joined(frames: Frames, one: str, other: str) -> bool:
+    """Whether transforms lead from one frame to the other."""
+    return one == other or not set(frames.chain(one)).isdisjoint(frames.chain(other))
+
+
 def joined(frames: Frames, frame: str, world: str, times_ns: Times, stamps_ns: Times) -> Poses | None:
     """The poses of a frame in another at some log times and stamps, shape (N,); None: nothing joins them."""
     if frame == world:

@@ -24,6 +24,7 @@ path = PathWidget(title="Map")
 path.has_rate = False
 map_scene.drive(path)
 path.put("/sonar/left", map_scene.plan([(0, 0), (1, 0)], 33.0, "sonar_link"), time=33.2)
+path.put("map->arm")
 path.draw("door 2", Line((4.9, -0.6), (6.0, -0.6)), frame="odom")
 path
 """
@@ -63,8 +64,11 @@ def test_layers_are_drawn_in_one_frame_and_the_list_says_what_each_is_and_which_
         await_drawing(card)
         shoot(card, f"map-{theme}-{width}")
         is_listed = card.locator(".rw-layers").is_visible()
-        expect(card.get_by_title("List of the layers")).to_have_text("Layers" if is_listed else "Layers, 1 not drawn")
-    expect(fact(card, "/sonar/left")).to_have_text("not drawn: no transform to map")
+        expect(card.get_by_title("List of the layers")).to_have_text(
+            "Layers" if is_listed else "Layers, 1 not drawn, and 1 other frame"
+        )
+    expect(fact(card, "/sonar/left")).to_have_text("nothing joins it to this frame")
+    expect(fact(card, "map->arm")).to_have_text("not drawn: nothing came yet")
     expect(fact(card, "/map")).to_contain_text("302 × 205 cells of 0.05 m")
     expect(fact(card, "/scan")).to_contain_text("readings")
     expect(fact(card, "/nav/plan")).to_contain_text("/amcl_pose 0.05 m off")
@@ -158,16 +162,37 @@ def test_it_is_moved_zoomed_measured_and_read_while_a_cell_runs(plain_page: Call
     expect(card.locator(".rw-footer")).to_contain_text("x 2.40 m")
 
 
-def test_another_frame_is_chosen_and_what_it_does_not_reach_says_so(plain_page: Callable[..., PlainPage]) -> None:
+def test_what_nothing_joins_is_on_a_map_of_its_own_which_a_click_shows_while_a_cell_runs(
+    plain_page: Callable[..., PlainPage],
+) -> None:
     nb = plain_page([MAP])
     nb.resize(1030)
     card = nb.widget(0).locator(".rw-card")
+    chooser = card.locator("select.rw-map-frame")
     expect(fact(card, "/map")).to_contain_text("302 × 205 cells")
-    card.locator("select.rw-map-frame").select_option("sonar_link")
-    expect(fact(card, "/map")).to_have_text("not drawn: no transform to sonar_link")
-    expect(card.locator(".rw-layers-foot")).to_contain_text("all in the frame sonar_link")
+    expect(fact(card, "door 2")).to_have_text("drawn by the program")
+    with nb.busy():
+        card.get_by_role("button", name="Frame sonar_link").click()
+        expect(fact(card, "/sonar/left")).to_contain_text("1.00 m long")
+        expect(fact(card, "/map")).to_have_text("nothing joins it to this frame")
+        expect(card.locator(".rw-layers-foot")).to_contain_text("all in the frame sonar_link")
+        expect(chooser).to_have_value("sonar_link")
+        expect(card.locator(".rw-facts")).to_contain_text("sonar_link")
+        expect(card.get_by_text("door 2")).to_have_count(0)
+        shoot(card, "map-other-frame")
+        nb.resize(320)
+        expect(card.get_by_title("List of the layers")).to_have_text("Layers, 1 not drawn, and 1 other frame")
+        card.get_by_title("List of the layers").click()
+        shoot(card, "map-other-frame-320")
+        card.get_by_role("button", name="Frame map").first.click()
+        expect(fact(card, "/map")).to_contain_text("302 × 205 cells")
+        nb.resize(1030)
+        chooser.select_option("sonar_link")
+    expect(fact(card, "door 2")).to_have_text("not drawn: no transform to sonar_link")
     assert nb.python("path.frame") == "'sonar_link'"
-    shoot(card, "map-other-frame")
+    nb.python('path.join("map", "sonar_link", (1, 0, 0))')
+    expect(fact(card, "/map")).to_contain_text("302 × 205 cells")
+    expect(fact(card, "door 2")).to_have_text("drawn by the program")
 
 
 def test_names_from_outside_reach_the_page_as_text(plain_page: Callable[..., PlainPage]) -> None:
@@ -177,7 +202,8 @@ def test_names_from_outside_reach_the_page_as_text(plain_page: Callable[..., Pla
     )
     nb.resize(1030)
     card = nb.widget(0).locator(".rw-card")
-    expect(fact(card, name)).to_have_text("not drawn: no transform to map")
+    expect(fact(card, name)).to_have_text("nothing joins it to this frame")
+    expect(card.get_by_role("button", name=f"Frame {name}")).to_be_visible()
     expect(card.locator("img")).to_have_count(0)
 
 

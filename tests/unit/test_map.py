@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import zlib
 from collections.abc import Callable
-from math import cos, degrees, inf, nan, pi, radians, sin, sqrt
+from math import cos, degrees, hypot, inf, nan, pi, radians, sin, sqrt
 from pathlib import Path
+from threading import Thread
 from types import SimpleNamespace
 from typing import Any
 
@@ -44,6 +45,27 @@ def missing(path: PathWidget) -> dict[str, str]:
 
 def stamped(frame: str, x: float, y: float, yaw: float, seconds: float = 1.0) -> Any:
     return SimpleNamespace(header=scene.header(frame, seconds), pose=scene.pose(x, y, yaw))
+
+
+def fix(latitude: float, longitude: float, status: int = 0) -> Any:
+    return {
+        "header": {"frame_id": "gps", "stamp": {"sec": 1, "nanosec": 0}},
+        "status": {"status": status},
+        "latitude": latitude,
+        "longitude": longitude,
+        "altitude": 30.0,
+    }
+
+
+def scan_in(frame: str) -> Any:
+    limits = {"angle_min": 0.0, "angle_increment": 0.1, "range_min": 0.1, "range_max": 9.0}
+    return SimpleNamespace(header=scene.header(frame, 1.0), ranges=[1.0], **limits)
+
+
+def drawn_in(path: PathWidget) -> dict[str, str | None]:
+    """The frame in which each layer is drawn, as the page is told it; None for none."""
+    path.send_newest()
+    return {layer["name"]: layer.get("frame") for layer in path.get_state()["_map"]["layers"]}
 
 
 class TestItems:
@@ -87,15 +109,6 @@ class TestItems:
 
 
 class TestFixes:
-    def fix(self, latitude: float, longitude: float, status: int = 0) -> Any:
-        return {
-            "header": {"frame_id": "gps", "stamp": {"sec": 1, "nanosec": 0}},
-            "status": {"status": status},
-            "latitude": latitude,
-            "longitude": longitude,
-            "altitude": 30.0,
-        }
-
     @pytest.mark.parametrize("latitude", [0.0, 52.1, -33.9, 89.0])
     def test_metres_east_and_north_are_those_of_the_radii_of_the_ellipsoid(self, latitude: float) -> None:
         a, e2 = 6_378_137.0, 0.00669437999014
@@ -111,16 +124,16 @@ class TestFixes:
 
     def test_the_first_fix_is_the_origin_and_the_frame_says_so(self) -> None:
         path = PathWidget()
-        path.put("/fix", self.fix(52.0, 4.0))
-        path.put("/fix", self.fix(52.001, 4.0))
+        path.put("/fix", fix(52.0, 4.0))
+        path.put("/fix", fix(52.001, 4.0))
         assert shown(path)["/fix"].pose.y == pytest.approx(111.26, abs=0.01)
         assert path.get_state()["_about"]["frame_id"] == EAST_NORTH == "east, north of the first fix"
 
     def test_no_fix_is_nowhere(self) -> None:
-        assert to_map_item(self.fix(52.0, 4.0, status=-1)).fix is None
-        assert to_map_item(self.fix(nan, 4.0)).fix is None
+        assert to_map_item(fix(52.0, 4.0, status=-1)).fix is None
+        assert to_map_item(fix(nan, 4.0)).fix is None
         with pytest.raises(ValueError, match="latitude within ±90"):
-            to_map_item(self.fix(152.0, 4.0))
+            to_map_item(fix(152.0, 4.0))
 
 
 class TestGrids:
@@ -268,31 +281,42 @@ class TestFrames:
         path.put("/pose", message)
         assert shown(path)["/pose"].scatter == pytest.approx((0.01, 0.0, 0.04))
 
-    def test_a_layer_that_nothing_joins_is_not_drawn_and_says_so_until_another_frame_is_chosen(self) -> None:
+    def test_layers_that_nothing_joins_are_each_drawn_in_their_own_frame_until_a_transform_joins_them(self) -> None:
         path = PathWidget()
         path.put("/odom", scene.odometry(Pose(1.0, 0.0, 0.0), 1.0))
         path.put("/other", stamped("camera", 5.0, 6.0, 0.0))
-        assert set(shown(path)) == {"/odom"}
-        assert missing(path) == {"/other": "not drawn: no transform to odom"}
+        path.put("/scan", scan_in("base_link"))
+        path.put("/far", scan_in("truck"))  # which is on no map
+        assert shown(path)["/other"].pose == (5.0, 6.0, 0.0)
+        assert drawn_in(path) == {"/odom": "odom", "/other": "camera", "/scan": "odom", "/far": None}
+        assert missing(path) == {"/far": "not drawn: no transform to odom"}
+        assert np.isnan(path.distance("/odom", "/other")[1]).all()
         path.frame = "camera"
-        assert set(shown(path)) == {"/other"}
-        assert missing(path) == {"/odom": "not drawn: no transform to camera"}
-        path.join("odom", "camera", (0.0, 0.0, 0.0))
-        assert (set(shown(path)), missing(path)) == ({"/odom", "/other"}, {})
+        assert drawn_in(path) == {"/odom": "odom", "/other": "camera", "/scan": "odom", "/far": None}
+        assert shown(path)["/odom"].pose == (1.0, 0.0, 0.0)
+        path.join("odom", "camera", (0.0, 2.0, 0.0))
+        assert shown(path)["/odom"].pose == (1.0, -2.0, 0.0)
+        assert drawn_in(path) == {"/odom": "camera", "/other": "camera", "/scan": "camera", "/far": None}
+        for seconds in (10.0, 11.0):
+            path.put("/other", stamped("camera", 5.0, 6.0, 0.0), time=seconds)
+            path.put("/odom", scene.odometry(Pose(1.0, 0.0, 0.0), 2.0), time=seconds)
+        assert path.distance("/odom", "/other")[1][-1] == hypot(4.0, 8.0)
+
+    def test_two_receivers_have_one_origin_and_the_page_is_told_once(self) -> None:
+        path, listings = PathWidget(), set()
+        for i in range(3):
+            path.put("/front", fix(48.0, 9.0 + 1e-6 * i))
+            path.put("/rear", fix(48.0, 9.00001 + 1e-6 * i))
+            listings.add(path._layers.listing)
+        assert len(listings) == 1
+        front, rear = (shown(path)[name].pose for name in ("/front", "/rear"))
+        assert rear.x - front.x == pytest.approx(0.746, abs=0.002)
 
     def test_odometry_joins_the_robot_where_tf_does_not(self) -> None:
         path = PathWidget()
         path.put("/odom", scene.odometry(Pose(2.0, 0.0, pi / 2), 1.0))
         path.join("base_link", "laser", (0.1, 0.0, 0.0))
-        scan = SimpleNamespace(
-            header=scene.header("laser", 1.0),
-            ranges=[1.0],
-            angle_min=0.0,
-            angle_increment=0.1,
-            range_min=0.1,
-            range_max=9.0,
-        )
-        path.put("/scan", scan)
+        path.put("/scan", scan_in("laser"))
         assert shown(path)["/scan"].points.tolist() == [pytest.approx([2.0, 1.1])]
 
     def test_a_frame_of_tf_is_a_layer_by_its_name(self) -> None:
@@ -379,12 +403,31 @@ class TestLayers:
         with pytest.raises(KeyError, match="the layers are /odom, /plan, /amcl"):
             path.distance("/odom", "/nothing")
 
-    def test_too_many_layers_and_what_has_no_place_are_refused_and_nothing_is_lost(self) -> None:
+    def test_too_many_layers_and_what_has_no_place_are_refused_and_nothing_is_lost(
+        self, caplog: pytest.LogCaptureFixture
+    ) -> None:
         path = PathWidget()
+
+        def from_feed(*names: str) -> None:
+            def put() -> None:
+                for name in names:
+                    path.put(name, stamped("map", 1.0, 2.0, 0.0))
+
+            thread = Thread(target=put)
+            thread.start()
+            thread.join()
+
         for i in range(30):
             path.put(f"/pose{i}", stamped("map", 1.0, 2.0, 0.0))
         with pytest.raises(ValueError, match="expected at most 30 layers"):
             path.put("/another", stamped("map", 1.0, 2.0, 0.0))
+        from_feed("/another", "/pose1", "/one_more", "/another", "/pose2")
+        path.send_newest()
+        about = path.get_state()["_about"]
+        assert (about["notes"], about.get("error")) == (["2 layers not drawn: a map has 30 at most"], None)
+        assert [record.message for record in caplog.records] == [
+            "PathWidget : a map has at most 30 layers; remove(name) removes one"
+        ]
         with pytest.raises(TypeError, match="expected a message like"):
             path.put("/pose1", {"data": 1})
         with pytest.raises(KeyError, match="the layers are /pose0"):
@@ -436,8 +479,12 @@ class TestRecordings:
         path = view.widget
         assert [layer["name"] for layer in path._map["layers"]] == ["/odom", "/amcl_pose", "/scan"]
         assert path._map["frames"] == ["odom", "map"]
+        assert drawn_in(path) == {"/odom": "odom", "/amcl_pose": "map", "/scan": None}
         (*_, last) = view.track.frames(30.0, 31.0)
-        assert last.about["missing"]["/amcl_pose"] == "not drawn: no transform to odom"
+        assert last.about["missing"] == {"/scan": "not drawn: no transform to odom"}
+        placed = {one.number: one for one in unpack_layers(last.frame[64:])}
+        told = player.recording.message_at("/amcl_pose", placed[1].seconds).message.pose.pose.position
+        assert placed[1].pose[:2] == (told.x, told.y)
         player.close()
 
     @pytest.mark.slow

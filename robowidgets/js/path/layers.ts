@@ -7,6 +7,8 @@ export interface LayerAbout {
   number: number;
   name: string;
   kind: "pose" | "goal" | "poses" | "path" | "scan" | "cone" | "grid";
+  /** The frame in which it is drawn: of layers that nothing joins, each in its own. Missing: that of the map. */
+  frame?: string;
   /** Of a grid, the value of what is surely occupied: 100, or 254 for costs. */
   most?: number;
   note?: string;

@@ -1,4 +1,4 @@
-import { make, makeSvg, setHidden, setText } from "../shared/dom.ts";
+import { make, makeButton, makeSvg, setHidden, setText } from "../shared/dom.ts";
 import { on } from "../shared/events.ts";
 import type { LayerAbout } from "./layers.ts";
 
@@ -12,6 +12,8 @@ export interface Row {
   /** Whether something is there that may be drawn. */
   isThere: boolean;
   isOn: boolean;
+  /** The frame in which it is drawn, where that is not the one on show. */
+  other?: string;
 }
 
 const NOUNS: Record<Row["kind"], string> = {
@@ -31,12 +33,14 @@ export class Panel {
   readonly #list = make("div", "rw-layers-list");
   readonly #foot = make("div", "rw-layers-foot");
   readonly #onToggle: (name: string) => void;
+  readonly #onFrame: (frame: string) => void;
   readonly #signal: AbortSignal;
   #built = "";
   #facts: HTMLElement[] = [];
 
-  constructor(onToggle: (name: string) => void, signal: AbortSignal) {
+  constructor(onToggle: (name: string) => void, onFrame: (frame: string) => void, signal: AbortSignal) {
     this.#onToggle = onToggle;
+    this.#onFrame = onFrame;
     this.#signal = signal;
     const head = make("div", "rw-layers-head");
     head.append(make("b", "", "Layers"), make("span", "", "top to bottom"));
@@ -69,7 +73,7 @@ export class Panel {
     setText(plain, more);
   }
 
-  #make({ name, kind, isRobot, isThere, isOn }: Row): HTMLElement {
+  #make({ name, kind, isRobot, isThere, isOn, other }: Row): HTMLElement {
     const row = make("div", "rw-layers-row");
     row.role = "listitem";
     row.classList.toggle("rw-missing", !isThere);
@@ -88,6 +92,12 @@ export class Panel {
     const fact = make("span", "rw-layers-fact");
     this.#facts.push(fact);
     row.append(square, sampleOf(kind, isRobot, isThere), title, make("span", "rw-layers-kind", NOUNS[kind]), fact);
+    if (other) {
+      const show = () => this.#onFrame(other);
+      const button = makeButton("rw-layers-frame", "Show the map in this frame", show, this.#signal, `Frame ${other}`);
+      button.ariaLabel = null;
+      row.append(button);
+    }
     return row;
   }
 }

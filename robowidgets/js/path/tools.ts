@@ -1,5 +1,5 @@
 import type { Point as Pixel } from "../shared/box.ts";
-import { isDragged, make, makeButton, pointIn, set, setHidden } from "../shared/dom.ts";
+import { isDragged, make, makeButton, pointIn, setHidden } from "../shared/dom.ts";
 import { on } from "../shared/events.ts";
 import type { Place } from "../shared/floor.ts";
 
@@ -49,10 +49,9 @@ export class Tools {
   }
 
   /** Shows the frames in which the map may be drawn, and the one in which it is. */
-  updateFrames(frames: readonly string[], shown: string, isAlone: boolean): void {
+  updateFrames(frames: readonly string[], shown: string): void {
     const names = shown && !frames.includes(shown) ? [shown, ...frames] : [...frames];
     setHidden(this.frame, names.length < 2);
-    set(this.frame, "disabled", isAlone);
     const key = names.join("\n");
     if (key !== this.#frames) {
       this.#frames = key;

@@ -4,7 +4,7 @@ import { Canvas, write } from "../shared/canvas.ts";
 import { make, pointIn, set, setHidden, setText } from "../shared/dom.ts";
 import { isPlain, on } from "../shared/events.ts";
 import { type Bounds, drawFloor, fit, type Place, type Projection, toFloor, toPixel } from "../shared/floor.ts";
-import { toDegrees, toFixed, toMetres } from "../shared/format.ts";
+import { toDegrees, toFixed, toMany, toMetres } from "../shared/format.ts";
 import { lacksKernel, type Model, onChange, setTraits } from "../shared/model.ts";
 import { Occupancy } from "../shared/occupancy.ts";
 import { Popup, type PopupWords, toSentence } from "../shared/popup.ts";
@@ -96,7 +96,11 @@ export class PathView {
     picture.role = "application";
     this.#canvas = new Canvas(picture);
     this.#popup = new Popup(picture, signal);
-    this.#panel = new Panel((name) => this.#toggle(name), signal);
+    this.#panel = new Panel(
+      (name) => this.#toggle(name),
+      (frame) => this.onFrame(frame),
+      signal,
+    );
     this.#tools = new Tools(this, signal);
     this.#card.addControls(...this.#tools.all);
     picture.append(this.#empty);
@@ -143,8 +147,10 @@ export class PathView {
   }
 
   onFrame(frame: string): void {
-    this.#look = null;
+    this.#look = this.#measured = this.#picked = null;
+    // What is drawn in it already is on show at once, also without a kernel.
     setTraits(this.#model, { frame });
+    this.#card.redraw();
   }
 
   canZoom(direction: -1 | 1): boolean {
@@ -222,7 +228,7 @@ export class PathView {
     const { layers = [] } = this.#model.get("_map");
     const hidden = new Set(this.#model.get("hidden"));
     const states = new Map<number, LayerState>(now?.layers.map((state) => [state.number, state]));
-    const visible = layers.filter(({ name }) => !hidden.has(name));
+    const visible = layers.filter((about) => !hidden.has(about.name) && this.#frameOf(about) === this.#frame);
     const robot = robotOf(visible, states);
     return visible.flatMap((about) => {
       const state = states.get(about.number);
@@ -244,8 +250,25 @@ export class PathView {
     return Boolean(this.#model.get("_map").layers?.length);
   }
 
+  /** Of the program, as far as they are placed in the frame on show. */
   get #shapes(): PlacedShape[] {
-    return this.#stream.about.shapes ?? [];
+    const { shapes = [], frame_id = "" } = this.#stream.about;
+    return this.#frame === frame_id ? shapes : [];
+  }
+
+  /** The frames that have layers: nothing joins one to the other, and each is a map of its own. */
+  get #frames(): string[] {
+    return [...new Set((this.#model.get("_map").layers ?? []).flatMap(({ frame }) => frame ?? []))];
+  }
+
+  /** The frame on show: the one that a person chose where something is drawn in it, else that of the map. */
+  get #frame(): string {
+    const asked = this.#model.get("frame");
+    return this.#frames.includes(asked) ? asked : (this.#stream.about.frame_id ?? "");
+  }
+
+  #frameOf({ frame }: LayerAbout): string {
+    return frame ?? this.#stream.about.frame_id ?? "";
   }
 
   #draw(): void {
@@ -281,7 +304,7 @@ export class PathView {
     }
     this.#drawMeasured(context, projection);
     this.#drawPopup(named, here);
-    card.update([this.#stream.about.frame_id ?? ""], "pose");
+    card.update([this.#frame], "pose");
     const isEmpty = !now || (!isKnown(now) && !hasLayers);
     setText(this.#empty, now ? (isEmpty ? "no pose up to this time" : "") : card.waiting("pose"));
     setHidden(this.#empty, !this.#empty.textContent);
@@ -418,25 +441,28 @@ export class PathView {
     set(follow, "ariaPressed", String(isFollowing));
     set(measure, "ariaPressed", String(this.#isMeasuring));
     set(layers, "ariaPressed", String(!this.#panel.root.hidden));
-    const count = this.#panel.root.hidden ? this.#countMissing() : 0;
-    setText(layers, count ? `Layers, ${count} not drawn` : "Layers");
+    setText(layers, this.#panel.root.hidden ? ["Layers", ...this.#countMissing()].join(", ") : "Layers");
     set(this.#card.picture.dataset, "cursor", this.#isMeasuring ? "measure" : "");
     const { frames = [] } = this.#model.get("_map");
-    if (hasLayers) this.#tools.updateFrames(frames, this.#stream.about.frame_id ?? "", lacksKernel(this.#model));
+    // Without a kernel, what is drawn already.
+    if (hasLayers) this.#tools.updateFrames(lacksKernel(this.#model) ? this.#frames : frames, this.#frame);
     else setHidden(frame, true);
   }
 
-  /** How many layers that were asked for are not drawn: scans, which come along, are not. */
-  #countMissing(): number {
+  /** How many layers that were asked for are not drawn, or in other frames: scans, which come along, are not. */
+  #countMissing(): string[] {
     const { missing = {} } = this.#stream.about;
-    const asked = (this.#model.get("_map").layers ?? []).filter(({ kind }) => kind !== "scan");
-    return asked.filter(({ name }) => missing[name]).length;
+    const asked = (this.#model.get("_map").layers ?? []).filter(({ kind }) => kind !== "scan" && kind !== "cone");
+    const lost = asked.filter(({ name }) => missing[name]).length;
+    const apart = new Set(asked.map((about) => this.#frameOf(about)).filter((frame) => frame !== this.#frame)).size;
+    return [lost ? `${lost} not drawn` : "", apart ? `and ${toMany(apart, "other frame")}` : ""].filter(Boolean);
   }
 
   #updatePanel(now: PoseFrame | null, robot: Shown | undefined): void {
     if (this.#panel.root.hidden || !now) return;
     const { layers = [] } = this.#model.get("_map");
-    const { missing = {}, frame_id = "" } = this.#stream.about;
+    const { missing = {} } = this.#stream.about;
+    const frame = this.#frame;
     const hidden = new Set(this.#model.get("hidden"));
     const shapes = [...new Set([...this.#shapes.map(({ name }) => name)])];
     const names = new Set(layers.map(({ name }) => name));
@@ -449,24 +475,26 @@ export class PathView {
       isThere: !missing[name],
       isOn: true,
     }));
-    const rank = (about: LayerAbout) => ORDER.indexOf(about.kind) - (about === robot?.about ? 0.5 : 0);
+    const rank = (about: LayerAbout) =>
+      ORDER.indexOf(about.kind) -
+      (about === robot?.about ? 0.5 : 0) +
+      (this.#frameOf(about) === frame ? 0 : ORDER.length);
     for (const about of [...layers].sort((a, b) => rank(a) - rank(b))) {
       const shown = this.#layers.find((one) => one.about === about);
-      const why = missing[about.name];
+      const other = this.#frameOf(about) === frame ? "" : this.#frameOf(about);
+      const why = missing[about.name] || (other && "nothing joins it to this frame");
       const fact = shown ? factOf(shown, robot, this.#ground, now.time) : "";
       rows.push({
         name: about.name,
         kind: about.kind,
         isRobot: about === robot?.about,
-        fact: hidden.has(about.name) ? "not shown" : (why ?? (fact || "nothing up to this time")),
+        fact: hidden.has(about.name) ? "not shown" : why || fact || "nothing up to this time",
         isThere: shown !== undefined || hidden.has(about.name),
         isOn: !hidden.has(about.name),
+        ...(other && !missing[about.name] ? { other } : {}),
       });
     }
-    this.#panel.update(
-      rows,
-      frame_id ? [`all in the frame ${frame_id}`, "each by the transforms at its own stamp"] : [],
-    );
+    this.#panel.update(rows, frame ? [`all in the frame ${frame}`, "each by the transforms at its own stamp"] : []);
   }
 
   #drawFooter(now: TimedPose | null, here: Point | undefined, robot: Shown | undefined): void {

@@ -95,12 +95,61 @@ export function sizeOf({ clientWidth, clientHeight }: HTMLElement, ratio = devic
   return { width: clientWidth, height: clientHeight, ratio };
 }
 
-/** Calls back with the size of an element soon, and whenever the size or the pixel ratio changes. */
-export function watchSize(element: HTMLElement, callback: (size: Surface) => void, signal: AbortSignal): void {
+/** What is done with the size of an element. */
+interface Watcher {
+  prepare: () => void;
+  callback: (size: Surface) => void;
+}
+
+/**
+ * The sizes of all pictures of the page. All are read before the first is drawn: to read one after a card has changed, a
+ * browser would lay out all of the page again, for each card of many.
+ */
+class Sizes {
+  readonly #watchers = new Map<Element, Watcher>();
+  readonly #observer = new ResizeObserver((entries) => this.#tell(entries.map(({ target }) => target as HTMLElement)));
+
+  watch(element: HTMLElement, watcher: Watcher): () => void {
+    this.#watchers.set(element, watcher);
+    this.#observer.observe(element);
+    return () => {
+      this.#watchers.delete(element);
+      this.#observer.unobserve(element);
+    };
+  }
+
+  #tell(elements: HTMLElement[]): void {
+    const sizes = elements.map((element) => [element, sizeOf(element)] as const);
+    for (const [element, { width }] of sizes) if (width) this.#watchers.get(element)?.prepare();
+    for (const [element, size] of sizes) {
+      try {
+        this.#watchers.get(element)?.callback(size);
+      } catch (error) {
+        reportError(error);
+      }
+    }
+  }
+}
+
+const KEY: unique symbol = Symbol.for("robowidgets sizes") as never;
+
+/** The scripts of different widgets meet nowhere but here. */
+const page = globalThis as { [KEY]?: Sizes };
+
+/**
+ * Calls back with the size of an element soon, and whenever the size or the pixel ratio changes.
+ *
+ * @param prepare called before any picture of the page is drawn for its size: it reads what the browser lays out
+ */
+export function watchSize(
+  element: HTMLElement,
+  callback: (size: Surface) => void,
+  signal: AbortSignal,
+  prepare = () => {},
+): void {
   const tell = () => callback(sizeOf(element));
-  const observer = new ResizeObserver(tell);
-  observer.observe(element);
-  onAbort(signal, () => observer.disconnect());
+  page[KEY] ??= new Sizes();
+  onAbort(signal, page[KEY].watch(element, { prepare, callback }));
   const watchRatio = () => {
     const query = matchMedia(`(resolution: ${devicePixelRatio}dppx)`);
     const onRatio = () => {

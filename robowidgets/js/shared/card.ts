@@ -66,7 +66,12 @@ export class Card {
     this.#theme = followTheme(this.root, signal, this.redraw);
     // Before the picture: it may be drawn for this width.
     this.#outer = new LaidOut(() => {}, signal).of(this.root);
-    watchSize(this.picture, () => this.drawNow(), signal);
+    watchSize(
+      this.picture,
+      (size) => this.#drawFor(size),
+      signal,
+      () => this.theme,
+    );
     onChange(model, ["title", "header", "footer"], this.redraw, signal);
     keepKeys(this.root, signal);
     const observer = new IntersectionObserver((entries) => {
@@ -80,7 +85,11 @@ export class Card {
 
   /** Draws the picture at once, at a pixel ratio or the screen's. */
   drawNow(ratio?: number): void {
-    this.size = sizeOf(this.picture, ratio);
+    this.#drawFor(sizeOf(this.picture, ratio));
+  }
+
+  #drawFor(size: Surface): void {
+    this.size = size;
     this.#drawAll(true);
   }
 

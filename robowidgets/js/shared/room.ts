@@ -20,7 +20,7 @@ export function enter(room: Room, card: HTMLElement, signal: AbortSignal): void 
   onAbort(signal, () => {
     room.classList.remove("rw-room");
     delete room.dataset.rwHolds;
-    for (const box of room.rwBoxes ?? []) update(box);
+    for (const box of room.rwBoxes ?? []) updateSoon(box);
     // JupyterLab keeps the room, and with it what it knows.
     delete room.rwBoxes;
   });
@@ -30,7 +30,7 @@ export function enter(room: Room, card: HTMLElement, signal: AbortSignal): void 
       const boxes: HTMLElement[] = [];
       for (let box = room.parentElement; box; box = box.parentElement) if (box.matches(BOXES)) boxes.push(box);
       room.rwBoxes = boxes;
-      for (const box of boxes) update(box);
+      for (const box of boxes) updateSoon(box);
     },
     signal,
   );
@@ -44,7 +44,21 @@ export function setHeld(card: HTMLElement, word: string, isSo: boolean): void {
   if (isSo) words.add(word);
   else words.delete(word);
   room.dataset.rwHolds = [...words].join(" ");
-  for (const box of room.rwBoxes ?? []) update(box);
+  for (const box of room.rwBoxes ?? []) updateSoon(box);
+}
+
+/** The boxes that are brought up to date before the page is laid out: each once, however many cards have come. */
+const changed = new Set<HTMLElement>();
+
+function updateSoon(box: HTMLElement): void {
+  if (!changed.size) queueMicrotask(updateAll);
+  changed.add(box);
+}
+
+function updateAll(): void {
+  const boxes = [...changed];
+  changed.clear();
+  for (const box of boxes) update(box);
 }
 
 /** Brings the words of a box up to date: those of all cards in it. */
@@ -65,9 +79,12 @@ function onConnected(element: HTMLElement, callback: () => void, signal: AbortSi
     callback();
     return;
   }
+  const stop = () => {
+    for (const observer of observers) observer.disconnect();
+  };
   const look = () => {
     if (!element.isConnected) return;
-    for (const observer of observers) observer.disconnect();
+    stop();
     callback();
   };
   // The document hears nothing of what is put into a shadow root; that it is laid out, it does.
@@ -75,5 +92,5 @@ function onConnected(element: HTMLElement, callback: () => void, signal: AbortSi
   const observers = [additions, sizes];
   additions.observe(document, { childList: true, subtree: true });
   sizes.observe(element);
-  onAbort(signal, () => observers.forEach((observer) => observer.disconnect()));
+  onAbort(signal, stop);
 }
