@@ -45,7 +45,7 @@ NOT_IN_BROWSER = {
 """Pages whose snippets want a robot, processes, or what a browser has not: without "Try it"."""
 
 API = {
-    "Widgets": """LaserWidget SpeedWidget TouchWidget SonarWidget CloudWidget PathWidget PlotWidget MessageWidget
+    "Widgets": """LaserWidget SpeedWidget TouchWidget SonarWidget ImageWidget CloudWidget PathWidget PlotWidget MessageWidget
         EventsWidget ScanogramWidget WiresWidget DriveWidget ProgramWidget MachineWidget Footprint Sector together
         plot load_map""",
     "Samples": "Scan Ray Range Ranges Cloud Speed Touch TouchState TouchMode Event MapGrid Validity spread",

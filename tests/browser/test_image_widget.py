@@ -7,6 +7,7 @@ from collections.abc import Callable
 import pytest
 from playwright.sync_api import Locator, expect
 
+from ..unit.waiting import wait_for
 from .chromium import LOOKS, shoot
 from .plain_page import PlainPage
 
@@ -68,3 +69,44 @@ def test_the_pixel_under_the_pointer_and_a_region_say_their_numbers(
     for width in (1200, 480, 320):
         nb.resize(width, 720)
         shoot(card, f"image-region-{theme}-{width}")
+
+
+def test_depth_says_metres_and_places_and_its_colors_can_be_kept(plain_page: Callable[..., PlainPage]) -> None:
+    nb = plain_page([DEPTH.replace("camera\ncamera.cam", "camera.cam") + "\ncamera"], theme="dark")
+    card = nb.output(0).locator(".rw-card.rw-image")
+    picture = card.locator(".rw-picture")
+    expect(card.locator(".rw-image-legend")).to_contain_text("5 % nothing")
+    point_at(nb, picture, 240, 320)
+    hovered = card.locator(".rw-popup:not([hidden])")
+    expect(hovered).to_contain_text("image.depth[240, 320]")
+    expect(hovered).to_contain_text("0.750 m")
+    expect(hovered).to_contain_text("x 0.000  y 0.000  z 0.750 m")
+    shoot(card, "image-depth-dark")
+    point_at(nb, picture, 240, 10)
+    expect(hovered).to_contain_text("nothing")
+    picture.press("s")
+    wait_for(lambda: nb.python("camera.color_range") == "(1.0, 5.0)", "the scale was kept")
+    picture.press("ArrowRight")
+    picture.press("Shift+ArrowRight")
+    expect(card.locator(".rw-live")).to_contain_text("image.depth[240, 330]")
+    for _ in range(12):
+        picture.press("+")
+    expect(card.locator(".rw-image-facts")).to_contain_text("\u00d7")
+    shoot(card, "image-zoomed-dark")
+    picture.press("0")
+    expect(card.locator(".rw-image-facts")).to_be_empty()
+
+
+def test_a_page_gets_the_next_when_it_has_drawn_the_last_and_asks_for_what_was_thinned(
+    plain_page: Callable[..., PlainPage],
+) -> None:
+    nb = plain_page([DEPTH.replace("camera\ncamera.cam", "camera.cam") + "\ncamera"])
+    card = nb.output(0).locator(".rw-card.rw-image")
+    expect(card.locator(".rw-facts")).to_contain_text("32FC1")
+    wait_for(lambda: nb.python("camera._credit._is_free") == "True", "the page has said what it has drawn")
+    nb.python("camera.update(np.arange(4_000_000, dtype=np.float32).reshape(1000, 4000) + 1)")
+    expect(card.locator(".rw-image-facts")).to_contain_text("every 4th row and column shown")
+    picture = card.locator(".rw-picture")
+    picture.press("ArrowRight")
+    picture.press("ArrowRight")
+    expect(card.locator(".rw-popup:not([hidden])")).to_contain_text("2002002.000 m")
