@@ -77,15 +77,15 @@ def test_a_value_that_comes_while_a_frame_is_made_is_in_the_next(
     plot: PlotWidget, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def pack_late(*given: Any) -> bytes:
-        if threading.current_thread() is threading.main_thread():  # the pacer makes frames, too
-            monkeypatch.setattr("robowidgets.plot_widget.pack", pack)
-            plot.update(v=2.0, time=2.0)
+        monkeypatch.setattr("robowidgets.plot_widget.pack", pack)
+        plot.update(v=2.0, time=2.0)
         return pack(*given)
 
-    plot.update(v=1.0, time=1.0)
     monkeypatch.setattr("robowidgets.plot_widget.pack", pack_late)
-    assert sent(plot)[0][1].values.tolist() == [1.0]
-    assert sent(plot)[0][1].values.tolist() == [1.0, 2.0]
+    with plot._send_lock:  # the pacer makes frames, too, but not now
+        plot.update(v=1.0, time=1.0)
+        assert sent(plot)[0][1].values.tolist() == [1.0]
+        assert sent(plot)[0][1].values.tolist() == [1.0, 2.0]
 
 
 def test_what_is_not_finite_is_a_gap(plot: PlotWidget) -> None:
