@@ -168,9 +168,9 @@ def test_what_a_page_gets_piece_by_piece_is_the_same(drive: Read, recording: Rec
 def test_scans_of_several_ray_counts_keep_their_indices(tmp_path: Path, data: Path) -> None:
     changing = next(path for path in (data / "odd").iterdir() if path.name.startswith("every_ros2_type"))
     with robowidgets.open(changing) as odd:
-        (scans,) = (odd.scans(topic.name) for topic in odd.topics if topic.type == "sensor_msgs/msg/LaserScan")
-        counts = sorted(len(moment.sample) for moment in scans)
-        odd.to_rerun(tmp_path / "odd.rrd")
+        (topic,) = (topic.name for topic in odd.topics if topic.type == "sensor_msgs/msg/LaserScan")
+        counts = sorted(len(moment.sample) for moment in odd.scans(topic))
+        odd.to_rerun(tmp_path / "odd.rrd", topic)
     read = Read(tmp_path / "odd.rrd")
     (entity,) = (entity for entity in read.entities if entity.startswith("/world/scans/"))
     assert sorted(len(row[1] or ()) for row in read.rows(entity, "recording_time", "Points3D:positions")) == counts
