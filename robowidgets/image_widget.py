@@ -11,10 +11,10 @@ import traitlets
 
 from . import kinds
 from ._core.front_end import bundle
-from ._core.large_frames import LargeFrameWidget
 from ._core.timed_frame import FRAME_HEADER
 from .camera import CameraModel
 from .imaging import checked_region, pack, statistics
+from .imaging.overlay import HasOverlay
 from .imaging.packing import MOST_BYTES
 from .messages import to_camera_info, to_image
 from .samples import Image
@@ -23,7 +23,7 @@ _MOST_KEPT, _MOST_KEPT_BYTES = 600, 64_000_000
 """Pictures that were sent, and about their bytes, of which the page may ask for the values of a pixel."""
 
 
-class ImageWidget(LargeFrameWidget[Image]):
+class ImageWidget(HasOverlay):
     """What a camera sees, live, as large as the card and never stretched.
 
     The reader sees the picture, and for the pixel under the pointer its row, its column, its index in the data of the
@@ -41,6 +41,9 @@ class ImageWidget(LargeFrameWidget[Image]):
         region: first row, row after the last, first column, column after the last of what is marked; None: nothing.
             The view writes it, too.
         camera: fx, fy, cx and cy of the camera in pixels; `calibrate` takes them from a message. None: not known.
+        overlay: whether the readings of a laser and of sonars lie over the picture, where they are known.
+        camera_pose: where the camera is in the frame of the scanner, in place of tf: x, y, z, roll, pitch, yaw.
+        rectified: whether what is straight is straight in the picture; None: by the name of its topic.
         paused: whether the picture is frozen.
         history: seconds for which the page keeps pictures to step back through while frozen, 0 (none) to 600; of large
             ones fewer, as 8 MB are kept.
@@ -68,6 +71,7 @@ class ImageWidget(LargeFrameWidget[Image]):
         "camera_info": "camera",
     }
     _instead: ClassVar = {"data": "widget.image.pixels", "array": "widget.image.pixels", "depth": "widget.image.depth"}
+    _keywords = ("camera_pose",)
     column = "wide"
     sample_name = "image"
 
@@ -128,9 +132,9 @@ class ImageWidget(LargeFrameWidget[Image]):
             TypeError: no such message. ValueError: the camera is not calibrated.
         """
         try:
-            info = to_camera_info(message)
+            super().calibrate(message)
             # A depth image is rectified where it comes from.
-            model = CameraModel(info, rectified=True)
+            model = CameraModel(to_camera_info(message), rectified=True)
             self.camera = (*map(float, model.focus), *map(float, model.middle))
         except (TypeError, ValueError, traitlets.TraitError) as error:
             self._refuse(error)
@@ -189,7 +193,7 @@ class ImageWidget(LargeFrameWidget[Image]):
         if sample.step and sample.values is not None:
             each = sample.values.dtype.itemsize * (sample.values.shape[2] if sample.values.ndim == 3 else 1)
             about |= {"row_bytes": sample.step, "pixel_bytes": 2 if letters == "yuv" else each}
-        return about
+        return about | self._over_live(sample)
 
     def _pack(self, sample: Image) -> bytes:
         try:

@@ -1,6 +1,6 @@
 """What a camera sees of what other sensors measure."""
 
-from .beside import BesidePictures, OnScan, View, about_overlay
+from .beside import BesidePictures, OnScan, PictureView, about_overlay
 from .depth_scan import depth_rays, depth_scan
 from .model import CameraModel
 from .overlay import Overlay, ScanOnPicture, Seen, cones
@@ -12,9 +12,9 @@ __all__ = [
     "NoTransformError",
     "OnScan",
     "Overlay",
+    "PictureView",
     "ScanOnPicture",
     "Seen",
-    "View",
     "about_overlay",
     "cones",
     "depth_rays",

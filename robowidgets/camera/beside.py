@@ -26,7 +26,7 @@ BEAM = radians(15)
 """Of sonars that do not tell theirs."""
 
 
-class View(NamedTuple):
+class PictureView(NamedTuple):
     """A picture, as far as an overlay needs to know it.
 
     Attributes:
@@ -77,7 +77,7 @@ class BesidePictures:
         self.ranges: dict[str, tuple[Range, int]] = {}
         self._model: tuple[Any, CameraModel] | None = None
 
-    def over(self, view: View, drawn: OnScan = OnScan()) -> Overlay | None:  # noqa: B008  # it does not change
+    def over(self, view: PictureView, drawn: OnScan = OnScan()) -> Overlay | None:  # noqa: B008  # it does not change
         """What lies over a picture, and why other things do not; None where nothing came that could."""
         if not self.scans and not self.ranges:
             return None
@@ -116,7 +116,7 @@ class BesidePictures:
         seen += cones(model, placed, BEAM)
         return Overlay(scan, pixels, tuple(seen), tuple(dict.fromkeys(missing)), apart)
 
-    def _scan(self, model: CameraModel, scan: Scan, came: int, camera: str, view: View) -> ScanOnPicture:
+    def _scan(self, model: CameraModel, scan: Scan, came: int, camera: str, view: PictureView) -> ScanOnPicture:
         if self.by_hand is not None:
             return ScanOnPicture(model, self.by_hand, scan)
         frame = scan.frame_id.lstrip("/")
@@ -125,11 +125,11 @@ class BesidePictures:
         below = self._at(ground, came, scan.stamp_ns, camera, view) if ground else None
         return ScanOnPicture(model, at, scan, below)
 
-    def _at(self, frame: str, came: int, stamp_ns: int | None, camera: str, view: View) -> Poses:
+    def _at(self, frame: str, came: int, stamp_ns: int | None, camera: str, view: PictureView) -> Poses:
         then = view.time_ns, view.stamp_ns
         return place_in_camera(self.frames, frame.lstrip("/"), camera, when=(came, stamp_ns), then=then)
 
-    def _nearest(self, view: View) -> tuple[tuple[Scan, int], float]:
+    def _nearest(self, view: PictureView) -> tuple[tuple[Scan, int], float]:
         """The scan that was measured nearest to a picture, and by how many seconds it is younger."""
         by_stamp = view.stamp_ns is not None and all(scan.stamp_ns is not None for scan, _ in self.scans)
 
@@ -140,7 +140,7 @@ class BesidePictures:
         found = min(self.scans, key=lambda one: abs(apart(one)))
         return found, apart(found) / 1e9
 
-    def _model_of(self, info: CameraInfo, view: View) -> CameraModel:
+    def _model_of(self, info: CameraInfo, view: PictureView) -> CameraModel:
         key = info.k.tobytes(), info.d.tobytes(), info.p.tobytes(), info.roi, info.binning, view.size, view.rectified
         if self._model is None or self._model[0] != key:
             self._model = key, CameraModel(info, rectified=view.rectified, size=view.size)

@@ -6,6 +6,7 @@ import threading
 from collections.abc import Callable, Iterable, Sequence
 from typing import Any, Protocol
 
+from ..imaging.overlay import HasOverlay
 from ..kinds import ODOMETRY_TYPES, TRANSFORM_TYPES
 from ..poses.live_frames import TakesFrames
 from ._subscription import Target
@@ -47,36 +48,42 @@ class FrameTopics:
         with self._lock:
             there = {widget for widget in connection.widgets if hasattr(widget, "frame_topics")}
             for widget in there - self._observed:
-                widget.observe(self.look, "trail")
+                widget.observe(self.look, ["trail", "overlay"])
             for widget in self._observed - there:
-                widget.unobserve(self.look, "trail")
+                widget.unobserve(self.look, ["trail", "overlay"])
             self._observed = there
             for widget in there | self._attached.keys():
-                wanted = _wanted(connection.topics, widget.frame_topics if widget in there else "")
+                wanted = _wanted(connection.topics, widget) if widget in there else []
                 before = self._attached.pop(widget, [])
-                if wanted and [topic for topic, _ in before] == wanted:
+                if wanted and [topic for topic, _ in before] == [topic for topic, _ in wanted]:
                     self._attached[widget] = before
                     continue
                 for topic, target in before:
                     connection.detach(topic, target)
                 if wanted:
-                    self._attached[widget] = [
-                        (topic, connection.attach(topic, widget.take_frames, _miss)) for topic in wanted
-                    ]
+                    self._attached[widget] = [(topic, connection.attach(topic, take, _miss)) for topic, take in wanted]
 
     def close(self) -> None:
         """Observe no widget any more."""
         with self._lock:
             for widget in self._observed:
-                widget.unobserve(self.look, "trail")
+                widget.unobserve(self.look, ["trail", "overlay"])
             self._observed = set()
 
 
-def _wanted(topics: Iterable[FeedTopic], by: str) -> list[str]:
-    there = list(topics) if by else []
+def _wanted(topics: Iterable[FeedTopic], widget: TakesFrames) -> list[tuple[str, Callable[[Any], object]]]:
+    """The topics that a widget needs besides its own, and what takes their messages."""
+    by = widget.frame_topics
+    if not by:
+        return []
+    there = list(topics)
     odometry = sorted(topic.name for topic in there if topic.type in ODOMETRY_TYPES and topic.widget)[:1]
     frames = sorted(topic.name for topic in there if topic.type in TRANSFORM_TYPES)
-    return [*odometry, *frames] if by == "both" else (odometry or frames) if by == "odometry" else frames
+    names = [*odometry, *frames] if by == "both" else (odometry or frames) if by == "odometry" else frames
+    wanted: list[tuple[str, Callable[[Any], object]]] = [(name, widget.take_frames) for name in names]
+    if isinstance(widget, HasOverlay):
+        wanted += widget.topics_beside({topic.name: topic.type for topic in there})
+    return wanted
 
 
 def _miss(_count: int) -> None:

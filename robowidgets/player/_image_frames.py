@@ -2,20 +2,22 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Mapping
 from contextlib import suppress
 
+from .._core.timed_frame import TimedFrame
 from .._widget_choice import WidgetChoice
 from ..image_widget import ImageWidget
-from ..kinds import namespace_of
+from ..messages import to_image
 from ..recordings import RecordingData
+from ..recordings.topics import Moment
+from ._beside_pictures import BesidePicturesOf
 from ._frames import MessageFrames
 
 BYTES_PER_SECOND = 2_000_000
 """Of one topic. A page plays as much beside its other widgets."""
 
 _LEAST, _MOST = 20_000, 1_000_000
-
-_INFO = "sensor_msgs/msg/CameraInfo"
 
 
 class ImageFrames(MessageFrames):
@@ -26,17 +28,17 @@ class ImageFrames(MessageFrames):
         topic = next(topic for topic in recording.topics if topic.name == choice.topic)
         rate = topic.rate or 1.0
         widget.most_bytes = int(min(_MOST, max(_LEAST, BYTES_PER_SECOND / rate)))
-        if widget.camera is None:
-            _calibrate(recording, choice.topic, widget)
+        self._beside = BesidePicturesOf(recording, choice.topic, widget)
 
+    def frames(self, start: float, end: float) -> Iterator[TimedFrame]:
+        """See `Track`."""
+        self._beside.load(start, end)
+        return super().frames(start, end)
 
-def _calibrate(recording: RecordingData, topic: str, widget: ImageWidget) -> None:
-    """Take the calibration from the first message of the topic beside that of the pictures, if there is one."""
-    space = namespace_of(topic)
-    beside = [space, namespace_of(space)]  # "/camera/image_raw/compressed" has another part
-    for info in recording.topics:
-        if info.type == _INFO and not info.problem and namespace_of(info.name) in beside:
-            with suppress(ValueError, TypeError):
-                for moment in recording.messages(info.name):
-                    widget.calibrate(moment.message)
-                    return
+    def _shown(self, seconds: float, now: Mapping[str, Moment | None]) -> TimedFrame:
+        timed, moment = super()._shown(seconds, now), now[self._choice.topic]
+        about = timed.about
+        if moment is not None and "nothing" not in about:
+            with suppress(TypeError, ValueError):  # its note says so
+                about = about | self._beside.about(seconds, to_image(moment.sample))
+        return timed._replace(about=about)

@@ -1,4 +1,5 @@
 import type { About, LargeTraits } from "../shared/traits.ts";
+import type { Over } from "./overlay.ts";
 
 export interface ImageTraits extends LargeTraits {
   /** Numbers at the ends of the colors; null: fitted. */
@@ -7,6 +8,8 @@ export interface ImageTraits extends LargeTraits {
   region: [number, number, number, number] | null;
   /** fx, fy, cx, cy in pixels; null: not known. */
   camera: [number, number, number, number] | null;
+  /** Whether readings lie over the picture. */
+  overlay: boolean;
 }
 
 /** What Python says about the newest picture. */
@@ -19,4 +22,5 @@ export interface ImageAbout extends About {
   pixel_bytes?: number;
   /** Whether a recording has no picture up to this time. */
   nothing?: boolean;
+  over?: Over;
 }

@@ -13,6 +13,8 @@ import { watchZoom, ZOOM_KEYS, type Zoom } from "../shared/zoom.ts";
 import { isNumbers, type Picture } from "./frame.ts";
 import { type ImageActs, watchImage } from "./gestures.ts";
 import { Legend } from "./legend.ts";
+import { Lit } from "./lit.ts";
+import { type Dot, describeDot, dotAt, dotsOf, drawOver, wordsOf } from "./overlay.ts";
 import { boxOf, fitScaleOf, type Look, lookAt, type Placement, placeIn, toPicture, zoomed } from "./place.ts";
 import { type Region, regionOf, type Statistics } from "./region.ts";
 import { Source } from "./source.ts";
@@ -55,6 +57,9 @@ export class ImageView implements Zoom, ImageActs {
   readonly #marked: Popup;
   readonly #picked: Popup;
   readonly #hovered: Popup;
+  readonly #lit: Lit;
+  /** The readings in the picture, on the screen. */
+  #dots: Dot[] = [];
   #placement: Placement | null = null;
   #look: Look | null = null;
   #pointer: Point | null = null;
@@ -88,6 +93,7 @@ export class ImageView implements Zoom, ImageActs {
     this.#marked = new Popup(picture, signal, this.#copy.row, this.#copy.field);
     this.#picked = new Popup(picture, signal);
     this.#hovered = new Popup(picture, signal);
+    this.#lit = new Lit(model, this.#card.redraw, signal);
     this.#legend = new Legend(() => this.#onKeep(), signal);
     footer.append(this.#facts, this.#legend.root);
     const closer = makeButton("rw-zoom", "Zoom in (+)", () => this.onZoom(-1), signal, "+");
@@ -124,6 +130,7 @@ export class ImageView implements Zoom, ImageActs {
 
   onPoint(at: Point | null): void {
     this.#pointer = at;
+    this.#lit.light((at && dotAt(this.#dots, at)?.index) ?? null);
     this.#card.redraw();
   }
 
@@ -279,6 +286,7 @@ export class ImageView implements Zoom, ImageActs {
     const picture = isNothing ? null : source.picture;
     const context = this.#canvas.begin(card.size);
     this.#placement = null;
+    this.#dots = [];
     if (picture) this.#drawPicture(context, picture);
     card.update(picture ? [this.#sizeWords(picture), this.#about.frame_id ?? ""] : [], "picture");
     setText(this.#empty, !shown ? card.waiting("picture") : isNothing ? "no picture up to this time" : source.problem);
@@ -313,6 +321,10 @@ export class ImageView implements Zoom, ImageActs {
     const high = canvas.height * picture.every * scale;
     const isFile = canvas.width * picture.every > picture.columns + picture.every;
     context.drawImage(canvas, left, top, isFile ? box.width : wide, isFile ? box.height : high);
+    const { over } = this.#about;
+    this.#dots = over ? dotsOf(over, placement) : [];
+    void this.#lit.follow(over?.laser ?? "");
+    if (over) drawOver(context, over, this.#dots, this.#lit.index, placement, theme);
     this.#drawMarks(context, placement, picture);
     context.restore();
   }
@@ -330,7 +342,8 @@ export class ImageView implements Zoom, ImageActs {
       }
     };
     if (this.#region) outline(boxOf(placement, this.#region), 2);
-    const hovered = this.#marking || !this.#pointer ? null : this.#pixelAt(this.#pointer);
+    const isOnDot = this.#pointer !== null && dotAt(this.#dots, this.#pointer) !== null;
+    const hovered = this.#marking || !this.#pointer || isOnDot ? null : this.#pixelAt(this.#pointer);
     for (const pixel of [this.#pixel, hovered]) {
       if (!pixel || pixel.row >= picture.rows || pixel.column >= picture.columns) continue;
       const { row, column } = pixel;
@@ -358,10 +371,18 @@ export class ImageView implements Zoom, ImageActs {
         this.#marked.show(words, (size) => placePopup(size, room, corner, corner, NOWHERE, others.slice(0, 1), [])),
       );
     } else this.#marked.hide();
+    const pointed = this.#pointer && !this.#marking ? dotAt(this.#dots, this.#pointer) : null;
+    const lit = pointed ?? this.#dots.find(({ index }) => index === this.#lit.index);
     for (const [popup, pixel] of [
       [this.#picked, this.#pixel],
       [this.#hovered, isThere(this.#pixel) && isThere(hovered) && isSame(this.#pixel, hovered) ? null : hovered],
     ] as const) {
+      if (popup === this.#hovered && lit) {
+        others.push(
+          popup.show(describeDot(lit), (size) => placePopup(size, room, lit.at, lit.at, NOWHERE, others, [])),
+        );
+        continue;
+      }
       if (!picture || !placement || !isThere(pixel)) {
         popup.hide();
         continue;
@@ -383,7 +404,9 @@ export class ImageView implements Zoom, ImageActs {
     const isScaled = picture !== null && isNumbers(picture);
     const kept = this.#model.get("color_range") !== null;
     this.#legend.update(isScaled ? scale : null, kept, this.#isDepth, nothing, this.#card.theme.dark);
+    const { over } = this.#about;
     const facts = picture ? [thinned(picture) && `${thinned(picture)} shown`, this.#about.pace ?? ""] : [];
+    if (picture && over) facts.push(wordsOf(over));
     const room = this.#room;
     const zoom = this.#placement && picture ? this.#placement.scale / fitScaleOf(sizeOf(picture), room) : 1;
     if (zoom > 1.01) facts.push(`${zoom.toFixed(1)}\u00D7`);

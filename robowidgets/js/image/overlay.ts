@@ -1,0 +1,205 @@
+import type { Point } from "../shared/box.ts";
+import { stroke, write } from "../shared/canvas.ts";
+import { type AngleUnit, sideOf, toAngle, toFixed, toMetres } from "../shared/format.ts";
+import type { PopupWords } from "../shared/popup.ts";
+import { type Theme, textFont } from "../shared/theme.ts";
+import type { Placement } from "./place.ts";
+
+/** Parts of a pixel that Python tells. */
+const FINE = 4;
+/** Numbers of a dot: index, column, row, millimetres. */
+const EACH = 4;
+/** Pixels of the screen from a dot within which it is pointed at. */
+const REACH = 9;
+const DOT = 3;
+const LIT = 6;
+/** Metres of what a camera sees, which set the decimals. */
+const REACHES = 10;
+/** Seconds by which a picture and a scan may differ without a word. */
+const TOGETHER = 0.005;
+
+/** A surface, a line or words in the picture, from the ground up. */
+export interface SeenThing {
+  kind: "area" | "sector" | "cone" | "arc" | "line" | "points" | "text";
+  name: string;
+  /** Columns and rows in quarters of a pixel. */
+  pieces: number[][];
+  words?: string;
+  color?: string;
+  dashed?: boolean;
+}
+
+/** What Python says lies over a picture. */
+export interface Over {
+  /** Of each reading in the picture its index, its column and row in quarters of a pixel, and its millimetres. */
+  dots?: number[];
+  angle_min?: number;
+  angle_increment?: number;
+  drawn?: SeenThing[];
+  /** Why something is not there. */
+  missing?: string[];
+  /** Seconds by which the scan is younger than the picture. */
+  apart?: number;
+  /** The model of the laser that shows the scan, too. */
+  laser?: string;
+}
+
+/** A reading in the picture. */
+export interface Dot {
+  index: number;
+  at: Point;
+  /** Metres. */
+  distance: number;
+  /** Radians. */
+  angle: number;
+}
+
+/** A place of the picture on the screen. A whole number is the middle of a pixel. */
+export function toScreen({ scale, left, top }: Placement, column: number, row: number): Point {
+  return { x: left + (column / FINE + 0.5) * scale, y: top + (row / FINE + 0.5) * scale };
+}
+
+/** The readings on the screen. */
+export function dotsOf({ dots = [], angle_min = 0, angle_increment = 0 }: Over, placement: Placement): Dot[] {
+  return Array.from({ length: Math.floor(dots.length / EACH) }, (_, i) => {
+    const [index = 0, column = 0, row = 0, millimetres = 0] = dots.slice(EACH * i, EACH * i + EACH);
+    const angle = angle_min + index * angle_increment;
+    return { index, at: toScreen(placement, column, row), distance: millimetres / 1000, angle };
+  });
+}
+
+/** The reading nearest to a place of the screen, if one is there. */
+export function dotAt(dots: Dot[], { x, y }: Point): Dot | null {
+  let [found, least]: [Dot | null, number] = [null, REACH];
+  for (const dot of dots) {
+    const away = Math.hypot(dot.at.x - x, dot.at.y - y);
+    if (away < least) [found, least] = [dot, away];
+  }
+  return found;
+}
+
+/** What the pop-up says of a reading, as the laser does. */
+export function describeDot({ index, distance, angle }: Dot, unit: AngleUnit = "deg"): PopupWords {
+  return {
+    expression: `ranges[${index}]`,
+    distance: toMetres(distance, REACHES),
+    angle: toAngle(angle, unit),
+    side: sideOf(angle),
+    details: "",
+  };
+}
+
+/** What the footer says: how far apart in time both are, and why something is missing. */
+export function wordsOf({ dots, apart, missing = [] }: Over): string {
+  const count = (dots?.length ?? 0) / EACH;
+  const what = dots ? `${count} ${count === 1 ? "reading" : "readings"} in the picture` : "";
+  const isApart = dots !== undefined && apart !== undefined && Math.abs(apart) >= TOGETHER;
+  const when = isApart
+    ? `scan ${toFixed(Math.abs(apart), 2)} s ${apart > 0 ? "younger" : "older"} than the picture`
+    : "";
+  return [what, when, ...missing].filter(Boolean).join(", ");
+}
+
+/** Draws all of it, from the ground up. */
+export function drawOver(
+  context: CanvasRenderingContext2D,
+  over: Over,
+  dots: Dot[],
+  lit: number | null,
+  placement: Placement,
+  theme: Theme,
+): void {
+  for (const thing of over.drawn ?? []) drawThing(context, thing, placement, theme);
+  for (const { at, index } of dots) {
+    const size = index === lit ? LIT : DOT;
+    // On a picture of any colour, a dot needs an edge of its own.
+    context.fillStyle = theme.background;
+    context.fillRect(at.x - size / 2 - 1, at.y - size / 2 - 1, size + 2, size + 2);
+    context.fillStyle = theme.reading;
+    context.fillRect(at.x - size / 2, at.y - size / 2, size, size);
+  }
+  const pointed = dots.find(({ index }) => index === lit);
+  if (!pointed) return;
+  context.beginPath();
+  context.arc(pointed.at.x, pointed.at.y, LIT + 2, 0, 2 * Math.PI);
+  stroke(context, theme.background, 4);
+  stroke(context, theme.pointer, 2);
+}
+
+function drawThing(context: CanvasRenderingContext2D, thing: SeenThing, placement: Placement, theme: Theme): void {
+  const color = thing.color ?? theme.own;
+  for (const piece of thing.pieces) {
+    const points = Array.from({ length: piece.length >> 1 }, (_, i) =>
+      toScreen(placement, piece[2 * i] ?? 0, piece[2 * i + 1] ?? 0),
+    );
+    context.lineJoin = "round";
+    switch (thing.kind) {
+      case "area":
+        trace(context, points, true);
+        context.globalAlpha = 0.28;
+        context.fillStyle = theme.seen;
+        context.fill("evenodd");
+        context.globalAlpha = 1;
+        haloed(context, theme.guide, 1.25, theme);
+        break;
+      case "sector":
+        trace(context, points, true);
+        context.globalAlpha = 0.12;
+        context.fillStyle = theme.pointer;
+        context.fill();
+        context.globalAlpha = 1;
+        haloed(context, theme.pointer, 1.5, theme);
+        name(context, points, thing.name, theme.pointer, theme);
+        break;
+      case "cone":
+        trace(context, points, true);
+        context.setLineDash(thing.dashed ? [3, 3] : []);
+        haloed(context, theme.guide, 1.25, theme);
+        context.setLineDash([]);
+        name(context, points, `${thing.name} ${thing.words ?? ""}`.trim(), theme.ink, theme);
+        break;
+      case "arc":
+        trace(context, points, false);
+        haloed(context, theme.reading, 2.5, theme);
+        break;
+      case "line":
+        trace(context, points, false);
+        haloed(context, color, 2, theme);
+        name(context, points, thing.name, color, theme);
+        break;
+      case "points":
+        for (const { x, y } of points) {
+          context.beginPath();
+          context.arc(x, y, 3.5, 0, 2 * Math.PI);
+          haloed(context, color, 2, theme);
+        }
+        name(context, points, thing.name, color, theme);
+        break;
+      case "text":
+        name(context, points, thing.words || thing.name, color, theme);
+        break;
+    }
+  }
+}
+
+function trace(context: CanvasRenderingContext2D, points: Point[], isClosed: boolean): void {
+  context.beginPath();
+  for (const { x, y } of points) context.lineTo(x, y);
+  if (isClosed) context.closePath();
+}
+
+/** Draws the path with an edge that keeps it apart from the picture. */
+function haloed(context: CanvasRenderingContext2D, color: string, width: number, theme: Theme): void {
+  context.globalAlpha = 0.7;
+  stroke(context, theme.background, width + 1.5);
+  context.globalAlpha = 1;
+  stroke(context, color, width);
+}
+
+/** Words at the middle of something. */
+function name(context: CanvasRenderingContext2D, points: Point[], text: string, color: string, theme: Theme): void {
+  const [xs, ys] = [points.map(({ x }) => x), points.map(({ y }) => y)];
+  if (!points.length) return;
+  const [x, y] = [xs, ys].map((all) => (Math.min(...all) + Math.max(...all)) / 2) as [number, number];
+  write(context, text, x, y, color, `600 ${textFont(theme)}`, "center", theme.background);
+}

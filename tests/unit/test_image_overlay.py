@@ -1,0 +1,177 @@
+"""What lies over the pictures of a camera, and why something does not."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import robowidgets
+from robowidgets import CameraInfo, ImageWidget, LaserWidget, Line, Range, Scan, together
+from robowidgets._widget_choice import choose_widgets
+from robowidgets.camera import BesidePictures, PictureView, about_overlay
+from robowidgets.feeds._frame_topics import _wanted
+from robowidgets.feeds._topics import FeedTopic
+from robowidgets.player._image_frames import ImageFrames
+from robowidgets.samples import Image
+
+from .recordings import recorded
+
+SECOND = 1_000_000_000
+INFO = {
+    "header": {"frame_id": "camera_optical_frame", "stamp": {"sec": 1, "nanosec": 0}},
+    "width": 640,
+    "height": 480,
+    "k": [525.0, 0, 319.5, 0, 525, 239.5, 0, 0, 1],
+}
+TF = {
+    "transforms": [
+        {
+            "header": {"frame_id": parent, "stamp": {"sec": 1, "nanosec": 0}},
+            "child_frame_id": child,
+            "transform": {
+                "translation": dict(zip("xyz", place, strict=True)),
+                "rotation": dict(zip("xyzw", turn, strict=True)),
+            },
+        }
+        for parent, child, place, turn in (
+            ("base_footprint", "laser", (0.1, 0.0, 0.2), (0.0, 0.0, 0.0, 1.0)),
+            ("base_footprint", "camera_optical_frame", (0.2, 0.0, 0.5), (-0.5, 0.5, -0.5, 0.5)),
+            ("base_footprint", "sonar_front", (0.2, 0.0, 0.1), (0.0, 0.0, 0.0, 1.0)),
+        )
+    ]
+}
+
+
+def scan_at(stamp_ns: int, distance: float = 2.0) -> Scan:
+    ranges = np.full(61, distance, np.float32)
+    return Scan(ranges, -0.6, 0.02, 0.1, 10.0, stamp_ns=stamp_ns, frame_id="laser")
+
+
+def picture_at(stamp_ns: int) -> Image:
+    return Image(np.zeros((480, 640), np.uint8), "mono8", stamp_ns, "camera_optical_frame")
+
+
+def test_the_scan_nearest_to_the_picture_by_its_stamp_lies_over_it() -> None:
+    beside = BesidePictures()
+    view = PictureView((640, 480), "camera_optical_frame", 2 * SECOND, 0, rectified=True)
+    assert beside.over(view) is None
+    for tenths in (17, 19, 23):
+        beside.scans.append((scan_at(tenths * SECOND // 10), tenths))
+    nothing = beside.over(view)
+    assert nothing is not None
+    assert nothing.missing == ("no camera_info: where readings are in the picture is not known",)
+    beside.info = CameraInfo(640, 480, np.array(INFO["k"]), frame_id="camera_optical_frame")
+    assert beside.over(view).missing == ("no tf from laser to camera_optical_frame",)  # type: ignore[union-attr]
+    widget = ImageWidget()
+    widget.take_frames(TF)
+    beside.frames = widget.beside.frames
+    found = beside.over(view)
+    assert found is not None
+    assert found.scan is beside.scans[1][0]
+    assert (found.missing, found.apart) == ((), -0.1)
+    late = beside.over(view._replace(stamp_ns=5 * SECOND))
+    assert late is not None
+    assert late.scan is None
+    assert late.missing == ("no scan within 1 s of the picture: the nearest is 2.7 s older",)
+    widget.close()
+
+
+def test_the_page_is_told_of_each_reading_in_the_picture_by_its_index() -> None:
+    image, laser = ImageWidget(title="/camera/image_rect"), LaserWidget(title="/scan")
+    together(laser, image)
+    laser.sectors["front"] = ("-5deg", "5deg")
+    laser.draw("wall", Line((1.5, -0.2), (1.5, 0.2)))
+    image.calibrate(INFO)
+    image.take_frames(TF)
+    image.take_scan(scan_at(SECOND))
+    image.take_range("front", Range(1.0, 0.1, 4.0, frame_id="sonar_front"))
+    image.update(picture_at(SECOND + SECOND // 20))
+    image.send_newest()
+    over: dict[str, Any] = image.get_state()["_about"]["over"]
+    dots = np.array(over["dots"]).reshape(-1, 4)
+    assert set(dots[:, 3]) == {2000}
+    # Ray 30 points ahead: 1.9 m from the camera, 0.3 m below it.
+    assert dots[dots[:, 0] == 30][0, 1:3] / 4 == pytest.approx([319.5, 239.5 + 525 * 0.3 / 1.9], abs=0.25)
+    assert (over["apart"], over["laser"], "missing" in over) == (-0.05, laser.model_id, False)
+    assert [one["kind"] for one in over["drawn"]] == ["area", "sector", "line", "cone", "arc"]
+    image.overlay = False
+    image.update(picture_at(2 * SECOND))
+    image.send_newest()
+    assert "over" not in image.get_state()["_about"]
+    image.close()
+    laser.close()
+
+
+def test_a_feed_gives_an_image_what_lies_over_it() -> None:
+    image = ImageWidget(title="/camera/image_raw")
+    topics = [
+        FeedTopic(name, kind, None, False, True, None)
+        for name, kind in (
+            ("/camera/camera_info", "sensor_msgs/msg/CameraInfo"),
+            ("/other/camera_info", "sensor_msgs/msg/CameraInfo"),
+            ("/scan", "sensor_msgs/msg/LaserScan"),
+            ("/tf", "tf2_msgs/msg/TFMessage"),
+            ("/tf_static", "tf2_msgs/msg/TFMessage"),
+        )
+    ]
+    wanted = _wanted(topics, image)
+    assert [(name, take.__name__) for name, take in wanted] == [
+        ("/tf", "take_frames"),
+        ("/tf_static", "take_frames"),
+        ("/camera/camera_info", "calibrate"),
+        ("/scan", "take_scan"),
+    ]
+    image.overlay = False
+    assert _wanted(topics, image) == []
+    image.close()
+
+
+def test_the_pose_of_the_camera_may_be_given_by_hand_and_is_checked() -> None:
+    with pytest.raises(TypeError, match="camera_pose: expected x, y, z, roll, pitch and yaw, got 3"):
+        ImageWidget(camera_pose=3)
+    image = ImageWidget(camera_pose=(0.1, 0, 0.3, 0, "10deg", 0))
+    image.take_scan(scan_at(SECOND))
+    image.calibrate(INFO)
+    found = image.over_of(picture_at(SECOND), 0)["over"]
+    assert len(found["dots"]) > 4 * 40
+    assert about_overlay(image.beside.over(PictureView((640, 480), "", SECOND, 0, rectified=True)))["drawn"]  # type: ignore[arg-type]
+    image.close()
+
+
+def test_a_player_lays_the_nearest_scan_over_each_picture(tmp_path: Path) -> None:
+    types = {
+        "/camera/camera_info": "sensor_msgs/msg/CameraInfo",
+        "/camera/image_rect": "sensor_msgs/msg/Image",
+        "/scan": "sensor_msgs/msg/LaserScan",
+        "/tf_static": "tf2_msgs/msg/TFMessage",
+    }
+
+    def header(frame: str, tenths: int) -> dict[str, Any]:
+        return {"frame_id": frame, "stamp": {"sec": 1, "nanosec": tenths * SECOND // 10}}
+
+    def scan(tenths: int) -> dict[str, Any]:
+        limits = {"angle_min": -0.6, "angle_increment": 0.02, "range_min": 0.1, "range_max": 10.0}
+        return {"header": header("laser", tenths), **limits, "ranges": np.full(61, 2.0 + tenths, np.float32)}
+
+    said: list[tuple[float, str, dict[str, Any]]] = [
+        (0.0, "/tf_static", TF),
+        (0.0, "/camera/camera_info", {**INFO, "k": np.array(INFO["k"])}),
+        (0.1, "/scan", scan(1)),
+        (0.4, "/scan", scan(4)),
+    ]
+    pixels = np.zeros(640 * 480, np.uint8)
+    fields = {"height": 480, "width": 640, "encoding": "mono8", "step": 640, "data": pixels}
+    said.append((0.5, "/camera/image_rect", {"header": header("camera_optical_frame", 5), **fields}))
+    path = recorded.write(tmp_path / "seen", types, said)
+    with robowidgets.open(path) as recording:
+        (choice,) = choose_widgets(recording.topics, ["/camera/image_rect"])
+        widget = choice.make()
+        track = ImageFrames(recording, choice, widget)  # type: ignore[arg-type]
+        *_, last = track.frames(0.0, 0.6)
+    over = last.about["over"]
+    assert {*over["dots"][3::4]} == {6000}
+    assert (over["apart"], "missing" in over) == (-0.1, False)
+    widget.close()
