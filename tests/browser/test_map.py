@@ -174,7 +174,8 @@ def test_what_nothing_joins_is_on_a_map_of_its_own_which_a_click_shows_while_a_c
     with nb.busy():
         card.get_by_role("button", name="Frame sonar_link").click()
         expect(fact(card, "/sonar/left")).to_contain_text("1.00 m long")
-        expect(fact(card, "/map")).to_have_text("nothing joins it to this frame")
+        expect(fact(card, "/scan")).to_have_text("nothing joins it to this frame")
+        expect(fact(card, "/map")).to_have_text("in the frame map, too")
         expect(card.locator(".rw-layers-foot")).to_contain_text("all in the frame sonar_link")
         expect(chooser).to_have_value("sonar_link")
         expect(card.locator(".rw-facts")).to_contain_text("sonar_link")
@@ -184,7 +185,7 @@ def test_what_nothing_joins_is_on_a_map_of_its_own_which_a_click_shows_while_a_c
         expect(card.get_by_title("List of the layers")).to_have_text("Layers, 1 not drawn, and 1 other frame")
         card.get_by_title("List of the layers").click()
         shoot(card, "map-other-frame-320")
-        card.get_by_role("button", name="Frame map").first.click()
+        card.get_by_role("button", name="Frame map").click()
         expect(fact(card, "/map")).to_contain_text("302 × 205 cells")
         nb.resize(1030)
         chooser.select_option("sonar_link")

@@ -12,7 +12,7 @@ export interface Row {
   /** Whether something is there that may be drawn. */
   isThere: boolean;
   isOn: boolean;
-  /** The frame in which it is drawn, where that is not the one on show. */
+  /** The frame in which it is drawn, where that is not the one on show: of the first row of that frame. */
   other?: string;
 }
 

@@ -475,14 +475,18 @@ export class PathView {
       isThere: !missing[name],
       isOn: true,
     }));
+    const group = (about: LayerAbout) =>
+      this.#frameOf(about) === frame ? 0 : 1 + this.#frames.indexOf(this.#frameOf(about));
     const rank = (about: LayerAbout) =>
-      ORDER.indexOf(about.kind) -
-      (about === robot?.about ? 0.5 : 0) +
-      (this.#frameOf(about) === frame ? 0 : ORDER.length);
+      ORDER.indexOf(about.kind) - (about === robot?.about ? 0.5 : 0) + ORDER.length * group(about);
+    const named = new Set<string>();
     for (const about of [...layers].sort((a, b) => rank(a) - rank(b))) {
       const shown = this.#layers.find((one) => one.about === about);
       const other = this.#frameOf(about) === frame ? "" : this.#frameOf(about);
-      const why = missing[about.name] || (other && "nothing joins it to this frame");
+      const isFirst = Boolean(other && !missing[about.name] && !named.has(other));
+      if (isFirst) named.add(other);
+      const apart = isFirst ? "nothing joins it to this frame" : `in the frame ${other}, too`;
+      const why = missing[about.name] || (other && apart);
       const fact = shown ? factOf(shown, robot, this.#ground, now.time) : "";
       rows.push({
         name: about.name,
@@ -491,7 +495,7 @@ export class PathView {
         fact: hidden.has(about.name) ? "not shown" : why || fact || "nothing up to this time",
         isThere: shown !== undefined || hidden.has(about.name),
         isOn: !hidden.has(about.name),
-        ...(other && !missing[about.name] ? { other } : {}),
+        ...(isFirst ? { other } : {}),
       });
     }
     this.#panel.update(rows, frame ? [`all in the frame ${frame}`, "each by the transforms at its own stamp"] : []);
