@@ -121,7 +121,7 @@ class SheetWidget(NamedWidget):
         """Show moments.
 
         Args:
-            columns: ``file`` and ``topic`` as indices, ``start``, ``end``, ``date``, ``nearest``, ``index``, ``angle``
+            columns: ``file`` and ``topic`` as indices, ``start``, ``end``, ``date``, ``nearest``, ``index``, ``value``
                 and ``silent``, each with one value for each moment, which has its number from 0 on.
             files: with moments; those that are not sound are listed below them.
             topics: their names.

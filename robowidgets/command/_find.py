@@ -300,6 +300,7 @@ _COLUMNS: dict[str, Callable[[Any], str]] = {
     "nearest": "{:g}".format,
     "index": "{}".format,
     "angle": lambda angle: f"{degrees(angle):.2f}",
+    "value": "{:g}".format,
     "silent": ", ".join,
 }
 """What is printed of a span, by its attribute; angles in degrees."""
@@ -310,6 +311,8 @@ def _heads(arguments: argparse.Namespace) -> list[str]:
     left_out = set()
     if arguments.nearest_below is None:
         left_out |= {"nearest", "index", "angle"}
+    if arguments.speed_above is None and not arguments.field:
+        left_out.add("value")
     if arguments.gap is None:
         left_out.add("silent")
     return [head for head in _COLUMNS if head not in left_out]

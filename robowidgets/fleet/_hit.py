@@ -23,6 +23,8 @@ class Hit(NamedTuple):
     index: int | None = None  # type: ignore[assignment]  # as ROS calls it; it hides tuple.index
     angle: float | None = None
     nearest_ns: int | None = None
+    value: float | None = None
+    value_ns: int | None = None
 
     @property
     def date(self) -> datetime | None:
@@ -31,5 +33,6 @@ class Hit(NamedTuple):
 
     @property
     def moment(self) -> float:
-        """Seconds at which it is shown: when the nearest thing was met, else its start."""
-        return self.start if self.nearest_ns is None else self.start + (self.nearest_ns - self.start_ns) / 1e9
+        """Seconds at which it is shown: when the nearest thing was met, or its value was reached, else its start."""
+        at_ns = self.value_ns if self.nearest_ns is None else self.nearest_ns
+        return self.start if at_ns is None else self.start + (at_ns - self.start_ns) / 1e9

@@ -94,6 +94,7 @@ class Sheet(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
             "date": [hit.start_ns / 1e9 if has_date(hit.start_ns) else None for hit in hits],
             "nearest": [hit.nearest for hit in hits],
             "index": [hit.index for hit in hits],
+            "value": [hit.value for hit in hits],
             "silent": [", ".join(hit.silent) for hit in hits],
         }
         unread_files = [SheetFile(one.file, names.get(one.file, one.file), one.problem, False) for one in unread]

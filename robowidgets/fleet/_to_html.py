@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
 
 from .._core.cells import close_all
 from .._core.progress import Progress, without_bars
@@ -51,8 +50,10 @@ def write(
                 player.marks = [(hit.start, hit.end, "") for hit in of_file.values()]
                 packed += pictures(player.recording, of_file, wanted)
                 end = player.duration
-                spans = [(max(0.0, hit.start - around), min(end, hit.end + around)) for hit in of_file.values()]
-                for number, page in zip(of_file, _pages(player, of_file, spans), strict=True):
+                moments = [
+                    (max(0.0, hit.start - around), min(end, hit.end + around), hit.moment) for hit in of_file.values()
+                ]
+                for number, page in zip(of_file, player.pages(moments), strict=True):
                     own = [page.state, *(page.segment(one) for one in page.numbers)]
                     places[str(number)] = [len(parts), len(own) - 1]
                     parts += own
@@ -81,13 +82,6 @@ def write(
 
 
 _ADVICE = "take fewer hits (hits[:50].to_html(...)), or less around each (around=1)"
-
-
-def _pages(player: Player, hits: dict[int, Hit], spans: Sequence[tuple[float, float]]) -> Any:
-    """The page of each hit, at its moment."""
-    for hit, span in zip(hits.values(), spans, strict=True):
-        player.seek(hit.moment)
-        yield from player.pages([span])
 
 
 def _together(assets: Sequence[PageAssets]) -> PageAssets:

@@ -15,7 +15,7 @@ from .._core.tables import Table
 from .._core.text import as_date, listed, many
 from ..export.html import MAX_SIZE, SUFFIXES
 from ..search.base import Condition
-from ..search.spans import cell
+from ..search.spans import cell, more_heads
 from ._fleet_table import SHOWN, FleetTable, date, number, short, text, texts, whole
 from ._hit import Hit as Hit
 
@@ -45,6 +45,8 @@ class Hits(FleetTable, Sequence[Hit]):
         "index": whole,
         "angle": number,
         "nearest_ns": whole,
+        "value": number,
+        "value_ns": whole,
         "problem": text,
     }
 
@@ -158,12 +160,11 @@ class Hits(FleetTable, Sequence[Hit]):
     def _table(self) -> Table:
         """The first rows."""
         met = any(hit.nearest is not None for hit in self)
-        silent = any(hit.silent for hit in self)
-        heads = ("file", "topic", "start", "end", "date", *("nearest", "index", "angle") * met, *("silent",) * silent)
+        heads = ("file", "topic", "start", "end", "date", *("nearest", "index", "angle") * met, *more_heads(self))
         names = short([hit.file for hit in self])
         rows = [tuple(_cell(hit, head, names) for head in heads) for hit in self._hits[:SHOWN]]
         more = [f"  ... and {len(self) - SHOWN:,} more"] if len(self) > SHOWN else []
-        right = [i for i, head in enumerate(heads) if head in ("start", "end", "nearest", "index", "angle")]
+        right = [i for i, head in enumerate(heads) if head in ("start", "end", "nearest", "index", "angle", "value")]
         return Table(self._heading(), heads, rows, right, [*more, *self._told()], list(self._complaints()))
 
     def _heading(self) -> str:

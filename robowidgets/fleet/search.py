@@ -17,7 +17,7 @@ from ._topics import chosen_of
 from .hits import Hit, Hits
 from .places import PathLike
 
-_FORM = 2
+_FORM = 3
 """Of the results that are kept: another number for another form."""
 
 

@@ -45,13 +45,19 @@ _ADVICE = "take a stretch of it (start=, end=), fewer topics, or every second sc
 
 @dataclass(frozen=True)
 class Wanted:
-    """A page that is asked for: seconds from the start of the recording, texts, and every how many scans."""
+    """A page that is asked for: seconds from the start of the recording, texts, and every how many scans.
+
+    ``time`` is what it shows first; None: what the player shows. ``segment`` is the length of its segments in seconds;
+    None: by the bytes of a second.
+    """
 
     start: float | None = None
     end: float | None = None
     title: str = ""
     note: str = ""
     every: int = 1
+    time: float | None = None
+    segment: float | None = None
 
 
 @contextmanager
@@ -80,8 +86,9 @@ def page_of(player: PagedPlayer, wanted: Wanted, scanogram: bool | None = None) 
         picture = _scanogram(player, recording, (start, end), scanogram)
         if picture:
             stack.callback(close_all, picture)
-        seconds = _segment_seconds(tracks, start, end)
-        models = _models(player, recording, picture, (start, end), seconds)
+        seconds = wanted.segment or _segment_seconds(tracks, start, end)
+        time = player.bar.time if wanted.time is None else wanted.time
+        models = _models(player, recording, picture, (start, end), seconds, time)
         root = ipywidgets.VBox(player.arranged(picture, OneScreen()))
         stack.callback(_close_boxes, root)
         for name in player._dom_classes:
@@ -157,13 +164,14 @@ def _models(
     picture: ScanogramWidget | None,
     span: tuple[float, float],
     seconds: float,
+    time: float,
 ) -> Models:
     models = Models()
     bar = player.bar
     marks, labels = (
         [one for one in named if one[0] <= span[1] and one[1] >= span[0]] for named in (bar.marks, bar.labels)
     )
-    time = bar.time if span[0] <= bar.time <= span[1] else span[0]
+    time = time if span[0] <= time <= span[1] else span[0]
     for view in player.views:
         changed: dict[str, Any] = {"_frame": b"", "_about": {}, "_source": {}, "_silence": 0.0}
         if picture and not player.scanogram and isinstance(view.widget, SpeedWidget):

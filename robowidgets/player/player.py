@@ -57,7 +57,7 @@ from ._leader import Leader
 from ._overview import is_planar, whole_drive
 from ._parts import LeadingPlayer, PlayerView, followers
 from ._prefetcher import SEGMENT, Prefetcher, segment
-from ._to_html import Wanted, page_of
+from ._to_html import LONGEST_SEGMENT, Wanted, page_of
 from ._touch_marks import touch_marks
 
 LONGEST_LOOK = 0.1
@@ -246,10 +246,13 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
         with page_of(self, Wanted(start, end, title, note, every), scanogram) as page:
             return page.write(target, max_size)
 
-    def pages(self, spans: Iterable[tuple[float, float]]) -> Iterator[Page]:
-        """The page of each span, in seconds from the start, as `to_html` writes it, one after the other."""
-        for start, end in spans:
-            with page_of(self, Wanted(start, end), False) as page:
+    def pages(self, moments: Iterable[tuple[float, float, float]]) -> Iterator[Page]:
+        """The page of each start, end and time on show, in seconds, as `to_html` writes it, one after the other.
+
+        Each has as few segments as may be: every one of them has a piece of the file read anew.
+        """
+        for start, end, shown_at in moments:
+            with page_of(self, Wanted(start, end, time=shown_at, segment=LONGEST_SEGMENT), False) as page:
                 yield page
 
     def html_size(

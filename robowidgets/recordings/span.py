@@ -17,7 +17,9 @@ class Span(NamedTuple):
 
     ``nearest`` is the distance in metres, as in `Scan.distance`, of the nearest thing that was met in the span,
     ``index`` that of its ray, ``angle`` that of the ray in radians, and ``nearest_ns`` the time of its scan by the
-    clock of the recording; all four are None for conditions that look at no distance.
+    clock of the recording; all four are None for conditions that look at no distance. ``value`` is the number that a
+    condition on a speed or a field compared, the one farthest beyond the limit in the span, or the first where there is
+    no such side, and ``value_ns`` its time; None for other conditions.
     """
 
     start: float
@@ -30,6 +32,8 @@ class Span(NamedTuple):
     index: int | None = None  # type: ignore[assignment]  # as ROS calls it; it hides tuple.index
     angle: float | None = None
     nearest_ns: int | None = None
+    value: float | None = None
+    value_ns: int | None = None
 
     @property
     def met(self) -> str:

@@ -109,7 +109,14 @@ class FieldCondition(Condition):
         fields = recording.fields(topic)
         column, times = fields[path], fields.times_ns
         self._check(fields.types.get(path, ""), column)
-        found = steps(times, self._test(column))
+        values = self._test(column)
+        if column.dtype.kind in "iuf":
+            is_true = values == YES
+            numbers = np.ma.filled(column[is_true].astype(np.float64), np.nan)
+            numbers = np.abs(numbers) if self._is_size else numbers
+            side = {">": -1, "≥": -1, "<": 1, "≤": 1}.get(self._relation, 0)
+            search.compared(self, times[is_true], numbers, side * numbers)
+        found = steps(times, values)
         search.looked_at(len(times))
         kind = next(one.widget for one in recording.topics if one.name == topic)
         if KINDS[kind].goes_stale if kind else is_steady(times):

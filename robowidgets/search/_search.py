@@ -46,6 +46,8 @@ class Search:
         """By condition that is a function, the topics that it read."""
         self._met: list[tuple[NDArray[Any], ...]] = []
         """Times, distances, indices and angles of the nearest things where a condition was true."""
+        self._compared: dict[Any, list[tuple[NDArray[Any], ...]]] = {}
+        """By condition, times, ranks and numbers that it compared where it was true."""
         self._bar = bar
 
     def over(self, series: Chunked, test: Callable[[Any], NDArray[np.int8]]) -> Steps:
@@ -83,6 +85,19 @@ class Search:
         """Note the nearest things in some scans, each array of shape (N,): nanoseconds, metres, indices, radians."""
         self._met.append((times, distances, indices, angles))
 
+    def compared(
+        self, by: Any, times: NDArray[np.int64], values: NDArray[np.float64], ranks: NDArray[np.float64]
+    ) -> None:
+        """Note the numbers for which a condition was true, each array of shape (N,).
+
+        Args:
+            by: the condition.
+            times: nanoseconds.
+            values: the numbers.
+            ranks: the number with the first of the least is told of a span.
+        """
+        self._compared.setdefault(by, []).append((times, ranks, values))
+
     def looked_at(self, count: int) -> None:
         """Advance the progress bar."""
         self._bar.update(count)
@@ -101,7 +116,8 @@ class Search:
             (topic, np.array(spans(when, self.end_ns), np.int64).reshape(-1, 2)) for topic, when in self.silences
         ]
         start_ns = self.recording.start_ns or 0
-        nearest = _Nearest(self._met)
+        nearest = _Least(self._met)
+        numbers = [_Least(parts) for parts in self._compared.values()]
         return [
             Span(
                 (a - start_ns) / 1e9,
@@ -110,18 +126,19 @@ class Search:
                 a,
                 b,
                 tuple(_silent(silences, a, b)),
-                *nearest.between(a, stop),
+                *_met(nearest.between(a, stop)),
+                *_value(one.between(a, stop) for one in numbers),
             )
             for a, stop in found
             for b in [min(stop, self.end_ns)]
         ]
 
 
-class _Nearest:
-    """The nearest things in the scans for which a condition was true.
+class _Least:
+    """What was noted where a condition was true, of which the least of a span is told.
 
     Args:
-        parts: arrays of times, distances, indices and angles; see `Search.met`.
+        parts: arrays of equal lengths: times, what has to be least, and more.
     """
 
     def __init__(self, parts: list[tuple[NDArray[Any], ...]]) -> None:
@@ -130,17 +147,31 @@ class _Nearest:
             order = np.argsort(self._columns[0], kind="stable")
             self._columns = [column[order] for column in self._columns]
 
-    def between(self, start_ns: int, end_ns: int) -> tuple[float | None, int | None, float | None, int | None]:
-        """Distance, index, angle and time of the nearest thing in a span; None each where no ray met anything."""
+    def between(self, start_ns: int, end_ns: int) -> list[Any] | None:
+        """The first of the least in a span, as one value of each array; None where there is none."""
         if not self._columns:
-            return None, None, None, None
-        times, distances, indices, angles = self._columns
+            return None
+        times, ranks = self._columns[:2]
         first = np.searchsorted(times, start_ns)
         last = np.searchsorted(times, max(end_ns, start_ns + 1))
         if first == last:
-            return None, None, None, None
-        at = first + int(distances[first:last].argmin())
-        return shortest(distances[at]), int(indices[at]), float(angles[at]), int(times[at])
+            return None
+        at = first + int(ranks[first:last].argmin())
+        return [column[at] for column in self._columns]
+
+
+def _met(row: list[Any] | None) -> tuple[float | None, int | None, float | None, int | None]:
+    """Distance, index, angle and time of the nearest thing; None each where no ray met anything."""
+    if row is None:
+        return None, None, None, None
+    time_ns, distance, index, angle = row
+    return shortest(distance), int(index), float(angle), int(time_ns)
+
+
+def _value(rows: Iterable[list[Any] | None]) -> tuple[float | None, int | None]:
+    """The number of the first condition that compared one, and its time; None each where none did."""
+    row = next((row for row in rows if row is not None), None)
+    return (None, None) if row is None else (float(row[2]), int(row[0]))
 
 
 def _silent(silences: list[tuple[str, NDArray[np.int64]]], start_ns: int, end_ns: int) -> dict[str, None]:

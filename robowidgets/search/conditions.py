@@ -347,7 +347,13 @@ class _SpeedAbove(_OfOneTopic):
         self._axis = axis
 
     def steps(self, search: Search) -> Steps:
-        return search.over(search.recording.speeds(self._topic), self._test)
+        def test(chunk: SpeedChunk) -> NDArray[np.int8]:
+            values = self._test(chunk)
+            speeds = chunk.values[values == YES, AXES.index(self._axis)]
+            search.compared(self, chunk.times_ns[values == YES], speeds, -np.abs(speeds))
+            return values
+
+        return search.over(search.recording.speeds(self._topic), test)
 
     def possible(self, rows: SecondRows) -> Possible:
         least, most = (rows[name] for name in SPEEDS[self._axis])

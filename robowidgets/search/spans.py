@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from typing import Any, overload
 
 from .._core.tables import Table
@@ -45,10 +45,9 @@ class Spans(Sequence[Span]):
 
     @property
     def heads(self) -> tuple[str, ...]:
-        """The columns that say something: start, end and seconds, what was met, and silent topics."""
+        """The columns that say something: start, end and seconds, what was met, a number, and silent topics."""
         met = any(span.nearest is not None for span in self)
-        silent = any(span.silent for span in self)
-        return ("start", "end", "seconds", *("nearest", "index", "angle") * met, *("silent",) * silent)
+        return ("start", "end", "seconds", *("nearest", "index", "angle") * met, *more_heads(self))
 
     @property
     def seconds(self) -> float:
@@ -99,6 +98,12 @@ class Spans(Sequence[Span]):
         return f"{self.condition}: {often(len(self))}, {self.seconds:.2f} s together"
 
 
+def more_heads(spans: Collection[Any]) -> list[str]:
+    """The columns that say something beside what was met: a number that was compared, and silent topics."""
+    heads = {"value": any(span.value is not None for span in spans), "silent": any(span.silent for span in spans)}
+    return [head for head, is_there in heads.items() if is_there]
+
+
 def cell(value: Any, head: str) -> str:
     """A value of a span as a person reads it: seconds, metres, an index, degrees, or names of topics."""
     if head == "silent":
@@ -107,4 +112,6 @@ def cell(value: Any, head: str) -> str:
         return ""
     if head == "angle":
         return degrees_of(value)
+    if head == "value":
+        return f"{value:.4g}"
     return f"[{value}]" if head == "index" else f"{value:.2f}" + " m" * (head == "nearest")

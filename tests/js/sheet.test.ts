@@ -23,6 +23,7 @@ const MOMENTS = toMoments(
     date: [null, 1e9, 2e9, null],
     nearest: [0.2, null, 0.15, 0.29],
     index: [3, null, 7, 9],
+    value: [null, -0.31234, null, 2],
     silent: ["", "/scan", "", ""],
   },
   [
@@ -38,6 +39,7 @@ test("moments are sorted by a column either way, files by their numbers, and wha
   assert.deepEqual(numbers(sorted(MOMENTS, "-nearest")), [3, 0, 2, 1]);
   assert.deepEqual(numbers(sorted(MOMENTS, "file")), [1, 2, 0, 3]);
   assert.deepEqual(numbers(sorted(MOMENTS, "held")), [1, 2, 0, 3]);
+  assert.deepEqual(numbers(sorted(MOMENTS, "-value")), [3, 1, 0, 2]);
   assert.deepEqual(numbers(sorted(MOMENTS, "-date")), [2, 1, 0, 3]);
 });
 

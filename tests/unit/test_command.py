@@ -339,6 +339,8 @@ def test_find_prints_json(capsys, monkeypatch):
         "index",
         "angle",
         "nearest_ns",
+        "value",
+        "value_ns",
     } == set(told["spans"][0])
 
 

@@ -14,10 +14,11 @@ export interface Moment {
   date: number | null;
   nearest: number | null;
   index: number | null;
+  value: number | null;
   silent: string;
 }
 
-export type Column = "nearest" | "time" | "file" | "topic" | "date" | "held" | "index";
+export type Column = "nearest" | "time" | "file" | "topic" | "date" | "held" | "index" | "value";
 
 /** The columns of the table, with their heads. */
 export const COLUMNS: readonly { name: Column; head: string; isNumber: boolean }[] = [
@@ -28,6 +29,7 @@ export const COLUMNS: readonly { name: Column; head: string; isNumber: boolean }
   { name: "date", head: "date, UTC", isNumber: false },
   { name: "nearest", head: "nearest, m", isNumber: true },
   { name: "index", head: "index", isNumber: true },
+  { name: "value", head: "value", isNumber: true },
 ];
 
 /** All moments of a sheet. */
@@ -44,6 +46,7 @@ export function toMoments(columns: Partial<Columns>, files: string[][], topics: 
     date: date[number] ?? null,
     nearest: nearest[number] ?? null,
     index: index[number] ?? null,
+    value: columns.value?.[number] ?? null,
     silent: columns.silent?.[number] ?? "",
   }));
 }
@@ -54,6 +57,7 @@ export function cellOf(moment: Moment, column: Column): string {
   if (value === null) return "";
   if (typeof value === "string") return value;
   if (column === "date") return toDate(value);
+  if (column === "value") return String(Number(value.toPrecision(4)));
   if (column === "index") return `[${value}]`;
   return value.toFixed(column === "nearest" || column === "held" ? 2 : 1);
 }

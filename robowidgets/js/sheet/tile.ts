@@ -88,8 +88,9 @@ export class Tile extends Item {
     this.element.append(this.#value, this.#index, this.#file, this.#time, this.label);
   }
 
-  protected override write({ nearest, index, file, path, time, silent }: Moment): void {
-    setText(this.#value, nearest === null ? "" : `${nearest.toFixed(2)} m`);
+  protected override write(moment: Moment): void {
+    const { nearest, index, file, path, time, silent } = moment;
+    setText(this.#value, nearest === null ? cellOf(moment, "value") : `${nearest.toFixed(2)} m`);
     setText(this.#index, index === null ? "" : `[${index}]`);
     setText(this.#file, toShort(file));
     setText(this.#time, `${time.toFixed(1)} s`);
@@ -101,7 +102,7 @@ export class Tile extends Item {
     if (!picture) return;
     const box = { x: 4, y: 4, width: size.width - 8, height: size.height - TEXTS - 6 };
     drawPicture(context, picture, box, cut, this.moment?.held ?? 0, theme);
-    if (this.moment?.nearest === null && picture.form !== "words") setText(this.#value, picture.words);
+    if (this.moment?.nearest === null && picture.form !== "words" && picture.words) setText(this.#value, picture.words);
   }
 }
 

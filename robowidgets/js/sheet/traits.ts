@@ -15,6 +15,8 @@ export interface Columns {
   /** Metres; null where nothing was met. */
   nearest: (number | null)[];
   index: (number | null)[];
+  /** What a condition compared; null where it compared no number. */
+  value: (number | null)[];
   silent: string[];
 }
 

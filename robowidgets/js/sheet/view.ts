@@ -42,6 +42,7 @@ const FAR = 5;
 
 const SORTS: readonly [Column, string][] = [
   ["nearest", "Nearest"],
+  ["value", "Value"],
   ["time", "Time"],
   ["file", "File"],
 ];
@@ -314,6 +315,15 @@ export class SheetView {
     this.#one.ariaPressed = String(model.get("one_per_file"));
     this.#every.ariaPressed = String(model.get("every"));
     this.#table.ariaPressed = String(this.#isTable);
+    // A column in which nothing stands takes no room.
+    for (const name of ["nearest", "index", "value"] as const) {
+      const isThere = this.#moments.some((moment) => moment[name] !== null);
+      this.#card.root.classList.toggle(`rw-sheet-no-${name}`, !isThere);
+      const sortBy = this.#sorts.get(name);
+      if (sortBy) setHidden(sortBy, !isThere);
+      const field = this.#fields.get(name)?.parentElement;
+      if (field) setHidden(field, !isThere);
+    }
     const isFiltered = Object.values(model.get("filters")).some(Boolean);
     this.#filter.ariaPressed = String(isFiltered || !this.#filters.hidden);
     setHidden(this.#again, !this.#isUnsorted);
@@ -543,7 +553,7 @@ export class SheetView {
       cell.append(button);
       this.#heads.append(cell);
     }
-    this.#heads.append(make("span", "rw-sheet-cell rw-sheet-words", "value"));
+    this.#heads.append(make("span", "rw-sheet-cell rw-sheet-words", "words"));
   }
 
   #makeFilters(): void {

@@ -93,8 +93,8 @@ def test_a_picture_is_the_scan_that_met_the_nearest_thing_and_lights_each_ray_be
     [
         (conditions.touched(), WORDS, "right"),
         (conditions.event(), WORDS, "right touched"),
-        (conditions.speed_above(0.2), LINE, "0.20 > 0.20 m/s"),
-        (conditions.field("/odom.twist.twist.linear.x") < 0, LINE, "−0.05 < 0.00 m/s"),
+        (conditions.speed_above(0.2), LINE, "0.60 > 0.20 m/s"),
+        (conditions.field("/odom.twist.twist.linear.x") < 0, LINE, "−0.30 < 0.00 m/s"),
         (conditions.gap(0.05), RAYS, "nothing on /scan"),
         (conditions.touched() & conditions.nearest_below(0.5), RAYS, "right · 0.15 < 0.50 m"),
         (lambda moment: moment.scan.distance("front") < 0.4, RAYS, "0.15 < 0.40 m"),

@@ -401,10 +401,37 @@ class TestSpans:
             "index",
             "angle",
             "nearest_ns",
+            "value",
+            "value_ns",
         ]
         monkeypatch.setitem(sys.modules, "pandas", None)
         with pytest.raises(ImportError, match="pip install pandas"):
             self.FEW.to_pandas()
+
+
+def test_a_span_tells_the_number_farthest_beyond_the_limit_and_when_or_the_first_of_equal_ones() -> None:
+    with robowidgets.open(robowidgets.SAMPLE) as recording:
+        speeds = recording.speeds("/odom")
+        x, times = speeds.values[:, 0], speeds.times_ns
+
+        def told(wanted: Any) -> list[tuple[float | None, int | None]]:
+            return [(span.value, span.value_ns) for span in recording.find(wanted)]
+
+        for wanted, best in (
+            (conditions.speed_above(0.05, topic="/odom"), lambda part: abs(part).argmax()),
+            (conditions.field("/odom.twist.twist.linear.x") < -0.01, np.argmin),
+            (conditions.field("/odom.twist.twist.linear.x") >= 0.1, np.argmax),
+            (conditions.field("/odom.twist.twist.linear.x") != 0, lambda _: 0),
+        ):
+            expected = []
+            for span in recording.find(wanted):
+                rows = np.flatnonzero((times >= span.start_ns) & (times < max(span.end_ns, span.start_ns + 1)))
+                at = rows[best(x[rows])]
+                expected.append((x[at], times[at]))
+            assert told(wanted) == expected != []
+        assert told(conditions.nearest_below(0.3)) == [(None, None)] * len(
+            recording.find(conditions.nearest_below(0.3))
+        )
 
 
 def test_the_real_bump_is_found(data: Path) -> None:

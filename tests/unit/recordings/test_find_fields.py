@@ -157,10 +157,10 @@ def test_a_function_gets_the_messages_of_topics_that_are_named(recording: robowi
 @pytest.mark.parametrize(
     ("words", "code", "line"),
     [
-        ("/imu.linear_acceleration.x > 7", 0, "8.000\t9.000\t1.000"),
-        ("abs(/imu.linear_acceleration.y)>7", 0, "8.000\t9.000\t1.000"),
-        ("/status.new.data == 'under way'", 0, "6.000\t9.000\t3.000"),
-        ("/ready.data == true", 0, "2.000\t2.500\t0.500"),
+        ("/imu.linear_acceleration.x > 7", 0, "8.000\t9.000\t1.000\t9"),
+        ("abs(/imu.linear_acceleration.y)>7", 0, "8.000\t9.000\t1.000\t9"),
+        ("/status.new.data == 'under way'", 0, "6.000\t9.000\t3.000\t"),
+        ("/ready.data == true", 0, "2.000\t2.500\t0.500\t"),
         ("/imu.linear_acceleration.x > 70", 1, None),
         ("/imu.linear_acceleration.x", 2, None),
         ("/imu.linear_acceleration.x > fast", 2, None),
