@@ -43,6 +43,7 @@ def output(tmp_path: Path) -> Path:
 @pytest.mark.timeout(600)
 @pytest.mark.skipif(not DATA.is_dir(), reason="needs the recordings of real robots")
 def test_no_hit_of_real_recordings_is_lost_and_fewer_are_read(output: Path) -> None:
+    # Slow: it reads each of these recordings for the index, and again for each condition.
     there = index(DATA, output=output, executor=Here())
     field = conditions.field("/odom.twist.twist.linear.x")
     for condition in (
