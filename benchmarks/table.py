@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import fields
 from math import inf, isinf
 from statistics import median
 
@@ -11,6 +12,8 @@ from .columns import Decoding, Whole
 from .feeds import Endurance as FeedEndurance
 from .feeds import Figures as FeedFigures
 from .hour import Hour
+from .large import NAMES as PICTURES
+from .large import Large
 from .layers import Cost
 from .leaks import LIMIT, NAMES, Leak
 from .measure import Endurance, Four
@@ -276,6 +279,18 @@ def topics(found: Mapping[str, Beside]) -> str:
     heads = [
         *("on show", "bare subscriber's callback, ms", "handed on by the feed", "painted", "p95", "of alone"),
         *("painted per s of 40", "kernel: % of one core", "page: %", "messages per s beside the scans"),
+    ]
+    return markdown(heads, body)
+
+
+def large(found: Mapping[str, Large]) -> str:
+    """Pictures beside a laser, one line for each."""
+    body = [
+        [PICTURES[name], *(say(getattr(one, field.name)) for field in fields(Large))] for name, one in found.items()
+    ]
+    heads = [
+        *("beside the laser", "`update` to drawn, ms", "p95", "drawn per s", "behind", "laser painted, ms", "p95"),
+        *("kernel: % of one core", "page: %"),
     ]
     return markdown(heads, body)
 

@@ -45,9 +45,9 @@ NOT_IN_BROWSER = {
 """Pages whose snippets want a robot, processes, or what a browser has not: without "Try it"."""
 
 API = {
-    "Widgets": """LaserWidget SpeedWidget TouchWidget SonarWidget ImageWidget CloudWidget PathWidget PlotWidget MessageWidget
-        EventsWidget ScanogramWidget WiresWidget DriveWidget ProgramWidget MachineWidget Footprint Sector together
-        plot load_map""",
+    "Widgets": """LaserWidget SpeedWidget TouchWidget SonarWidget ImageWidget CloudWidget PathWidget PlotWidget
+        MessageWidget EventsWidget ScanogramWidget WiresWidget DriveWidget ProgramWidget MachineWidget Footprint Sector
+        together plot load_map""",
     "Samples": "Scan Ray Range Ranges Cloud Speed Touch TouchState TouchMode Event MapGrid Validity spread",
     "Shapes": "Arc Arrow Line Points Polygon Text",
     "Recordings": "open Recording RecordingError find summary",

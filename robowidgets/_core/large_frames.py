@@ -84,8 +84,9 @@ class LargeFrameWidget(RobotWidget[S]):
             self._on_message(content)
             return
         page, number, lacks = content.get("page"), content["drawn"], content.get("lacks")
-        is_read = isinstance(page, str) and _is_number(number) and (lacks is None or _is_number(lacks))
-        if is_read and self._credit.on_drawn(page, number, lacks):
+        if not isinstance(page, str) or not _is_number(number) or not (lacks is None or _is_number(lacks)):
+            return
+        if self._credit.on_drawn(page, number, lacks):
             pacer.mark(self)
 
     def _on_message(self, content: dict[str, Any]) -> None:

@@ -18,8 +18,8 @@ HEADER = struct.Struct("<6d")
 """Form, rows and columns of the picture, every how many rows and columns are there, metres of one step of a depth image
 (0: it is none), and whether the numbers are those of the pixels (1, else 0)."""
 
-MOST_BYTES = 1_000_000
-"""Of a picture on its way to the page. A color picture of 640 x 480 has 921,600."""
+MOST_BYTES = 1_250_000
+"""Of a picture on its way to the page. One of 640 x 480 with four bytes for each pixel has 1,228,800."""
 
 MOST_PIXELS = 2_000_000
 """Of a picture on its way to the page, as a JPEG."""

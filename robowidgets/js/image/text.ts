@@ -86,7 +86,8 @@ export function describeRegion(
   if (!found) return { ...words, details: "\u2026" };
   const unit = picture.depthScale ? " m" : "";
   const letters = found.channels.length > 1 ? (about.channels ?? "") : "";
-  const show = (value: number) => (picture.depthScale ? toFixed(value, 3) : toValue(Math.round(value * 10) / 10));
+  const show = (value: number) =>
+    picture.depthScale ? toFixed(value, 3) : Number.isInteger(value) ? toValue(value) : toFixed(value, 1);
   const rows = found.channels.map((row, i) => {
     if (!row) return `${letters[i] ?? ""} nothing`.trim();
     const [least, mean, median, most] = row.map(show);

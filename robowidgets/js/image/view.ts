@@ -410,7 +410,8 @@ export class ImageView implements Zoom, ImageActs {
     const room = this.#room;
     const zoom = this.#placement && picture ? this.#placement.scale / fitScaleOf(sizeOf(picture), room) : 1;
     if (zoom > 1.01) facts.push(`${zoom.toFixed(1)}\u00D7`);
-    setText(this.#facts, facts.filter(Boolean).join(" \u00B7 "));
+    const said = facts.filter(Boolean).join(" \u00B7 ");
+    setText(this.#facts, said || (picture && !this.#region ? "drag to mark a region" : ""));
   }
 }
 
