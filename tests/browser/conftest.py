@@ -48,10 +48,27 @@ Host = Literal["lab", "plain"]
 Screen = tuple[Host, int, bool]
 """What is loaded in a page, its device pixels per CSS pixel, and whether it has touch."""
 
+UNHURRIED = """
+import robowidgets.behaviors.program as program_of_a_test
+program_of_a_test.STEP = program_of_a_test.STEP._replace(late=60.0)
+"""
+"""Has the steps of programs take their time: a machine may have much else to do. What is late is tested by a clock."""
+
 HELD_KEYS = ("ArrowUp", "ArrowDown", "ArrowLeft", "ArrowRight", "w", "a", "s", "d", "Shift")
 """Keys that a test may leave pressed."""
 
-expect.set_options(timeout=15_000)  # a machine may have much else to do
+PATIENCE_MS = 60_000
+"""A test fails by what it waits for when that never comes, not when a machine with much else to do is slow."""
+
+expect.set_options(timeout=PATIENCE_MS)
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Have all tests in JupyterLab run in one process: they share its server, and a page that has loaded it."""
+    for item in items:
+        if "lab" in getattr(item, "fixturenames", ()):
+            item.add_marker(pytest.mark.xdist_group("lab"))
 
 
 @pytest.hookimpl(wrapper=True)
@@ -59,6 +76,12 @@ def pytest_runtest_makereport(item: pytest.Item, call: pytest.CallInfo[None]) ->
     report = yield
     item.stash[FAILED] = item.stash.get(FAILED, False) or report.failed
     return report
+
+
+@pytest.fixture(scope="session", autouse=True)
+def unhurried_steps() -> None:
+    """What the cells of plain pages do is done in this process."""
+    exec(UNHURRIED)
 
 
 @pytest.fixture(scope="session")
@@ -89,6 +112,7 @@ def contexts(browser: Browser) -> Iterator[Callable[[int, bool], BrowserContext]
     def context(scale: int, touch: bool) -> BrowserContext:
         if (scale, touch) not in kept:
             made = browser.new_context(device_scale_factor=scale, has_touch=touch)
+            made.set_default_timeout(PATIENCE_MS)
             made.add_init_script(path=DRIVER)
             kept[scale, touch] = made
         return kept[scale, touch]
@@ -201,6 +225,8 @@ def notebook(
         opened.append(Notebook(page, lab, path, console))
         opened[-1].open()
         opened[-1].theme(theme)
+        if any(".program(" in cell for cell in cells):
+            opened[-1].python(UNHURRIED)
         if run:
             opened[-1].run_all()
         return opened[-1]

@@ -7,7 +7,7 @@ window.driver = (() => {
   const kernelOf = (path) => panelOf(path).sessionContext.session?.kernel;
 
   return {
-    // Set by a test that changes the page for good, such as its clock.
+    // Set by a test that changes the page for good.
     isSpoilt: false,
 
     isLoaded: () => Boolean(app()?.commands.hasCommand("docmanager:open")),
@@ -19,9 +19,28 @@ window.driver = (() => {
 
     // Closes all notebooks, without the question whether to save them; false if the page cannot be used again.
     closeAll() {
-      if (!this.isLoaded() || this.isSpoilt || document.querySelector(".rw-player")) return false;
+      if (!this.isLoaded() || this.isSpoilt) return false;
+      // What plays goes on without its view.
+      for (const stop of document.querySelectorAll('.rw-play[title^="Stop here"]')) stop.click();
       for (const widget of [...app().shell.widgets("main")]) widget.dispose();
+      this.showOne(true);
+      this.slowDown(1);
       return true;
+    },
+
+    // One document, as in JupyterLab's simple mode, or beside each other with the file browser, as it starts.
+    showOne(isSimple) {
+      const { shell } = app();
+      shell.mode = isSimple ? "single-document" : "multiple-document";
+      if (isSimple) shell.collapseLeft();
+      else shell.expandLeft();
+    },
+
+    // Has the page's clock go so many times slower.
+    slowDown(times) {
+      delete performance.now;
+      const now = performance.now.bind(performance);
+      if (times !== 1) performance.now = () => now() / times;
     },
 
     ready(path) {
@@ -99,7 +118,9 @@ window.driver = (() => {
 
     save: (path) => panelOf(path).context.save(),
 
-    theme: (name) => app().commands.execute("apputils:change-theme", { theme: name }),
+    async theme(name) {
+      if (!this.hasTheme(name)) await app().commands.execute("apputils:change-theme", { theme: name });
+    },
 
     // JupyterLab hides itself while it puts a theme on.
     hasTheme: (name) => app().shell.isVisible && document.body.dataset.jpThemeName === name,

@@ -13,7 +13,7 @@ from playwright.sync_api import Locator, Page
 from .console import Console
 from .server import LabServer
 
-CELL_SECONDS = 60
+CELL_SECONDS = 120
 _COLOURS = re.compile(r"\x1b\[[0-9;]*m")
 
 
@@ -54,7 +54,7 @@ class Notebook:
         if self.page.evaluate("window.driver?.isLoaded()"):
             self._ask("open", self.path)
         else:
-            self.page.goto(f"{self.lab.url}/doc/tree/{self.path}?token={self.lab.token}")
+            self.page.goto(f"{self.lab.url}/doc/tree/{self.path}?token={self.lab.token}", wait_until="commit")
         self._until("ready", self.path)
 
     # Cells
@@ -163,7 +163,7 @@ class Notebook:
     def reload(self) -> None:
         """Save the notebook and load the page anew; the kernel lives on."""
         self.save()
-        self.page.reload()
+        self.page.reload(wait_until="commit")
         self._until("ready", self.path)
 
     def save(self) -> Path:
@@ -176,7 +176,10 @@ class Notebook:
 
     def _until(self, name: str, *arguments: Any) -> None:
         self.page.wait_for_function(
-            "([name, ...rest]) => window.driver[name](...rest)", arg=[name, *arguments], timeout=CELL_SECONDS * 1000
+            "([name, ...rest]) => window.driver[name](...rest)",
+            arg=[name, *arguments],
+            timeout=CELL_SECONDS * 1000,
+            polling=50,  # not at each frame, which would have JupyterLab draw while nothing changes
         )
 
 

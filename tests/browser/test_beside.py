@@ -7,7 +7,7 @@ from collections.abc import Callable
 import pytest
 from playwright.sync_api import expect
 
-from .chromium import LOOKS, shoot
+from .chromium import PICTURES, shoot
 from .notebook import Notebook
 from .plain_page import PlainPage
 
@@ -46,10 +46,7 @@ def beside(notebook: Callable[..., Notebook]) -> Callable[..., Notebook]:
 
     def run(cell: str, **more: object) -> Notebook:
         nb = notebook([ROBOT, cell], run=False, **more)
-        url = f"{nb.lab.url}/lab/workspaces/beside/tree/{nb.path}?token={nb.lab.token}&reset"
-        nb.page.goto(url)
-        nb.page.wait_for_function("path => window.driver.ready(path)", arg=nb.path)
-        nb.page.evaluate("window.driver.isSpoilt = true")  # the other tests have simple mode
+        nb.page.evaluate("window.driver.showOne(false)")
         nb.run_all()
         return nb
 
@@ -63,7 +60,7 @@ def test_in_simple_mode_it_says_how_to_show_two_documents(notebook: Callable[...
     expect(nb.page.locator(".rw-beside-pane")).to_have_count(0)
 
 
-@pytest.mark.parametrize(("theme", "scale"), LOOKS)
+@pytest.mark.parametrize(("theme", "scale"), [("light", 1), ("dark", 2)] if PICTURES else [("dark", 1)])
 def test_a_view_beside_the_notebook_is_as_wide_as_its_pane_and_the_cell_has_stop(
     beside: Callable[..., Notebook], theme: str, scale: int
 ) -> None:

@@ -24,6 +24,9 @@ SAMPLE = ROOT / "robowidgets" / "data" / "sample.mcap"
 PICTURE = "card => [...card.querySelectorAll('canvas')].map((canvas) => canvas.toDataURL()).join()"
 ADDRESS = re.compile(r"http://127\.0\.0\.1:\d+/lab/tree/\S+\?token=\w+")
 
+PATIENCE_MS = 120_000
+"""A kernel and all of JupyterLab start: no page of the other tests is used again here."""
+
 
 def saves_tabs(request: Request) -> bool:
     return request.method == "PUT" and "/lab/api/workspaces" in request.url
@@ -52,7 +55,7 @@ def robowidgets(tmp_path: Path) -> Iterator[Callable[..., str]]:
     yield run
     for process in started:
         process.send_signal(signal.SIGTERM)
-        process.communicate(timeout=30)
+        process.communicate(timeout=120)
 
 
 @pytest.mark.parametrize("command", ["demo", "open"])
@@ -69,16 +72,17 @@ def test_the_command_leads_to_a_page_that_shows_the_robot_live_with_no_cell_run_
         shutil.copyfile(SAMPLE, words[1])
     page = browser.new_page(viewport={"width": 1280, "height": 900})
     pages.append((page, Console(page)))
-    with page.expect_request(saves_tabs, timeout=90_000) as saved:
-        page.goto(robowidgets(*words))
-        expect(page.locator(".rw-card").first).to_be_visible(timeout=60_000)
+    address = robowidgets(*words)
+    with page.expect_request(saves_tabs, timeout=PATIENCE_MS) as saved:
+        page.goto(address)
+        expect(page.locator(".rw-card").first).to_be_visible(timeout=PATIENCE_MS)
     assert saved.value.response()
     assert not (tmp_path / "jupyter_config_dir" / "lab" / "workspaces").exists(), "the tabs of the person stay"
     assert page.locator(".jp-Dialog, .Toastify__toast").all_text_contents() == []
     expect(page.locator(".jp-Notification-Status-Text")).to_have_text("0")
 
     laser, speed, touch = (page.locator(f".rw-{kind}").first for kind in ("laser", "speed", "touch"))
-    expect(laser).to_contain_text(re.compile(r"/scan.*nearest \d\.\d\d m", re.DOTALL), timeout=60_000)
+    expect(laser).to_contain_text(re.compile(r"/scan.*nearest \d\.\d\d m", re.DOTALL), timeout=PATIENCE_MS)
     expect(speed).to_contain_text(re.compile(r"/odom.*0\.00", re.DOTALL))
     expect(touch).to_contain_text(re.compile(r"/bumper.*3\s*unknown", re.DOTALL))
     shoot(page.locator("#main"), f"command-{command}")
@@ -88,6 +92,4 @@ def test_the_command_leads_to_a_page_that_shows_the_robot_live_with_no_cell_run_
     page.locator(".rw-player input[type=range]").first.click()
     expect(page.locator(".rw-play-now").first).to_have_text(re.compile(r"^(28|29|30)\.\d\d$"))
     expect(touch).to_contain_text(re.compile(r"[1-9] touches"))
-    page.wait_for_function(
-        f"before => ({PICTURE})(document.querySelector('.rw-laser')) !== before", arg=before, timeout=10_000
-    )
+    page.wait_for_function(f"before => ({PICTURE})(document.querySelector('.rw-laser')) !== before", arg=before)

@@ -43,11 +43,6 @@ import robowidgets.driving.command_watchdog as watchdog, robowidgets.driving.pre
 watchdog.HOLD = press.HOLD = 10
 watchdog.CommandWatchdog.drive.__defaults__ = (10, watchdog.PROGRAM)
 """
-SLOW_CLOCK = """() => {
-    window.driver.isSpoilt = true;
-    const now = performance.now.bind(performance);
-    performance.now = () => now() / 20;
-}"""
 
 
 @pytest.fixture(autouse=True)
@@ -62,7 +57,7 @@ def hurried(monkeypatch: pytest.MonkeyPatch) -> None:
 def unhurried(nb: Notebook | PlainPage) -> None:
     """Have page and kernel wait ten seconds for each other, not half of one: a machine may have much else to do."""
     nb.python(UNHURRIED)
-    nb.page.evaluate(SLOW_CLOCK)
+    nb.page.evaluate("window.driver.slowDown(20)")
 
 
 def says(nb: Notebook | PlainPage, words: str, cell: int = 0) -> None:
@@ -328,6 +323,7 @@ def test_a_busy_kernel_stops_it_and_what_waited_moves_nothing(plain_page: Callab
 
 def test_a_pad_whose_kernel_is_gone_says_so_and_a_new_one_drives(notebook: Callable[..., Notebook]) -> None:
     nb = notebook([PAD])
+    unhurried(nb)
     pad_of(nb).focus()
     nb.page.keyboard.down("ArrowUp")
     says(nb, "driving")
@@ -335,6 +331,7 @@ def test_a_pad_whose_kernel_is_gone_says_so_and_a_new_one_drives(notebook: Calla
     says(nb, "no kernel in this page")
     nb.page.keyboard.up("ArrowUp")
     nb.run_all()
+    unhurried(nb)
     pad_of(nb).focus()
     nb.page.keyboard.down("ArrowUp")
     says(nb, "driving")
@@ -389,9 +386,8 @@ def test_beside_a_busy_cell_a_hand_takes_over_from_a_program_and_lets_go_at_once
         commands = heard(nb)
         first = commands.index([0.4, 0.0])
         after = next(i for i, command in enumerate(commands) if i > first and command != [0.4, 0.0])
-        assert commands[after] == [0.0, 0.0], body
-        assert commands[after + 1] == [0.2, 0.5], body
-        assert [0.4, 0.0] not in commands[after:], f"hand and program take turns: {body}"
+        # Zero is replaced by what the program says next, if that comes before it is sent.
+        assert {tuple(speed) for speed in commands[after:]} - {(0.0, 0.0)} == {(0.2, 0.5)}, body
         nb.python("heard.clear(); refused = ''")
 
 
@@ -419,6 +415,7 @@ def test_a_kernel_that_does_not_answer_is_not_said_to_have_stopped_a_program(dri
 
 def test_stop_on_the_pad_latches_until_driving_is_allowed(driven_page: PlainPage) -> None:
     nb = driven_page
+    unhurried(nb)
     says(nb, "a program drives")
     stop, allow = nb.widget(0).locator(".rw-stop"), nb.widget(0).locator(".rw-allow")
     place = pad_of(nb).bounding_box()

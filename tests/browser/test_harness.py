@@ -13,6 +13,8 @@ from .chromium import photograph
 from .notebook import CellError, Notebook
 from .plain_page import PlainPage
 
+pytestmark = pytest.mark.xdist_group("lab")
+
 COUNTER = '''
 import anywidget, traitlets
 
@@ -64,9 +66,7 @@ def test_cells_run_again_after_a_kernel_restart(notebook: Callable[..., Notebook
     expect(nb.widget(2)).to_have_text("n=4")
 
 
-def test_a_busy_cell_is_seen_while_it_runs_and_a_reload_shows_the_state_that_the_kernel_holds(
-    notebook: Callable[..., Notebook],
-) -> None:
+def test_a_busy_cell_is_seen_while_it_runs(notebook: Callable[..., Notebook]) -> None:
     nb = notebook([COUNTER, "counter"])
     busy = nb.append("import time\ncounter.n = 30\nwhile True:\n    time.sleep(0.01)")
     nb.start(busy)
@@ -74,9 +74,6 @@ def test_a_busy_cell_is_seen_while_it_runs_and_a_reload_shows_the_state_that_the
     nb.interrupt()
     with pytest.raises(CellError, match="KeyboardInterrupt"):
         nb.wait(busy)
-    nb.python("counter.n = 20")
-    nb.reload()
-    expect(nb.widget(1)).to_have_text("n=20")
 
 
 @pytest.mark.parametrize(("opens", "scale"), [("notebook", 1), ("plain_page", 1), ("plain_page", 2)])

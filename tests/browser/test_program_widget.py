@@ -138,10 +138,9 @@ def test_a_program_is_seen_set_stopped_run_and_replaced(plain_page: Callable[...
     nb.python("robot.close()")
 
 
-def test_beside_a_busy_cell_it_steps_and_stops_and_it_stops_with_its_page(notebook: Callable[..., Notebook]) -> None:
+def test_beside_a_busy_cell_it_steps_and_stops(notebook: Callable[..., Notebook]) -> None:
     nb = notebook([OPEN, f"{LISTEN}{AVOID}"])
     widget = nb.widget(0)
-    log = nb.lab.files / f"{nb.path}-no-page"
     stopped = nb.lab.files / f"{nb.path}-stopped"
     nb.python(f"log = {str(stopped)!r}")
     busy = nb.append("steps, n = avoid.steps, 0\nwhile True: n += 1")
@@ -159,13 +158,6 @@ def test_beside_a_busy_cell_it_steps_and_stops_and_it_stops_with_its_page(notebo
         nb.wait(busy)
     assert "KeyboardInterrupt" in str(nb.outputs(busy))
     assert eval(nb.python("avoid.steps - steps")) > 1
-
-    nb.python(f"robot.driving = feeds.Driving(needs_page=True); log = {str(log)!r}")
-    button(widget, "Run, and let programs drive").click()
-    expect(widget.locator(".rw-program-mode")).to_have_text("running")
-    wait_for(lambda: eval(nb.python("heard[-1][1]")) == 0.5, "it drives, for the page is there")
-    nb.page.goto("about:blank")
-    wait_for(lambda: log.exists() and log.read_text().endswith(" 0.0\n"), "the robot stands")
 
 
 @pytest.mark.parametrize(("theme", "scale"), LOOKS)
