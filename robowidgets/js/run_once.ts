@@ -3,7 +3,8 @@
 interface Given {
   model: {
     get(name: string): string;
-    set(name: string, value: string): void;
+    /** Gives back the model itself, if it is one of ipywidgets. */
+    set(name: string, value: string): unknown;
     widget_manager?: { get_state?: unknown };
   };
   el: HTMLElement;
@@ -12,6 +13,15 @@ interface Given {
 interface Widget {
   initialize?(given: Given): unknown;
   render(given: Given): unknown;
+}
+
+type Message = { content: { data: { method: string } } };
+type Handler = (message: Message) => Promise<unknown>;
+
+/** anywidget's model in Jupyter. */
+interface JupyterModel {
+  comm?: { on_msg(handler: Handler): void; send(data: { method: string }, callbacks: object): void };
+  _handle_comm_msg: Handler;
 }
 
 /** A script that has run. */
@@ -44,6 +54,22 @@ function style(place: Node, text: string): void {
   place.appendChild(element);
 }
 
+/**
+ * Hears the kernel though the page was too busy for anywidget, which gives a widget two seconds from its making to the end
+ * of `initialize`, and rejects each message after that. What was rejected is made good by the state as a whole.
+ *
+ * Needed for anywidget 0.11: https://github.com/manzt/anywidget/blob/main/packages/anywidget/src/runtime.ts
+ */
+async function hearAlsoIfLate(model: JupyterModel): Promise<void> {
+  try {
+    await model._handle_comm_msg({ content: { data: { method: "none" } } });
+  } catch {
+    const { _handle_comm_msg: handle } = Object.getPrototypeOf(Object.getPrototypeOf(model)) as JupyterModel;
+    model.comm?.on_msg((message) => handle.call(model, message));
+    model.comm?.send({ method: "request_state" }, {});
+  }
+}
+
 export default () => {
   let widget: Widget;
   return {
@@ -54,7 +80,7 @@ export default () => {
       if (model.widget_manager?.get_state) {
         // A model of ipywidgets lets go of its own texts, and sends nothing, because these are equal; another host would
         // send them. It keeps what was there before the last set.
-        model.set("_script", script);
+        void hearAlsoIfLate(model.set("_script", script) as JupyterModel);
         for (let i = 0; i < 2; i++) model.set("_style", sheet);
       }
       const { default: make } = await (scripts.get(script) ?? run(script));
