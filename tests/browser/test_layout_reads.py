@@ -210,3 +210,28 @@ def test_cards_whose_samples_say_the_same_leave_the_page_alone_beside_a_live_las
     changes = {f"{one} in {kind}" for kind, all_of_it in told if kind != "laser" for one in all_of_it}
     changes = {change for change in changes if not change.startswith("characterData")}
     assert changes <= {"attributes title of rw-tile in touch"}, "that tells for how long"
+
+
+def test_many_cards_that_come_at_once_are_laid_out_together(plain_page: Callable[..., PlainPage]) -> None:
+    """Else each has the browser lay out all others again: their time grows with the square of their number."""
+    many = """
+from ipywidgets import VBox
+cards = [MessageWidget(title=f"/imu{i}") for i in range(24)]
+for card in cards:
+    card.update(imu())
+VBox(cards)
+"""
+    nb = plain_page([IMU, many], run=False)
+    nb.run(0)
+    session = nb.page.context.new_cdp_session(nb.page)
+    session.send("Performance.enable")
+
+    def layouts() -> float:
+        metrics = session.send("Performance.getMetrics")["metrics"]
+        return float(next(one["value"] for one in metrics if one["name"] == "LayoutCount"))
+
+    before = layouts()
+    nb.run(1)
+    rows = nb.output(1).locator(".rw-message-tree:has(.rw-message-row:nth-child(4))")
+    expect(rows).to_have_count(24)
+    assert layouts() - before < 24
