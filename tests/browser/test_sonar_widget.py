@@ -11,6 +11,7 @@ from playwright.sync_api import Locator, expect
 
 from .chromium import LOOKS, shoot
 from .laser import eventually, listen, placed_words
+from .laser import words as words_on
 from .plain_page import PlainPage
 from .sonar import ALARMS, EMPTY, MANY, PIONEER, STUDENT
 from .test_png import differences, download, seen
@@ -175,3 +176,28 @@ def test_a_png_is_saved_of_what_is_on_show(plain_page: Callable[..., PlainPage])
     assert name.startswith("pioneer-sonar")
     nb.page.mouse.move(0, 0)
     assert differences(saved, seen(card)) < 0.01
+
+
+ON_LASER = """
+from math import inf
+from robowidgets import LaserWidget, Range, SonarWidget
+from robowidgets.simulator import Robot, room
+ring = SonarWidget(title="ring", poses={"front": 0, "left": (0.05, 0.1, 1.0), "right": (0.05, -0.1, -1.0)})
+ring.update(front=Range(2.3, 0.1, 4.0, 0.4), left=Range(1.5, 0.1, 4.0, 0.4), right=Range(inf, 0.1, 3.0, 0.4))
+ring.update("lost", 1.0)
+laser = LaserWidget(title="/scan", view_range=4)
+laser.update(Robot(room("house"), seed=1).scan())
+laser.sonars = ring
+laser
+"""
+
+
+@pytest.mark.parametrize(("theme", "scale"), LOOKS)
+def test_the_cones_of_a_ring_stand_on_the_laser(plain_page: Callable[..., PlainPage], theme: str, scale: int) -> None:
+    nb = plain_page([ON_LASER], scale=scale, theme=theme)
+    laser = nb.page.locator(".rw-laser").first
+    expect(laser.locator(".rw-footer")).to_contain_text("cones: ring, 1 of 4 without a reading or a place")
+    listen(nb.page)
+    nb.python("ring.update('front', Range(2.1, 0.1, 4.0, 0.4)); ring.send_newest()")
+    eventually(lambda: {"front", "2.10 m", "nothing"} <= words_on(laser), True)
+    shoot(nb.output(0), f"sonar-on-laser-{theme}-{scale}")
