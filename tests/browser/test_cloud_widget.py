@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable
+from pathlib import Path
 
 import pytest
-from playwright.sync_api import Locator, expect
+from playwright.sync_api import Locator, Page, expect
 
 from .chromium import LOOKS, shoot
 from .cloud import EMPTY, FEW, MANY, NOTHING, ROOM
 from .laser import eventually
+from .notebook import Notebook
 from .plain_page import PlainPage
 
 LEFT, LEGEND, TOP, BELOW = 38, 68, 4, 20
@@ -164,3 +166,68 @@ def test_it_freezes_steps_back_and_keeps_the_last_good_cloud_with_one_line(
     card.locator(".rw-picture").focus()
     nb.page.keyboard.press("m")
     expect(words(card, "details")).to_contain_text("<b>a</b> 0")
+
+
+ECHOES = """
+from robowidgets import LaserWidget
+echoes = LaserWidget(title="/glass", echo="last", pinned=1)
+_rays = [{"echoes": [1.0, 4.5]}, {"echoes": [2.0, 2.2, 3.0]}, {"echoes": []}]
+echoes.update(ranges=_rays, angle_min=-0.1, angle_increment=0.1, range_min=0.1, range_max=5.0)
+echoes
+"""
+BAND = """
+band = LaserWidget(title="/points", band=(0.1, 0.5), pinned=360)
+band.update(few.cloud)
+band
+"""
+
+
+def test_a_ray_names_the_echo_or_the_point_that_it_is(plain_page: Callable[..., PlainPage]) -> None:
+    nb = plain_page([ECHOES, "import numpy as np\nfrom robowidgets import CloudWidget", FEW, BAND])
+    card = nb.widget(0).locator(".rw-card")
+    expect(card.locator(".rw-facts")).to_contain_text("3 rays ·\u00a0last echo")
+    expect(words(card, "distance")).to_have_text("3.00 m")
+    expect(words(card, "details")).to_contain_text("ranges[1].echoes[2]")
+    shoot(card, "laser-echoes")
+    nb.python("echoes.echo = 'first'")
+    expect(words(card, "details")).to_contain_text("ranges[1].echoes[0]")
+    expect(card.locator(".rw-facts")).to_contain_text("first echo")
+    card = nb.widget(3).locator(".rw-card")
+    nb.python("band.pinned = next(ray.index for ray in band.scan if ray.source == 1)")
+    expect(words(card, "details")).to_contain_text("points[1]")
+    expect(card.locator(".rw-facts")).to_contain_text("points from 0.1 m to 0.5 m high")
+    shoot(card, "laser-band")
+
+
+PLAYER = """
+import robowidgets
+recording = robowidgets.open({path!r})
+player = recording.show("/sick_lms_1xx/scan", "/cloud", "/cloud as scan")
+player
+"""
+
+
+def test_a_player_in_jupyterlab_and_a_page_show_the_cloud_beside_its_scan(
+    notebook: Callable[..., Notebook], static_page: Callable[[Path], Page], data: Path, tmp_path: Path
+) -> None:
+    """A SICK LMS1xx sends each scan as a cloud, too: all three tell the same nearest thing."""
+    path = data / "topics" / "sick_laser_and_radar.bag"
+    if not path.exists():
+        pytest.skip("the recording is not there")
+    nb = notebook([PLAYER.format(path=str(path))])
+    nb.resize(1280, 900)
+    view = nb.output(0)
+    cloud = view.locator(".rw-cloud")
+    expect(cloud.locator(".rw-facts")).to_contain_text("541 points")
+    expect(cloud.locator(".rw-cloud-nearest")).to_contain_text(re.compile(r"nearest 0\.0\d m"))
+    expect(view.locator(".rw-laser")).to_have_count(2)
+    shoot(view, "cloud-player")
+    page_file = tmp_path / "page.html"
+    nb.python(f"recording.to_html({str(page_file)!r}, topics=['/sick_lms_1xx/scan', '/cloud'], start=0.5, end=1.5)")
+    card = static_page(page_file).locator(".rw-cloud")
+    expect(card.locator(".rw-facts")).to_contain_text("541 points")
+    card.locator(".rw-picture").focus()
+    card.page.keyboard.press("m")
+    expect(words(card, "expression")).to_have_text(re.compile(r"^points\[\d+\]$"))
+    expect(words(card, "details")).to_contain_text("intensity")
+    shoot(card, "cloud-page")
