@@ -12,7 +12,6 @@ from playwright.sync_api import Locator, Page, expect
 from .chromium import LOOKS, shoot
 from .cloud import EMPTY, FEW, MANY, NOTHING, ROOM
 from .laser import eventually
-from .notebook import Notebook
 from .plain_page import PlainPage
 
 LEFT, LEGEND, TOP, BELOW = 38, 68, 4, 20
@@ -207,14 +206,14 @@ player
 """
 
 
-def test_a_player_in_jupyterlab_and_a_page_show_the_cloud_beside_its_scan(
-    notebook: Callable[..., Notebook], static_page: Callable[[Path], Page], data: Path, tmp_path: Path
+def test_a_player_and_a_page_show_the_cloud_beside_its_scan(
+    plain_page: Callable[..., PlainPage], static_page: Callable[[Path], Page], data: Path, tmp_path: Path
 ) -> None:
     """A SICK LMS1xx sends each scan as a cloud, too: all three tell the same nearest thing."""
     path = data / "topics" / "sick_laser_and_radar.bag"
     if not path.exists():
         pytest.skip("the recording is not there")
-    nb = notebook([PLAYER.format(path=str(path))])
+    nb = plain_page([PLAYER.format(path=str(path))])
     nb.resize(1280, 900)
     view = nb.output(0)
     cloud = view.locator(".rw-cloud")
