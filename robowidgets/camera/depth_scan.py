@@ -8,7 +8,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..messages.camera_info import to_camera_info
-from ..samples import Scan
+from ..messages.fields import has
+from ..messages.image import to_image
+from ..samples import Image, Scan
 from .model import CameraModel
 
 NEAREST, FARTHEST = 0.45, 10.0
@@ -16,7 +18,7 @@ NEAREST, FARTHEST = 0.45, 10.0
 
 
 def depth_scan(
-    depth: ArrayLike,
+    depth: ArrayLike | Any,
     camera_info: Any,
     rows: int | tuple[int, int] = 1,
     *,
@@ -32,14 +34,15 @@ def depth_scan(
     there is none is NaN. `depth_rays` tells on which ray a column falls.
 
     Args:
-        depth: the image, shape (H, W): integers are millimetres, others metres (REP-118). 0 and NaN are no reading.
+        depth: the image, shape (H, W): integers are millimetres, others metres (REP-118). 0 and NaN are no reading. Or
+            a sensor_msgs/Image, or an `Image`.
         camera_info: a sensor_msgs/CameraInfo, or a `CameraInfo`.
         rows: how many rows, around the optical axis; or the first row, and the one after the last:
             ``(230, 250)``.
         range_min: metres; what is nearer is left out.
         range_max: metres; what is farther is left out.
         frame_id: of the scan; x of that frame is z of the camera's. Empty: that of the camera without ``_optical``.
-        stamp_ns: nanoseconds since the epoch; None: that of the calibration.
+        stamp_ns: nanoseconds since the epoch; None: that of the image, else of the calibration.
 
     Raises:
         TypeError: no image of numbers, or no calibration. ValueError: another shape, rows that are not in the image,
@@ -53,6 +56,9 @@ def depth_scan(
         >>> len(scan), scan.ranges.round(2).tolist(), scan.frame_id
         (5, [2.240000009536743, 2.059999942779541, 2.0, 2.059999942779541, 2.240000009536743], 'depth_frame')
     """
+    if isinstance(depth, Image) or has(depth, "encoding", "data"):
+        picture = to_image(depth)
+        depth, stamp_ns = picture.depth, stamp_ns or picture.stamp_ns
     image = np.asarray(depth)
     if image.dtype.kind not in "uif":
         raise TypeError(f"depth: expected an image of metres, or of whole millimetres, got {image.dtype}")

@@ -220,6 +220,15 @@ def test_a_wall_in_a_depth_image_is_a_wall_in_the_scan_and_its_columns_are_known
     assert scan.angles[rays[0]] == pytest.approx(atan2(319.5, 525), abs=0.002)
 
 
+def test_a_message_with_a_depth_image_is_a_scan_of_its_time() -> None:
+    millimetres = np.full((480, 640), 1500, np.uint16)
+    header = {"stamp": {"sec": 7, "nanosec": 0}, "frame_id": "depth_optical_frame"}
+    fields = {"height": 480, "width": 640, "encoding": "16UC1", "step": 1280, "is_bigendian": 0}
+    scan = depth_scan({"header": header, **fields, "data": millimetres.tobytes()}, info())
+    assert (scan.stamp_ns, scan.distance()) == (7_000_000_000, pytest.approx(1.5))
+    assert np.array_equal(scan.ranges, depth_scan(millimetres, info()).ranges, equal_nan=True)
+
+
 @pytest.mark.parametrize(
     ("depth", "rows", "error"),
     [
