@@ -61,8 +61,8 @@ API_MODULES = {
     "Lessons": "robowidgets.lessons",
 }
 
-_RECORDINGS = re.compile(r"robowidgets\.(open|find)\(|SAMPLE|feeds\.recording")
-"""Where a page needs recordings, which a browser cannot open: it is without "Try it", too."""
+OPEN = "lite/notebooks/index.html?path="
+"""Where a notebook of the site opens, whose name follows."""
 
 _BLOCK = re.compile(r"^```python\n(.*?)^```\n", re.MULTILINE | re.DOTALL)
 _PICTURE = re.compile(r"\n*(?:<picture>.*?</picture>|!\[[^\]]*\]\([^)]*\)|<img [^>]*>)\n", re.DOTALL)
@@ -71,6 +71,7 @@ _ANY_PICTURE = re.compile(
     re.DOTALL,
 )
 _FENCE = re.compile(r"(^```.*?^```$)", re.MULTILINE | re.DOTALL)
+_NOTEBOOK = re.compile(r"`notebooks/(\w+\.ipynb)`")
 _LINK = re.compile(r"(?<!!)\[([^\]]*)\]\((?!https?:|#)([^)#]+)(#[^)]*)?\)")
 
 _RUN = """
@@ -140,8 +141,7 @@ def with_widgets(text: str, shows: dict[int, str], up: str, notebook: str) -> st
         parts.append(text[at : block.end()])
         at = block.end()
         if notebook:
-            link = f"{up}lite/notebooks/index.html?path={notebook}"
-            parts.append(f'\n<p class="rw-try"><a href="{link}">Try it in your browser</a></p>\n')
+            parts.append(f'\n<p class="rw-try"><a href="{up}{OPEN}{notebook}">Try it in your browser</a></p>\n')
         if number in shows:
             parts.append(f'\n<div class="rw-live" data-rw-live="{up}live/{shows[number]}"></div>\n')
             if picture := _PICTURE.match(text, at):
@@ -182,10 +182,10 @@ def within_site(text: str, source: Path, page: Path) -> str:
 
 
 def notebook_of(page: Path) -> nbformat.NotebookNode:
-    """A page as a notebook: its text and its Python, in order."""
+    """A page as a notebook: its text without what leads to other pages, and its Python, in order."""
     text, cells, at = page.read_text(encoding="utf-8"), [], 0
     for block in _BLOCK.finditer(text):
-        if words := _PICTURE.sub("\n", text[at : block.start()]).strip():
+        if words := _LINK.sub(r"\1", _PICTURE.sub("\n", text[at : block.start()])).strip():
             cells.append(nbformat.v4.new_markdown_cell(words, id=f"text-{len(cells)}"))
         cells.append(nbformat.v4.new_code_cell(block[1].rstrip(), id=f"code-{len(cells)}"))
         at = block.end()
@@ -212,12 +212,13 @@ def write_sources(to: Path, only: list[str], lite: bool) -> None:
         shows = dict(zip(asked, pool.map(lambda source: run_blocks(source, live), asked), strict=True))
     for source, page in [*pages.items(), *((source, Path(name)) for source, name in OTHER_PAGES.items())]:
         text, notebook = source.read_text(encoding="utf-8"), ""
-        runs_there = page.stem not in NOT_IN_BROWSER and not _RECORDINGS.search(text)
-        if lite and len(page.parts) == 1 and runs_there and _BLOCK.search(text):
+        if lite and len(page.parts) == 1 and page.stem not in NOT_IN_BROWSER and _BLOCK.search(text):
             notebook = f"docs/{page.stem}.ipynb"
             nbformat.write(notebook_of(source), tries / f"{page.stem}.ipynb")
         up = "../" * (len(page.parts) - 1)
         text = within_site(text, source, page)
+        if lite:
+            text = _NOTEBOOK.sub(rf'<a href="{up}{OPEN}\1"><code>notebooks/\1</code></a>', text)
         text = in_both_schemes(with_widgets(text, shows.get(source, {}), up, notebook), source.parent)
         (docs / page).write_text(text, encoding="utf-8")
     (docs / "README.md").rename(docs / "index.md")

@@ -1,7 +1,7 @@
 """Builds JupyterLite with robowidgets as a folder that any web server serves: `lite_site.py OUT [NAME=FOLDER...]`.
 
-Notebooks: the lessons, in all languages, and those in each FOLDER, below NAME. It asks no registry: the packages lie in
-.venv-site, as scripts/lite.sh fetches them. NumPy for the browser is in no registry.
+Notebooks: those of the package, with the lessons in all languages, and those in each FOLDER, below NAME. It asks no
+registry: the packages lie in .venv-site, as scripts/lite.sh fetches them. NumPy for the browser is in no registry.
 ROBOWIDGETS_PYODIDE_NUMPY names the file of Pyodide's distribution, or is `pyodide`, which fetches it from there; its
 hash is that of Pyodide's lock. Without it JupyterLite is built, but its notebooks end at the first import.
 """
@@ -29,18 +29,37 @@ from packaging.utils import canonicalize_name
 
 ROOT = Path(__file__).resolve().parents[1]
 VENV = ROOT / ".venv-site"
-PYODIDE = ROOT / "tests" / "browser" / "node_modules" / "pyodide"
+MODULES = ROOT / "tests" / "browser" / "node_modules"
+PYODIDE = MODULES / "pyodide"
 VERSION = json.loads((PYODIDE / "package.json").read_text(encoding="utf-8"))["version"]
 CORE = ("pyodide.js", "pyodide.mjs", "pyodide.asm.js", "pyodide.asm.wasm", "python_stdlib.zip")
 KERNEL = VENV / "share" / "jupyter" / "labextensions" / "@jupyterlite" / "pyodide-kernel-extension" / "static" / "pypi"
 DISTRIBUTION = "https://cdn.jsdelivr.net/pyodide/v{version}/full/{file}"
-NOTEBOOKS = ("from_picture_to_code", "from_code_to_behavior", "from_behavior_to_robot")
+APPS = ("notebooks", "lab")
+SHIPPED = ROOT / "notebooks"
 
-EMPTY = ("jedi", "sqlite3")
-"""What the kernel asks for and the site does without: 5 MB for completions, and a database that keeps the history."""
+IN_LITE = ROOT / "scripts" / "in_lite"
+FZSTD = MODULES / "fzstd"
+STAND_INS: dict[str, dict[str, Path]] = {
+    "jedi": {},
+    "sqlite3": {},
+    "lz4": {
+        "lz4/frame.py": IN_LITE / "lz4_frame.py",
+        "lz4/_lz4.js": IN_LITE / "lz4.js",
+        "lz4/_whole_frames.py": IN_LITE / "whole_frames.py",
+    },
+    "backports_zstd": {
+        "backports/zstd.py": IN_LITE / "zstd.py",
+        "backports/_fzstd.js": FZSTD / "umd" / "index.js",
+        "backports/_whole_frames.py": IN_LITE / "whole_frames.py",
+        "backports_zstd-0.0.0.dist-info/licenses/LICENSE": FZSTD / "LICENSE",
+    },
+}
+"""What the kernel or a package asks for, by name of the wheel, and is compiled: what unpacks recordings is JavaScript.
+The site does without 5 MB for completions, and without the database that keeps the history."""
 
-LEFT_OUT = frozenset({"apsw", "lz4", "mcap", "zstandard", "backports-zstd", "jupyterlab-widgets", "pexpect", "jedi"})
-"""What packages depend on and a browser does not have, or does not need: compiled readers of recordings, a terminal."""
+LEFT_OUT = frozenset({"apsw", "zstandard", "jupyterlab-widgets", "pexpect", "jedi"})
+"""What packages depend on and a browser does not have, or does not need: databases, packing recordings, a terminal."""
 
 PRELOADED = ("micropip", "piplite", "sqlite3", "ipykernel", "comm", "pyodide_kernel", "jedi", "ipython", "robowidgets")
 """With the underscore of `pyodide_kernel`: the kernel compares these names with those that it would fetch from PyPI."""
@@ -54,22 +73,23 @@ def main() -> None:
     given.add_argument("out", type=Path)
     given.add_argument("folders", nargs="*", metavar="NAME=FOLDER", help="notebooks to add, below a name")
     asked = given.parse_args()
-    with tempfile.TemporaryDirectory() as folder:
-        lite = Path(folder)
+    with tempfile.TemporaryDirectory() as place:
+        lite = Path(place)
         write_core(lite / "static" / "pyodide")
         write_settings(lite)
         files = lite / "files"
         files.mkdir()
-        for name in NOTEBOOKS:
-            for source in (ROOT / "notebooks").rglob(f"{name}.ipynb"):
-                copy_notebook(source, files / source.relative_to(ROOT / "notebooks"))
+        for folder in ("", *(one.name for one in SHIPPED.iterdir() if one.is_dir())):
+            for notebook in SHIPPED.glob("*.ipynb"):
+                written = SHIPPED / folder / notebook.name  # in that language, as far as it is
+                copy_notebook(written if written.exists() else notebook, files / folder / notebook.name)
         for one in asked.folders:
             name, _, source = one.partition("=")
             for notebook in Path(source).glob("*.ipynb"):
                 copy_notebook(notebook, files / name / notebook.name)
         subprocess.run(
             [VENV / "bin" / "jupyter", "lite", "build", "--lite-dir", lite, "--output-dir", lite / "out",
-             "--no-sourcemaps", "--apps", "notebooks", "--apps", "lab", "--no-unused-shared-packages"],
+             "--no-sourcemaps", *(word for app in APPS for word in ("--apps", app)), "--no-unused-shared-packages"],
             cwd=lite, check=True, env=os.environ | {"PATH": f"{VENV / 'bin'}:{os.environ['PATH']}"},
         )  # fmt: skip
         shutil.rmtree(asked.out, ignore_errors=True)
@@ -90,7 +110,7 @@ def write_core(to: Path) -> None:
     to.mkdir(parents=True)
     for name in CORE:
         shutil.copy(PYODIDE / name, to)
-    found = [*(VENV / "wheels").glob("*.whl"), *KERNEL.glob("*.whl"), *map(empty_wheel, EMPTY), own_wheel()]
+    found = [*(VENV / "wheels").glob("*.whl"), *KERNEL.glob("*.whl"), *map(stand_in, STAND_INS), own_wheel()]
     # Of widgetsnbextension the kernel has a wheel for ipywidgets 7, and one for 8.
     by_name = {canonicalize_name(wheel.name.split("-")[0]): wheel for wheel in sorted(found, key=lambda one: one.name)}
     lock = json.loads((PYODIDE / "pyodide-lock.json").read_text(encoding="utf-8"))
@@ -141,14 +161,15 @@ def own_wheel() -> Path:
     return next(to.glob("*.whl"))
 
 
-def empty_wheel(name: str) -> Path:
-    """A wheel with nothing in it."""
+def stand_in(name: str) -> Path:
+    """A wheel with our own files, or with none, in place of another."""
     info, wheel = f"{name}-0.0.0.dist-info", VENV / f"{name}-0.0.0-py3-none-any.whl"
     texts = {
+        **{file: source.read_text(encoding="utf-8") for file, source in STAND_INS[name].items()},
         f"{info}/METADATA": f"Metadata-Version: 2.1\nName: {name}\nVersion: 0.0.0\n",
         f"{info}/WHEEL": "Wheel-Version: 1.0\nGenerator: robowidgets\nRoot-Is-Purelib: true\nTag: py3-none-any\n",
     }
-    with zipfile.ZipFile(wheel, "w") as archive:
+    with zipfile.ZipFile(wheel, "w", zipfile.ZIP_DEFLATED) as archive:
         for file, text in texts.items():
             archive.writestr(file, text)
         archive.writestr(f"{info}/RECORD", "".join(record(texts)) + f"{info}/RECORD,,\n")
@@ -158,8 +179,9 @@ def empty_wheel(name: str) -> Path:
 def record(texts: dict[str, str]) -> Iterable[str]:
     """The lines of a wheel's record."""
     for file, text in texts.items():
-        digest = base64.urlsafe_b64encode(hashlib.sha256(text.encode()).digest()).rstrip(b"=").decode()
-        yield f"{file},sha256={digest},{len(text)}\n"
+        data = text.encode()
+        digest = base64.urlsafe_b64encode(hashlib.sha256(data).digest()).rstrip(b"=").decode()
+        yield f"{file},sha256={digest},{len(data)}\n"
 
 
 def numpy_of(lock: dict[str, Any]) -> bytes:
@@ -208,7 +230,7 @@ const [folder, ...packages] = process.argv.slice(1);
 process.on("uncaughtException", (error) => { console.error(String(error).slice(0, 1000)); process.exit(1); });
 const { loadPyodide } = require(`${folder}/pyodide.js`);
 loadPyodide({ indexURL: folder, packages }).then(
-  (python) => python.runPython("import IPython, comm, ipywidgets, micropip, traitlets, rosbags.typesys"),
+  (python) => python.runPython("import IPython, comm, ipywidgets, mcap.writer, micropip, traitlets, rosbags.rosbag1"),
 );
 """
 

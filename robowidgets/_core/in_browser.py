@@ -13,7 +13,8 @@ import sysconfig
 import warnings
 from collections.abc import Awaitable, Callable
 from functools import wraps
-from types import CodeType
+from importlib.util import find_spec
+from types import CodeType, ModuleType
 from typing import Any
 
 from .stack_threads import StackThreads
@@ -37,10 +38,14 @@ LONG_CELL = (
     "`for scan in feed.scans('/scan'):` or with `time.sleep(0.1)`, leaves time to robot and pictures"
 )
 
-
 NO_RECORDINGS = (
-    "recordings cannot be opened in this browser, whose Python has no lz4 and no zstd to unpack them: open them where "
-    "Jupyter runs on a computer; a page that recording.to_html() writes there plays in any browser"
+    "recordings cannot be opened here: this browser's Python has no lz4 and no zstd to unpack them. Open them on a "
+    "site that `make site` made, or where Jupyter runs on a computer; a page that recording.to_html() writes there "
+    "plays in any browser"
+)
+NO_DATABASES = (
+    "{name}: a database cannot be opened in a browser, whose Python has no SQLite: expected .mcap or .bag. "
+    "`robowidgets repair {name}` makes an .mcap of it on a computer"
 )
 
 
@@ -71,6 +76,30 @@ def prepare() -> StackThreads:
     if kernel_comm is not None:
         repair_comm(kernel_comm.Comm, pyodide.ffi.jsnull)
     return threads
+
+
+def prepare_recordings() -> None:
+    """Import the readers of recordings, without the databases that they can read and Python in a browser cannot.
+
+    Raises:
+        ImportError: nothing unpacks recordings here, and what to do.
+    """
+    if _is_absent("lz4"):
+        raise ImportError(NO_RECORDINGS)
+    absent = [name for name in ("apsw", "sqlite3") if _is_absent(name)]
+    sys.modules.update((name, ModuleType(name)) for name in absent)
+    try:
+        import rosbags.rosbag2  # noqa: F401
+    finally:
+        for name in absent:
+            del sys.modules[name]
+
+
+def _is_absent(name: str) -> bool:
+    try:
+        return find_spec(name) is None
+    except ModuleNotFoundError:  # Pyodide says so of what it has left out of Python
+        return True
 
 
 class _Pyodide:

@@ -1,11 +1,9 @@
 """The data of recordings: files of messages, opened for reading as samples. No widget is imported."""
 
-from importlib.util import find_spec
+from .._core import in_browser
 
-from .._core.in_browser import IN_BROWSER, NO_RECORDINGS
-
-if IN_BROWSER and find_spec("lz4") is None:
-    raise ImportError(NO_RECORDINGS)
+if in_browser.IN_BROWSER:
+    in_browser.prepare_recordings()
 
 from ..repair import RecordingError
 from .data import RecordingData

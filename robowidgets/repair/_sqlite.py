@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import shutil
-import sqlite3
 from array import array
 from collections.abc import Iterator
 from contextlib import ExitStack, suppress
@@ -12,12 +11,18 @@ from tempfile import TemporaryDirectory
 from threading import Lock
 from typing import NamedTuple
 
+from .._core.in_browser import NO_DATABASES
 from .._core.progress import Progress
 from ..messages.channel import Channel, definition_text
 from ._byte_range import FileRange
 from ._found_messages import MAX_PLACES, Damage, Walk
 from ._report import HEAD, foreign
 from .source import RecordingError
+
+try:
+    import sqlite3
+except ModuleNotFoundError:  # in a browser, where all else opens without
+    sqlite3 = None  # type: ignore[assignment,unused-ignore]
 
 MAGIC = b"SQLite format 3\0"
 _WALK = "SELECT rowid FROM messages WHERE rowid >= ? ORDER BY rowid"
@@ -40,6 +45,8 @@ def walk_sqlite(path: Path) -> Walk:
 
     Source: the tables topics, messages and (since ROS 2 Iron) message_definitions of rosbag2_storage_sqlite3.
     """
+    if sqlite3 is None:
+        raise RecordingError(NO_DATABASES.format(name=path.name))
     with ExitStack() as stack:
         try:
             connection, damage = _connect(path, stack)

@@ -6,8 +6,9 @@ from collections.abc import Collection
 from pathlib import Path
 from typing import BinaryIO, NamedTuple
 
-from mcap.writer import Writer
+from mcap.writer import CompressionType, Writer
 
+from .._core.in_browser import IN_BROWSER
 from .._core.output_file import whole_file
 from .._core.progress import Progress
 from ..messages.channel import Channel, is_idl
@@ -27,7 +28,7 @@ class Written(NamedTuple):
 
 
 def write(source: Source, path: Path) -> Written:
-    """Write all messages of a source into an MCAP file, in chunks compressed with zstd.
+    """Write all messages of a source into an MCAP file, in chunks compressed with zstd, but in a browser.
 
     The file is complete when it appears, and replaces an existing one. A definition that the source lacks is written
     if the type is known. If the source fails midway, the messages before are written.
@@ -47,7 +48,7 @@ def write(source: Source, path: Path) -> Written:
 
 
 class McapWriter:
-    """Messages written as MCAP: in chunks compressed with zstd, each schema once.
+    """Messages written as MCAP: in chunks compressed with zstd, but in a browser; each schema once.
 
     Args:
         file: open for writing; the caller closes it.
@@ -55,7 +56,7 @@ class McapWriter:
     """
 
     def __init__(self, file: BinaryIO, encodings: Collection[str]) -> None:
-        self._writer = Writer(file)
+        self._writer = Writer(file, compression=CompressionType.NONE if IN_BROWSER else CompressionType.ZSTD)
         profile = _PROFILES.get(next(iter(encodings)), "") if len(encodings) == 1 else ""
         self._writer.start(profile, "robowidgets")
         self._schemas: dict[tuple[str, str, str], int] = {}

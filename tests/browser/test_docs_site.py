@@ -7,9 +7,11 @@ import subprocess
 import sys
 from collections.abc import Iterator
 from functools import partial
+from html.parser import HTMLParser
 from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
 from threading import Thread
+from urllib.parse import parse_qs, unquote, urlsplit
 
 import pytest
 from playwright.sync_api import Browser, Page, Response, expect
@@ -30,17 +32,65 @@ class _Quiet(SimpleHTTPRequestHandler):
 
 
 @pytest.fixture(scope="module")
-def site(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
-    """The address of the site, whose pages on the laser have run."""
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The folder of the site, whose pages on the laser have run."""
     folder = tmp_path_factory.mktemp("site") / "built"
     subprocess.run(
-        [sys.executable, ROOT / "scripts" / "docs_site.py", folder, "--only", "laser", "laser_layers"], check=True
+        [sys.executable, ROOT / "scripts" / "docs_site.py", folder, "--lite", "--only", "laser", "laser_layers"],
+        check=True,
     )
+    return folder
+
+
+@pytest.fixture(scope="module")
+def site(folder: Path) -> Iterator[str]:
+    """The address of the site."""
     # Below a path, as many hosts serve it.
     with ThreadingHTTPServer(("127.0.0.1", 0), partial(_Quiet, directory=str(folder.parent))) as server:
         Thread(target=server.serve_forever, daemon=True).start()
         yield f"http://127.0.0.1:{server.server_port}/built"
         server.shutdown()
+
+
+class _Page(HTMLParser):
+    """Where a page leads, and the names that lead into it."""
+
+    def __init__(self, text: str) -> None:
+        super().__init__()
+        self.links, self.names = set[str](), set[str]()
+        self.feed(text)
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        for name, value in attrs:
+            if name in ("href", "src", "data-rw-live") and tag != "base":
+                self.links.add(value or "")
+            elif name in ("id", "name"):
+                self.names.add(value or "")
+
+
+def test_every_link_of_the_site_leads_somewhere(folder: Path) -> None:
+    # That of a host for what it does not find has the addresses of a host's root.
+    pages = {file: _Page(file.read_text("utf-8")) for file in folder.rglob("*.html") if file.name != "404.html"}
+    assert len(pages) > 40
+    lost = []
+    for file, page in pages.items():
+        for link in page.links:
+            parts = urlsplit(link)
+            if parts.scheme or parts.netloc:
+                continue
+            target = (file.parent / unquote(parts.path)).resolve() if parts.path else file
+            if target.is_relative_to(folder / "lite"):  # JupyterLite, with the notebooks of the site
+                name = parse_qs(parts.query)["path"][0]
+                there = folder / "try" / name.removeprefix("docs/") if "/" in name else ROOT / "notebooks" / name
+                good = there.exists()
+            elif "/pages/" in str(target):  # an exported page, whose scripts make its content
+                good = target.exists()
+            else:  # of a picture, what follows the # is the scheme that it is for
+                section, names = unquote(parts.fragment), pages[target].names if target in pages else None
+                good = target.exists() and (not section or names is None or section in names)
+            if not good:
+                lost.append(f"{file.name}: {link}")
+    assert lost == []
 
 
 def test_a_page_of_the_site_has_live_widgets_and_asks_no_other_host(

@@ -5,31 +5,51 @@ NumPy for the browser is in no registry. What needs it is skipped, unless ROBOWI
 
 from __future__ import annotations
 
+import base64
 import functools
+import gzip
 import hashlib
 import http.server
 import json
 import os
+import re
 import subprocess
 import sys
 import threading
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
+from http import HTTPStatus
 from pathlib import Path
-from typing import Any
+from tempfile import TemporaryDirectory
+from typing import Any, NamedTuple
 
 import pytest
+from lz4.frame import compress as lz4_compress
+from mcap.writer import CompressionType
+from mcap.writer import Writer as McapWriter
 from playwright.sync_api import Browser, Page, expect
+from rosbags.rosbag1 import Reader as BagReader
+from rosbags.rosbag2.storage_mcap import McapReader
+
+from robowidgets import SAMPLE
+from robowidgets.messages.compression import inflate, zstd
 
 from .. import stack_cases
 from ..conftest import ROOT
+from ..unit.recordings import written
 from .console import Console
 from .notebook import notebook_of
 
 PYODIDE = Path(__file__).with_name("node_modules") / "pyodide"
 pytestmark = pytest.mark.timeout(600)  # JupyterLite is built, and starts Python
 NUMPY = os.environ.get("ROBOWIDGETS_PYODIDE_NUMPY", "")
+needs_numpy = pytest.mark.skipif(not NUMPY, reason="ROBOWIDGETS_PYODIDE_NUMPY names no NumPy for the browser")
+LESSONS = ("from_picture_to_code", "from_code_to_behavior", "from_behavior_to_robot")
 BOOT_MS = 240_000
 """Python, or JupyterLab and a kernel, start within a page; a busy machine takes its time."""
+
+NUMPY_SIZE = 3_700_000
+FIRST_VIEW = 30_000_000
+"""Bytes of a lesson's first view."""
 
 BARE = """
 import sys
@@ -117,6 +137,97 @@ thread.join()
 print("ticks", len(ticks))
 """
 
+READ = """
+import hashlib, importlib.util, sys
+from base64 import b64decode
+from pathlib import Path
+
+home = Path(importlib.util.find_spec("robowidgets").origin).parent
+sys.modules["robowidgets._core.in_browser"].prepare_recordings()
+# By their files: what else is in the package needs NumPy.
+spec = importlib.util.spec_from_file_location("compression", home / "messages" / "compression.py")
+compression = importlib.util.module_from_spec(spec)
+spec.loader.exec_module(compression)
+
+from rosbags.rosbag1 import Reader as BagReader
+from rosbags.rosbag1.reader import decompressors
+from rosbags.rosbag2.storage_mcap import DECOMPRESSORS, McapReader
+
+for table in (decompressors, DECOMPRESSORS):
+    for name in set(table) & compression.COMPRESSIONS:
+        table[name] = lambda data, *_, name=name: compression.inflate(name, data)[0]
+
+def said(name, pieces):
+    pieces = list(pieces)
+    print(name, len(pieces), hashlib.sha256(b"".join(pieces)).hexdigest())
+
+PACKED = {name: b64decode(text) for name, text in PACKED.items()}
+PACKED["sample.mcap"] = (home / "data" / "sample.mcap").read_bytes()
+for name, data in PACKED.items():
+    if name.endswith((".bag", ".mcap")):
+        path = Path("/tmp", name)
+        path.write_bytes(data)
+        reader = (BagReader if name.endswith(".bag") else McapReader)(path)
+        reader.open()
+        said(name, (raw for _, _, raw in reader.messages(reader.connections)))
+    else:
+        raw, whole = compression.inflate(name.split()[0].strip(","), data)
+        said(name, [raw if whole else b"", b"%d" % whole])
+print("read all", "sqlite3" in sys.modules)
+"""
+FILES = (".bag", ".mcap")
+
+
+def packed(folder: Path) -> dict[str, bytes]:
+    """By a name, what is to be unpacked: frames that begin with the name of their compression, and recordings."""
+    text = b"".join(b"%d: %.3f m; " % (i, (i * 37 % 1000) / 7) for i in range(30_000))  # in several blocks
+    held = [("/scan", 1_700_000_000_000_000_000 + i * 10**8, text[i * 3000 : (i + 1) * 3000]) for i in range(100)]
+    with (folder / "lz4.mcap").open("wb") as file:
+        writer = McapWriter(file, compression=CompressionType.LZ4, chunk_size=100_000)
+        writer.start("ros2", "test")
+        channel = writer.register_channel("/scan", "cdr", writer.register_schema("std_msgs/msg/String", "ros2msg", b""))
+        for _, time_ns, data in held:
+            writer.add_message(channel, time_ns, data, time_ns)
+        writer.finish()
+    for compression in ("lz4", "bz2"):
+        written.write_bag(folder / f"{compression}.bag", held, compression, chunk=100_000)
+    options = {zstd.CompressionParameter.compression_level: 9, zstd.CompressionParameter.checksum_flag: 1}
+    summed, linked = zstd.compress(text, options=options), lz4_compress(text, block_linked=True, content_checksum=True)
+    return {
+        "zstd": zstd.compress(text, 1),
+        "zstd, two": summed + zstd.compress(b"more"),
+        "zstd, a run, and nothing": zstd.compress(bytes(300_000)) + zstd.compress(b""),
+        "zstd, skipped first": b"\x50\x2a\x4d\x18\x03\0\0\0abc" + summed,
+        "zstd, cut": summed[:-9],
+        "zstd, damaged": b"\x28\xb5\x2f\xfd" + bytes(range(250)),
+        "lz4": lz4_compress(text, store_size=False),
+        "lz4, linked": linked,
+        "lz4, two": linked + lz4_compress(bytes(300_000), block_checksum=True),
+        "lz4, cut": linked[:-9],
+        "lz4, damaged": linked[:7] + b"\x08\0\0\0\x10a\xff\xff\0\0\0\0\0\0\0\0" + bytes(4),
+        "lz4, what does not compress": lz4_compress(hashlib.sha256(text).digest() * 2),
+        **{path.name: path.read_bytes() for path in sorted(folder.iterdir())},
+    }
+
+
+def said(name: str, data: bytes, folder: Path) -> str:
+    """What the cell prints of one of them."""
+    raw, whole = inflate(name.split()[0].strip(","), data) if not name.endswith(FILES) else (b"", True)
+    pieces = [raw if whole else b"", b"%d" % whole]  # of what is damaged, less comes there
+    if name.endswith(FILES):
+        (folder / name).write_bytes(data)
+        reader: Any = (BagReader if name.endswith(".bag") else McapReader)(folder / name)
+        reader.open()
+        pieces = [raw for _, _, raw in reader.messages(reader.connections)]
+        reader.close()
+    return f"{name} {len(pieces)} {hashlib.sha256(b''.join(pieces)).hexdigest()}"
+
+
+def reading_cell(data: dict[str, bytes]) -> str:
+    texts = {name: base64.b64encode(raw).decode() for name, raw in data.items()}
+    return f"PACKED = {texts!r}\n{READ}"
+
+
 LESSON = """
 from robowidgets import LaserWidget, feeds, lessons
 from robowidgets.behaviors import Drive
@@ -155,21 +266,40 @@ print(lessons.check(nearest_on_the_left))
 """
 
 
-class _Files(http.server.SimpleHTTPRequestHandler):
-    def log_message(self, *_: Any) -> None:
-        pass
+class Server:
+    """Serves a folder of files, as any web server does, at an address that stays.
 
+    Attributes:
+        sent: the files that were sent.
+    """
 
-def serve(folder: Path) -> tuple[str, Callable[[], None]]:
-    """Serve a folder of files, as any web server does; its address, and what ends that."""
-    server = http.server.ThreadingHTTPServer(("127.0.0.1", 0), functools.partial(_Files, directory=folder))
-    threading.Thread(target=server.serve_forever, daemon=True).start()
+    def __init__(self, folder: Path) -> None:
+        self.folder, self.sent, self._port = folder, set[Path](), 0
+        self.start()
 
-    def stop() -> None:
-        server.shutdown()
-        server.server_close()
+    @property
+    def url(self) -> str:
+        return f"http://127.0.0.1:{self._port}"
 
-    return f"http://127.0.0.1:{server.server_port}", stop
+    def start(self) -> None:
+        sent, folder = self.sent, self.folder
+
+        class Files(http.server.SimpleHTTPRequestHandler):
+            def log_request(self, code: Any = "-", _: Any = "-") -> None:
+                if code == HTTPStatus.OK:
+                    sent.add(Path(self.translate_path(self.path)))
+
+            def log_message(self, *_: Any) -> None:
+                pass
+
+        handler = functools.partial(Files, directory=str(folder))
+        self._server = http.server.ThreadingHTTPServer(("127.0.0.1", self._port), handler)
+        self._port = self._server.server_port
+        threading.Thread(target=self._server.serve_forever, daemon=True).start()
+
+    def stop(self) -> None:
+        self._server.shutdown()
+        self._server.server_close()
 
 
 CORE = ("__init__", "in_browser", "stack_threads")
@@ -196,36 +326,44 @@ json.dumps(stack_cases.run(list(stack_cases.CASES), threads, lambda call: js.set
 
 
 def test_threads_do_in_chromium_what_they_do_elsewhere(browser: Browser) -> None:
-    url, stop = serve(PYODIDE)
+    server = Server(PYODIDE)
     page = browser.new_page()
     console = Console(page)
-    page.goto(f"{url}/package.json")
+    page.goto(f"{server.url}/package.json")
     core = ROOT / "robowidgets" / "_core"
     texts = {f"robowidgets/_core/{name}.py": (core / f"{name}.py").read_text() for name in CORE}
     texts["stack_cases.py"] = Path(stack_cases.__file__).read_text()
-    wrong: dict[str, str] = json.loads(page.evaluate(LOAD, [url, texts, f"{BARE}\n{RUN}"]))
+    wrong: dict[str, str] = json.loads(page.evaluate(LOAD, [server.url, texts, f"{BARE}\n{RUN}"]))
     assert list(wrong) == list(stack_cases.CASES)
     assert {name: text for name, text in wrong.items() if text} == {}
     assert console.errors == []
     page.close()
-    stop()
+    server.stop()
+
+
+class Site(NamedTuple):
+    """JupyterLite, served, and what a notebook of it unpacks; see `packed`."""
+
+    server: Server
+    packed: dict[str, bytes]
 
 
 @pytest.fixture(scope="module")
-def site(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[str, Path]]:
-    """JupyterLite, served by a plain server; and its folder of notebooks."""
+def site(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Site]:
+    """JupyterLite with notebooks of these tests."""
     out = tmp_path_factory.mktemp("site") / "lite"
     notebooks = tmp_path_factory.mktemp("notebooks") / "tests"
     notebooks.mkdir()
+    data = packed(tmp_path_factory.mktemp("packed"))
     (notebooks / "kinds.ipynb").write_text(
-        notebook_of([KINDS, "print('came', kinds.hovered, kinds.answer, custom)", WAITS])
+        notebook_of([KINDS, "print('came', kinds.hovered, kinds.answer, custom)", WAITS, reading_cell(data)])
     )
     (notebooks / "lesson.ipynb").write_text(notebook_of([LESSON, PROGRAM, EDIT, CHECK]))
     subprocess.run([ROOT / "scripts" / "lite.sh"], cwd=ROOT, check=True)
     subprocess.run([sys.executable, ROOT / "scripts" / "lite_site.py", out, f"tests={notebooks}"], cwd=ROOT, check=True)
-    url, stop = serve(out)
-    yield url, out
-    stop()
+    server = Server(out)
+    yield Site(server, data | {"sample.mcap": SAMPLE.read_bytes()})
+    server.stop()
 
 
 class Lite:
@@ -234,7 +372,7 @@ class Lite:
     def __init__(self, browser: Browser, url: str, notebook: str) -> None:
         self.page: Page = browser.new_page(viewport={"width": 1200, "height": 1300})
         self.console = Console(self.page)
-        self.page.goto(f"{url}/notebooks/index.html?path=tests/{notebook}")
+        self.page.goto(f"{url}/notebooks/index.html?path={notebook}")
         self.page.locator(".jp-CodeCell").first.wait_for(timeout=BOOT_MS)
 
     def run(self, index: int, awaited: str) -> None:
@@ -244,14 +382,21 @@ class Lite:
         self.page.keyboard.press("Shift+Enter")
         expect(cell.locator(".jp-OutputArea")).to_contain_text(awaited, timeout=BOOT_MS)
 
+    def run_all(self) -> None:
+        """Run all cells, which an error ends."""
+        cells = self.page.locator(".jp-CodeCell .jp-InputPrompt")
+        self.page.get_by_role("menuitem", name="Run", exact=True).click()
+        self.page.get_by_role("menuitem", name="Run All Cells", exact=True).click()
+        expect(cells).to_have_text([re.compile(r"\[\d+\]")] * cells.count(), timeout=BOOT_MS)
+
     def output(self, index: int) -> Any:
         return self.page.locator(".jp-CodeCell").nth(index).locator(".jp-OutputArea")
 
 
 def test_python_and_the_page_mean_the_same_by_each_kind_of_value_and_a_cell_that_computes_gives_way(
-    browser: Browser, site: tuple[str, Path]
+    browser: Browser, site: Site
 ) -> None:
-    nb = Lite(browser, site[0], "kinds.ipynb")
+    nb = Lite(browser, site.server.url, "tests/kinds.ipynb")
     nb.run(0, "answer")
     assert json.loads(nb.output(0).locator(".kinds").inner_text()) == SHOWN
     nb.page.get_by_role("button", name="answer", exact=True).click()
@@ -259,16 +404,35 @@ def test_python_and_the_page_mean_the_same_by_each_kind_of_value_and_a_cell_that
     nb.run(
         1, "came None {'none': None, 'list': [None, 1], 'number': 2.5, 'text': 'b', 'yes': False} [{'custom': None}]"
     )
+    # Compressed, where that makes a file smaller, as web servers do.
+    first_view = sum(len(gzip.compress(file.read_bytes())) for file in site.server.sent)
+    assert first_view + (0 if NUMPY else NUMPY_SIZE) < FIRST_VIEW
+
     nb.run(2, "ticks 40")
+    nb.run(3, "read all False")
+    said_there = nb.output(3).inner_text().splitlines()
+    with TemporaryDirectory() as folder:
+        assert said_there[:-1] == [said(name, data, Path(folder)) for name, data in site.packed.items()]
     assert nb.console.errors == []
     nb.page.close()
-    # The lock names each file by its hash, and all that each needs.
-    folder = site[1] / "static" / "pyodide"
+
+
+def test_the_lock_names_each_file_by_its_hash_and_all_that_each_needs(site: Site) -> None:
+    folder = site.server.folder / "static" / "pyodide"
     packages = json.loads((folder / "pyodide-lock.json").read_text())["packages"]
     for entry in packages.values():
         assert hashlib.sha256((folder / entry["file_name"]).read_bytes()).hexdigest() == entry["sha256"]
     assert {need for entry in packages.values() for need in entry["depends"]} <= packages.keys()
     assert {"robowidgets", "anywidget", "ipython", "pyodide-kernel"} <= packages.keys()
+
+
+def test_every_link_of_a_notebook_leads_to_one_beside_it(site: Site) -> None:
+    files = site.server.folder / "files"
+    notebooks = [file for file in files.rglob("*.ipynb") if file.parent.name != "tests"]
+    assert {"tour.ipynb", "de/from_picture_to_code.ipynb"} <= {str(file.relative_to(files)) for file in notebooks}
+    links = [(file, link) for file in notebooks for link in re.findall(r"\]\(([^):]+)\)", file.read_text("utf-8"))]
+    assert len(links) > 20
+    assert [(file, link) for file, link in links if not (file.parent / link).exists()] == []
 
 
 def test_another_file_than_that_of_pyodide_is_no_numpy(tmp_path: Path) -> None:
@@ -288,12 +452,24 @@ def test_another_file_than_that_of_pyodide_is_no_numpy(tmp_path: Path) -> None:
     assert "expected 800c98edc0c864dfa49f07005680c699b4b42b84eae1f8cb19d35b3634e7f05c" in ended.stderr
 
 
-@pytest.mark.skipif(not NUMPY, reason="ROBOWIDGETS_PYODIDE_NUMPY names no NumPy for the browser")
-def test_a_lesson_runs_in_jupyterlite(browser: Browser, site: tuple[str, Path]) -> None:
-    nb = Lite(browser, site[0], "lesson.ipynb")
+@needs_numpy
+def test_a_lesson_runs_in_jupyterlite(browser: Browser, site: Site) -> None:
+    nb = Lite(browser, site.server.url, "tests/lesson.ipynb")
     nb.run(0, "laser")
     nb.run(1, "steps True rate True")
     nb.run(2, "line 4: a step has not returned for half a second")
     nb.run(3, "line 3: a step has not returned for half a second")
+    assert nb.console.errors == []
+    nb.page.close()
+
+
+@needs_numpy
+@pytest.mark.parametrize(
+    "name",
+    [*(f"{folder}{lesson}.ipynb" for folder in ("", "de/", "es/") for lesson in LESSONS), "tour.ipynb", "find.ipynb"],
+)
+def test_all_cells_of_a_notebook_run_to_their_end_in_jupyterlite(browser: Browser, site: Site, name: str) -> None:
+    nb = Lite(browser, site.server.url, name)
+    nb.run_all()
     assert nb.console.errors == []
     nb.page.close()

@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import importlib
+import subprocess
+import sys
 from collections.abc import Callable
+from pathlib import Path
 
 import pytest
 
@@ -37,7 +40,51 @@ def test_a_robot_has_no_process(monkeypatch: pytest.MonkeyPatch) -> None:
 
 def test_recordings_name_what_is_missing_to_unpack_them(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(in_browser, "IN_BROWSER", True)
-    monkeypatch.setattr("importlib.util.find_spec", lambda _: None)
+    monkeypatch.setattr(in_browser, "find_spec", lambda _: None)
     spec = importlib.machinery.SourceFileLoader("robowidgets.recordings", str(recordings.__file__))
     with pytest.raises(ImportError, match=r"no lz4 and no zstd.*recording\.to_html\(\)"):
         exec(spec.get_code("robowidgets.recordings") or "", {"__name__": "x", "__package__": "robowidgets.recordings"})
+
+
+RECORDINGS = """
+import sys
+
+class Absent:  # as Pyodide says of what it has left out of Python
+    def find_spec(self, name, path=None, target=None):
+        if name in ("apsw", "sqlite3", "_sqlite3", "zstandard"):
+            raise ModuleNotFoundError(name)
+
+sys.meta_path.insert(0, Absent())
+import robowidgets
+from robowidgets._core import in_browser
+
+in_browser.IN_BROWSER = True
+from robowidgets import conditions
+
+recording = robowidgets.open(robowidgets.SAMPLE)
+print(len(recording.find(conditions.touched())), recording.problems)
+from pathlib import Path
+from robowidgets.recordings.files import open_source
+from robowidgets.repair.write import write
+
+write(open_source(robowidgets.SAMPLE), Path("copy.mcap"))
+print(len(robowidgets.open("copy.mcap").find(conditions.touched())))
+Path("drive.db3").write_bytes(b"SQLite format 3\\0" + bytes(200))
+try:
+    robowidgets.open("drive.db3")
+except robowidgets.RecordingError as error:
+    print(error)
+"""
+
+
+@pytest.mark.slow
+@pytest.mark.versions
+def test_recordings_are_read_found_in_and_written_without_databases(tmp_path: Path) -> None:
+    ended = subprocess.run(
+        [sys.executable, "-c", RECORDINGS], cwd=tmp_path, capture_output=True, text=True, timeout=280, check=False
+    )
+    assert ended.returncode == 0, ended.stderr
+    found, again, error = ended.stdout.splitlines()
+    assert found == "6 ()"
+    assert again == "6"
+    assert error.startswith("drive.db3: a database cannot be opened in a browser, whose Python has no SQLite: expected")
