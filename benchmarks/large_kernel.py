@@ -62,9 +62,9 @@ class Bare(anywidget.AnyWidget):
             self._newest = number, pixels.tobytes(), pixels.nbytes // (640 * 480)
             is_free, self._is_free = self._is_free, False
         if is_free:
-            self._send()
+            self._send_newest()
 
-    def _send(self) -> None:
+    def _send_newest(self) -> None:
         self._sent, data, each = self._newest
         self.send({"number": self._sent, "each": each}, [data])
 
@@ -74,7 +74,7 @@ class Bare(anywidget.AnyWidget):
             has_newer = self._newest[0] > self._sent
             self._is_free = not has_newer
         if has_newer:
-            self._send()
+            self._send_newest()
 
 
 class Source(kernel.Source):
