@@ -70,5 +70,6 @@ def test_a_reading_on_the_picture_says_its_index_and_lights_its_ray_in_the_laser
         laser.locator(".rw-popup:visible .rw-popup-distance").inner_text()
     )
     shoot(nb.output(0), f"image-overlay-{theme}-{scale}")
+    shoot(image, f"gallery-camera-{theme}")
     lost = nb.page.locator(".rw-image").nth(1)
     expect(lost.locator(".rw-footer")).to_contain_text("no tf from laser to camera_optical_frame")
