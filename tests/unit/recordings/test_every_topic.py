@@ -19,7 +19,7 @@ FITTING = {
     "TFMessage": "path", "OccupancyGrid": "path", "Path": "path", "String": "events", "Log": "events",
     "DiagnosticArray": "events", "Imu": "message", "BatteryState": "message", "JointState": "message",
     "PointCloud2": "cloud", "PointCloud": "cloud", "MultiEchoLaserScan": "laser",
-    "Image": "message", "MarkerArray": "message", "Float64": "message",
+    "Image": "image", "MarkerArray": "message", "Float64": "message",
 }  # fmt: skip
 """Short types, and the name of the widget that is the best for them."""
 
