@@ -104,7 +104,7 @@ class ScanChunk(Chunk):
     @property
     def nbytes(self) -> int:
         """See `Chunk`."""
-        return super().nbytes + sum(one.nbytes for one in self.echoes.flat)
+        return super().nbytes + sum(int(one.nbytes) for one in self.echoes.flat)
 
     @property
     def key(self) -> tuple[Any, ...]:
