@@ -57,7 +57,7 @@ class PlayerWidget(FrontEndWidget):
     def open(self) -> None:
         """Connect to the page."""
         super().open()
-        route_by_message(self.comm, with_traits=False)
+        route_by_message(self.comm, only="label")
 
     @property
     def span(self) -> tuple[float, float]:

@@ -77,14 +77,15 @@ def run_beside_debugger(thread: Any) -> None:
         thread.pydev_do_not_trace = thread.is_pydev_daemon_thread = True
 
 
-def route_by_message(comm: Any, *, with_traits: bool = True) -> None:
+def route_by_message(comm: Any, only: str | None = None) -> None:
     """Have a widget's comm handle messages of the page beside a running cell, so that Stop does not wait for the cell.
 
     JupyterLab has a subshell for widgets, a thread beside the main one, and names it in each message. ipykernel 7.1 to
     7.3 handle the message there. ipykernel 7.4 handles it in the shell from which the widget last sent something. That
     is nearly always the main one, where the message waits for the end of the cell. The fix makes one comm use the name
-    in the message instead; its handlers must be safe in any thread. ipykernel 6 has no subshells. Without
-    ``with_traits``, changes of traits, which functions of the user may observe, stay where ipykernel handles them.
+    in the message instead; its handlers must be safe in any thread. ipykernel 6 has no subshells. ``only`` is the key
+    of the messages for which that is done; others, and changes of traits, which functions of the user may observe, stay
+    where ipykernel handles them.
 
     Needed for ipykernel >=7.4: https://github.com/ipython/ipykernel/blob/main/ipykernel/comm/comm.py
     """
@@ -92,8 +93,9 @@ def route_by_message(comm: Any, *, with_traits: bool = True) -> None:
         usual = comm._reply_subshell_for
 
         def shell_for(data: Any, named_by_message: Any) -> Any:
-            is_routed = with_traits or (isinstance(data, dict) and data.get("method") == "custom")
-            return named_by_message if is_routed else usual(data, named_by_message)
+            content = data.get("content") if isinstance(data, dict) else None
+            is_meant = only is None or (isinstance(content, dict) and only in content)
+            return named_by_message if is_meant else usual(data, named_by_message)
 
         comm._reply_subshell_for = shell_for
 

@@ -324,6 +324,7 @@ def test_a_span_gets_a_name_by_keys_or_by_a_click_and_loses_it_and_a_busy_kernel
     field.fill("long corridor")
     press("Enter")
     expect(lane).to_have_text(["long corridor", "<b>door</b>"])
+    expect(player.locator(".rw-coming")).to_have_count(0)
     lane.last.focus()
     press("Delete")
     expect(lane).to_have_text(["long corridor"])

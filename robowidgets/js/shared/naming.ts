@@ -14,6 +14,8 @@ export class NameRow {
   readonly #field = make("input", "");
   readonly #known = make("datalist", "");
   readonly #remove: HTMLButtonElement;
+  /** They are in the page while the row is open. */
+  readonly #parts: HTMLElement[];
   readonly #naming: Naming;
   /** The name that was given last, which is offered next. */
   #last = "";
@@ -31,7 +33,7 @@ export class NameRow {
     this.#remove = makeButton("", "Take the name away", () => this.#leave(() => naming.onRemove()), signal, "Remove");
     const close = makeButton("rw-naming-close", "Leave it as it is (Escape)", () => this.close(), signal, "\u00d7");
     for (const button of [keep, this.#remove]) button.ariaLabel = null;
-    this.root.append(this.#about, this.#field, this.#known, keep, this.#remove, close);
+    this.#parts = [this.#about, this.#field, this.#known, keep, this.#remove, close];
     this.root.hidden = true;
     on(this.root, "keydown", (event) => this.#onKey(event), signal);
   }
@@ -52,6 +54,7 @@ export class NameRow {
     setText(this.#about, about);
     setHidden(this.#remove, !name);
     this.#known.replaceChildren(...[...new Set(known)].sort().map((one) => new Option("", one)));
+    if (!this.isOpen) this.root.append(...this.#parts);
     setHidden(this.root, false);
     this.#field.value = typed || this.#last;
     this.#field.focus();
@@ -74,6 +77,7 @@ export class NameRow {
 
   #leave(then: () => void): void {
     setHidden(this.root, true);
+    this.root.replaceChildren();
     if (this.#focused instanceof HTMLElement) this.#focused.focus({ preventScroll: true });
     then();
   }
