@@ -104,7 +104,7 @@ def test_rates_and_values_come_while_somebody_looks_and_cost_nothing_after(
         script.listener.on_message("/image", {"height": 480, "width": 640})
         clock.advance(0.05)
     image = wire(wires, "/image")
-    assert (image.value, image.rate, image.age) == ("height 480, width 640", pytest.approx(20), None)
+    assert (image.value, image.rate, image.age) == ("height 480, width 640", pytest.approx(20), pytest.approx(0.05))
     assert script._followed == {"/scan"}
 
     wires.look(False)

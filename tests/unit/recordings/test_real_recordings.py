@@ -57,6 +57,7 @@ ODD = {
     "every_ros2_type_mcap": (
         {
             "/test/sensor_msgs/laser_scan": 2,
+            "/test/sensor_msgs/multi_echo_laser_scan": 2,
             "/test/geometry_msgs/twist": 2,
             "/test/geometry_msgs/twist_stamped": 2,
             "/test/geometry_msgs/twist_with_covariance": 2,
