@@ -55,7 +55,7 @@ def robowidgets(tmp_path: Path) -> Iterator[Callable[..., str]]:
     yield run
     for process in started:
         process.send_signal(signal.SIGTERM)
-        process.communicate(timeout=120)
+        process.communicate(timeout=600)
 
 
 @pytest.mark.parametrize("command", ["demo", "open"])

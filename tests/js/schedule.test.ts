@@ -94,13 +94,9 @@ test("a drawing for another size writes at once, and after the end nothing is wr
   close();
 });
 
-/** Later in each test: what is drawn outlives one, as it does a widget. */
-let begun = 0;
-
 function openFrames() {
   mock.timers.enable({ apis: ["setTimeout"] });
-  begun += 1000;
-  let now = begun;
+  let now = 1000;
   const clock = mock.method(performance, "now", () => now);
   const asked: (() => void)[] = [];
   const errors: unknown[] = [];
@@ -170,7 +166,7 @@ test("the laser is in every frame, and the others in turn as long as there is ti
 test("a frame of others that took long has them rest as long, and the laser is drawn meanwhile", () => {
   const { card, frame, pass, close } = openFrames();
   const [map, laser] = [card("map", 2), card("laser", 1, true)];
-  const frames = [30, 10, 10, 10, 1].map((ms) => {
+  const frames = [30, 10, 10, 20, 1].map((ms) => {
     for (const ask of [map, laser]) ask();
     const names = frame().filter((name) => !name.endsWith("text"));
     pass(ms);

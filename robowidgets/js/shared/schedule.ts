@@ -9,6 +9,8 @@ const LATE_MS = 1.5 * READING_MS;
 const BUDGET_MS = 8;
 /** From one frame of a display to the next. */
 const FRAME_MS = 1000 / 60;
+/** For which cards rest at most: a page may have slept in the middle of a frame. */
+const LONGEST_REST_MS = 1000;
 
 /** What is asked for until it is drawn. */
 interface Drawing {
@@ -29,8 +31,8 @@ class Frames {
   readonly #waiting = new Set<Drawing>();
   /** What is done at the end of the frame that is being drawn; null: none is. */
   #last: Set<() => void> | null = null;
-  /** When others than those that go first are drawn again. */
-  #restsUntil = 0;
+  /** Whether others than those that go first rest. */
+  #isResting = false;
 
   ask(drawing: Drawing): void {
     if (!this.#waiting.size && !this.#last) requestAnimationFrame(() => this.#run());
@@ -51,7 +53,7 @@ class Frames {
     const last = new Set<() => void>();
     this.#last = last;
     const [begin, all] = [performance.now(), [...this.#waiting]];
-    const later = begin < this.#restsUntil ? [] : all.filter(({ isFirst }) => !isFirst);
+    const later = this.#isResting ? [] : all.filter(({ isFirst }) => !isFirst);
     for (const drawing of all) if (drawing.isFirst) this.#draw(drawing);
     for (const [i, drawing] of later.entries()) {
       // One at least: all have their turn, also beside one that takes the whole frame.
@@ -66,8 +68,15 @@ class Frames {
 
   /** Called after a frame with others, which the browser has laid out and painted by now. */
   #rest(begin: number): void {
-    const now = performance.now();
-    if (now - begin > FRAME_MS) this.#restsUntil = now + (now - begin);
+    const took = performance.now() - begin;
+    if (took <= FRAME_MS) return;
+    this.#isResting = true;
+    setTimeout(
+      () => {
+        this.#isResting = false;
+      },
+      Math.min(took, LONGEST_REST_MS),
+    );
   }
 
   #draw(drawing: Drawing): void {
