@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import os
 from asyncio import Future
 from collections.abc import Callable
@@ -9,6 +10,9 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 from urllib.parse import quote
+
+_ENDING = 1.0
+"""Seconds that tasks of a server have for their end, once it has stopped."""
 
 
 def is_installed() -> bool:
@@ -50,10 +54,29 @@ def run(
     os.environ.pop("JUPYTER_TOKEN", None)
     from jupyterlab.labapp import LabApp
 
-    from ._first_run import run_cells
-
     server = LabApp.initialize_server(arguments(notebook, port, browser))
     server.web_app.settings["page_config_hook"] = _without_announcements
+
+    try:
+        _serve(server, notebook, say, runs_cells=runs_cells)
+    finally:
+        end_tasks(server.io_loop.asyncio_loop)
+
+
+def end_tasks(loop: asyncio.AbstractEventLoop) -> None:
+    """End what a stopped loop has left: threads of anyio wait for the end of a task, and the process waits for them."""
+
+    async def end() -> None:
+        if tasks := asyncio.all_tasks() - {asyncio.current_task()}:
+            for task in tasks:
+                task.cancel()
+            await asyncio.wait(tasks, timeout=_ENDING)
+
+    loop.run_until_complete(end())
+
+
+def _serve(server: Any, notebook: Path, say: Callable[[str], None], *, runs_cells: bool) -> None:
+    from ._first_run import run_cells
 
     if not runs_cells:
         server.start()
