@@ -10,7 +10,7 @@ import { Popup, toSentence } from "../shared/popup.ts";
 import { placePopup } from "../shared/popup_place.ts";
 import { SampleCard } from "../shared/sample_card.ts";
 import type { Stream } from "../shared/stream.ts";
-import { watchZoom, ZOOM_KEYS, type Zoom } from "../shared/zoom.ts";
+import { MOVE_KEYS, watchZoom, ZOOM_KEYS, type Zoom } from "../shared/zoom.ts";
 import {
   type Cloud,
   columnOf,
@@ -54,14 +54,6 @@ import { type CloudActs, type Dragged, Tools, watchDrags } from "./tools.ts";
 import type { CloudAbout, CloudTraits, Selection, ViewName } from "./traits.ts";
 
 const VIEWS: ViewName[] = ["above", "side", "behind", "rows"];
-/** Pixels by which a key moves the picture. */
-const NUDGE = 40;
-const MOVES: Record<string, [x: number, y: number]> = {
-  ArrowRight: [-NUDGE, 0],
-  ArrowLeft: [NUDGE, 0],
-  ArrowUp: [0, NUDGE],
-  ArrowDown: [0, -NUDGE],
-};
 const RING = 6;
 
 /** One view of a cloud widget: it wires the card, the drawing, the pop-ups, what is selected and the gestures. */
@@ -236,7 +228,7 @@ export class CloudView implements Zoom, CloudActs, Dragged {
 
   #onKey(event: KeyboardEvent): void {
     if (!isPlain(event) || event.target instanceof HTMLSelectElement) return;
-    const [moves, direction] = [MOVES[event.key], ZOOM_KEYS[event.key]];
+    const [moves, direction] = [MOVE_KEYS[event.key], ZOOM_KEYS[event.key]];
     if (moves) this.onMove(...moves);
     else if (direction) this.onZoom(direction);
     else if (event.key === "0") this.onFit();

@@ -13,7 +13,7 @@ import { SampleCard } from "../shared/sample_card.ts";
 import type { Stream } from "../shared/stream.ts";
 import { textFont } from "../shared/theme.ts";
 import type { Picking } from "../shared/traits.ts";
-import { watchZoom, ZOOM_KEYS } from "../shared/zoom.ts";
+import { MOVE_KEYS, watchZoom, ZOOM_KEYS } from "../shared/zoom.ts";
 import { boundsOfLook, canZoom, type Look, lookOf, zoomed } from "./camera.ts";
 import { drawGrid, drawPath } from "./draw.ts";
 import { drawMap, drawMeasure, placeOf, type Shown, spotsOf } from "./draw_layers.ts";
@@ -37,14 +37,6 @@ const WALK: Record<string, number> = {
   PageDown: -10,
   Home: -Infinity,
   End: Infinity,
-};
-/** Pixels by which a key moves the map. */
-const NUDGE = 40;
-const MOVES: Record<string, [x: number, y: number]> = {
-  ArrowRight: [-NUDGE, 0],
-  ArrowLeft: [NUDGE, 0],
-  ArrowUp: [0, NUDGE],
-  ArrowDown: [0, -NUDGE],
 };
 /** Width of a card in which the list of layers stands beside the map, from the start. */
 const BESIDE = 640;
@@ -534,7 +526,7 @@ export class PathView {
   }
 
   #takeKey({ key, shiftKey }: KeyboardEvent, now: PoseFrame): boolean {
-    const [by, move, zoom] = [WALK[key], MOVES[key], ZOOM_KEYS[key]];
+    const [by, move, zoom] = [WALK[key], MOVE_KEYS[key], ZOOM_KEYS[key]];
     const robot = this.#layers.find(({ isRobot }) => isRobot);
     const here: TimedPose = robot ? { ...robot.state, time: now.time } : now;
     if (key === "Escape") {

@@ -14,6 +14,16 @@ export interface Zoom {
 /** The direction in which a key zooms. */
 export const ZOOM_KEYS: Record<string, -1 | 1> = { "+": -1, "=": -1, "-": 1, _: 1 };
 
+const NUDGE = 40;
+
+/** The pixels by which an arrow key moves the picture: with the right arrow, what is drawn goes left. */
+export const MOVE_KEYS: Record<string, [x: number, y: number]> = {
+  ArrowRight: [-NUDGE, 0],
+  ArrowLeft: [NUDGE, 0],
+  ArrowUp: [0, NUDGE],
+  ArrowDown: [0, -NUDGE],
+};
+
 /** Round numbers of metres, from 1 cm to 800 km. */
 const ROUND = [-2, -1, 0, 1, 2, 3, 4, 5].flatMap((power) =>
   [1, 1.5, 2, 2.5, 3, 4, 5, 6, 8].map((step) => Number(`${step}e${power}`)),
