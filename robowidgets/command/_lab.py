@@ -83,17 +83,26 @@ def _serve(server: Any, notebook: Path, say: Callable[[str], None], *, runs_cell
         return
 
     # A server that is stopped interrupts the running cell, so the run ends while its event loop still runs.
+    # An interrupt leaves the loop at once where no terminal asks: the run ends in `end_tasks`.
+    left = False
+
+    def is_open() -> bool:
+        return not (left or server._stopping)
+
     def say_if_open(line: str) -> None:
-        if not server._stopping:
+        if is_open():
             say(line)
 
     def show(ran: Future[None]) -> None:
-        if not server._stopping:
+        if is_open():
             server.start_app()
         ran.result()  # raises unexpected errors of the run, for the log
 
     server.io_loop.add_future(server.io_loop.asyncio_loop.create_task(run_cells(server, notebook, say_if_open)), show)
-    server.start_ioloop()
+    try:
+        server.start_ioloop()
+    finally:
+        left = True
 
 
 def _without_announcements(_handler: Any, page_config: dict[str, Any]) -> dict[str, Any]:
