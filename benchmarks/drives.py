@@ -1,4 +1,4 @@
-"""A search through a thousand recordings, some damaged, beside a loop over rosbags; and what may go wrong."""
+"""A search through a thousand recordings, some damaged, beside a loop over rosbags; what may go wrong; S3."""
 
 from __future__ import annotations
 
@@ -12,12 +12,13 @@ import threading
 import time
 from collections.abc import Callable, Iterator
 from concurrent.futures import Future, ProcessPoolExecutor
-from contextlib import closing, contextmanager
+from contextlib import closing, contextmanager, suppress
 from multiprocessing import get_context
 from pathlib import Path
 from resource import RLIMIT_FSIZE, getrlimit, setrlimit
 from statistics import median
 from typing import Any, NamedTuple
+from unittest.mock import patch
 
 import numpy as np
 import psutil
@@ -25,6 +26,7 @@ from rosbags.rosbag2 import StoragePlugin, Writer
 
 import robowidgets
 from robowidgets import conditions
+from robowidgets._core.progress import without_bars
 from robowidgets.fleet.hits import Hits
 from robowidgets.simulator import Robot, Scanner, room, wander
 
@@ -36,44 +38,67 @@ LIMIT = 0.3
 SECONDS = 20.0
 DIFFERENT = 10
 """Drives of the simulator, each of which is there several times."""
+STORED = 100
+"""Recordings in object storage."""
 _ROOMS = ("house", "corridor", "office", "maze")
 _SCANNER = Scanner(ray_count=360, range_max=12.0, rate=10.0)
+_THERE = 50_000
+"""Bytes of a file that is written meanwhile that are there from the beginning."""
 _START_NS = 1_700_000_000_000_000_000
 
 
 class Run(NamedTuple):
-    """One way to search all: seconds, the most memory of all its processes in MB, and hits."""
+    """One way to search all: seconds, the most memory in MB of all its processes and of one of them, and spans."""
 
     seconds: float
     megabytes: float
-    hits: int
+    largest: float
+    spans: int
 
 
 class Trouble(NamedTuple):
-    """What went wrong, whether the rows were the same all the same, each once, and what was told."""
+    """What went wrong, whether it did while all were searched, whether the rows were the same, each once, and what was
+    told.
+    """
 
     what: str
+    has_come: bool
     is_same: bool
     told: str
 
 
 def compare(count: int = COUNT) -> None:
     """Print what each recording costs, the ways to search all, what may go wrong, and what an index costs."""
-    with tempfile.TemporaryDirectory() as folder:
+    # Without bars: they would be written to a disk that is full.
+    with tempfile.TemporaryDirectory() as folder, without_bars():
         os.environ["ROBOWIDGETS_CACHE"] = str(Path(folder) / "cache")
         runs = Path(folder) / "runs"
         files = make(runs, count)
-        print(f"{len(files)} recordings, {sum(map(_size, files)) / 1e6:.0f} MB", flush=True)
+        _say(f"{len(files):,} recordings, {sum(map(_size, files)) / 1e6:.0f} MB")
         alone = Path(folder) / "simulated"
         alone.mkdir()
         for path in sorted(runs.glob("drive_*.mcap"))[:DIFFERENT]:
             shutil.copy(path, alone)
-        print(cpu(alone), flush=True)
-        print(_index(runs, Path(folder) / "drives.parquet"), flush=True)
-        for way in _ways(runs):
-            print(way, flush=True)
+        costs = cpu(alone)
+        row = costs.pop("bytes of a row")
+        _say("\n| for each drive of the simulator | ms of CPU |\n| --- | --- |")
+        for what, cost in costs.items():
+            _say(f"| {what} | {cost:.1f} |")
+        _say(f"\nA row of the index takes {row:.0f} bytes.")
+        _say(_index(runs, Path(folder) / "drives.parquet"))
+        _say("\n| way | s | files per s | MB of all processes | of the largest | spans |\n" + "| --- " * 6 + "|")
+        for way, run in _ways(runs):
+            facts = f"{run.seconds:.1f} | {len(files) / run.seconds:.0f} | {run.megabytes:.0f} | {run.largest:.0f}"
+            _say(f"| {way} | {facts} | {run.spans:,} |")
+        _say("\n| trouble | same rows, each once | told |\n| --- | --- | --- |")
         for trouble in _troubles(runs):
-            print(trouble, flush=True)
+            same = ("yes" if trouble.is_same else "NO") if trouble.has_come else "it had ended before"
+            _say(f"| {trouble.what} | {same} | {trouble.told} |")
+        _say(_storage(sorted(runs.glob("drive_*.mcap"))[:STORED]))
+
+
+def _say(line: str) -> None:
+    print(line, flush=True)
 
 
 def cpu(folder: Path, repeats: int = 3) -> dict[str, float]:
@@ -94,7 +119,7 @@ def cpu(folder: Path, repeats: int = 3) -> dict[str, float]:
         "`find`": cost(lambda: _find(folder, here)),
         "`index`": cost(lambda: _index_anew(folder, output, here)),
     }
-    found["bytes"] = output.stat().st_size / robowidgets.drives(output).dataset.count_rows()
+    found["bytes of a row"] = output.stat().st_size / robowidgets.drives(output).dataset.count_rows()
     return found
 
 
@@ -208,17 +233,18 @@ def _ways(folder: Path) -> Iterator[tuple[str, Run]]:
     with _cluster() as (client, _):
         yield "`find`, Dask with 2 workers", _measured(lambda: len(_find(folder, client)))
     _find(folder, keep=True)
-    yield "`find` again, as it was kept", _measured(lambda: len(_find(folder, keep=True)))
+    yield "`find` again, of what was kept", _measured(lambda: len(_find(folder, keep=True)))
 
 
 def _measured(search: Callable[[], int]) -> Run:
     """A search, with the most memory of this process and all that it started."""
-    own, most, is_over = psutil.Process(), [0], threading.Event()
+    own, is_over = psutil.Process(), threading.Event()
+    most = [0, 0]
 
     def watch() -> None:
-        while not is_over.wait(0.05):
+        while not is_over.wait(0.25):  # each look at all processes takes some milliseconds
             sizes = [_memory(process) for process in (own, *own.children(recursive=True))]
-            most[0] = max(most[0], sum(sizes))
+            most[:] = max(most[0], sum(sizes)), max(most[1], *sizes)
 
     thread = threading.Thread(target=watch)
     thread.start()
@@ -227,7 +253,7 @@ def _measured(search: Callable[[], int]) -> Run:
     finally:
         is_over.set()
         thread.join()
-    return Run(seconds, most[0] / 1e6, found)
+    return Run(seconds, most[0] / 1e6, most[1] / 1e6, found)
 
 
 def _memory(process: psutil.Process) -> int:
@@ -259,72 +285,96 @@ def _cluster() -> Iterator[tuple[Any, list[subprocess.Popen[bytes]]]]:
                 yield client, processes
         finally:
             for process in processes:
-                process.kill()
+                _kill_all(process)
                 process.wait()
 
 
+def _kill_all(process: subprocess.Popen[bytes]) -> None:
+    """kill -9 of a process and of those that it started: the one that starts a worker of Dask anew, and the worker."""
+    with suppress(psutil.NoSuchProcess):
+        own = psutil.Process(process.pid)
+        for one in (own, *own.children(recursive=True)):
+            with suppress(psutil.NoSuchProcess):
+                one.kill()
+
+
 def _troubles(folder: Path) -> Iterator[Trouble]:
-    expected = sorted(map(repr, _find(folder)))
+    seconds, undisturbed = timed(lambda: _find(folder))
+    expected, soon = sorted(map(repr, undisturbed)), seconds / 2
 
-    def trouble(what: str, hits: Hits) -> Trouble:
+    def trouble(what: str, hits: Hits, has_come: threading.Event | None = None) -> Trouble:
         told = [line for line in repr(hits).splitlines() if line.startswith("!")]
-        return Trouble(what, sorted(map(repr, hits)) == expected, told[-1].removeprefix("! ") if told else "")
+        is_same = sorted(map(repr, hits)) == expected
+        return Trouble(what, not has_come or has_come.is_set(), is_same, told[-1].removeprefix("! ") if told else "")
 
-    with _after(3.0, _kill_a_process):
-        yield trouble("kill -9 of a process in the middle", _find(folder))
+    with _after(soon, _kill_a_process) as done:
+        hits = _find(folder)
+    yield trouble("kill -9 of a process in the middle", hits, done)
+    shutil.rmtree(os.environ["ROBOWIDGETS_CACHE"], ignore_errors=True)
     soft, hard = getrlimit(RLIMIT_FSIZE)
     setrlimit(RLIMIT_FSIZE, (20_000, hard))
     try:
-        shutil.rmtree(os.environ["ROBOWIDGETS_CACHE"], ignore_errors=True)
-        yield trouble("a full disk where results are kept", _find(folder, keep=True))
+        hits = _find(folder, keep=True)
     finally:
         setrlimit(RLIMIT_FSIZE, (soft, hard))
-    with _cluster() as (client, processes), _after(3.0, processes[1].kill):
-        yield trouble("kill -9 of a worker of Dask", _find(folder, client))
-    with _cluster() as (client, processes), _after(3.0, processes[0].kill):
-        yield trouble("the scheduler lost", _find(folder, client, keep=True))
+    yield trouble("a full disk where results are kept", hits)
+    with _cluster() as (client, processes), _after(soon, lambda: _kill_all(processes[1])) as done:
+        hits = _find(folder, client)
+    yield trouble("kill -9 of a worker of Dask", hits, done)
+    with _cluster() as (client, processes), _after(soon, processes[0].kill) as done:
+        hits = _find(folder, client)
+    yield trouble("the scheduler lost", hits, done)
     with _cluster() as (client, _):
-        yield trouble("and back: the same call", _find(folder, client, keep=True))
+        hits = _find(folder, client)
+    yield trouble("and back: the same call", hits)
     growing = folder / "drive_growing.mcap"
-    with _written_meanwhile(next(folder.glob("drive_0001.mcap")), growing):
+    with _written_meanwhile(folder / "drive_0001.mcap", growing):
         hits = _find(folder)
     rows = sorted(repr(hit) for hit in hits if hit.file != str(growing))
     told = hits.problems.get(str(growing)) or [one.problem for one in hits.unread if one.file == str(growing)]
-    yield Trouble("a file that is being written", rows == expected, told[0] if told else "")
+    yield Trouble("a file that is being written", True, rows == expected, told[0] if told else "")
     growing.unlink()
 
 
 @contextmanager
-def _after(seconds: float, action: Callable[[], object]) -> Iterator[None]:
-    timer = threading.Timer(seconds, action)
+def _after(seconds: float, action: Callable[[], object]) -> Iterator[threading.Event]:
+    """Does something after some seconds of the block; tells whether it came to it."""
+    has_come = threading.Event()
+
+    def act() -> None:
+        action()
+        has_come.set()
+
+    timer = threading.Timer(seconds, act)
     timer.start()
     try:
-        yield
+        yield has_come
     finally:
         timer.cancel()
 
 
 def _kill_a_process() -> None:
     """Kill one of the processes that search."""
-    searching = [one for one in psutil.Process().children(recursive=True) if "loky" in " ".join(one.cmdline())]
-    os.kill((searching or psutil.Process().children())[-1].pid, signal.SIGKILL)
+    children = psutil.Process().children(recursive=True)
+    os.kill([one for one in children if "popen_loky" in " ".join(one.cmdline())][-1].pid, signal.SIGKILL)
 
 
 @contextmanager
 def _written_meanwhile(original: Path, path: Path) -> Iterator[None]:
-    """A file that grows while the block runs."""
+    """A file that grows while the block runs, for two minutes at most."""
     data, is_over = original.read_bytes(), threading.Event()
 
     def write() -> None:
         with path.open("wb", buffering=0) as file:
-            for at in range(0, len(data) // 2, 1000):
-                file.write(data[at : at + 1000])
-                if is_over.wait(0.05 if at > 50_000 else 0.0):
+            file.write(data[:_THERE])
+            for at in range(_THERE, len(data), len(data) // 2000):
+                if is_over.wait(0.06):
                     return
+                file.write(data[at : at + len(data) // 2000])
 
     thread = threading.Thread(target=write)
     thread.start()
-    while not path.exists() or path.stat().st_size < 50_000:
+    while not path.exists() or path.stat().st_size < _THERE:
         time.sleep(0.01)
     try:
         yield
@@ -333,21 +383,46 @@ def _written_meanwhile(original: Path, path: Path) -> Iterator[None]:
         thread.join()
 
 
-def _index(folder: Path, output: Path) -> dict[str, float]:
+def _index(folder: Path, output: Path) -> str:
     """What an index of all costs, and a question to it."""
     seconds, drives = timed(lambda: robowidgets.index(folder, output=output))
     again, _ = timed(lambda: robowidgets.index(folder, output=output))
     rare = conditions.nearest_below(0.05) & conditions.speed_above(0.4)
     asked, candidates = timed(lambda: drives.candidates(rare))
-    return {
-        "files": len(drives.files),
-        "rows": drives.dataset.count_rows(),
-        "bytes": output.stat().st_size,
-        "seconds": seconds,
-        "again": again,
-        "asked": asked,
-        "candidates": len(candidates),
-    }
+    return (
+        f"The index of all took {seconds:.1f} s, and again {again:.1f} s: {drives.dataset.count_rows():,} rows of "
+        f"{len(drives.files):,} recordings in {output.stat().st_size / 1e3:.0f} kB. A question to it took "
+        f"{asked * 1000:.0f} ms, and left {len(candidates):,} recordings to be read."
+    )
+
+
+def _storage(files: list[Path]) -> str:
+    """What a search costs in a server of S3 on this machine, and whether its rows are those of the files here."""
+    import boto3
+    from moto.server import ThreadedMotoServer
+
+    server = ThreadedMotoServer(ip_address="127.0.0.1", port=0)
+    server.start()
+    host, port = server.get_host_and_port()
+    keys = {"AWS_ACCESS_KEY_ID": "key", "AWS_SECRET_ACCESS_KEY": "secret", "AWS_DEFAULT_REGION": "us-east-1"}
+    try:
+        with patch.dict(os.environ, {**keys, "AWS_ENDPOINT_URL": f"http://{host}:{port}"}):
+            bucket = boto3.resource("s3").Bucket("drives")
+            bucket.create()
+            for path in files:
+                bucket.upload_file(str(path), path.name)
+            near, url = conditions.nearest_below(LIMIT), "s3://drives/*.mcap"
+            seconds, there = timed(lambda: robowidgets.find(near, url))
+            again, _ = timed(lambda: robowidgets.find(near, url))
+    finally:
+        server.stop()
+    here = robowidgets.find(near, *files, keep=False)
+    rows, same = ([hit._replace(file=Path(hit.file).name) for hit in hits] for hits in (there, here))
+    return (
+        f"\n{len(files)} recordings in S3, by a server of this machine: {seconds:.1f} s, {len(files) / seconds:.0f} a "
+        f"second, and again, of what was kept, {again:.1f} s. Its {len(there):,} rows are "
+        f"{'' if rows == same else 'NOT '}those of the same files here."
+    )
 
 
 def _size(path: Path) -> int:
