@@ -103,9 +103,10 @@ Absolute figures depend on the machine and move by a third from run to run; rati
   among them. Its laser is shown by `feed.show`, alone and beside others, each in fresh notebooks, in turn, and counts
   from publishing to the end of the frame that shows the scan. CPU is that of the kernel's process, and of the page's
   main thread, the same reading back in all.
-- A picture is updated by a thread beside a laser at 40 Hz, and the next one goes when the page has drawn the last one,
-  of the bare canvas too. Its latency is from `update` until the kernel has heard that it is drawn, with the way back.
-  "Behind" is the most pictures that came meanwhile. CPU is that of the kernel's process, and of the page's main thread.
+- A picture or a cloud is updated by a thread beside a laser at 40 Hz, both in view, and the next one goes when the page
+  has drawn the last one, of the bare canvas too. Its latency is from `update` until the kernel has heard that it is
+  drawn, with the way back; "newer by then" is how many came meanwhile, in the middle and at most. CPU is that of the
+  kernel's process, and of the page's main thread.
 - A cell that makes a widget and shows it runs again and again, and the kernel keeps every widget. Nodes, listeners and
   heap are those of the page after garbage collection, less those before, per run: JupyterLab's own are among them.
 - The simulated robot wanders for 20 s of its time with a scanner of 1040 rays at 40 Hz, each scan made, against the CPU
@@ -127,7 +128,7 @@ def main() -> None:
     parser.add_argument("--player", action="store_true", help="the player only; writes nothing")
     parser.add_argument("--plots", action="store_true", help="plots of an hour only; writes nothing")
     parser.add_argument("--topics", action="store_true", help="a robot of thirty topics only; writes nothing")
-    parser.add_argument("--large", action="store_true", help="pictures beside a laser only; writes nothing")
+    parser.add_argument("--large", action="store_true", help="pictures and clouds beside a laser only; writes nothing")
     parser.add_argument("--sheet", action="store_true", help="a contact sheet of 5,000 moments only; writes nothing")
     parser.add_argument("--layers", action="store_true", help="the layers of the laser only; writes nothing")
     parser.add_argument("--leaks", action="store_true", help="what views leave in the page only; writes nothing")
@@ -358,9 +359,9 @@ def topic_parts(stage: Stage, repeats: int, seconds: float) -> list[str]:
 
 
 def large_parts(stage: Stage, repeats: int, seconds: float) -> list[str]:
-    """What is said of pictures beside a laser."""
+    """What is said of pictures and clouds beside a laser."""
     print("large", flush=True)
-    return ["\n## Pictures beside a laser at 40 Hz\n", table.large(large.compare(stage, seconds, repeats))]
+    return ["\n## Pictures and clouds beside a laser at 40 Hz\n", table.large(large.compare(stage, seconds, repeats))]
 
 
 def leak_parts(stage: Stage, *, quick: bool) -> list[str]:

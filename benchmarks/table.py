@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import fields
-from math import inf, isinf
+from math import inf, isinf, isnan
 from statistics import median
 
 from . import simulator
@@ -284,13 +284,13 @@ def topics(found: Mapping[str, Beside]) -> str:
 
 
 def large(found: Mapping[str, Large]) -> str:
-    """Pictures beside a laser, one line for each."""
+    """Pictures and clouds beside a laser, one line for each."""
     body = [
         [PICTURES[name], *(say(getattr(one, field.name)) for field in fields(Large))] for name, one in found.items()
     ]
     heads = [
-        *("beside the laser", "`update` to drawn, ms", "p95", "drawn per s", "behind", "laser painted, ms", "p95"),
-        *("kernel: % of one core", "page: %"),
+        *("beside the laser", "`update` to drawn, ms", "p95", "drawn per s", "newer by then", "at most"),
+        *("laser painted, ms", "p95", "kernel: % of one core", "page: %"),
     ]
     return markdown(heads, body)
 
@@ -303,8 +303,8 @@ def markdown(head: Sequence[str], body: Iterable[Sequence[str]]) -> str:
 
 def say(value: float) -> str:
     """A figure in as many digits as it deserves."""
-    if isinf(value):
-        return "never"
+    if isinf(value) or isnan(value):
+        return "never" if isinf(value) else ""
     return f"{value:.2f}" if abs(value) < 10 else f"{value:,.0f}".replace(",", "\u202f")
 
 

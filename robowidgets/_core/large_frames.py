@@ -50,6 +50,11 @@ class LargeFrameWidget(RobotWidget[S]):
         self._answers = False
         super().follow_player()
 
+    def send_newest(self) -> int:
+        """See `PacedWidget`. What waits for the page anyway takes nothing of the budget that others wait for."""
+        size = super().send_newest()
+        return size if self._credit.is_paced else 0
+
     def _may_send_frame(self) -> bool:
         """See `PacedWidget`."""
         has_more = self._newest.changed or self._trait_values["_frame"] != self._sent[0]

@@ -57,6 +57,23 @@ class TestCredit:
         assert credit.on_drawn("page", 1)
         assert credit.may_send()
 
+    @pytest.mark.parametrize(("draws_in", "most"), [(5, 0), (60, 2), (66, 2), (100, 4), (1000, 31)])
+    def test_what_is_drawn_was_the_newest_when_it_went_and_none_waits_on_its_way(
+        self, credit: Credit, clock: ManualClock, draws_in: int, most: int
+    ) -> None:
+        every, newest, sent, sent_at, behind = 33, 0, 0, 0, []
+        for now in range(10_000):  # milliseconds, of a page that needs so many for one
+            newest = now // every + 1
+            if sent and now == sent_at + draws_in:
+                behind.append(newest - sent)
+                credit.on_drawn("page", sent)
+            if newest > sent and credit.may_send():
+                sent, sent_at = newest, now
+                credit.sent(sent, 1000)
+            clock.advance(0.001)
+        assert max(behind) == most
+        assert len(behind) >= 10_000 // (draws_in + every) - 1
+
     def test_a_page_that_has_drawn_an_older_one_still_has_the_last_to_draw(self, credit: Credit) -> None:
         credit.on_drawn("page", 0)
         credit.sent(5, 1000)
@@ -161,11 +178,25 @@ class TestWidget:
         wait_for(lambda: page.messages, "the first was sent")
         for value in range(1, 10):
             widget.update(value)
-            assert widget.send_newest() == 0
+            widget.send_newest()
+        assert len(page.messages) == 1
         self.draw(widget, 1)
         wait_for(lambda: len(page.messages) == 2, "the next was sent")
         assert [number_in(frame) for frame in page.sent("_frame")] == [0, 9]
         assert [about["value"] for about in page.sent("_about")] == [0, 9]
+
+    def test_others_wait_for_it_only_where_nobody_says_that_it_is_drawn(
+        self, widget: LargeNumber, page: Page, cell: Cell, clock: ManualClock
+    ) -> None:
+        with widget._send_lock:  # so that the pacer does not send it
+            widget.update(1)
+            assert widget.send_newest() == 0
+            cell.runs = True
+            widget._handle_custom_msg({"drawn": 1, "page": "one"}, [])
+            clock.advance(LATE)
+            widget.update(2)
+            assert widget.send_newest() == len(page.state["_frame"])
+        assert [number_in(frame) for frame in page.sent("_frame")] == [1, 2]
 
     def test_settings_and_the_state_of_a_new_page_wait_for_nothing(self, widget: LargeNumber, page: Page) -> None:
         widget.update(1)
@@ -228,7 +259,8 @@ class TestWidget:
         wait_for(lambda: page.messages, "the first was sent")
         widget._handle_custom_msg(content, [])
         widget.update(2)
-        assert widget.send_newest() == 0
+        widget.send_newest()
+        assert [number_in(frame) for frame in page.sent("_frame")] == [1]
 
     def test_the_frames_of_a_player_need_no_answer(self, widget: LargeNumber, page: Page) -> None:
         widget.follow_player()
