@@ -73,12 +73,13 @@ test-unit: setup build
 
 # The units on the oldest Python, with the oldest versions that pyproject.toml allows; skipped without that Python.
 # Of our own code, slow tests and the files that take longest are left out: `make test` runs them with the newest versions.
-# So is what reads that code and runs none of it, and DDS, whose oldest version is nearly the newest.
+# So is what reads that code and runs none of it, DDS, whose oldest version is nearly the newest, and what stands for a
+# browser, which has the newest versions.
 NOT_ON_THE_FLOOR := behaviors scanogram simulator feeds/test_dds.py test_layers.py test_locks.py test_names.py \
   $(patsubst %,recordings/test_%.py,distances endings places scanogram show) \
   $(patsubst tests/unit/%,%,$(wildcard tests/unit/recordings/test_find*.py)) $(patsubst %,repair/test_%.py,clock fuzz) \
-  $(patsubst %,test_%.py,distance drive_widget lesson_progress lessons map message_widget path_widget plot_widget) \
-  $(patsubst %,test_%.py,shapes sonar_ring to_html watch)
+  $(patsubst %,test_%.py,distance drive_widget lesson_progress lessons map message_widget not_in_browser path_widget) \
+  $(patsubst %,test_%.py,plot_widget shapes sonar_ring to_html watch)
 
 test-floor: setup build
 	scripts/floor.sh -m 'not slow or versions' --no-loadscope-reorder $(addprefix --ignore tests/unit/,$(NOT_ON_THE_FLOOR))

@@ -85,6 +85,8 @@ class TouchWidget(RobotWidget[Touch]):
         self._still_ns: int | None = None
         self._packed_ns: int | None = None
         """The time whose states are being packed."""
+        self._states_sent: dict[str, TouchState] = {}
+        """The states that were sent last."""
         self._judged: dict[str, TouchState] = {}
         """The states that conditions were judged on last."""
         super().__init__(**kwargs)
@@ -162,7 +164,9 @@ class TouchWidget(RobotWidget[Touch]):
     def send_newest(self) -> int:
         """Send the states to the page, as they are now; the pacer's call. Returns the bytes sent."""
         with self._send_lock:
-            self._newest.changed = True
+            states = self._states_at(self._now_ns())
+            if states != self._states_sent:  # without a message, too; the page counts on for how long they last
+                self._states_sent, self._newest.changed = states, True
             size = super().send_newest()
             with self._tracking:
                 changes = self.comm is not None and self._still_ns is None

@@ -101,7 +101,8 @@ class MessageFrames:
             if name not in self._before or self._before[name] != time_ns:
                 self._before[name] = time_ns
                 message = moment.message if moment else self._choice.shown.nothing
-                self._widget.update(*([name] if self._choice.gathers else []), message)
+                with suppress(TypeError, ValueError):  # the frame of that time says so
+                    self._widget.update(*([name] if self._choice.gathers else []), message)
 
     def _shown(self, seconds: float, now: Mapping[str, Moment | None]) -> TimedFrame:
         nothing = self._choice.shown.nothing

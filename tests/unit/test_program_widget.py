@@ -79,13 +79,12 @@ def test_it_tells_what_the_program_does_and_follows_the_next_one(robot: Feed, wi
 
 def test_prints_go_to_the_cell_where_no_widget_shows_them(robot: Feed, capsys: pytest.CaptureFixture[str]) -> None:
     widget = ProgramWidget(robot)
+    robot.variables.word = "first"
 
     @robot.program(rate=50)
     def talk(variables):  # type: ignore[no-untyped-def]
         sys.stdout.write(f"{variables.word}\n")
 
-    robot.variables.word = "first"
-    talk.run()
     wait_for(lambda: talk.prints.lines, "it prints")
     robot.variables.word = "between"
     steps = talk.steps

@@ -166,6 +166,14 @@ class TestPage:
         touch.hold = 0.0
         assert next_frame(touch)["bumper"][0] == "free"
 
+    def test_gets_states_when_they_change_and_no_further_sample_with_each_beat(self, touch: TouchWidget) -> None:
+        touch.update(left=True)
+        pacer.flush()
+        frame = touch._frame
+        touch._beat_at = 0.0
+        touch.send_newest()
+        assert (touch._frame, touch._beat_at > 0.0) == (frame, True)
+
     def test_gets_a_reset(self, touch: TouchWidget, next_frame: Callable[[TouchWidget], Rows]) -> None:
         touch.update(left=True)
         assert next_frame(touch)["left"][:2] == ("touched", 1)

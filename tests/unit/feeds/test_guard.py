@@ -240,9 +240,13 @@ def test_feeds_of_one_robot_share_a_guard_that_ends_with_the_last_and_see_each_o
     pid = guard.pid
     shown: list[float] = []
     other.connection.attach("/cmd_vel", lambda speed: shown.append(speed.linear[0]))  # as a widget is connected
-    feed.drive(0.1)
-    wait_for(lambda: shown == [0.1], "the other one shows it")
-    assert (other.drive_status, feed.drive_status) == ("another feed of this kernel drives the robot, too", "")
+    told = ("another feed of this kernel drives the robot, too", "")
+
+    def is_seen() -> bool:
+        feed.drive(0.1)
+        return shown[-1:] == [0.1] and (other.drive_status, feed.drive_status) == told
+
+    wait_for(is_seen, "the other one shows it")
     feed.stop()
     wait_for(lambda: shown[-1] == 0.0 and other.drive_status == "", "the other one shows zero")
     feed.close()
