@@ -43,18 +43,16 @@ export function isNumbers({ form }: Pick<Picture, "form">): boolean {
   return form === UINT16 || form === FLOAT32;
 }
 
-/** The numbers of such a picture; metres of a depth image, NaN for nothing. */
+/** The numbers of such a picture; metres of a depth image, NaN for 0 and what is no distance. */
 export function toNumbers(picture: Picture): Float32Array | Uint16Array {
   const { data, depthScale } = picture;
-  if (picture.form === FLOAT32) {
-    const values = new Float32Array(data.buffer);
-    return depthScale ? values.map((value) => toDepth(value, depthScale)) : values;
+  const values = picture.form === FLOAT32 ? new Float32Array(data.buffer) : new Uint16Array(data.buffer);
+  if (!depthScale) return values;
+  const metres = new Float32Array(values.length);
+  // Not by `Float32Array.from`, which takes ten times as long.
+  for (let i = 0; i < values.length; i++) {
+    const value = values[i] as number;
+    metres[i] = value > 0 && value < Infinity ? value * depthScale : NaN;
   }
-  const values = new Uint16Array(data.buffer);
-  return depthScale ? Float32Array.from(values, (value) => toDepth(value, depthScale)) : values;
-}
-
-/** Metres; NaN for 0 and what is no distance. */
-function toDepth(value: number, scale: number): number {
-  return value > 0 && value < Infinity ? value * scale : NaN;
+  return metres;
 }
