@@ -20,7 +20,7 @@ from .messages.cloud import CLOUD_TYPES
 from .messages.event import SAID_TYPES
 from .messages.fields import MessageShape, unwrap
 from .messages.image import IMAGE_TYPES
-from .messages.standard import ContactMessages, ToMessage, range_message, scan_message, speed_message
+from .messages.standard import CAMERA_INFO, ContactMessages, ToMessage, range_message, scan_message, speed_message
 from .messages.touch import TOUCH_TYPES
 from .samples import Cloud, Image, Pose, Problem, Range, Ranges, Scan, Speed, Touch
 from .samples.touch_tracker import TouchesBetween
@@ -344,12 +344,13 @@ CLOUD = Asked(
 )
 SCAN = Asked(
     name="scan",
-    types=CLOUD_TYPES,
+    types=CLOUD_TYPES | IMAGE_TYPES,
     widget="robowidgets.laser_widget:LaserWidget",
     nothing=LASER.nothing,
+    frames="robowidgets.player._image_frames:MadeScanFrames",
     options=LASER.options,
 )
-"""A band of heights of a cloud, as a laser scan."""
+"""A band of heights of a cloud, or of rows of a depth image, as a laser scan."""
 MESSAGE = Asked(
     name="message",
     widget="robowidgets.message_widget:MessageWidget",
@@ -544,6 +545,19 @@ def topic_and_field(name: str, known: Iterable[str]) -> tuple[str, str]:
 def namespace_of(topic: str) -> str:
     """The namespace of a topic: ``"/sonar"`` of ``"/sonar/left"``."""
     return topic.rpartition("/")[0] or "/"
+
+
+def info_of(topic: str, topics: Mapping[str, str]) -> str:
+    """The topic with the calibration of a camera, beside that of its pictures; empty without one.
+
+    Args:
+        topic: of the pictures.
+        topics: the type of each topic there is.
+    """
+    space = namespace_of(topic)
+    # "/camera/image_raw/compressed" has another part.
+    near = [name for name, kind in topics.items() if kind == CAMERA_INFO]
+    return next((name for beside in (space, namespace_of(space)) for name in near if namespace_of(name) == beside), "")
 
 
 def sensor_of(topic: str) -> str:

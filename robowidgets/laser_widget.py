@@ -13,6 +13,7 @@ from ._core.base_widget import check_given, refuse_unnamed
 from ._core.front_end import bundle
 from ._core.timed_frame import FRAME_HEADER
 from ._core.traits import Angle, Angles, BandTrait, Flag
+from .laser.depth import HasDepth, is_image
 from .laser.ghost import HasGhost
 from .laser.sectors import HasSectors
 from .laser.sonars import HasSonars
@@ -81,6 +82,7 @@ class LaserWidget(
     HasTrail,  # trail, spread: the scans before the one on show; and from HasFootprint, footprint: the robot to scale
     HasGhost,  # ghost: the scan that it is compared with
     HasSonars,  # sonars: the ring whose cones are on its picture
+    HasDepth,  # rows, calibrate: the scan that rows of a depth image are
     HasSectors,  # sectors, selection, pins, highlight, distance, code: what is pointed at
     DrawsShapes[Scan],  # draw, drawn: the shapes of programs; and from RobotWidget what all widgets of samples have
 ):
@@ -110,6 +112,8 @@ class LaserWidget(
         echo: which echo of each ray is shown of a scanner that sends several: "first", "last" or "strongest".
         band: of clouds of points, the lower and the upper height in metres of those that are shown as a scan; None:
             all.
+        rows: of depth images, how many rows around the axis of the camera are shown as a scan; or the first row, and
+            the one after the last.
         index_view: whether distance over index stands below the picture, as a program sees the array.
         sectors: kept sectors by name, each drawn with its name; see `sectors`.
         pins: indices of rays by name, each drawn with its name.
@@ -142,7 +146,7 @@ class LaserWidget(
     _keywords = ("sectors", "pins")
     column = "wide"
     sample_name = "scan"
-    frame_traits = ("angle_offset", "band", "echo", "_edition", "trail", "_robot")
+    frame_traits = ("angle_offset", "band", "echo", "rows", "_edition", "trail", "_robot")
     judges_frames = True
 
     arc_count = traitlets.Int(
@@ -206,7 +210,7 @@ class LaserWidget(
         Args:
             message: a sensor_msgs/LaserScan or MultiEchoLaserScan of rclpy, rospy or rosbags, a rosbridge dictionary,
                 or a `Scan`; or a `Cloud`, or a message with one, whose points within `band` are shown: the nearest of
-                each half degree.
+                each half degree; or a depth image, of which `rows` are shown, once `calibrate` knows its camera.
             *unnamed: refused, with the call that takes numbers by name.
             **fields: instead of a message, its fields: ranges (R metres), angle_min and angle_increment (radians),
                 range_min and range_max (metres), and if there are any intensities (R).
@@ -238,16 +242,18 @@ class LaserWidget(
         return self.scan if self.paused else None
 
     def frame_of(self, sample: Any) -> tuple[dict[str, Any], bytes]:
-        """See `RobotWidget`: of a scan, or of a message with a cloud."""
+        """See `RobotWidget`: of a scan, or of a message with a cloud or a depth image."""
         try:
             scan = self._scan_in(sample).echo(self.echo).turned(self.angle_offset)
-        except (TypeError, ValueError) as error:  # what a recording has of a cloud
+        except (TypeError, ValueError) as error:  # what a recording has of a cloud or an image
             return {"error": f"{error}."}, self._pack(_NO_SCAN)
         judged = self._watches.judged_on(scan if len(scan) else None)
         return about_scan(scan, self.angle_offset) | self._drawn_on(scan) | judged, self._pack(scan)
 
     def _scan_in(self, given: Any) -> Scan:
-        """The scan that is given, or that a cloud is from above."""
+        """The scan that is given, or that a cloud is from above, or rows of a depth image are."""
+        if is_image(given):
+            return self._scan_of_image(given)
         if not is_cloud(given):
             return to_scan(given)
         cloud = to_cloud(given)

@@ -10,8 +10,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..poses.frame_tree import Poses
-from ..poses.live_frames import Frames, LiveFrames
-from ..samples import CameraInfo, Range, Scan, Sector
+from ..poses.live_frames import Frames, LiveFrames, are_joined
+from ..poses.mounts import ROBOT
+from ..samples import CameraInfo, Pose, Range, Scan, Sector
 from .model import CameraModel
 from .overlay import Overlay, ScanOnPicture, Seen, cones
 from .place import NoTransformError, ground_frame, place_in_camera
@@ -45,17 +46,19 @@ class PictureView(NamedTuple):
 
 
 class OnScan(NamedTuple):
-    """What a laser widget shows with its scans.
+    """What the widgets beside the picture know of scans and ranges.
 
     Attributes:
         sectors: by name.
         forms: the shapes of a program, as the page reads them.
         offset: radians that are added to all angles.
+        mounts: where a person says that sonars are on the robot, by name.
     """
 
     sectors: Mapping[str, Sector] = {}
     forms: Iterable[Mapping[str, Any]] = ()
     offset: float = 0.0
+    mounts: Mapping[str, Pose] = {}
 
 
 class BesidePictures:
@@ -105,16 +108,32 @@ class BesidePictures:
             except NoTransformError as error:
                 missing.append(str(error))
                 scan = None
-        placed: dict[str, tuple[Range, Poses]] = {}
-        for name, (one, came) in self.ranges.items():
-            if not one.frame_id:
-                continue  # many rings of sonars have their places in a table
-            try:
-                placed[name] = one, self._at(one.frame_id, came, one.stamp_ns, camera, view)
-            except NoTransformError as error:
-                missing.append(str(error))
+        placed, lost = self._placed(camera, view, drawn.mounts)
+        if lost:
+            missing.append(f"{lost[0]} and {len(lost) - 1} more" if len(lost) > 1 else lost[0])
         seen += cones(model, placed, BEAM)
         return Overlay(scan, pixels, tuple(seen), tuple(dict.fromkeys(missing)), apart)
+
+    def _placed(
+        self, camera: str, view: PictureView, mounts: Mapping[str, Pose]
+    ) -> tuple[dict[str, tuple[Range, Poses]], list[str]]:
+        """By sensor its range, and its pose in the frame of the camera; and why others have no pose."""
+        placed: dict[str, tuple[Range, Poses]] = {}
+        lost: list[str] = []
+        robot = next((name for name in ROBOT if name in self.frames.chain(camera)), ROBOT[0])
+        for name, (one, came) in self.ranges.items():
+            mount = mounts.get(name) or one.pose
+            if not (one.frame_id or mount):
+                continue  # nobody says where it is
+            try:
+                # By tf, which knows how high it is.
+                if mount and not are_joined(self.frames, one.frame_id.lstrip("/"), camera):
+                    placed[name] = one, self._at(robot, came, one.stamp_ns, camera, view).of(_flat_pose(mount))
+                else:
+                    placed[name] = one, self._at(one.frame_id, came, one.stamp_ns, camera, view)
+            except NoTransformError as error:
+                lost.append(str(error))
+        return placed, lost
 
     def _scan(self, model: CameraModel, scan: Scan, came: int, camera: str, view: PictureView) -> ScanOnPicture:
         if self.by_hand is not None:
@@ -145,6 +164,11 @@ class BesidePictures:
         if self._model is None or self._model[0] != key:
             self._model = key, CameraModel(info, rectified=view.rectified, size=view.size)
         return self._model[1]
+
+
+def _flat_pose(pose: Pose) -> Poses:
+    x, y, yaw = pose
+    return Poses(np.array([[x, y, 0.0]]), np.array([[0.0, 0.0, np.sin(yaw / 2), np.cos(yaw / 2)]]))
 
 
 def _apart(seconds: float) -> str:

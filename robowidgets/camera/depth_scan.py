@@ -11,10 +11,14 @@ from ..messages.camera_info import to_camera_info
 from ..messages.fields import has
 from ..messages.image import to_image
 from ..samples import Image, Scan
+from ..samples.echoes import Sources
 from .model import CameraModel
 
 NEAREST, FARTHEST = 0.45, 10.0
 """Metres: the limits of depthimage_to_laserscan where nobody sets others."""
+
+_CODE = "image.depth.flat[{number}]"
+"""How a program gets at a pixel."""
 
 
 def depth_scan(
@@ -31,7 +35,8 @@ def depth_scan(
 
     The scan lies in the plane of the camera, x ahead and y to the left. It has as many rays as the image has columns,
     at equal angles; index 0 is at the right. Of the readings that fall on one ray the nearest counts; a ray on which
-    there is none is NaN. `depth_rays` tells on which ray a column falls.
+    there is none is NaN. `depth_rays` tells on which ray a column falls, and ``scan.at(index).source`` which pixel a
+    ray is, counted by rows: ``image.depth.flat[source]``.
 
     Args:
         depth: the image, shape (H, W): integers are millimetres, others metres (REP-118). 0 and NaN are no reading. Or
@@ -76,9 +81,15 @@ def depth_scan(
     aside = column * np.float32(1.0 / model.focus[0])
     lengths = np.hypot(ahead * aside, ahead).astype(np.float32)
     is_seen = (np.float32(range_min) <= lengths) & (lengths <= np.float32(range_max)) & np.isfinite(lengths)
-    nearest = np.where(is_seen, lengths, np.float32(np.inf)).min(axis=0, initial=np.inf)
-    ranges = np.full(width, np.inf, np.float32)
-    np.minimum.at(ranges, rays, nearest)
+    lengths = np.where(is_seen, lengths, np.float32(np.inf))
+    row = lengths.argmin(axis=0)
+    nearest = lengths[row, np.arange(width)]
+    # Of what falls on one ray, the nearest is written last.
+    order = np.argsort(-nearest, kind="stable")
+    ranges, pixels = np.full(width, np.inf, np.float32), np.full(width, -1, np.int32)
+    ranges[rays[order]] = nearest[order]
+    pixels[rays[order]] = ((first + row) * width + np.arange(width))[order]
+    pixels[np.isinf(ranges)] = -1
     # What is farther than the sensor can see may come as inf: that says more than NaN.
     beyond = np.zeros(width, bool)
     np.logical_or.at(beyond, rays, np.isposinf(ahead).any(axis=0))
@@ -92,6 +103,7 @@ def depth_scan(
         range_max=range_max,
         stamp_ns=stamp_ns or info.stamp_ns,
         frame_id=frame_id or info.frame_id.replace("_optical", ""),
+        sources=Sources(f"row {first}" if last == first + 1 else f"rows {first} to {last - 1}", _CODE, pixels),
     )
 
 

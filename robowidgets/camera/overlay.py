@@ -23,6 +23,9 @@ FARTHEST = 100.0
 _TURN = pi / 90
 """Radians of an arc that one of its straight pieces spans."""
 
+THIN = pi / 60
+"""Radians of an infrared beam that does not tell its width."""
+
 _TIP = 0.3
 """Metres of the arrow of a program."""
 
@@ -168,7 +171,7 @@ def cones(model: CameraModel, ranges: Mapping[str, tuple[Range, Poses]], beam: f
         reach = one.range if seen else one.max_range
         if one.validity not in (Validity.READING, Validity.NOTHING_IN_RANGE) or not isfinite(reach):
             continue
-        half = (one.field_of_view or beam) / 2
+        half = (one.field_of_view or (min(THIN, beam) if one.radiation == "infrared" else beam)) / 2
         arc = _arc(min(reach, FARTHEST), -half, half)
         rim = at.moved(_flat(arc))
         cone = outlines.surface(np.vstack([at.positions, rim]))

@@ -6,11 +6,13 @@ import threading
 from collections.abc import Callable, Iterable, Sequence
 from typing import Any, Protocol
 
-from ..imaging.overlay import HasOverlay
 from ..kinds import ODOMETRY_TYPES, TRANSFORM_TYPES
-from ..poses.live_frames import TakesFrames
+from ..poses.live_frames import TakesFrames, TakesTopics
 from ._subscription import Target
 from ._topics import FeedTopic
+
+_WATCHED = ("trail", "overlay", "_lasers")
+"""Traits of widgets that decide what they need."""
 
 
 class Attaching(Protocol):
@@ -48,9 +50,9 @@ class FrameTopics:
         with self._lock:
             there = {widget for widget in connection.widgets if hasattr(widget, "frame_topics")}
             for widget in there - self._observed:
-                widget.observe(self.look, ["trail", "overlay"])
+                widget.observe(self.look, _WATCHED)
             for widget in self._observed - there:
-                widget.unobserve(self.look, ["trail", "overlay"])
+                widget.unobserve(self.look, _WATCHED)
             self._observed = there
             for widget in there | self._attached.keys():
                 wanted = _wanted(connection.topics, widget) if widget in there else []
@@ -67,21 +69,18 @@ class FrameTopics:
         """Observe no widget any more."""
         with self._lock:
             for widget in self._observed:
-                widget.unobserve(self.look, ["trail", "overlay"])
+                widget.unobserve(self.look, _WATCHED)
             self._observed = set()
 
 
 def _wanted(topics: Iterable[FeedTopic], widget: TakesFrames) -> list[tuple[str, Callable[[Any], object]]]:
     """The topics that a widget needs besides its own, and what takes their messages."""
-    by = widget.frame_topics
-    if not by:
-        return []
-    there = list(topics)
+    by, there = widget.frame_topics, list(topics)
     odometry = sorted(topic.name for topic in there if topic.type in ODOMETRY_TYPES and topic.widget)[:1]
     frames = sorted(topic.name for topic in there if topic.type in TRANSFORM_TYPES)
-    names = [*odometry, *frames] if by == "both" else (odometry or frames) if by == "odometry" else frames
+    names = {"both": [*odometry, *frames], "odometry": odometry or frames, "tf": frames, "": []}[by]
     wanted: list[tuple[str, Callable[[Any], object]]] = [(name, widget.take_frames) for name in names]
-    if isinstance(widget, HasOverlay):
+    if isinstance(widget, TakesTopics):
         wanted += widget.topics_beside({topic.name: topic.type for topic in there})
     return wanted
 

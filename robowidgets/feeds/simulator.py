@@ -19,7 +19,7 @@ from ..messages import to_speed
 from ..samples.checks import finite
 from ..simulator import Robot, Scanner, World
 from ..simulator import room as room_of
-from ..simulator.offers import MakeOffers
+from ..simulator.offers import MakeOffers, cameras
 from ..simulator.real_time import RealTime
 from ..simulator.robot_process import RobotProcess
 from ..simulator.view import View
@@ -49,7 +49,7 @@ class Simulated(ThreadedMiddleware):
     def __init__(self, robot: Robot, hz: float, wander: bool, process: bool, clock: Clock | None = None) -> None:
         super().__init__(clock)
         self._robot = robot
-        offers: list[MakeOffers] = [load(kind.simulated) for kind in KINDS.values() if kind.simulated]
+        offers: list[MakeOffers] = [*(load(kind.simulated) for kind in KINDS.values() if kind.simulated), cameras]
         self._topics = [
             Advert(
                 *(offer.topic, offer.type),
@@ -178,10 +178,12 @@ def simulator(
     seed: int = 1,
     wander: bool = True,
     process: bool = False,
+    camera: bool = False,
 ) -> SimulatorFeed:
     """A feed of the built-in robot, which needs no middleware: it wanders about a house until it is driven.
 
-    Its topics are /scan, /odom, /cmd_vel, /bumper where it has bumpers, and one below /sonar for each of its sonars.
+    Its topics are /scan, /odom, /cmd_vel, /bumper where it has bumpers, and one below /sonar for each of its sonars;
+    with a camera also /camera/image_raw, /camera/depth/image_rect_raw, /camera/camera_info and /tf.
 
     Args:
         robot: "turtlebot3", "kobuki", "create3", "pioneer" or "pr2"; or a robot of `robowidgets.simulator`; None: a
@@ -193,10 +195,11 @@ def simulator(
         seed: the seed of everything random: of that robot, and of the maze.
         wander: whether it wanders while nobody drives it; False: it stands still.
         process: whether it runs in a process of its own, so that its time goes on while a cell keeps Python busy.
+        camera: whether it has a camera, which looks ahead.
 
     Raises:
-        TypeError: robot is no robot, room neither a name nor a world, hz or seed no number, or wander or process
-            neither True nor False; a `Robot` is given with room or scanner.
+        TypeError: robot is no robot, room neither a name nor a world, hz or seed no number, or wander, process or
+            camera neither True nor False; a `Robot` is given with room, scanner or camera.
         ValueError: hz is out of range, or nothing has this name.
 
     Examples:
@@ -208,16 +211,20 @@ def simulator(
     """
     if robot is not None and not isinstance(robot, (Robot, str)):
         raise TypeError(f"robot: expected a name such as 'turtlebot3', or a Robot, got {robot!r}")
-    if isinstance(robot, Robot) and (room is not None or scanner is not None):
-        raise TypeError("simulator: expected a Robot, which has its world and scanner, or room= and scanner=; got both")
+    if isinstance(robot, Robot) and (room is not None or scanner is not None or camera):
+        raise TypeError(
+            "simulator: expected a Robot, which has its world, scanner and camera, or room=, scanner= and camera=; "
+            "got both"
+        )
     if not 0 < finite("hz", hz, "steps a second") <= 1000:
         raise ValueError(f"hz: expected steps a second, above 0 and at most 1000, got {hz!r}")
-    for name, value in (("wander", wander), ("process", process)):
+    for name, value in (("wander", wander), ("process", process), ("camera", camera)):
         if not isinstance(value, bool):
             raise TypeError(f"{name}: expected True or False, got {value!r}")
     if process and in_browser.IN_BROWSER:
         raise ValueError("process: expected False, because Python in a browser starts no processes, got True")
     if not isinstance(robot, Robot):
         world = room if isinstance(room, World) else room_of("house" if room is None else room, seed)
-        robot = Robot(world, scanner=scanner, seed=seed, model="plain" if robot is None else robot)
+        model = "plain" if robot is None else robot
+        robot = Robot(world, scanner=scanner, seed=seed, model=model, camera=camera)
     return SimulatorFeed(robot, hz, wander, process)

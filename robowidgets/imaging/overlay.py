@@ -4,24 +4,24 @@ from __future__ import annotations
 
 import re
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
-from typing import Any
+from functools import partial
+from typing import Any, ClassVar
 
 import traitlets
 
 from .._core.large_frames import LargeFrameWidget
 from .._core.traits import Flag
-from ..camera import BesidePictures, OnScan, PictureView, about_overlay, pose_by_hand
-from ..kinds import namespace_of
+from ..camera import BesidePictures, OnScan, Overlay, PictureView, about_overlay, pose_by_hand
+from ..kinds import SONAR, info_of, kind_of_message, sensor_of
 from ..messages import to_camera_info, to_range, to_scan
 from ..messages.fields import get, unwrap
 from ..poses.live_frames import LiveFrames
 from ..poses.transforms import transforms_in, transforms_of
-from ..samples import Image
+from ..samples import Image, Pose
 from ..samples.age import arrival_of
 
-CAMERA_INFO = "sensor_msgs/msg/CameraInfo"
 SCAN = "sensor_msgs/msg/LaserScan"
 RANGE = "sensor_msgs/msg/Range"
 
@@ -31,13 +31,20 @@ _RECTIFIED = re.compile(r"rect|registered", re.IGNORECASE)
 class HasOverlay(LargeFrameWidget[Image]):
     """An image widget that shows where the readings of a laser and of sonars are in its pictures."""
 
+    frame_traits: ClassVar = ("rectified", "_edition")
+
     overlay = Flag(True, help="Whether readings lie over the picture.").tag(sync=True)
     rectified = traitlets.Bool(
         None, allow_none=True, help="Whether what is straight is so in the picture; None: by the name of its topic."
     )
+    _lasers = traitlets.List(traitlets.Unicode(), help="Titles of the laser widgets that are frozen with it.")
 
     def __init__(self, **kwargs: Any) -> None:
         self._beside = BesidePictures()
+        self._scan_topic = ""
+        """The topic of the scans, where a feed or a player gives them."""
+        self._drawn_by: Any = None
+        """The laser widget whose sectors and shapes lie over the pictures of a player."""
         self._camera_pose: tuple[Any, ...] | None = None
         camera_pose = kwargs.pop("camera_pose", None)
         super().__init__(**kwargs)
@@ -63,6 +70,7 @@ class HasOverlay(LargeFrameWidget[Image]):
     def camera_pose(self, pose: Any) -> None:
         self._beside.by_hand = None if pose is None else pose_by_hand(pose)
         self._camera_pose = None if pose is None else tuple(pose)
+        self._renew_frames()
 
     def calibrate(self, message: Any) -> None:
         """Take the calibration of the camera, a sensor_msgs/CameraInfo.
@@ -96,6 +104,23 @@ class HasOverlay(LargeFrameWidget[Image]):
         with self._newest.lock:
             self._beside.ranges[sensor] = one, round(arrival_of(one) * 1e9)
 
+    def _take_beside(self, sensor: str, message: Any) -> None:
+        """Take a message of a topic beside the pictures; one that tells a touch, not a distance, is left out."""
+        if kind_of_message(message, RANGE) is SONAR:
+            self.take_range(sensor, message)
+
+    @property
+    def seen(self) -> Overlay | None:
+        """What lies over the picture on show: ``seen.scan``, and ``seen.pixels`` with column and row of each reading.
+
+        Of a ray without a reading, or whose reading the camera does not see, both are NaN. ``seen.missing`` says why
+        something is not there. None before a picture and something to lay over it came, and in the player of a
+        recording, which tells its page alone.
+        """
+        image = self._sample_on_show()
+        with self._newest.lock:
+            return None if image is None else self._over(image, round(arrival_of(image) * 1e9), self._beside)
+
     @property
     def frame_topics(self) -> str:
         """See `TakesFrames` in `poses.live_frames`."""
@@ -113,44 +138,76 @@ class HasOverlay(LargeFrameWidget[Image]):
                 frames.add(one)
 
     def topics_beside(self, topics: Mapping[str, str]) -> list[tuple[str, Callable[[Any], object]]]:
-        """The topics of a robot that it needs beside its pictures, and what takes their messages.
-
-        Args:
-            topics: the type of each topic.
-        """
+        """See `TakesTopics` in `poses.live_frames`: calibration, scans and ranges."""
         if not self.overlay or self.driven_by_player:
             return []
         found: list[tuple[str, Callable[[Any], object]]] = []
         near = info_of(str(self._source.get("topic") or self.title), topics)
         found += [(near, self.calibrate)] if near else []
         scans = sorted(name for name, kind in topics.items() if kind == SCAN)
-        found += [(name, self.take_scan) for name in scans[:1]]
+        found += [(name, self.take_scan) for name in self.choose_scan(scans)]
+        ranges = sorted(name for name, kind in topics.items() if kind == RANGE)
+        found += [(name, partial(self._take_beside, sensor_of(name))) for name in ranges]
         return found
+
+    def choose_scan(self, topics: Sequence[str]) -> list[str]:
+        """The one of some topics whose scans lie over the picture: that of a laser beside it, else the first."""
+        chosen = next((name for name in topics if name in self._lasers), next(iter(topics), ""))
+        with self._newest.lock:
+            if chosen != self._scan_topic:
+                self._scan_topic = chosen
+                self._beside.scans.clear()
+        return [chosen] if chosen else []
+
+    def on_group(self) -> None:
+        """See `FreezableWidget`: in a player, pictures come anew when other things lie over them."""
+        super().on_group()
+        self._lasers = [str(one.title) for one in self._group if one.sample_name == "scan"]
+        laser = self._laser
+        if laser is not self._drawn_by and self.driven_by_player:
+            for widget, does in ((self._drawn_by, "unobserve"), (laser, "observe")):
+                if widget is not None:
+                    getattr(widget, does)(self._draw_anew, ["_sectors", "angle_offset", "_edition"])
+            self._drawn_by = laser
+
+    def _draw_anew(self, _change: Any) -> None:
+        self._renew_frames()
+
+    @property
+    def _laser(self) -> Any:
+        """The laser widget in its group that shows the scans that lie over the picture; None without one."""
+        lasers = (one for one in self._group if one.sample_name == "scan")
+        return next((one for one in lasers if self._scan_topic in ("", one.title)), None)
 
     def _over_live(self, sample: Image) -> dict[str, Any]:
         """What the page is told of a picture that came; a player tells it itself."""
         return {} if self.driven_by_player else self.over_of(sample, round(arrival_of(sample) * 1e9))
 
-    def over_of(self, sample: Image, time_ns: int) -> dict[str, Any]:
-        """What the page is told of what lies over a picture."""
-        if not self.overlay:
+    def over_of(self, sample: Image, time_ns: int, beside: BesidePictures | None = None) -> dict[str, Any]:
+        """What the page is told of what lies over a picture.
+
+        Args:
+            sample: the picture.
+            time_ns: when it came.
+            beside: what came beside it; None: what came here, where the overlay is on. A player, which has its own,
+                tells its page always: it may be switched on there without Python.
+        """
+        if beside is None and not self.overlay:
             return {}
+        overlay = self._over(sample, time_ns, beside or self._beside)
+        if overlay is None:
+            return {}
+        laser = self._laser
+        return {"over": {**about_overlay(overlay), **({} if laser is None else {"laser": laser.model_id})}}
+
+    def _over(self, sample: Image, time_ns: int, beside: BesidePictures) -> Overlay | None:
+        """What lies over a picture."""
         rows, columns = sample.shape
         topic = str(self._source.get("topic") or self.title)
         rectified = bool(_RECTIFIED.search(topic)) if self.rectified is None else self.rectified
-        laser = next((one for one in self._group if one.sample_name == "scan"), None)
+        laser = self._laser
         drawn = OnScan() if laser is None else OnScan(dict(laser.sectors), laser.forms(), laser.angle_offset)
+        for ring in [one for one in self._group if one.sample_name == "sonars"]:
+            drawn = drawn._replace(mounts={**drawn.mounts, **{name: Pose(*at) for name, at in ring.poses.items()}})
         view = PictureView((columns, rows), sample.frame_id, sample.stamp_ns, time_ns, rectified)
-        overlay = self._beside.over(view, drawn)
-        if overlay is None:
-            return {}
-        told = about_overlay(overlay)
-        return {"over": {**told, **({} if laser is None else {"laser": laser.model_id})}}
-
-
-def info_of(topic: str, topics: Mapping[str, str]) -> str:
-    """The topic with the calibration of a camera, beside that of its pictures; empty without one."""
-    space = namespace_of(topic)
-    # "/camera/image_raw/compressed" has another part.
-    near = [name for name, kind in topics.items() if kind == CAMERA_INFO]
-    return next((name for beside in (space, namespace_of(space)) for name in near if namespace_of(name) == beside), "")
+        return beside.over(view, drawn)

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from math import cos, sin
 from typing import Any
 
-from ..samples import Range, Scan, Speed, Touch, TouchState
+import numpy as np
+
+from ..samples import CameraInfo, Image, Range, Scan, Speed, Touch, TouchState
 from ..samples.touch_tracker import TouchTracker
 from .twist import TWIST, TWIST_STAMPED
 
@@ -14,6 +16,8 @@ LASER_SCAN = "sensor_msgs/msg/LaserScan"
 ODOMETRY = "nav_msgs/msg/Odometry"
 RANGE = "sensor_msgs/msg/Range"
 TF = "tf2_msgs/msg/TFMessage"
+IMAGE = "sensor_msgs/msg/Image"
+CAMERA_INFO = "sensor_msgs/msg/CameraInfo"
 CONTACTS = "ros_gz_interfaces/msg/Contacts"
 
 ToMessage = Callable[[Any, int, str], tuple[str, dict[str, Any]]]
@@ -54,6 +58,29 @@ def mount_message(sample: Any, time_ns: int) -> tuple[str, dict[str, Any]] | Non
     transform = {"translation": {"x": x, "y": y}, "rotation": {"z": sin(yaw / 2), "w": cos(yaw / 2)}}
     header = _header(time_ns, "base_link")
     return TF, {"transforms": [{"header": header, "child_frame_id": sample.frame_id, "transform": transform}]}
+
+
+def image_fields(image: Image) -> dict[str, Any]:
+    """The fields of a ``sensor_msgs/Image``, with its own stamp."""
+    pixels = np.ascontiguousarray(image.pixels)
+    (height, width), data = image.shape, pixels.view(np.uint8).ravel()
+    header = _header(image.stamp_ns or 0, image.frame_id)
+    size = {"height": height, "width": width, "step": data.size // height}
+    return {"header": header, **size, "encoding": image.encoding, "is_bigendian": 0, "data": data}
+
+
+def camera_info_fields(info: CameraInfo, stamp_ns: int) -> dict[str, Any]:
+    """The fields of a ``sensor_msgs/CameraInfo`` of ROS 2, of a whole picture."""
+    size = {"height": info.height, "width": info.width, "distortion_model": info.distortion_model}
+    return {"header": _header(stamp_ns, info.frame_id), **size, "d": info.d, "k": info.k, "r": info.r, "p": info.p}
+
+
+def transform_fields(
+    parent: str, child: str, place: Sequence[float], turn: Sequence[float], stamp_ns: int
+) -> dict[str, Any]:
+    """The fields of a ``geometry_msgs/TransformStamped``: metres, and a quaternion x, y, z, w."""
+    pose = {"translation": dict(zip("xyz", place, strict=True)), "rotation": dict(zip("xyzw", turn, strict=True))}
+    return {"header": _header(stamp_ns, parent), "child_frame_id": child, "transform": pose}
 
 
 def speed_message(speed: Speed, time_ns: int, topic_type: str) -> tuple[str, dict[str, Any]]:

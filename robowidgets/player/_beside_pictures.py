@@ -7,14 +7,23 @@ from contextlib import suppress
 from typing import Any
 
 from .._core.progress import without_bars
+from ..camera import BesidePictures
 from ..image_widget import ImageWidget
-from ..imaging.overlay import RANGE, SCAN, info_of
-from ..kinds import sensor_of
+from ..imaging.overlay import RANGE, SCAN
+from ..kinds import info_of, sensor_of
 from ..poses.frame_tree import FrameTree
 from ..recordings import RecordingData
 
 AROUND = 1.0
 """Seconds round a picture in which the nearest scan is looked for."""
+
+
+def first_info(recording: RecordingData, topic: str) -> Any:
+    """The first message with the calibration of the camera of a topic; None without one."""
+    types = {one.name: one.type for one in recording.topics if not one.problem}
+    info = info_of(topic, types)
+    first = next(iter(recording.messages(info)), None) if info else None
+    return first and first.message
 
 
 class BesidePicturesOf:
@@ -28,31 +37,35 @@ class BesidePicturesOf:
 
     def __init__(self, recording: RecordingData, topic: str, widget: ImageWidget) -> None:
         self._recording, self._widget = recording, widget
+        # Of its own: the player sends ahead in one thread what a page in a file is made of in another.
+        self._beside = BesidePictures()
         types = {one.name: one.type for one in recording.topics if not one.problem}
-        self._scans = sorted(name for name, kind in types.items() if kind == SCAN)[:1]
+        self._scans = sorted(name for name, kind in types.items() if kind == SCAN)
         self._ranges = sorted(one.name for one in recording.topics if one.type == RANGE and one.widget == "sonar")
         self._tree: FrameTree | None = None
-        info = info_of(topic, types)
-        first = next(iter(recording.messages(info)), None) if info else None
-        if first is not None and widget.beside.info is None:
+        info = first_info(recording, topic)
+        if info is not None and widget.beside.info is None:
             with suppress(TypeError, ValueError):
-                widget.calibrate(first.message)
+                widget.calibrate(info)
+        self._beside.info = widget.beside.info
 
     def load(self, start: float, end: float) -> None:
         """Take the scans round a span."""
-        beside = self._widget.beside
-        if not self._widget.overlay or not (self._scans or self._ranges):
+        beside = self._beside
+        if not (self._scans or self._ranges):
             return
         if self._tree is None:
             with without_bars():
                 self._tree = beside.frames = FrameTree(self._recording.transforms())
         if self._scans:
-            moments = self._recording.samples(self._scans, max(0.0, start - AROUND), end + AROUND)
+            chosen = self._widget.choose_scan(self._scans)
+            moments = self._recording.samples(chosen, max(0.0, start - AROUND), end + AROUND)
             beside.scans = deque((moment.sample, moment.time_ns) for moment in moments)
 
     def about(self, seconds: float, picture: Any) -> dict[str, Any]:
         """What the page is told of what lies over a picture at a time."""
-        beside = self._widget.beside
-        found = {name: self._recording.at(name, seconds) for name in self._ranges if self._widget.overlay}
+        beside = self._beside
+        beside.by_hand = self._widget.beside.by_hand
+        found = {name: self._recording.at(name, seconds) for name in self._ranges}
         beside.ranges = {sensor_of(name): (one.sample, one.time_ns) for name, one in found.items() if one}
-        return self._widget.over_of(picture, (self._recording.start_ns or 0) + round(seconds * 1e9))
+        return self._widget.over_of(picture, (self._recording.start_ns or 0) + round(seconds * 1e9), beside)

@@ -1,4 +1,4 @@
-"""The pictures of a recording, as small as a player can send them ahead."""
+"""The pictures of a recording, as small as a player can send them ahead, and the scans that are made of them."""
 
 from __future__ import annotations
 
@@ -8,10 +8,11 @@ from contextlib import suppress
 from .._core.timed_frame import TimedFrame
 from .._widget_choice import WidgetChoice
 from ..image_widget import ImageWidget
+from ..laser_widget import LaserWidget
 from ..messages import to_image
 from ..recordings import RecordingData
 from ..recordings.topics import Moment
-from ._beside_pictures import BesidePicturesOf
+from ._beside_pictures import BesidePicturesOf, first_info
 from ._frames import MessageFrames
 
 BYTES_PER_SECOND = 2_000_000
@@ -42,3 +43,13 @@ class ImageFrames(MessageFrames):
             with suppress(TypeError, ValueError):  # its note says so
                 about = about | self._beside.about(seconds, to_image(moment.sample))
         return timed._replace(about=about)
+
+
+class MadeScanFrames(MessageFrames):
+    """A `Track` of scans that are made of clouds or depth images; see `MessageFrames`."""
+
+    def __init__(self, recording: RecordingData, choice: WidgetChoice, widget: LaserWidget) -> None:
+        super().__init__(recording, choice, widget)
+        info = first_info(recording, choice.topic)
+        if info is not None:
+            widget.calibrate(info)

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections import deque
-from typing import Any, Protocol
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
 
@@ -33,6 +34,14 @@ class TakesFrames(Protocol):
 
     def take_frames(self, message: Any) -> None:
         """Take a message of odometry or of tf. It may be called from any thread; one that says nothing is left out."""
+
+
+@runtime_checkable
+class TakesTopics(Protocol):
+    """A widget that a feed gives what other topics say beside its own."""
+
+    def topics_beside(self, topics: Mapping[str, str]) -> Sequence[tuple[str, Callable[[Any], object]]]:
+        """The topics that it needs of those there are, of which each has its type, and what takes their messages."""
 
 
 class LiveFrames:

@@ -14,7 +14,7 @@ Examples:
 """
 
 from ..samples import Pose
-from .camera import picture
+from .camera import Camera, picture
 from .motors import Motors
 from .robot import Robot
 from .rooms import room
@@ -24,4 +24,4 @@ from .view import View
 from .wander import wander
 from .world import World
 
-__all__ = ["Motors", "Pose", "Robot", "Scanner", "Sonars", "View", "World", "picture", "room", "wander"]
+__all__ = ["Camera", "Motors", "Pose", "Robot", "Scanner", "Sonars", "View", "World", "picture", "room", "wander"]

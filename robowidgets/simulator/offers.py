@@ -4,10 +4,23 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from functools import partial
+from math import cos, sin
 from typing import Any, NamedTuple
 
-from ..messages.standard import LASER_SCAN, ODOMETRY, RANGE
+from ..messages.standard import (
+    CAMERA_INFO,
+    IMAGE,
+    LASER_SCAN,
+    ODOMETRY,
+    RANGE,
+    TF,
+    camera_info_fields,
+    image_fields,
+    transform_fields,
+)
 from ..messages.twist import TWIST
+from ..samples import Image
+from .camera import SCANNER_UP
 from .robot import Robot
 
 
@@ -56,3 +69,45 @@ def touches(robot: Robot) -> list[Offer]:
 def sonars(robot: Robot) -> list[Offer]:
     """Each sonar, when it is its turn."""
     return [Offer(f"/sonar/{name}", RANGE, partial(robot.sonar, name)) for name in robot.sonars.poses]
+
+
+def cameras(robot: Robot) -> list[Offer]:
+    """What a camera sees, its calibration, and where it and the other sensors are; nothing without a camera."""
+    camera = robot.camera
+    if camera is None:
+        return []
+
+    def calibration(image: Image) -> dict[str, Any]:
+        return camera_info_fields(camera.info, image.stamp_ns or 0)
+
+    return [
+        Offer("/camera/image_raw", IMAGE, robot.image, image_fields),
+        Offer("/camera/depth/image_rect_raw", IMAGE, robot.depth_image, image_fields),
+        Offer("/camera/camera_info", CAMERA_INFO, robot.image, calibration),
+        Offer("/tf", TF, robot.image, partial(_transforms, robot)),
+    ]
+
+
+def _transforms(robot: Robot, image: Image) -> dict[str, Any]:
+    """Where the robot was when the camera took a picture, and its sensors on it."""
+    assert robot.camera is not None
+    x, y, yaw = robot.odometry
+    placed = {
+        "base_link": ("odom", x, y, 0.0, yaw),
+        robot.scanner.frame_id: ("base_link", *_raised(robot.scanner.mount, SCANNER_UP)),
+        "camera_link": ("base_link", *_raised(robot.camera.mount, robot.camera.up)),
+        **{f"sonar_{name}": ("base_link", *_raised(pose, SCANNER_UP)) for name, pose in robot.sonars.poses.items()},
+    }
+    stamp_ns = image.stamp_ns or 0
+    upright = [
+        transform_fields(parent, child, (x, y, z), (0.0, 0.0, sin(yaw / 2), cos(yaw / 2)), stamp_ns)
+        for child, (parent, x, y, z, yaw) in placed.items()
+    ]
+    # It looks along z, with x to the right and y down (REP-103).
+    optical = transform_fields("camera_link", robot.camera.frame_id, (0.0, 0.0, 0.0), (-0.5, 0.5, -0.5, 0.5), stamp_ns)
+    return {"transforms": [*upright, optical]}
+
+
+def _raised(pose: tuple[float, float, float], up: float) -> tuple[float, float, float, float]:
+    x, y, yaw = pose
+    return x, y, up, yaw

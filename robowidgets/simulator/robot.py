@@ -11,11 +11,12 @@ from typing import Any
 import numpy as np
 
 from .._core.observed import Observed
-from ..samples import Pose, Range, Scan, Speed, Touch, TouchMode
+from ..samples import Image, Pose, Range, Scan, Speed, Touch, TouchMode
 from ..samples.checks import finite
 from ._contact import PRESSED_WITHIN, contact_angles, over_drop, pressed, push_out
 from ._models import WHEELS, model_of
 from ._scanners import scanner_of
+from .camera import Camera
 from .motors import BodyVelocity, Motors
 from .scanner import Scanner
 from .sonars import Sonars
@@ -58,9 +59,10 @@ class Robot(Observed):
         model: "plain", "turtlebot3", "kobuki", "create3", "pioneer" or "pr2": typical size and limits, bumpers, sonars
             and a scanner.
         sonars: its ring of sonars; None: that of the model.
+        camera: its camera; True: a usual one, ahead; None: it has none.
 
     Raises:
-        TypeError: something is not a number, or a world, scanner or motors of another type.
+        TypeError: something is not a number, or a world, scanner, motors or camera of another type.
         ValueError: a value is out of range, or the body does not fit at the pose.
 
     Examples:
@@ -82,6 +84,7 @@ class Robot(Observed):
         seed: int = 0,
         model: str = "plain",
         sonars: Sonars | None = None,
+        camera: Camera | bool | None = None,
     ) -> None:
         self._model_name, self.model = model, model_of(model)
         if isinstance(scanner, str):
@@ -89,15 +92,18 @@ class Robot(Observed):
         self.scanner = self.model.scanner if scanner is None else scanner
         self.motors = self.model.motors if motors is None else motors
         self.sonars = self.model.sonars if sonars is None else sonars
+        self.camera = Camera() if camera is True else camera or None
         for name, value, kind in (
             ("world", world, World),
             ("scanner", self.scanner, Scanner),
             ("motors", self.motors, Motors),
             ("sonars", self.sonars, Sonars),
+            ("camera", self.camera, (Camera, type(None))),
             ("seed", seed, int),
         ):
             if not isinstance(value, kind):
-                raise TypeError(f"{name}: expected {kind.__name__}, got {value!r}")
+                expected = getattr(kind, "__name__", "Camera, True or None")
+                raise TypeError(f"{name}: expected {expected}, got {value!r}")
         if seed < 0:
             raise ValueError(f"seed: expected 0 or more, got {seed}")
         self._world = world
@@ -124,6 +130,8 @@ class Robot(Observed):
         self._scan: Scan | None = None
         self._ranges: dict[str, tuple[int, Range]] = {}
         """By sonar the number of its newest reading, and that reading."""
+        self._pictures: tuple[int, Image, Image] | None = None
+        """Number, colours and depth of what the camera has seen last."""
         shortest_way_through = self.radius / 2
         fastest = hypot(self.motors.max_linear, self.motors.max_lateral)
         self._substep_ns = max(1, min(_SUBSTEP_NS, int(shortest_way_through / fastest * 1e9)))
@@ -294,6 +302,14 @@ class Robot(Observed):
                 self._ranges[name] = number, measured
             return self._ranges[name][1]
 
+    def image(self) -> Image:
+        """The newest picture of the camera; the same object until it is its turn again. ValueError without a camera."""
+        return self._see()[1]
+
+    def depth_image(self) -> Image:
+        """The depth image of the moment of `image`, in millimetres, as `image` otherwise."""
+        return self._see()[2]
+
     def speed(self) -> Speed:
         """The speed that the wheels measure, with the pose that follows from them."""
         return self._as_speed(*self._speeds, self._odometry)
@@ -329,6 +345,15 @@ class Robot(Observed):
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         vars(self).update(state, _lock=threading.Lock(), _observers=[], model=model_of(state["_model_name"]))
+
+    def _see(self) -> tuple[int, Image, Image]:
+        if self.camera is None:
+            raise ValueError("the robot has no camera; Robot(..., camera=True) has one")
+        with self._lock:
+            number = int(self._time_ns * self.camera.rate / 1e9)
+            if self._pictures is None or self._pictures[0] != number:
+                self._pictures = number, *self.camera.see(self.world, self._pose, self._time_ns)
+            return self._pictures
 
     def _as_speed(self, linear: float, angular: float, lateral: float, pose: Pose | None = None) -> Speed:
         return Speed((linear, lateral, 0.0), (0.0, 0.0, angular), self._time_ns, "base_link", pose)

@@ -2,21 +2,25 @@
 
 from __future__ import annotations
 
+from contextlib import closing
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from traitlets import TraitError
 
 import robowidgets
-from robowidgets import CameraInfo, ImageWidget, LaserWidget, Line, Range, Scan, together
+from robowidgets import CameraInfo, CameraModel, ImageWidget, LaserWidget, Line, Range, Scan, SonarWidget, together
 from robowidgets._widget_choice import choose_widgets
-from robowidgets.camera import BesidePictures, PictureView, about_overlay
+from robowidgets.camera import BesidePictures, PictureView, about_overlay, cones
 from robowidgets.feeds._frame_topics import _wanted
 from robowidgets.feeds._topics import FeedTopic
 from robowidgets.player._image_frames import ImageFrames
-from robowidgets.samples import Image
+from robowidgets.poses.frame_tree import Poses
+from robowidgets.samples import Image, Pose
 
+from .. import camera_drive
 from .recordings import recorded
 
 SECOND = 1_000_000_000
@@ -175,3 +179,101 @@ def test_a_player_lays_the_nearest_scan_over_each_picture(tmp_path: Path) -> Non
     assert {*over["dots"][3::4]} == {6000}
     assert (over["apart"], "missing" in over) == (-0.1, False)
     widget.close()
+
+
+def test_sonars_without_tf_are_where_their_readings_or_a_person_says_and_one_line_tells_of_the_others() -> None:
+    image, ring = ImageWidget(title="/camera/image_rect"), SonarWidget(poses={"front": (0.2, 0.0, 0.0)})
+    together(image, ring)
+    image.calibrate(INFO)
+    image.take_frames(TF)
+    image.take_range("front", Range(1.0, 0.1, 4.0))
+    image.take_range("told", Range(1.5, 0.1, 4.0, pose=Pose(0.2, 0.3, 0.0)))
+    for name in ("lost", "lost too", "lost as well"):
+        image.take_range(name, Range(1.0, 0.1, 4.0, frame_id=name))
+    image.update(picture_at(SECOND))
+    seen = image.seen
+    assert seen is not None
+    assert [one.name for one in seen.drawn if one.kind == "cone"] == ["front", "told"]
+    assert seen.missing == ("no tf from lost to camera_optical_frame and 2 more",)
+    for widget in (image, ring):
+        widget.close()
+
+
+def test_infrared_is_a_thin_cone() -> None:
+    model = CameraModel(CameraInfo(640, 480, np.array(INFO["k"])))
+    ahead = Poses(np.zeros((1, 3)), np.array([[-0.5, 0.5, -0.5, 0.5]])).inverse()
+    found = {
+        radiation: cones(model, {"": (Range(1.0, 0.1, 4.0, radiation=radiation), ahead)}, 0.26)[0].pieces[0]
+        for radiation in ("ultrasound", "infrared")
+    }
+    widths = {radiation: np.ptp(cone[:, 0]) for radiation, cone in found.items()}
+    assert 0 < widths["infrared"] < 0.3 * widths["ultrasound"]
+
+
+def test_of_two_scanners_that_which_is_shown_beside_it_lies_over_the_picture() -> None:
+    image, laser = ImageWidget(title="/camera/image_raw"), LaserWidget(title="/tilt_scan")
+    topics = dict.fromkeys(("/base_scan", "/tilt_scan"), "sensor_msgs/msg/LaserScan")
+    ((base, _),) = image.topics_beside(topics)
+    image.take_scan(scan_at(SECOND))
+    together(laser, image)
+    ((tilt, _),) = image.topics_beside(topics)
+    assert (base, tilt) == ("/base_scan", "/tilt_scan")
+    assert not image.beside.scans  # those of the other one
+    image.calibrate(INFO)
+    image.take_frames(TF)
+    image.take_scan(scan_at(SECOND))
+    assert image.over_of(picture_at(SECOND), 0)["over"]["laser"] == laser.model_id
+    laser.title = "/points"
+    assert "laser" not in image.over_of(picture_at(SECOND), 0)["over"]
+    for widget in (image, laser):
+        widget.close()
+
+
+@pytest.mark.slow
+def test_a_recording_shows_its_camera_with_what_is_kept_on_the_laser_and_its_depth_as_a_laser(tmp_path: Path) -> None:
+    path = camera_drive.write(tmp_path / "drive", 0.6)
+    topics = ("/camera/image_raw", "/scan", "/sonar/front_3", "/camera/depth/image_rect_raw as scan")
+    with robowidgets.open(path) as recording, closing(recording.show(*topics)) as player:
+        image, laser, of_depth, ring = (
+            next(view.widget for view in player.views if view.choice.topic == name)
+            for name in ("/camera/image_raw", "/scan", "/camera/depth/image_rect_raw", "/sonar/front_3")
+        )
+
+        def told(topic: str) -> dict[str, Any]:
+            view = next(view for view in player.views if view.choice.topic == topic)
+            *_, last = view.track.frames(0.0, 0.6)
+            return last.about
+
+        over = told("/camera/image_raw")["over"]
+        assert {one["kind"] for one in over["drawn"]} >= {"area", "cone"}
+        assert (over["laser"], "missing" in over) == (laser.model_id, False)
+        edition = image._edition
+        laser.sectors["near"] = ("-10deg", "10deg")
+        assert image._edition > edition  # the player sends its pictures again
+        assert "near" in [one["name"] for one in told("/camera/image_raw")["over"]["drawn"]]
+        # The page may put it off and on again without Python.
+        image.overlay = False
+        assert "over" in told("/camera/image_raw")
+        about = told("/camera/depth/image_rect_raw")
+        assert about["made_of"] == ["row 119", "image.depth.flat[{number}]"]
+        of_depth.rows = 20
+        assert told("/camera/depth/image_rect_raw")["made_of"][0] == "rows 109 to 128"
+        assert of_depth.scan.distance("front") > 0.45
+        assert ring.ranges
+
+
+def test_a_laser_says_what_it_needs_of_a_depth_image() -> None:
+    laser = LaserWidget(rows=(0, 3))
+    depth = Image(np.full((4, 8), 2000, np.uint16), "16UC1", depth_scale=0.001)
+    with pytest.raises(ValueError, match="no camera_info: the angles of a depth image are not known"):
+        laser.update(depth)
+    laser.calibrate({**INFO, "width": 8, "height": 4, "k": [8, 0, 3.5, 0, 8, 1.5, 0, 0, 1]})
+    laser.update(depth)
+    assert laser.scan is not None
+    assert laser.scan.distance() == pytest.approx(2.0, abs=0.01)
+    with pytest.raises(ValueError, match="a picture in mono8 has no distances"):
+        laser.update(Image(np.zeros((4, 8), np.uint8), "mono8"))
+    for rows in (0, (3, 3), (-1, 2), "3", (1, 2, 3), True):
+        with pytest.raises(TraitError, match="rows"):
+            laser.rows = rows
+    laser.close()

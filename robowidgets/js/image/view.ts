@@ -14,7 +14,7 @@ import { isNumbers, type Picture } from "./frame.ts";
 import { type ImageActs, watchImage } from "./gestures.ts";
 import { Legend } from "./legend.ts";
 import { Lit } from "./lit.ts";
-import { type Dot, describeDot, dotAt, dotsOf, drawOver, wordsOf } from "./overlay.ts";
+import { type Dot, describeDot, dotAt, dotsOf, drawOver, type Over, wordsOf } from "./overlay.ts";
 import { boxOf, fitScaleOf, type Look, lookAt, type Placement, placeIn, toPicture, zoomed } from "./place.ts";
 import { type Region, regionOf, type Statistics } from "./region.ts";
 import { Source } from "./source.ts";
@@ -31,6 +31,7 @@ const WALK: Record<string, [rows: number, columns: number]> = {
 /** Pixels of the screen for one of the picture from which they are drawn as squares. */
 const SQUARES = 1.5;
 const NOWHERE = { count: () => 0 };
+const LASER = "What the laser measures on the picture (l)";
 
 /** What Python answers. */
 interface Answer {
@@ -53,6 +54,7 @@ export class ImageView implements Zoom, ImageActs {
   readonly #empty = make("div", "rw-empty");
   readonly #facts = make("span", "rw-image-facts");
   readonly #fit: HTMLButtonElement;
+  readonly #laser: HTMLButtonElement;
   readonly #copy: CopyCode;
   readonly #marked: Popup;
   readonly #picked: Popup;
@@ -99,8 +101,9 @@ export class ImageView implements Zoom, ImageActs {
     const closer = makeButton("rw-zoom", "Zoom in (+)", () => this.onZoom(-1), signal, "+");
     const farther = makeButton("rw-zoom", "Zoom out (\u2212)", () => this.onZoom(1), signal, "\u2212");
     this.#fit = makeButton("rw-fit", "Show all of it (0)", () => this.#onFit(), signal, "Fit");
-    this.#card.addControls(farther, closer, this.#fit);
-    onChange(model, ["color_range", "region", "camera"], this.#card.redraw, signal);
+    this.#laser = makeButton("rw-image-laser", LASER, () => this.#onLaser(), signal, "Laser");
+    this.#card.addControls(this.#laser, farther, closer, this.#fit);
+    onChange(model, ["color_range", "region", "camera", "overlay"], this.#card.redraw, signal);
     onMessage(model, (answer: Answer) => this.#onAnswer(answer), signal);
     on(root, "keydown", (event) => this.#onKey(event), signal);
     watchImage(picture, this, signal);
@@ -164,6 +167,11 @@ export class ImageView implements Zoom, ImageActs {
     this.#card.redraw();
   }
 
+  #onLaser(): void {
+    setTraits(this.#model, { overlay: !this.#model.get("overlay") });
+    this.#card.redraw();
+  }
+
   #onKeep(): void {
     setTraits(this.#model, { color_range: this.#model.get("color_range") ? null : [...this.#source.scale] });
     this.#card.redraw();
@@ -177,6 +185,7 @@ export class ImageView implements Zoom, ImageActs {
     else if (event.key === "c" && this.#region) void this.#copy.copy();
     else if (ZOOM_KEYS[event.key]) this.onZoom(ZOOM_KEYS[event.key] as -1 | 1);
     else if (event.key === "0") this.#onFit();
+    else if (event.key === "l" && !this.#laser.hidden) this.#onLaser();
     else if (event.key === "s" && this.#source.picture && isNumbers(this.#source.picture)) this.#onKeep();
     else return;
     event.preventDefault();
@@ -254,6 +263,11 @@ export class ImageView implements Zoom, ImageActs {
     return this.#stream.about;
   }
 
+  /** What lies over the picture. */
+  get #over(): Over | undefined {
+    return this.#model.get("overlay") ? this.#about.over : undefined;
+  }
+
   get #region(): Region | null {
     return this.#marking ?? this.#model.get("region");
   }
@@ -292,6 +306,9 @@ export class ImageView implements Zoom, ImageActs {
     setText(this.#empty, !shown ? card.waiting("picture") : isNothing ? "no picture up to this time" : source.problem);
     setHidden(this.#empty, !this.#empty.textContent || (Boolean(picture) && !source.problem));
     set(this.#fit, "disabled", this.isWhole);
+    const isOver = this.#model.get("overlay");
+    setHidden(this.#laser, isOver && !this.#about.over);
+    set(this.#laser, "ariaPressed", String(isOver));
     this.#drawPopups(picture);
     card.texts.ask(this.#tell);
     // A file is on the screen once it is unpacked.
@@ -321,7 +338,7 @@ export class ImageView implements Zoom, ImageActs {
     const high = canvas.height * picture.every * scale;
     const isFile = canvas.width * picture.every > picture.columns + picture.every;
     context.drawImage(canvas, left, top, isFile ? box.width : wide, isFile ? box.height : high);
-    const { over } = this.#about;
+    const over = this.#over;
     this.#dots = over ? dotsOf(over, placement) : [];
     void this.#lit.follow(over?.laser ?? "");
     if (over) drawOver(context, over, this.#dots, this.#lit.index, placement, theme);
@@ -404,7 +421,7 @@ export class ImageView implements Zoom, ImageActs {
     const isScaled = picture !== null && isNumbers(picture);
     const kept = this.#model.get("color_range") !== null;
     this.#legend.update(isScaled ? scale : null, kept, this.#isDepth, nothing, this.#card.theme.dark);
-    const { over } = this.#about;
+    const over = this.#over;
     const facts = picture ? [thinned(picture) && `${thinned(picture)} shown`, this.#about.pace ?? ""] : [];
     if (picture && over) facts.push(wordsOf(over));
     const room = this.#room;

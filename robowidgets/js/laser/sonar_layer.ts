@@ -9,8 +9,7 @@ import {
   type Ring,
   type Sonar,
   type SonarAbout,
-  toMounts,
-  viewOf,
+  toPlaced,
 } from "../shared/frames/ring.ts";
 import { NOTHING_IN_RANGE, READING } from "../shared/frames/scan.ts";
 import { onChange } from "../shared/model.ts";
@@ -50,18 +49,11 @@ export interface Beam {
  * nobody knows where they would be.
  */
 export function toBeams(ring: Ring, about: SonarAbout, poses: Poses, usual: number, scanner: Place): Beam[] {
-  const sensors = about.sensors ?? [];
-  const mounts = toMounts(
-    sensors.map(([name]) => name),
-    poses,
-    ring.sonars.map(({ pose }) => pose),
-  );
-  return ring.sonars.flatMap((sonar, i) => {
-    const [[name, radiation] = ["", ""], mount] = [sensors[i], mounts[i]];
-    if (!mount?.isKnown || !isThere(sonar)) return [];
+  return toPlaced(ring, about, poses, usual).flatMap(({ name, mount, sonar, view }) => {
+    if (!mount.isKnown || !isThere(sonar)) return [];
     const isReading = sonar.kind === READING;
     const reach = isReading ? sonar.range : sonar.maxRange;
-    return [{ name, ...asSeen(scanner, mount), view: viewOf(sonar, radiation, usual), reach, isReading }];
+    return [{ name, ...asSeen(scanner, mount), view, reach, isReading }];
   });
 }
 

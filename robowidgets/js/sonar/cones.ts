@@ -1,13 +1,4 @@
-import {
-  distanceOf,
-  type Mount,
-  type Poses,
-  type Ring,
-  type Sonar,
-  type SonarAbout,
-  toMounts,
-  viewOf,
-} from "../shared/frames/ring.ts";
+import { distanceOf, type Placed, type Poses, type Ring, type SonarAbout, toPlaced } from "../shared/frames/ring.ts";
 import { NO_LIMIT, READING } from "../shared/frames/scan.ts";
 import { roundUp } from "../shared/zoom.ts";
 
@@ -17,15 +8,8 @@ const EMPTY = 2;
 const NO_RATE = 10;
 
 /** All that is shown of one sensor. */
-export interface Cone {
+export interface Cone extends Placed {
   index: number;
-  name: string;
-  radiation: string;
-  frameId: string;
-  mount: Mount;
-  sonar: Sonar;
-  /** Radians of its opening. */
-  view: number;
   isViewKnown: boolean;
   /** The distance that a program goes by. */
   distance: number;
@@ -48,26 +32,15 @@ interface Settings {
 
 /** What the picture shows of each sensor. */
 export function toCones(ring: Ring, about: SonarAbout, { poses, near, fieldOfView, elapsed }: Settings): Cone[] {
-  const sensors = ring.sonars.map((_, i) => about.sensors?.[i] ?? ([`${i}`, "", ""] as const));
-  const mounts = toMounts(
-    sensors.map(([name]) => name),
-    poses,
-    ring.sonars.map(({ pose }) => pose),
-  );
-  return ring.sonars.map((sonar, index) => {
-    const [name, radiation, frameId] = sensors[index] as [string, string, string];
+  return toPlaced(ring, about, poses, fieldOfView).map((placed, index) => {
+    const { sonar } = placed;
     const distance = distanceOf(sonar);
     const age = sonar.behind + elapsed;
     // Without a rate nobody knows when the next is due, until others have gone on for long.
     const isSilent = (sonar.silentAfter < NO_RATE ? age : sonar.behind) > sonar.silentAfter;
     return {
+      ...placed,
       index,
-      name,
-      radiation,
-      frameId,
-      mount: mounts[index] as Mount,
-      sonar,
-      view: viewOf(sonar, radiation, fieldOfView),
       isViewKnown: sonar.fieldOfView > 0,
       distance,
       isNear: near !== null && distance < near,

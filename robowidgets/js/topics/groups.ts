@@ -62,6 +62,11 @@ export function toFolded(
   return folded;
 }
 
+/** Whether a laser can show a topic, too: a cloud, or what is named as a depth image. */
+export function canBeLaser({ name, widget, problem }: TopicRow): boolean {
+  return !problem && (widget === "cloud" || (widget === "image" && /depth/i.test(name)));
+}
+
 /** What a row is called in its group: `image` of `/camera/image`. */
 export function nameIn(group: Group, name: string): string {
   return group.name && !group.isUnreadable ? name.slice(group.name.length + 1) : name;

@@ -8,7 +8,7 @@ import { perAnimationFrame, throttle } from "../shared/schedule.ts";
 import { watchSeen } from "../shared/seen.ts";
 import { followTheme } from "../shared/theme.ts";
 import { Cards } from "./cards.ts";
-import { type Group, nameIn, shortType, toCount, toFacts, toFewWords, toFolded, toGroups, toRate } from "./groups.ts";
+import { canBeLaser, type Group, nameIn, shortType, toCount, toFacts, toFewWords, toFolded, toGroups, toRate } from "./groups.ts";
 import { makeTypeIcon } from "./icons.ts";
 import type { TopicRow, TopicsTraits } from "./traits.ts";
 
@@ -67,6 +67,7 @@ export class TopicsView {
   readonly #footType = make("span", "rw-topics-foot-type");
   readonly #footFacts = make("div", "rw-topics-foot-facts");
   readonly #footButton: HTMLButtonElement;
+  readonly #asLaser: HTMLButtonElement;
   readonly #cards: Cards;
   readonly #signal: AbortSignal;
   readonly #redraw: () => void;
@@ -101,6 +102,8 @@ export class TopicsView {
     this.#unit = makeButton("rw-topics-unit", "", () => this.#toggleUnit(), signal);
     this.#footButton = makeButton("rw-topics-show", "", () => this.#toggleAt(), signal);
     this.#footButton.ariaLabel = null;
+    const asLaser = "Show it in a laser widget: a band of heights of a cloud, or of rows of a depth image";
+    this.#asLaser = makeButton("rw-topics-show", asLaser, () => this.#showAsLaser(), signal, "As laser");
     onAbort(signal, () => clearTimeout(this.#timer));
     this.#root.append(this.#rail, this.#makePanel(fold), this.#live);
     this.#root.role = "group";
@@ -148,7 +151,7 @@ export class TopicsView {
     this.#watchLongPress();
     const foot = make("div", "rw-topics-foot");
     const first = make("div", "rw-topics-foot-row");
-    first.append(this.#footName, this.#footType, this.#footButton);
+    first.append(this.#footName, this.#footType, this.#asLaser, this.#footButton);
     foot.append(first, this.#footFacts);
     panel.append(header, this.#filter, head, this.#body, foot);
     return panel;
@@ -291,6 +294,7 @@ export class TopicsView {
     setText(this.#footFacts, text || (row ? "" : help));
     set(this.#footFacts, "title", text);
     setHidden(this.#footButton, !row || !this.#canChange || (Boolean(problem) && !isShown));
+    setHidden(this.#asLaser, !row || !this.#canChange || !canBeLaser(row));
     setText(this.#footButton, isShown ? "Take off" : "Show");
     set(this.#footButton, "title", isShown ? "Take it off the screen (space)" : "Put it on the screen (space)");
   }
@@ -324,9 +328,16 @@ export class TopicsView {
   /** Shows a topic or takes it off: Python does, which may be busy. */
   #toggle({ name, problem }: TopicRow): void {
     const isShown = this.#isShown(name);
-    if (!this.#canChange || (problem && !isShown)) return;
-    this.#pending.set(name, !isShown);
-    this.#model.send({ toggle: name, on: !isShown });
+    if (this.#canChange && (!problem || isShown)) this.#send(name, !isShown);
+  }
+
+  #showAsLaser(): void {
+    if (this.#row) this.#send(`${this.#row.name} as scan`, true);
+  }
+
+  #send(name: string, isOn: boolean): void {
+    this.#pending.set(name, isOn);
+    this.#model.send({ toggle: name, on: isOn });
     clearTimeout(this.#timer);
     this.#timer = setTimeout(() => {
       this.#isBusy = this.#pending.size > 0;

@@ -94,7 +94,7 @@ export function toMounts(names: string[], poses: Poses, told: Sonar["pose"][] = 
 const THIN = Math.PI / 60;
 
 /** Radians of the opening of a sensor; of one that does not tell it, the usual one. */
-export function viewOf({ fieldOfView }: Sonar, radiation: string, usual: number): number {
+function viewOf({ fieldOfView }: Sonar, radiation: string, usual: number): number {
   return fieldOfView || (radiation === "infrared" ? Math.min(THIN, usual) : usual);
 }
 
@@ -104,4 +104,27 @@ export interface SonarAbout extends About {
   sensors?: [name: string, radiation: string, frameId: string][];
   /** Whether time stands still, as in a recording. */
   still?: boolean;
+}
+
+/** A sensor of a ring, where it is, and what it measured. */
+export interface Placed {
+  name: string;
+  radiation: string;
+  frameId: string;
+  mount: Mount;
+  sonar: Sonar;
+  /** Radians of its opening. */
+  view: number;
+}
+
+/** The sensors of a ring in the order of the frame. @param usual radians of the opening of those that do not tell it */
+export function toPlaced({ sonars }: Ring, about: SonarAbout, poses: Poses, usual: number): Placed[] {
+  const sensors = sonars.map((_, i) => about.sensors?.[i] ?? ([`${i}`, "", ""] as const));
+  const names = sensors.map(([name]) => name);
+  const told = sonars.map(({ pose }) => pose);
+  const mounts = toMounts(names, poses, told);
+  return sonars.map((sonar, i) => {
+    const [name, radiation, frameId] = sensors[i] as [string, string, string];
+    return { name, radiation, frameId, mount: mounts[i] as Mount, sonar, view: viewOf(sonar, radiation, usual) };
+  });
 }

@@ -1,0 +1,53 @@
+"""What the simulated robot sends with a camera, as messages of ROS 2 and as a recording."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from robowidgets.messages.standard import LASER_SCAN, RANGE, range_message, scan_message
+from robowidgets.simulator import Robot, World
+from robowidgets.simulator.offers import Offer, cameras, scans, sonars
+
+from .unit.recordings import recorded
+
+NEAR = (0.3, -1.6, 0.15)
+"""Where a round obstacle is 0.4 m ahead."""
+
+
+def robot() -> Robot:
+    return Robot(World.rooms(), NEAR, model="pioneer", camera=True, seed=1)
+
+
+def offers(of: Robot) -> list[Offer]:
+    return [*cameras(of), *scans(of), *[one for one in sonars(of) if one.topic == "/sonar/front_3"]]
+
+
+def types(of: Robot) -> dict[str, str]:
+    """The type of each topic."""
+    return {one.topic: one.type for one in offers(of)}
+
+
+def fields(offer: Offer) -> Any:
+    """The newest message of a topic by its fields, with the stamp of its sample."""
+    sample = offer.read()
+    if offer.type in (LASER_SCAN, RANGE):
+        make = scan_message if offer.type == LASER_SCAN else range_message
+        return make(sample, sample.stamp_ns, offer.type)[1]
+    return offer.message(sample)
+
+
+def write(folder: Path, seconds: float = 1.5) -> Path:
+    """A recording of a robot that turns, of its camera, its laser and one of its sonars."""
+    driven = robot()
+    driven.drive(0.0, 0.3)
+    before: dict[str, Any] = {}
+    messages: list[tuple[float, str, Any]] = []
+    while driven.time < seconds:
+        driven.step(0.05)
+        for offer in offers(driven):
+            sample = offer.read()
+            if sample is not before.get(offer.topic):
+                before[offer.topic] = sample
+                messages.append((driven.time, offer.topic, fields(offer)))
+    return recorded.write(folder, types(driven), messages)
