@@ -93,6 +93,51 @@ def test_picture_of_a_cloud(plain_page: Callable[..., PlainPage], theme: Literal
     shoot(card, f"gallery-cloud-{theme}")
 
 
+CAMERA = """
+import numpy as np
+from robowidgets import ImageWidget, LaserWidget, together
+from robowidgets.simulator import Robot, World
+
+rows, columns = np.mgrid[:480, :640]
+metres = (1 + rows / 400 + np.abs(columns - 320) / 200).astype(np.float32)
+metres[200:330, 280:360] = 0.75
+metres[:, :24] = np.nan
+depth = ImageWidget(title="/camera/depth", region=(200, 330, 280, 360))
+depth.update(metres)
+
+near = Robot(World.rooms(), (0.3, -1.6, 0.15), camera=True, seed=1)
+laser = LaserWidget(title="/scan", view_range=2.5)
+eye = ImageWidget(title="/camera/image_raw", camera_pose=(0, 0, 0.1, 0, 0, 0))
+both = together(eye, laser)
+eye.calibrate(near.camera.info)
+eye.take_scan(near.scan())
+laser.update(near.scan())
+eye.update(near.image())
+"""
+
+
+@every_theme
+def test_pictures_of_a_camera(plain_page: Callable[..., PlainPage], theme: Literal["light", "dark"]) -> None:
+    nb = plain_page([CAMERA, "depth", "both"], scale=2, theme=theme)
+    nb.resize(680)
+    card = nb.widget(1).locator(".rw-card")
+    expect(card.locator(".rw-popup:visible")).to_contain_text("0.75 m")
+    shoot(card, f"gallery-image-{theme}")
+    nb.resize(1000)
+    eye = nb.output(2).locator(".rw-image")
+    picture = eye.locator(".rw-picture")
+    index, column, row = map(
+        float, nb.python("i = laser.scan.nearest('front').index; print(i, *eye.seen.pixels[i])").split()
+    )
+    box = picture.bounding_box()
+    assert box
+    factor = min(box["width"] / 320, box["height"] / 240)
+    left, top = (box["width"] - 320 * factor) / 2, (box["height"] - 240 * factor) / 2
+    picture.hover(position={"x": left + (column + 0.5) * factor, "y": top + (row + 0.5) * factor})
+    expect(nb.output(2).locator(".rw-laser .rw-popup:visible")).to_contain_text(f"ranges[{index:.0f}]")
+    shoot(nb.output(2), f"gallery-camera-{theme}")
+
+
 EVENTS = r"""
 from robowidgets import EventsWidget
 
