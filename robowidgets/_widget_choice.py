@@ -10,6 +10,8 @@ from ._core.sample_widget import SampleWidget
 from .kinds import (
     ASKED,
     KINDS,
+    LASER,
+    SCAN,
     Asked,
     Kind,
     Role,
@@ -308,6 +310,8 @@ def _asked_for(asked: Sequence[AskedFor], known: Mapping[str, Shown]) -> list[Wi
     for name, field, row_name in dict.fromkeys(asked):
         topic = known.get(name)
         row = ASKED.get(row_name)
+        if row_name == LASER.name and topic is not None and not SCAN.types.isdisjoint(topic.type.split(", ")):
+            row = SCAN
         if row is None and topic is not None and not row_name and (field or not topic.widget):
             row = asked_of_fields() if field else asked_of_type(topic.type)
         if topic is not None and row is not None and name not in found.setdefault(row.name, []):

@@ -350,7 +350,7 @@ SCAN = Asked(
     frames="robowidgets.player._image_frames:MadeScanFrames",
     options=LASER.options,
 )
-"""A band of heights of a cloud, or of rows of a depth image, as a laser scan."""
+"""A band of heights of a cloud, or rows of a depth image, as a laser scan: "/points as scan", or "as laser"."""
 MESSAGE = Asked(
     name="message",
     widget="robowidgets.message_widget:MessageWidget",

@@ -127,8 +127,9 @@ class Recording(RecordingData):
         The player opens the file again, so this recording may still be read, or be closed.
 
         Args:
-            *topics: names of the topics to show, of any type, or of fields: ``"/odom.twist.twist.linear.x"``; none: all
-                that have a widget and a message, or, where none has, a few widgets that show what there is.
+            *topics: names of the topics to show, of any type, or of fields: ``"/odom.twist.twist.linear.x"``, also with
+                the widget that is to show them: ``"/points as laser"``; none: all that have a widget and a message, or,
+                where none has, a few widgets that show what there is.
             scanogram: whether to show a scanogram of the whole drive above them; None: only if it takes a moment.
             rerun: whether to show the Rerun viewer beside them, with the scans in the world (extra ``rerun``).
             arrangement: what to show, as `Player.arrangement` of an earlier one returned it.

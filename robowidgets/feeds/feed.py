@@ -176,7 +176,8 @@ class Feed:
 
         Args:
             *topics: names of the topics to show, of any type, or of fields: ``"/odom.twist.twist.linear.x"``, without
-                the program; none: all that have a widget, or, where none has, a few that show what there is.
+                the program, also with the widget that is to show them: ``"/points as laser"``; none: all that have a
+                widget, or, where none has, a few that show what there is.
             beside: whether the view stands beside the notebook, in JupyterLab; the cell has a bar with Stop then.
             arrangement: what to show, as `FeedView.arrangement` of an earlier one returned it.
 

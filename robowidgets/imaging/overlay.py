@@ -25,6 +25,9 @@ from ..samples.age import arrival_of
 SCAN = "sensor_msgs/msg/LaserScan"
 RANGE = "sensor_msgs/msg/Range"
 
+_DRAWN = ("_sectors", "angle_offset", "_edition")
+"""Traits of a laser widget that say what lies over the pictures."""
+
 _RECTIFIED = re.compile(r"rect|registered", re.IGNORECASE)
 
 
@@ -43,8 +46,8 @@ class HasOverlay(LargeFrameWidget[Image]):
         self._beside = BesidePictures()
         self._scan_topic = ""
         """The topic of the scans, where a feed or a player gives them."""
-        self._drawn_by: Any = None
-        """The laser widget whose sectors and shapes lie over the pictures of a player."""
+        self._followed: list[Any] = []
+        """The laser widgets whose sectors and shapes may lie over the pictures of a player."""
         self._camera_pose: tuple[Any, ...] | None = None
         camera_pose = kwargs.pop("camera_pose", None)
         super().__init__(**kwargs)
@@ -162,13 +165,14 @@ class HasOverlay(LargeFrameWidget[Image]):
     def on_group(self) -> None:
         """See `FreezableWidget`: in a player, pictures come anew when other things lie over them."""
         super().on_group()
-        self._lasers = [str(one.title) for one in self._group if one.sample_name == "scan"]
-        laser = self._laser
-        if laser is not self._drawn_by and self.driven_by_player:
-            for widget, does in ((self._drawn_by, "unobserve"), (laser, "observe")):
-                if widget is not None:
-                    getattr(widget, does)(self._draw_anew, ["_sectors", "angle_offset", "_edition"])
-            self._drawn_by = laser
+        lasers = [one for one in self._group if one.sample_name == "scan"]
+        self._lasers = [str(one.title) for one in lasers]
+        if self.driven_by_player:
+            for widget in self._followed:
+                widget.unobserve(self._draw_anew, _DRAWN)
+            for widget in lasers:
+                widget.observe(self._draw_anew, _DRAWN)
+            self._followed = lasers
 
     def _draw_anew(self, _change: Any) -> None:
         self._renew_frames()
