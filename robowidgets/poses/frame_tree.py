@@ -179,11 +179,20 @@ def _sorted(times: Times) -> tuple[Times, Times]:
 
 def _rotated(orientations: Floats, positions: Floats) -> Floats:
     axis, real = orientations[:, :3], orientations[:, 3:]
-    across = 2.0 * np.cross(axis, positions)
-    return np.asarray(positions + real * across + np.cross(axis, across))
+    across = 2.0 * _cross(axis, positions)
+    return np.asarray(positions + real * across + _cross(axis, across))
+
+
+_AFTER, _BEFORE = np.array([1, 2, 0]), np.array([2, 0, 1])
+
+
+def _cross(one: Floats, other: Floats) -> Floats:
+    """Cross products, shape (N, 3). That of NumPy takes ten times as long for a few."""
+    product: Floats = one[:, _AFTER] * other[:, _BEFORE] - one[:, _BEFORE] * other[:, _AFTER]
+    return product
 
 
 def _product(one: Floats, other: Floats) -> Floats:
     (a, b), (c, d) = ((part[:, :3], part[:, 3:]) for part in (one, other))
-    axis = b * c + d * a + np.cross(a, c)
+    axis = b * c + d * a + _cross(a, c)
     return np.hstack([axis, b * d - (a * c).sum(axis=1, keepdims=True)])
