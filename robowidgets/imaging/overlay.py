@@ -7,7 +7,7 @@ import time
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from functools import partial
-from typing import Any, ClassVar
+from typing import Any
 
 import traitlets
 
@@ -34,7 +34,7 @@ _RECTIFIED = re.compile(r"rect|registered", re.IGNORECASE)
 class HasOverlay(LargeFrameWidget[Image]):
     """An image widget that shows where the readings of a laser and of sonars are in its pictures."""
 
-    frame_traits: ClassVar = ("rectified", "_edition")
+    frame_traits = ("rectified", "_edition")
 
     overlay = Flag(True, help="Whether readings lie over the picture.").tag(sync=True)
     rectified = traitlets.Bool(

@@ -139,10 +139,10 @@ def test_a_depth_image_is_a_laser_by_a_click_in_the_list_of_topics(
     if rail.is_visible():
         rail.click()
     as_laser = view.get_by_role("button", name="Show it in a laser widget")
-    view.locator('.rw-topic[data-key="/camera/image_raw"]').hover()
-    expect(view.locator(".rw-topics-foot b")).to_have_text("/camera/image_raw")
+    view.locator('.rw-topic[data-key="/camera/camera_info"]').click()
+    expect(view.locator(".rw-topics-foot b")).to_have_text("/camera/camera_info")
     expect(as_laser).to_be_hidden()
-    view.locator('.rw-topic[data-key="/camera/depth/image_rect_raw"]').hover()
+    view.locator('.rw-topic[data-key="/camera/depth/image_rect_raw"]').click()
     as_laser.click()
     made = view.locator(".rw-laser").nth(1)
     expect(made.locator(".rw-facts")).to_contain_text("320 rays")

@@ -8,7 +8,18 @@ import { perAnimationFrame, throttle } from "../shared/schedule.ts";
 import { watchSeen } from "../shared/seen.ts";
 import { followTheme } from "../shared/theme.ts";
 import { Cards } from "./cards.ts";
-import { canBeLaser, type Group, nameIn, shortType, toCount, toFacts, toFewWords, toFolded, toGroups, toRate } from "./groups.ts";
+import {
+  canBeLaser,
+  type Group,
+  nameIn,
+  shortType,
+  toCount,
+  toFacts,
+  toFewWords,
+  toFolded,
+  toGroups,
+  toRate,
+} from "./groups.ts";
 import { makeTypeIcon } from "./icons.ts";
 import type { TopicRow, TopicsTraits } from "./traits.ts";
 
