@@ -121,7 +121,7 @@ def test_pictures_of_a_camera(plain_page: Callable[..., PlainPage], theme: Liter
     nb = plain_page([CAMERA, "depth", "both"], scale=2, theme=theme)
     nb.resize(680)
     card = nb.widget(1).locator(".rw-card")
-    expect(card.locator(".rw-popup:visible")).to_contain_text("0.75 m")
+    expect(card.locator(".rw-popup:visible")).to_contain_text("0.750 m")
     shoot(card, f"gallery-image-{theme}")
     nb.resize(1000)
     eye = nb.output(2).locator(".rw-image")
