@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import struct
-from collections import deque
 from collections.abc import Mapping
 from math import ceil, inf, isfinite, sqrt
 from typing import Any, ClassVar
@@ -32,7 +31,6 @@ LIVE_POINTS = 25_000
 STILL_POINTS = 100_000
 """Of a cloud that stands alone."""
 
-_MOST_KEPT_BYTES = 64_000_000
 _LENGTH = struct.Struct("<I")
 _ALIGNED = 8
 _AS = {"b": "u1", "f2": "f4", "i8": "f8", "u8": "f8"}
@@ -101,11 +99,6 @@ class CloudWidget(LargeFrameWidget[Cloud]):
     view_range = traitlets.Float(
         None, allow_none=True, help="Metres to the edge of the picture, above 0; None: all. Python writes it."
     ).tag(sync=True)
-
-    def __init__(self, **kwargs: Any) -> None:
-        self._kept: deque[tuple[bytes, Cloud]] = deque()
-        """The clouds that were packed last, with what was packed of each."""
-        super().__init__(**kwargs)
 
     def update(self, message: Any) -> None:
         """Show a cloud in the next animation frame.
@@ -186,17 +179,10 @@ class CloudWidget(LargeFrameWidget[Cloud]):
         return {**about, "problems": sample.problems} if sample.problems else about
 
     def _pack(self, sample: Cloud) -> bytes:
-        packed = _pack(sample, self.most_points or (LIVE_POINTS if self.rate > 0 else STILL_POINTS))
-        self._kept.append((packed, sample))
-        while (
-            len(self._kept) > 1 and sum(cloud.points.nbytes + len(raw) for raw, cloud in self._kept) > _MOST_KEPT_BYTES
-        ):
-            self._kept.popleft()
-        return packed
+        return _pack(sample, self.most_points or (LIVE_POINTS if self.rate > 0 else STILL_POINTS))
 
-    def _unpack(self, frame: bytes) -> Cloud | None:  # type: ignore[override]  # it may be gone
-        packed = frame[FRAME_HEADER.size :]
-        return next((cloud for raw, cloud in reversed(tuple(self._kept)) if raw == packed), None)
+    def _size_of(self, sample: Cloud) -> int:
+        return int(sample.points.nbytes)
 
     @traitlets.observe("selection")
     def _select(self, _change: Any) -> None:

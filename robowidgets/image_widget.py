@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections import OrderedDict
 from math import isfinite
 from typing import Any, ClassVar
 
@@ -11,16 +10,12 @@ import traitlets
 
 from . import kinds
 from ._core.front_end import bundle
-from ._core.timed_frame import FRAME_HEADER
 from .camera import CameraModel
 from .imaging import checked_region, pack, statistics
 from .imaging.overlay import HasOverlay
 from .imaging.packing import MOST_BYTES
 from .messages import to_camera_info, to_image
 from .samples import Image
-
-_MOST_KEPT, _MOST_KEPT_BYTES = 600, 64_000_000
-"""Pictures that were sent, and about their bytes, of which the page may ask for the values of a pixel."""
 
 
 class ImageWidget(HasOverlay):
@@ -95,8 +90,6 @@ class ImageWidget(HasOverlay):
     """Of a picture on its way to the page. A player, which sends many ahead, sets it."""
 
     def __init__(self, **kwargs: Any) -> None:
-        self._kept: OrderedDict[float, Image] = OrderedDict()
-        """By number what was packed last."""
         self._bad: Image | None = None
         self._last_good = pack(kinds.IMAGE.nothing).data
         super().__init__(**kwargs)
@@ -213,28 +206,8 @@ class ImageWidget(HasOverlay):
         self._log_once(f"a picture could not be shown: {error}")
         self._say_more()
 
-    def _unpack(self, frame: bytes) -> Image | None:  # type: ignore[override]  # it may be gone
-        number, *_ = FRAME_HEADER.unpack_from(frame)
-        return self._kept.get(number)
-
-    def _bring_up_to_date(self) -> None:
-        """See `FreezableWidget`; keeps what is packed, for the page to ask for its values."""
-        with self._send_lock:
-            before = self._trait_values.get("_frame")
-            super()._bring_up_to_date()
-            frame = self._frame
-            if frame is before or not frame:
-                return
-            number, *_ = FRAME_HEADER.unpack_from(frame)
-            sample = self._newest.sample
-            if sample is not None:
-                self._keep(number, sample)
-
-    def _keep(self, number: float, sample: Image) -> None:
-        kept = self._kept
-        kept[number] = sample
-        while len(kept) > _MOST_KEPT or (len(kept) > 1 and sum(map(_size_of, kept.values())) > _MOST_KEPT_BYTES):
-            kept.popitem(last=False)
+    def _size_of(self, sample: Image) -> int:
+        return len(sample.compressed) or sample.pixels.nbytes
 
     # -- from the page -------------------------------------------------------------------------------------------------
 
@@ -291,7 +264,3 @@ class ImageWidget(HasOverlay):
                 f"camera: expected fx, fy, cx and cy in pixels, fx and fy above 0; got {value!r}"
             )
         return value
-
-
-def _size_of(image: Image) -> int:
-    return len(image.compressed) or image.pixels.nbytes

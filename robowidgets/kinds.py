@@ -332,6 +332,7 @@ IMAGE = Asked(
     widget="robowidgets.image_widget:ImageWidget",
     nothing=Image(np.zeros((1, 1), np.uint8), "mono8"),
     frames="robowidgets.player._image_frames:ImageFrames",
+    rerun="robowidgets.in_rerun.image_log:ImageLog",
 )
 """Asked for, as all cameras of a robot together would fill a network."""
 CLOUD = Asked(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import OrderedDict
 from math import isfinite
 from typing import Any, TypeVar
 
@@ -16,20 +17,26 @@ from .traits import Flag
 
 S = TypeVar("S")
 
+MOST_KEPT, MOST_KEPT_BYTES = 600, 64_000_000
+"""Samples whose frames were made last, and about their bytes, which the page may ask for and step back to."""
+
 _NO_ANSWERS = "fewer pictures while a cell runs: this notebook does not say before its end what the page has drawn"
 
 
 class LargeFrameWidget(RobotWidget[S]):
     """A widget that sends a frame when the page has drawn the one before; what came meanwhile is dropped.
 
-    A subclass packs frames as every `RobotWidget` does, and draws them in the page with a `Credit` of
-    ``shared/credit.ts``. It gets its own messages of the page in `_on_message`. See `Credit` for what goes when.
+    A subclass packs frames as every `RobotWidget` does, says how large its samples are (`_size_of`), and draws them in
+    the page with a `Credit` of ``shared/credit.ts``. It gets its own messages of the page in `_on_message`. See
+    `Credit` for what goes when. The page may get less of a sample than there is, so the last samples are kept here.
     """
 
     _answers = Flag(True, help="Whether Python waits for the page to say what it has drawn.").tag(sync=True)
 
     def __init__(self, **kwargs: Any) -> None:
         self._credit = Credit(scheduler.clock.now, cell_is_running)
+        self._kept: OrderedDict[float, S] = OrderedDict()
+        """The samples of the last frames, by the numbers of these."""
         self._look = _Look(self)
         self._pace = ""
         super().__init__(**kwargs)
@@ -69,6 +76,21 @@ class LargeFrameWidget(RobotWidget[S]):
         """See `PacedWidget`."""
         number, *_ = FRAME_HEADER.unpack_from(frame)
         self._credit.sent(number, len(frame))
+
+    def _on_packed(self, sequence: int, sample: S) -> None:
+        """See `RobotWidget`."""
+        kept = self._kept
+        kept[sequence] = sample
+        while len(kept) > MOST_KEPT or (len(kept) > 1 and sum(map(self._size_of, kept.values())) > MOST_KEPT_BYTES):
+            kept.popitem(last=False)
+
+    def _size_of(self, sample: S) -> int:
+        """The bytes of a sample, about."""
+        raise NotImplementedError
+
+    def _unpack(self, frame: bytes) -> S | None:  # type: ignore[override]  # it may be gone
+        number, *_ = FRAME_HEADER.unpack_from(frame)
+        return self._kept.get(number)
 
     def look_again(self) -> None:
         """Send what is held back if it may go by now, or ask pages what they have drawn. The pacer calls it."""

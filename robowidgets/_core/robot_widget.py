@@ -239,6 +239,9 @@ class RobotWidget(PacedWidget, Generic[S]):
         """The bytes of a frame after its header."""
         raise NotImplementedError
 
+    def _on_packed(self, sequence: int, sample: S) -> None:
+        """Note that the frame of this number is of this sample from now on. Called with the lock of the sends."""
+
     def _unpack(self, frame: bytes) -> S:
         """The sample in a frame, with its header."""
         raise NotImplementedError
@@ -415,6 +418,7 @@ class RobotWidget(PacedWidget, Generic[S]):
             if sample is not None:
                 stamp = getattr(sample, "stamp_ns", None) or 0
                 self._trait_values["_frame"] = FRAME_HEADER.pack(sequence, rate, stamp, arrived) + self._pack(sample)
+                self._on_packed(sequence, sample)
 
     def _texts_now(self) -> dict[str, Any]:
         """What else the page is told with the newest sample. Called with the lock of the samples."""

@@ -71,6 +71,21 @@ def pack(image: Image, most: int = MOST_BYTES) -> Packed:
     return _packed(image, form, every, shown.tobytes(), is_exact=is_exact)
 
 
+def as_numbers(image: Image) -> NDArray[Any]:
+    """All pixels as they are drawn, shape (rows, columns) or (rows, columns, 3 or 4): colors of 8 bits, or one number.
+
+    A number is of uint8, uint16 or float32; of a depth image, whole ones are millimetres and others metres.
+
+    Raises:
+        ValueError: a JPEG or PNG that cannot be unpacked.
+    """
+    values = image.pixels
+    form, _, _ = _form_of(image, values)
+    if image.encoding.startswith(BAYER):
+        return _shown(image, values, 2, form).repeat(2, axis=0).repeat(2, axis=1)
+    return np.ascontiguousarray(_shown(image, values, 1, form))
+
+
 def _packed(image: Image, form: Form, every: int, data: bytes, *, is_exact: bool) -> Packed:
     head = HEADER.pack(form, *image.shape, every, image.depth_scale, is_exact)
     return Packed(head + data, every)

@@ -18,12 +18,13 @@ class WorldFrame:
 
     Args:
         recording: the recording.
-        scanners: names of the frames of the scans.
+        scanners: names of the frames of what stands at the robot where its own place is not known.
+        others: names of the frames of what stands apart then.
     """
 
-    def __init__(self, recording: RecordingData, scanners: Sequence[str]) -> None:
+    def __init__(self, recording: RecordingData, scanners: Sequence[str], others: Sequence[str] = ()) -> None:
         self._frames = frames = FrameTree(recording.transforms())
-        chains = [frames.chain(_plain(scanner)) for scanner in scanners]
+        chains = [frames.chain(_plain(name)) for name in (*scanners, *others)]
         if frames.odometry:
             self.name, self.robot = frames.odometry
         else:
@@ -31,7 +32,7 @@ class WorldFrame:
             moving = [name for name in chain if (history := frames.history(name)) and not history.static]
             named = [base for base in _BASES if base in chain]
             self.name, self.robot = chain[-1], [*named, *moving, chain[0]][0]
-        lost = sorted({chain[0] for chain in chains if self.name not in chain})
+        lost = sorted({chain[0] for chain in chains[: len(scanners)] if self.name not in chain})
         self.notes = [
             f"Nothing says where {frame or 'the scanner'} is on the robot: its scans stand at {self.robot}."
             for frame in lost
@@ -39,6 +40,10 @@ class WorldFrame:
         """One line for each unknown pose, for the user."""
         if scanners and self.robot == self.name:
             self.notes.append("Neither odometry nor tf says where the robot was: all scans stand at one place.")
+
+    def has(self, frame: str) -> bool:
+        """Whether it is known where a frame is."""
+        return self.name in self._frames.chain(_plain(frame))
 
     def path(self) -> tuple[NDArray[np.int64], Poses] | None:
         """Log times, shape (N,), and the poses of the robot at them; None if they are unknown."""

@@ -60,6 +60,8 @@ class Log:
         if others or not topics:
             recording.samples(others or None)
         self._start_ns = recording.start_ns or 0
+        self.world: WorldFrame | None = None
+        """Known from `steps` on."""
         self._parts: list[TopicLog] = []
         for kind in KINDS.values():
             of_kind = [t for t in wanted(recording.topics, topics) if t.widget == kind.name]
@@ -74,7 +76,11 @@ class Log:
     def steps(self, stream: Any) -> Iterator[None]:
         """Log the whole recording, one piece at each step, the large pieces last."""
         stream.send_recording_name(self.recording.path.name)
-        world = WorldFrame(self.recording, [frame for part in self._parts for frame in part.frames()])
+        scanners, others = (
+            [frame for part in self._parts if part.stands_apart is apart for frame in part.frames()]
+            for apart in (False, True)
+        )
+        self.world = world = WorldFrame(self.recording, scanners, others)
         stream.send_blueprint(self._blueprint(world))
         self._log_world(stream, world)
         yield
@@ -151,6 +157,9 @@ class TopicLog(ABC):
 
     is_large = False
     """Whether it is logged after the others."""
+
+    stands_apart = False
+    """Whether it stands apart from the world where the place of its sensor is not known, not at the robot."""
 
     def __init__(self, log: Log, topics: Sequence[Topic]) -> None:
         self._log, self._rr, self._recording, self._topics = log, log.rr, log.recording, topics

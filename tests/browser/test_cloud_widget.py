@@ -154,6 +154,11 @@ def test_it_freezes_steps_back_and_keeps_the_last_good_cloud_with_one_line(
     eventually(lambda: nb.python("print(clouds.frozen.x)"), "[2.]\n")
     nb.page.keyboard.press("Space")
     expect(card.locator(".rw-cloud-nearest")).to_contain_text("nearest 3.00 m")
+    nb.python(
+        "clouds._credit._is_busy, clouds._credit._is_beside = (lambda: True), False\nclouds.update([[3.0, 0, 0]])"
+    )
+    expect(card.locator(".rw-footer")).to_contain_text("fewer pictures while a cell runs")
+    nb.python("clouds._credit._is_busy = lambda: False")
     nb.python("try: clouds.update([[1.0, 2.0]])\nexcept ValueError: pass")
     expect(card.locator(".rw-notice")).to_contain_text("points: expected numbers of shape (N, 3)")
     expect(card.locator(".rw-notice")).to_contain_text("Showing the last good cloud.")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 
 import pytest
@@ -9,6 +10,7 @@ from playwright.sync_api import Locator, expect
 
 from ..unit.waiting import wait_for
 from .chromium import LOOKS, shoot
+from .notebook import Notebook
 from .plain_page import PlainPage
 
 MAKE = """
@@ -48,6 +50,7 @@ def test_the_pixel_under_the_pointer_and_a_region_say_their_numbers(
     nb = plain_page(
         [COLOR.replace("camera\ncamera.update(room)", "camera.update(room)\ncamera")], theme=theme, scale=scale
     )
+    nb.page.context.grant_permissions(["clipboard-read", "clipboard-write"])
     card = nb.output(0).locator(".rw-card.rw-image")
     picture = card.locator(".rw-picture")
     expect(card.locator(".rw-facts")).to_contain_text("640 \u00d7 480 rgb8")
@@ -65,10 +68,19 @@ def test_the_pixel_under_the_pointer_and_a_region_say_their_numbers(
     expect(marked).to_contain_text("image[180:241, 300:331]")
     expect(marked).to_contain_text("r 115 to 200")
     assert nb.python("camera.region") == "(180, 241, 300, 331)"
+    marked.get_by_role("button", name="Copy code").click()
+    expect(marked.locator(".rw-copy")).to_have_text("Copied")
+    assert nb.page.evaluate("navigator.clipboard.readText()") == "image[180:241, 300:331]"
+    nb.page.mouse.move(*place_of(picture, 20, 20))
     shoot(card, f"image-region-{theme}-{scale}")
     for width in (1200, 480, 320):
         nb.resize(width, 720)
         shoot(card, f"image-region-{theme}-{width}")
+    below = card.locator(".rw-image-below")  # in a narrow card
+    expect(below).to_contain_text("image[180:241, 300:331]")
+    card.get_by_role("button", name="Mark nothing").click()
+    expect(below).to_be_hidden()
+    assert nb.python("print(camera.region)") == "None\n"
 
 
 def test_depth_says_metres_and_places_and_its_colors_can_be_kept(plain_page: Callable[..., PlainPage]) -> None:
@@ -110,3 +122,79 @@ def test_a_page_gets_the_next_when_it_has_drawn_the_last_and_asks_for_what_was_t
     picture.press("ArrowRight")
     picture.press("ArrowRight")
     expect(card.locator(".rw-popup:not([hidden])")).to_contain_text("2002002.000 m")
+
+
+FILE = """
+import io
+import PIL.Image
+file = io.BytesIO()
+PIL.Image.fromarray(room).save(file, "JPEG", quality=95)
+jpeg = file.getvalue()
+"""
+
+
+def test_a_jpeg_is_shown_as_it_came_a_damaged_one_leaves_the_last_and_earlier_ones_are_kept(
+    plain_page: Callable[..., PlainPage],
+) -> None:
+    pytest.importorskip("PIL", reason="Pillow is not installed")
+    nb = plain_page([MAKE, FILE])
+    card = nb.output(0).locator(".rw-card.rw-image")
+    picture = card.locator(".rw-picture")
+    nb.python("camera.update({'format': 'jpeg', 'data': jpeg})")
+    expect(card.locator(".rw-facts")).to_contain_text("640 \u00d7 480 jpeg")
+    point_at(nb, picture, 240, 320)
+    red = re.compile(r"^r (19|20)\d  g [56]\d  b [34]\d$")
+    distance = card.locator(".rw-popup:visible .rw-popup-distance")
+    expect(distance).to_have_text(red)
+    nb.python("camera.update({'format': 'jpeg', 'data': jpeg[:jpeg.index(b'\\xff\\xda')]})")
+    expect(card.locator(".rw-empty")).to_have_text("This picture is damaged. Showing the last good one.")
+    nb.python("camera.update(np.full((480, 640), 7, np.uint8))")
+    expect(card.locator(".rw-empty")).to_be_hidden()
+    expect(distance).to_have_text(re.compile("^7$"))
+    picture.press(" ")
+    picture.press(",")
+    picture.press(",")
+    expect(distance).to_have_text(red)
+    nb.python("camera.update(np.full((480, 640), 9, np.uint8))")
+    expect(card.locator(".rw-freeze")).to_have_text("Frozen \u00b7 3 since")
+    assert nb.python("camera.frozen.encoding, camera.image is camera.frozen") == "('jpeg', True)"
+    picture.press(" ")
+    expect(distance).to_have_text(re.compile("^9$"))
+
+
+STREAM = """
+import threading, time
+ends = threading.Event()
+def stream():
+    for number in range(1, 100_000):
+        if ends.wait(0.02):
+            return
+        camera.update(np.full((1000, 2000), number, np.float32))
+threading.Thread(target=stream, daemon=True).start()
+"""
+
+
+def test_beside_a_busy_cell_pictures_come_and_exact_values_of_what_is_thinned(
+    notebook: Callable[..., Notebook],
+) -> None:
+    nb = notebook([MAKE, STREAM, "while not ends.is_set(): pass"], run=False)
+    nb.run(0)
+    card = nb.output(0).locator(".rw-card.rw-image")
+    picture = card.locator(".rw-picture")
+    nb.run(1)
+    expect(card.locator(".rw-image-facts")).to_contain_text("every 3rd row and column shown")
+    nb.start(2)
+    picture.scroll_into_view_if_needed()
+    box = picture.bounding_box()
+    assert box
+    nb.page.mouse.move(box["x"] + box["width"] / 2 + 1, box["y"] + box["height"] / 2 + 1)
+    hovered = card.locator(".rw-popup:not([hidden])")
+    said = []
+    for _ in range(3):
+        expect(hovered).not_to_contain_text("nearest of")
+        expect(hovered.locator(".rw-popup-distance")).not_to_have_text(said[-1] if said else "")
+        said.append(hovered.locator(".rw-popup-distance").inner_text())
+    assert all(re.fullmatch(r"\d+\.000 m", one) for one in said)
+    assert [float(one.split()[0]) for one in said] == sorted(float(one.split()[0]) for one in said)
+    nb.interrupt()
+    nb.python("ends.set()")

@@ -1,11 +1,15 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { toAge, toCount, toDegrees, toFixed, toMetres, toShortMetres } from "../../robowidgets/js/shared/format.ts";
+import { toAge, toCount, toDegrees, toFixed, toMetres, toOrdinal, toShortMetres } from "../../robowidgets/js/shared/format.ts";
 
 test("a minus is a real minus, and zero has none", () => {
   assert.equal(toFixed(-1.5, 2), "\u22121.50");
   for (const value of [0, -0, -0.004, -1e-12]) assert.equal(toFixed(value, 2), "0.00");
   assert.equal(toFixed(-0.006, 2), "\u22120.01");
+});
+
+test("which of many is said as a person does", () => {
+  assert.deepEqual([1, 2, 3, 11, 22, 97].map(toOrdinal), ["1st", "2nd", "3rd", "11th", "22nd", "97th"]);
 });
 
 test("decimals stay, so that numbers stand in columns", () => {

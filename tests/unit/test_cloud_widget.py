@@ -13,6 +13,7 @@ from traitlets import TraitError
 import robowidgets
 from robowidgets import CloudWidget, LaserWidget
 from robowidgets import cloud_widget as module
+from robowidgets._core.large_frames import MOST_KEPT_BYTES
 from robowidgets._widget_choice import choose_widgets
 from robowidgets.kinds import load
 from robowidgets.messages import to_cloud
@@ -108,7 +109,7 @@ def test_what_the_page_gets_is_bounded_and_what_is_kept_to_step_back_too(
     for i in range(30):
         clouds.update(big + np.float32(i))
         sent(clouds)
-    assert sum(cloud.points.nbytes for _, cloud in clouds._kept) <= module._MOST_KEPT_BYTES
+    assert sum(cloud.points.nbytes for cloud in clouds._kept.values()) <= MOST_KEPT_BYTES
     clouds.paused = True
     assert clouds.frozen.x[0] == 29
 

@@ -10,6 +10,7 @@ import pytest
 import traitlets
 
 from robowidgets import ImageWidget, image_widget
+from robowidgets._core import large_frames
 from robowidgets._core.pacer import pacer
 from robowidgets._core.timed_frame import FRAME_HEADER
 from robowidgets.imaging import HEADER
@@ -133,11 +134,28 @@ def test_a_question_that_is_none_is_answered_with_why(widget: ImageWidget, page:
 
 
 def test_no_more_pictures_are_kept_than_have_room(monkeypatch: pytest.MonkeyPatch, widget: ImageWidget) -> None:
-    monkeypatch.setattr(image_widget, "_MOST_KEPT_BYTES", 3 * COLORS.nbytes)
+    monkeypatch.setattr(large_frames, "MOST_KEPT_BYTES", 3 * COLORS.nbytes)
     for _ in range(10):
         widget.update(COLORS)
         widget.get_state()
     assert len(widget._kept) == 3
+
+
+def test_a_picture_that_comes_while_another_is_packed_is_not_taken_for_it(
+    monkeypatch: pytest.MonkeyPatch, widget: ImageWidget, page: Page
+) -> None:
+    real, newer = image_widget.pack, [COLORS + 1]
+
+    def packing(image: Any, most: int) -> Any:
+        if newer:
+            widget.update(newer.pop())
+        return real(image, most)
+
+    monkeypatch.setattr(image_widget, "pack", packing)
+    widget.update(COLORS)
+    wait_for(lambda: page.messages, "it was sent")
+    ask(widget, {"pixel": [3, 5], "of": 1})
+    assert page.customs == [{"pixel": [3, 5], "of": 1, "values": COLORS[3, 5].tolist()}]
 
 
 def test_the_frozen_picture_is_that_of_the_page(widget: ImageWidget) -> None:

@@ -19,6 +19,9 @@ from .widget.number_widget import Number, NumberWidget, head_of, in_a_thread, nu
 class LargeNumber(LargeFrameWidget[Number], NumberWidget):
     """The smallest widget whose frames count as large."""
 
+    def _size_of(self, sample: Number) -> int:  # noqa: ARG002
+        return 8
+
 
 class Cell:
     """Whether one is running."""

@@ -80,16 +80,16 @@ export function decodeCloud(bytes: DataView): Cloud {
     Column,
     Column,
   ];
-  const distance = Float32Array.from({ length: facts.drawn }, (_, i) =>
-    distanceTo(x[i] as number, y[i] as number, z[i] as number),
-  );
+  // A loop: `from` takes twenty times as long.
+  const distance = new Float32Array(facts.drawn);
+  for (let i = 0; i < distance.length; i++) distance[i] = distanceTo(x[i] as number, y[i] as number, z[i] as number);
   const { total, rows, step, unmeasured, drawn: count } = facts;
   return { ...head, total, rows, columns: rows ? total / rows : 0, step, unmeasured, count, fields, x, y, z, distance };
 }
 
 /** Infinite numbers are no measurements, either. */
 function distanceTo(x: number, y: number, z: number): number {
-  const away = Math.hypot(x, y, z);
+  const away = Math.sqrt(x * x + y * y + z * z);
   return Number.isFinite(away) ? away : NaN;
 }
 
@@ -103,6 +103,16 @@ export function indexOf(cloud: Cloud, i: number): number {
   if (cloud.rows <= 1) return i * cloud.step;
   const [row, column] = placeOf(cloud, i);
   return row * cloud.columns + column;
+}
+
+/** Which of the points that the page has a point of the whole cloud is; -1: it has it not. */
+export function drawnAt(cloud: Cloud, index: number | null): number {
+  if (index === null || index >= cloud.total) return -1;
+  const { step, rows, columns } = cloud;
+  if (rows <= 1) return index % step ? -1 : index / step;
+  const [row, column] = [Math.floor(index / columns), index % columns];
+  if (row % step || column % step) return -1;
+  return (row / step) * drawnColumns(cloud) + column / step;
 }
 
 /** Row and column in the whole cloud of a point that the page has. */

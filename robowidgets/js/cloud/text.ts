@@ -1,4 +1,4 @@
-import { decimalsFor, toCount, toFixed, toMany, toMetres } from "../shared/format.ts";
+import { decimalsFor, toCount, toFixed, toMany, toMetres, toOrdinal } from "../shared/format.ts";
 import type { PopupWords } from "../shared/popup.ts";
 import { type Cloud, type Column, indexOf, isColor, placeOf } from "./cloud.ts";
 import type { Selection } from "./traits.ts";
@@ -76,13 +76,9 @@ export function countWords(cloud: Cloud, found: number, whole: number | null): s
 /** What is not drawn, for the footer: "every 4th of 100 000 points"; empty where all are. */
 export function thinnedWords(cloud: Cloud): string {
   if (cloud.step === 1) return "";
-  const nth = `${cloud.step}${["th", "st", "nd", "rd"][ordinal(cloud.step)] ?? "th"}`;
+  const nth = toOrdinal(cloud.step);
   const what = cloud.rows > 1 ? `every ${nth} row and column` : `every ${nth}`;
   return `${what} of ${toMany(cloud.total, "point")} drawn`;
-}
-
-function ordinal(step: number): number {
-  return step % 100 > 10 && step % 100 < 14 ? 0 : step % 10;
 }
 
 /** The bounds as words: "z 0.1 to 0.5 m, ring 3 to 7". */

@@ -1,5 +1,4 @@
-import type { Point } from "../shared/box.ts";
-import { isDragged, make, makeButton, pointIn, set, setHidden } from "../shared/dom.ts";
+import { make, makeButton, set, setHidden } from "../shared/dom.ts";
 import { on } from "../shared/events.ts";
 import { labelOf } from "./text.ts";
 import type { ViewName } from "./traits.ts";
@@ -71,50 +70,4 @@ export class Tools {
     setHidden(this.#select, !isFlat);
     set(this.#select, "ariaPressed", String(isBox));
   }
-}
-
-/** What drags over the picture do. */
-export interface Dragged {
-  /** What a press at a place begins. */
-  startsAt(at: Point, isShifted: boolean): "move" | "box" | "band" | null;
-  onMove(dx: number, dy: number): void;
-  onBox(from: Point, to: Point): void;
-  onBand(from: Point, to: Point): void;
-  onTap(event: MouseEvent): void;
-}
-
-/** Has drags of a mouse or a pen move the picture, or draw bounds; a finger does that too where it selects. */
-export function watchDrags(picture: HTMLElement, target: Dragged, signal: AbortSignal): void {
-  let drag: { pointer: number; from: Point; last: Point; hasMoved: boolean; kind: "move" | "box" | "band" } | null =
-    null;
-  let moved = false;
-  const isOver = ({ target: on }: Event) => on instanceof Element && on.closest(".rw-over") !== null;
-  const onDown = (event: PointerEvent) => {
-    moved = false;
-    if (event.button !== 0 || isOver(event)) return;
-    const from = pointIn(picture, event);
-    const kind = target.startsAt(from, event.shiftKey);
-    // A finger scrolls the page, unless it draws.
-    if (!kind || (event.pointerType === "touch" && kind === "move")) return;
-    drag = { pointer: event.pointerId, from, last: from, hasMoved: false, kind };
-  };
-  const onMove = (event: PointerEvent) => {
-    if (!drag || event.pointerId !== drag.pointer) return;
-    const at = pointIn(picture, event);
-    if (!drag.hasMoved && !isDragged(drag.from, at)) return;
-    if (!drag.hasMoved) picture.setPointerCapture(event.pointerId);
-    drag.hasMoved = moved = true;
-    if (drag.kind === "move") target.onMove(at.x - drag.last.x, at.y - drag.last.y);
-    else if (drag.kind === "box") target.onBox(drag.from, at);
-    else target.onBand(drag.from, at);
-    drag.last = at;
-  };
-  const onEnd = () => {
-    drag = null;
-  };
-  on(picture, "pointerdown", onDown, signal);
-  on(picture, "pointermove", onMove, signal);
-  on(picture, "pointerup", onEnd, signal);
-  on(picture, "pointercancel", onEnd, signal);
-  on(picture, "click", (event) => !moved && !isOver(event) && target.onTap(event), signal);
 }

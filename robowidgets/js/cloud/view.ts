@@ -1,8 +1,8 @@
 import { holds, type Point } from "../shared/box.ts";
 import { Canvas, circle, stroke } from "../shared/canvas.ts";
-import { CopyCode } from "../shared/copy.ts";
 import type { Credit } from "../shared/credit.ts";
-import { make, makeButton, pointIn, set, setHidden, setText } from "../shared/dom.ts";
+import { make, set, setHidden, setText } from "../shared/dom.ts";
+import { type Dragged, type Step, watchDrags } from "../shared/drag.ts";
 import { isPlain, on } from "../shared/events.ts";
 import { toCount, toMany, toMetres } from "../shared/format.ts";
 import { type Model, onChange, setTraits } from "../shared/model.ts";
@@ -11,17 +11,8 @@ import { placePopup } from "../shared/popup_place.ts";
 import { SampleCard } from "../shared/sample_card.ts";
 import type { Stream } from "../shared/stream.ts";
 import { MOVE_KEYS, watchZoom, ZOOM_KEYS, type Zoom } from "../shared/zoom.ts";
-import {
-  type Cloud,
-  columnOf,
-  countOf,
-  drawnColumns,
-  indexOf,
-  isColor,
-  nearestOf,
-  placeOf,
-  selectedIn,
-} from "./cloud.ts";
+import { Chip } from "./chip.ts";
+import { type Cloud, columnOf, drawnAt, indexOf, isColor, nearestOf, placeOf, selectedIn } from "./cloud.ts";
 import { colorsOf, type Domain, domainOf, toPixel as toPixelColor } from "./colors.ts";
 import { Dots } from "./dots.ts";
 import { drawGrid, drawLegend, drawRowsGround, drawSelection, type Legend, legendIn, roomIn, valueAt } from "./draw.ts";
@@ -38,26 +29,16 @@ import {
   toMetres as toPlace,
   zoomed,
 } from "./projection.ts";
-import {
-  ABOUT_FORMS,
-  bandWords,
-  countWords,
-  describePoint,
-  FORMS,
-  type Form,
-  rounded,
-  thinnedWords,
-  titleOf,
-  toCode,
-} from "./text.ts";
-import { type CloudActs, type Dragged, Tools, watchDrags } from "./tools.ts";
+import { describePoint, rounded, thinnedWords, titleOf } from "./text.ts";
+import { type CloudActs, Tools } from "./tools.ts";
 import type { CloudAbout, CloudTraits, Selection, ViewName } from "./traits.ts";
 
 const VIEWS: ViewName[] = ["above", "side", "behind", "rows"];
 const RING = 6;
+type DragKind = "move" | "box" | "band";
 
 /** One view of a cloud widget: it wires the card, the drawing, the pop-ups, what is selected and the gestures. */
-export class CloudView implements Zoom, CloudActs, Dragged {
+export class CloudView implements Zoom, CloudActs, Dragged<DragKind> {
   readonly #model: Model<CloudTraits>;
   readonly #stream: Stream<Cloud>;
   readonly #credit: Credit;
@@ -71,10 +52,7 @@ export class CloudView implements Zoom, CloudActs, Dragged {
   readonly #empty = make("div", "rw-empty");
   readonly #hovered: Popup;
   readonly #pinned: Popup;
-  readonly #chip = make("div", "rw-floating rw-over rw-cloud-chip");
-  readonly #count = make("span", "rw-cloud-count");
-  readonly #bands = make("span", "rw-cloud-bands");
-  readonly #copy: CopyCode<Form>;
+  readonly #chip: Chip;
   readonly #drawnWords = make("span", "");
   readonly #unmeasured = make("span", "");
   readonly #nearest = make("span", "rw-cloud-nearest");
@@ -110,22 +88,19 @@ export class CloudView implements Zoom, CloudActs, Dragged {
     this.#ground = new Canvas(picture);
     this.#points = new Canvas(picture);
     this.#over = new Canvas(picture);
-    const say = (words: string[]) => this.#card.say(words);
-    this.#copy = new CopyCode<Form>((form) => toCode(this.#selection, form), say, signal, FORMS, ABOUT_FORMS);
-    const closer = makeButton("rw-cloud-close", "Select nothing (Escape)", () => this.#select({}), signal, "\u00d7");
-    const head = make("div", "rw-popup-row");
-    head.append(this.#count, closer);
-    this.#chip.append(head, this.#bands, this.#copy.row, this.#copy.field);
+    this.#chip = new Chip(
+      () => this.#select({}),
+      (words) => this.#card.say(words),
+      signal,
+    );
     this.#pinned = new Popup(picture, signal);
     this.#hovered = new Popup(picture, signal);
-    picture.append(this.#empty, this.#chip);
+    picture.append(this.#empty, this.#chip.root);
     this.#tools = new Tools(this, signal);
     this.#card.addControls(...this.#tools.all);
     footer.append(this.#drawnWords, this.#unmeasured, this.#nearest);
     const traits = ["view", "color_by", "color_range", "selection", "view_range"] as const;
     onChange(model, traits, this.#card.redraw, signal);
-    on(picture, "pointermove", (event) => this.#onPointer(event), signal);
-    on(picture, "pointerleave", () => this.#onPointer(null), signal);
     on(picture, "dblclick", () => this.onFit(), signal);
     on(root, "keydown", (event) => this.#onKey(event), signal);
     watchDrags(picture, this, signal);
@@ -169,15 +144,29 @@ export class CloudView implements Zoom, CloudActs, Dragged {
     this.#card.redraw();
   }
 
-  startsAt(at: Point, isShifted: boolean): "move" | "box" | "band" | null {
+  onPoint(at: Point | null): void {
+    this.#pointer = at;
+    this.#card.redraw();
+  }
+
+  startsAt(at: Point, { button, pointerType, shiftKey }: PointerEvent): DragKind | null {
+    if (button) return null;
     const bar = this.#legend?.bar;
     const isLegend = bar && at.x > bar.x - 8 && at.x < bar.x + bar.width + 30 && at.y > bar.y - 8;
     if (isLegend && at.y < bar.y + bar.height + 8) return "band";
     if (!this.#projection) return null;
-    return this.#isBox || isShifted ? "box" : "move";
+    if (this.#isBox || shiftKey) return "box";
+    // A finger scrolls the page, unless it selects.
+    return pointerType === "touch" ? null : "move";
   }
 
-  onMove(dx: number, dy: number): void {
+  onDrag(kind: DragKind, { from, last, at }: Step): void {
+    if (kind === "move") this.#onMove(at.x - last.x, at.y - last.y);
+    else if (kind === "box") this.#onBox(from, at);
+    else this.#onBand(from, at);
+  }
+
+  #onMove(dx: number, dy: number): void {
     const projection = this.#projection;
     if (!projection) return;
     const look = this.#looks.get(this.#view) ?? projection.look;
@@ -186,7 +175,7 @@ export class CloudView implements Zoom, CloudActs, Dragged {
     this.#card.redraw();
   }
 
-  onBox(from: Point, to: Point): void {
+  #onBox(from: Point, to: Point): void {
     const projection = this.#projection;
     if (!projection) return;
     const [ends, others] = [toPlace(projection, from), toPlace(projection, to)];
@@ -202,7 +191,7 @@ export class CloudView implements Zoom, CloudActs, Dragged {
     this.#select(Object.fromEntries(Object.entries(all).sort(([one], [other]) => (one < other ? -1 : 1))));
   }
 
-  onBand(from: Point, to: Point): void {
+  #onBand(from: Point, to: Point): void {
     const legend = this.#legend;
     if (!legend) return;
     const bounds = [valueAt(legend, from.y), valueAt(legend, to.y)].sort((a, b) => a - b) as [number, number];
@@ -210,32 +199,25 @@ export class CloudView implements Zoom, CloudActs, Dragged {
     this.#select({ ...this.#selection, [this.#colorBy]: rounded(bounds, high - low) });
   }
 
-  onTap(event: MouseEvent): void {
+  onTap(at: Point): void {
     const cloud = this.#stream.shown;
     if (!cloud) return;
-    const i = this.#dots.at(pointIn(this.#card.picture, event));
+    const i = this.#dots.at(at);
     const index = i < 0 ? null : indexOf(cloud, i);
     this.#pinnedIndex = index === this.#pinnedIndex ? null : index;
-    this.#card.redraw();
-  }
-
-  #onPointer(event: PointerEvent | null): void {
-    const isOver = event?.target instanceof Element && event.target.closest(".rw-over") !== null;
-    const isTouch = event?.pointerType === "touch";
-    this.#pointer = event && !isOver && !isTouch ? pointIn(this.#card.picture, event) : null;
     this.#card.redraw();
   }
 
   #onKey(event: KeyboardEvent): void {
     if (!isPlain(event) || event.target instanceof HTMLSelectElement) return;
     const [moves, direction] = [MOVE_KEYS[event.key], ZOOM_KEYS[event.key]];
-    if (moves) this.onMove(...moves);
+    if (moves) this.#onMove(...moves);
     else if (direction) this.onZoom(direction);
     else if (event.key === "0") this.onFit();
     else if (event.key === "b") this.onSelect();
     else if (event.key === "v") this.#turn();
     else if (event.key === "m") this.#pinNearest();
-    else if (event.key === "c" && this.#hasSelection) void this.#copy.copy();
+    else if (event.key === "c" && this.#hasSelection) void this.#chip.copy.copy();
     else if (event.key === "Escape" && this.#pinnedIndex !== null) this.#pin(null);
     else if (event.key === "Escape" && this.#hasSelection) this.#select({});
     else return;
@@ -266,7 +248,7 @@ export class CloudView implements Zoom, CloudActs, Dragged {
   }
 
   #select(selection: Selection): void {
-    this.#copy.reset();
+    this.#chip.copy.reset();
     setTraits(this.#model, { selection });
     this.#card.redraw();
   }
@@ -313,7 +295,7 @@ export class CloudView implements Zoom, CloudActs, Dragged {
     setText(this.#empty, this.#wordsOnNothing(cloud));
     setHidden(this.#empty, !this.#empty.textContent);
     this.#card.texts.ask(this.#tell);
-    this.#drawChip(cloud);
+    this.#chip.update(cloud, this.#selection, this.#found, this.#wholeCount);
     this.#credit.drawn(newest);
   }
 
@@ -389,7 +371,7 @@ export class CloudView implements Zoom, CloudActs, Dragged {
     const { size, theme, noticeHeight } = this.#card;
     const over = this.#over.begin(size);
     if (this.#projection) drawSelection(over, this.#projection, this.#selection, theme);
-    const chip = this.#hasSelection ? [this.#chipBox] : [];
+    const taken = this.#chip.boxes;
     const box = { x: 0, y: noticeHeight, width: size.width, height: size.height - noticeHeight };
     const show = (popup: Popup, i: number) => {
       const at = cloud && i >= 0 ? this.#pixelOf(cloud, i) : null;
@@ -399,27 +381,12 @@ export class CloudView implements Zoom, CloudActs, Dragged {
       circle(over, at, RING);
       stroke(over, theme.pointer, 2);
       const words = describePoint(cloud, i);
-      chip.push(popup.show(words, (room) => placePopup(room, box, at, at, { count: () => 0 }, chip, [])));
+      taken.push(popup.show(words, (room) => placePopup(room, box, at, at, { count: () => 0 }, taken, [])));
     };
-    const pinned = cloud ? this.#drawnAt(cloud, this.#pinnedIndex) : -1;
+    const pinned = cloud ? drawnAt(cloud, this.#pinnedIndex) : -1;
     const hovered = this.#pointer && cloud ? this.#dots.at(this.#pointer) : -1;
     show(this.#pinned, pinned);
     show(this.#hovered, hovered === pinned ? -1 : hovered);
-  }
-
-  get #chipBox() {
-    const { offsetLeft: x, offsetTop: y, offsetWidth: width, offsetHeight: height } = this.#chip;
-    return { x, y, width, height };
-  }
-
-  /** The number of a point of the whole cloud among those that the page has, or -1. */
-  #drawnAt(cloud: Cloud, index: number | null): number {
-    if (index === null || index >= cloud.total) return -1;
-    const { step, rows, columns } = cloud;
-    if (rows <= 1) return index % step ? -1 : index / step;
-    const [row, column] = [Math.floor(index / columns), index % columns];
-    if (row % step || column % step) return -1;
-    return (row / step) * drawnColumns(cloud) + column / step;
   }
 
   #pixelOf(cloud: Cloud, i: number): Point | null {
@@ -445,14 +412,6 @@ export class CloudView implements Zoom, CloudActs, Dragged {
     };
   }
 
-  /** What is selected: how many points, between which bounds, and the code for them. */
-  #drawChip(cloud: Cloud | null): void {
-    setHidden(this.#chip, !this.#hasSelection || !cloud);
-    if (!cloud || !this.#found) return;
-    setText(this.#count, countWords(cloud, countOf(this.#found), this.#wholeCount));
-    setText(this.#bands, bandWords(this.#selection));
-  }
-
   /** How many points of the whole cloud are selected, once Python has counted. */
   get #wholeCount(): number | null {
     const [selection, count] = (this.#stream.about as CloudAbout).selected ?? [];
@@ -461,7 +420,8 @@ export class CloudView implements Zoom, CloudActs, Dragged {
 
   #drawFooter(): void {
     const cloud = this.#stream.shown;
-    setText(this.#drawnWords, cloud ? thinnedWords(cloud) : "");
+    const { pace = "" } = this.#stream.about;
+    setText(this.#drawnWords, [cloud ? thinnedWords(cloud) : "", pace].filter(Boolean).join(" \u00b7 "));
     setText(this.#unmeasured, cloud?.unmeasured ? `${toCount(cloud.unmeasured)} not measured` : "");
     const nearest = cloud ? nearestOf(cloud, this.#found) : -1;
     const words = cloud && nearest >= 0 ? `nearest ${toMetres(cloud.distance[nearest] as number)} ` : "";

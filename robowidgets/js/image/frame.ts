@@ -48,11 +48,13 @@ export function toNumbers(picture: Picture): Float32Array | Uint16Array {
   const { data, depthScale } = picture;
   const values = picture.form === FLOAT32 ? new Float32Array(data.buffer) : new Uint16Array(data.buffer);
   if (!depthScale) return values;
-  const metres = new Float32Array(values.length);
-  // Not by `Float32Array.from`, which takes ten times as long.
-  for (let i = 0; i < values.length; i++) {
-    const value = values[i] as number;
-    metres[i] = value > 0 && value < Infinity ? value * depthScale : NaN;
-  }
-  return metres;
+  // A loop: `from` takes twenty times as long.
+  const depths = new Float32Array(values.length);
+  for (let i = 0; i < depths.length; i++) depths[i] = toDepth(values[i] as number, depthScale);
+  return depths;
+}
+
+/** Metres; NaN for 0 and what is no distance. */
+export function toDepth(value: number, scale: number): number {
+  return value > 0 && value < Infinity ? value * scale : NaN;
 }

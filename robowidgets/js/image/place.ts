@@ -65,6 +65,29 @@ export function toPicture({ scale, left, top }: Placement, { x, y }: Point): { r
   return { row: (y - top) / scale, column: (x - left) / scale };
 }
 
+/** Pixels between a part of the picture and what is said of it. */
+const GAP = 8;
+
+/** Where a pop-up covers the least of a part of the picture, as near to it as that may be. */
+export function placeBeside({ width, height }: Size, room: Box, part: Box): Point {
+  const along = (start: number, length: number, size: number, from: number, long: number) => {
+    const [first, last] = [start + GAP, Math.max(start + GAP, start + length - size - GAP)];
+    const near = [from - size - GAP, from, from + long - size, from + long + GAP];
+    return [...near.map((at) => Math.min(last, Math.max(first, at))), first, last];
+  };
+  const xs = along(room.x, room.width, width, part.x, part.width);
+  const ys = along(room.y, room.height, height, part.y, part.height);
+  const shared = (a: number, long: number, b: number, other: number) =>
+    Math.max(0, Math.min(a + long, b + other) - Math.max(a, b));
+  const cost = ({ x, y }: Point) => {
+    const covered = shared(x, width, part.x, part.width) * shared(y, height, part.y, part.height);
+    const away = Math.hypot(x + width / 2 - part.x - part.width / 2, y + height / 2 - part.y - part.height / 2);
+    return 1e3 * covered + away;
+  };
+  const places = xs.flatMap((x) => ys.map((y) => ({ x, y })));
+  return places.reduce((best, place) => (cost(place) < cost(best) ? place : best));
+}
+
 /** The box of a part of the picture on the screen. */
 export function boxOf({ scale, left, top }: Placement, [from, to, first, end]: readonly number[]): Box {
   const [row = 0, last = 0, column = 0, stop = 0] = [from, to, first, end];

@@ -25,15 +25,15 @@ export function regionOf(
 }
 
 /** The statistics of some pixels, channel by channel; NaN is nothing. */
-export function statisticsOf(channels: number[][], isExact: boolean): Statistics {
+export function statisticsOf(channels: Float64Array[], isExact: boolean): Statistics {
   const of = channels[0]?.length ?? 0;
   let count = 0;
   for (let i = 0; i < of; i++) if (channels.every((values) => Number.isFinite(values[i]))) count++;
   return { of, count, channels: channels.map(rowOf), isExact };
 }
 
-function rowOf(values: number[]): number[] | null {
-  const sorted = values.filter(Number.isFinite).sort((a, b) => a - b);
+function rowOf(values: Float64Array): number[] | null {
+  const sorted = values.filter(Number.isFinite).sort();
   const { length } = sorted;
   if (!length) return null;
   const at = (index: number) => sorted[index] as number;

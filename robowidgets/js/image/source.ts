@@ -1,6 +1,6 @@
 import { make } from "../shared/dom.ts";
 import { fitScale, paintNumbers, type Scale, scaleColors } from "./colors.ts";
-import { FILE, GRAY, isNumbers, type Picture, RGB, RGBA, sizeThere, toNumbers } from "./frame.ts";
+import { FILE, GRAY, isNumbers, type Picture, RGBA, sizeThere, toNumbers } from "./frame.ts";
 import { type Statistics, statisticsOf } from "./region.ts";
 import type { Known, Pixel } from "./text.ts";
 
@@ -17,7 +17,11 @@ export class Source {
   nothing = 0;
   #numbers: Float32Array | Uint16Array | null = null;
   #decoding: Picture | null = null;
+  /** The pixels that were painted last, to be painted over. */
+  #painted: ImageData | null = null;
   #look = "";
+  /** What was asked for last of a part, which pointing asks for again. */
+  #found: { picture: Picture; key: string; statistics: Statistics } | null = null;
 
   /**
    * Paints a picture. A file is unpacked first, and `onReady` called then; the picture before stays until that.
@@ -34,7 +38,9 @@ export class Source {
     this.#decoding = null;
     this.#begin(picture);
     const { width, height } = this.canvas;
-    const pixels = new ImageData(width, height);
+    const before = this.#painted;
+    const pixels = before?.width === width && before.height === height ? before : new ImageData(width, height);
+    this.#painted = pixels;
     if (isNumbers(picture)) {
       const numbers = this.#numbers ?? toNumbers(picture);
       this.#numbers = numbers;
@@ -89,44 +95,53 @@ export class Source {
   }
 
   /** What is in a part of the whole picture, of the pixels that are there. */
-  statistics([top = 0, bottom = 0, left = 0, right = 0]: readonly number[]): Statistics | null {
+  statistics(region: readonly number[]): Statistics | null {
     const { picture } = this;
     if (!picture) return null;
+    const key = region.join();
+    if (this.#found?.picture === picture && this.#found.key === key) return this.#found.statistics;
     const { every } = picture;
+    const [top = 0, bottom = 0, left = 0, right = 0] = region;
     const [y, x] = [Math.ceil(top / every), Math.ceil(left / every)];
     const size = sizeThere(picture);
     const width = Math.max(0, Math.min(size.width, Math.ceil(right / every)) - x);
     const height = Math.max(0, Math.min(size.height, Math.ceil(bottom / every)) - y);
     const channels = width && height ? this.#read(picture, x, y, width, height) : [];
-    return statisticsOf(channels, picture.isExact && every === 1);
+    const statistics = statisticsOf(channels, picture.isExact && every === 1);
+    this.#found = { picture, key, statistics };
+    return statistics;
   }
 
   /** The values of some pixels that are there, channel by channel. */
-  #read(picture: Picture, x: number, y: number, width: number, height: number): number[][] {
-    const all = this.#numbers;
-    if (all) {
-      const columns = sizeThere(picture).width;
-      const rows = Array.from({ length: height }, (_, i) => {
-        const start = (y + i) * columns + x;
-        return [...all.subarray(start, start + width)];
-      });
-      return [rows.flat()];
-    }
-    if (picture.form !== FILE) {
-      const columns = sizeThere(picture).width;
-      const count = picture.form === GRAY ? 1 : picture.form === RGB ? 3 : 4;
-      return Array.from({ length: count }, (_, channel) =>
-        Array.from({ length: width * height }, (_, i) => {
-          const at = (y + Math.floor(i / width)) * columns + x + (i % width);
-          return picture.data[at * count + channel] ?? NaN;
-        }),
-      );
-    }
-    const data = this.#context?.getImageData(x, y, width, height).data;
-    return data
-      ? [0, 1, 2].map((channel) => Array.from({ length: width * height }, (_, i) => data[4 * i + channel] as number))
-      : [];
+  #read(picture: Picture, x: number, y: number, width: number, height: number): Float64Array[] {
+    const { form, data } = picture;
+    const columns = sizeThere(picture).width;
+    const start = y * columns + x;
+    if (this.#numbers) return [cut(this.#numbers, start, columns, width, height, 0, 1)];
+    const count = form === GRAY ? 1 : form === RGBA ? 4 : 3;
+    const channels = Array.from({ length: count }, (_, channel) => channel);
+    if (form !== FILE) return channels.map((one) => cut(data, start, columns, width, height, one, count));
+    const pixels = this.#context?.getImageData(x, y, width, height).data;
+    return pixels ? channels.map((one) => cut(pixels, 0, width, width, height, one, 4)) : [];
   }
+}
+
+/** A channel of a part of a picture: so many of each row of so many columns, from the pixel of a number on. */
+function cut(
+  values: ArrayLike<number>,
+  start: number,
+  columns: number,
+  width: number,
+  height: number,
+  channel: number,
+  count: number,
+): Float64Array {
+  const found = new Float64Array(width * height);
+  for (let row = 0, at = 0; row < height; row++) {
+    const from = start + row * columns;
+    for (let i = from; i < from + width; i++) found[at++] = values[i * count + channel] as number;
+  }
+  return found;
 }
 
 /** Bytes of a picture as an ImageData has them. */

@@ -1,4 +1,4 @@
-import { toCount, toFixed, toMany } from "../shared/format.ts";
+import { toCount, toFixed, toMany, toOrdinal } from "../shared/format.ts";
 import type { PopupWords } from "../shared/popup.ts";
 import type { Picture } from "./frame.ts";
 import type { Statistics } from "./region.ts";
@@ -22,11 +22,9 @@ export interface Known {
   isExact: boolean;
 }
 
-const ORDINALS: Record<number, string> = { 1: "", 2: "2nd ", 3: "3rd " };
-
 /** "every 2nd row and column", or nothing. */
 export function thinned({ every }: Pick<Picture, "every">): string {
-  return every > 1 ? `every ${ORDINALS[every] ?? `${every}th `}row and column` : "";
+  return every > 1 ? `every ${toOrdinal(every)} row and column` : "";
 }
 
 /** Metres in the frame of the camera: x to the right, y down, z ahead. */

@@ -3,19 +3,30 @@ import { Canvas } from "../shared/canvas.ts";
 import { CopyCode } from "../shared/copy.ts";
 import type { Credit } from "../shared/credit.ts";
 import { make, makeButton, set, setHidden, setText } from "../shared/dom.ts";
+import { type Dragged, type Step, watchDrags } from "../shared/drag.ts";
 import { isPlain, on } from "../shared/events.ts";
-import { type Model, onChange, onMessage, setTraits } from "../shared/model.ts";
+import { type Model, onChange, setTraits } from "../shared/model.ts";
 import { Popup, type PopupWords, toSentence } from "../shared/popup.ts";
 import { placePopup } from "../shared/popup_place.ts";
 import { SampleCard } from "../shared/sample_card.ts";
 import type { Stream } from "../shared/stream.ts";
 import { watchZoom, ZOOM_KEYS, type Zoom } from "../shared/zoom.ts";
-import { isNumbers, type Picture } from "./frame.ts";
-import { type ImageActs, watchImage } from "./gestures.ts";
+import { Answers } from "./answers.ts";
+import { isNumbers, type Picture, toDepth } from "./frame.ts";
 import { Legend } from "./legend.ts";
 import { Lit } from "./lit.ts";
 import { type Dot, describeDot, dotAt, dotsOf, drawOver, type Over, wordsOf } from "./overlay.ts";
-import { boxOf, fitScaleOf, type Look, lookAt, type Placement, placeIn, toPicture, zoomed } from "./place.ts";
+import {
+  boxOf,
+  fitScaleOf,
+  type Look,
+  lookAt,
+  type Placement,
+  placeBeside,
+  placeIn,
+  toPicture,
+  zoomed,
+} from "./place.ts";
 import { type Region, regionOf, type Statistics } from "./region.ts";
 import { Source } from "./source.ts";
 import { describePixel, describeRegion, type Known, type Pixel, thinned, toCode } from "./text.ts";
@@ -30,20 +41,13 @@ const WALK: Record<string, [rows: number, columns: number]> = {
 };
 /** Pixels of the screen for one of the picture from which they are drawn as squares. */
 const SQUARES = 1.5;
+/** Pixels of a card in whose picture a region and what is said of it have no room. */
+const NARROW = 440;
 const NOWHERE = { count: () => 0 };
 const LASER = "What the laser measures on the picture (l)";
 
-/** What Python answers. */
-interface Answer {
-  of?: number;
-  pixel?: [row: number, column: number];
-  values?: (number | string)[];
-  region?: number[];
-  statistics?: Omit<Statistics, "isExact">;
-}
-
 /** One view of an image widget: it wires the card, the picture, the pop-ups and the gestures. */
-export class ImageView implements Zoom, ImageActs {
+export class ImageView implements Zoom, Dragged<"mark" | "move"> {
   readonly #model: Model<ImageTraits>;
   readonly #stream: Stream<Picture>;
   readonly #credit: Credit;
@@ -60,6 +64,7 @@ export class ImageView implements Zoom, ImageActs {
   readonly #picked: Popup;
   readonly #hovered: Popup;
   readonly #lit: Lit;
+  readonly #answers: Answers;
   /** The readings in the picture, on the screen. */
   #dots: Dot[] = [];
   #placement: Placement | null = null;
@@ -68,9 +73,6 @@ export class ImageView implements Zoom, ImageActs {
   #pixel: Pixel | null = null;
   /** While it is being marked. */
   #marking: Region | null = null;
-  /** What Python said, by what it was asked. */
-  #answers = new Map<string, Answer>();
-  #answersOf = -1;
   readonly #tell = () => this.#drawFooter();
 
   constructor(
@@ -91,6 +93,8 @@ export class ImageView implements Zoom, ImageActs {
     picture.append(this.#empty);
     const say = (words: string[]) => this.#card.say(words);
     this.#copy = new CopyCode(() => toCode(this.#region ?? [], this.#isDepth), say, signal);
+    const onClose = () => this.#mark(null);
+    this.#copy.row.append(makeButton("rw-close", "Mark nothing (Escape)", onClose, signal, "\u00d7"));
     for (const part of [this.#copy.row, this.#copy.field]) part.classList.add("rw-over");
     this.#marked = new Popup(picture, signal, this.#copy.row, this.#copy.field);
     this.#picked = new Popup(picture, signal);
@@ -104,17 +108,13 @@ export class ImageView implements Zoom, ImageActs {
     this.#laser = makeButton("rw-image-laser", LASER, () => this.#onLaser(), signal, "Laser");
     this.#card.addControls(this.#laser, farther, closer, this.#fit);
     onChange(model, ["color_range", "region", "camera", "overlay"], this.#card.redraw, signal);
-    onMessage(model, (answer: Answer) => this.#onAnswer(answer), signal);
+    this.#answers = new Answers(model, stream, this.#card.redraw, signal);
     on(root, "keydown", (event) => this.#onKey(event), signal);
-    watchImage(picture, this, signal);
+    watchDrags(picture, this, signal);
     watchZoom(picture, this, signal);
   }
 
   // What a person does
-
-  get isWhole(): boolean {
-    return this.#look === null;
-  }
 
   onZoom(direction: -1 | 1): void {
     const [placement, shown] = [this.#placement, this.#source.picture];
@@ -144,21 +144,27 @@ export class ImageView implements Zoom, ImageActs {
     this.#card.redraw();
   }
 
-  onMark(from: Point, to: Point, isOver: boolean): void {
-    const [placement, picture] = [this.#placement, this.#source.picture];
-    if (!placement || !picture) return;
-    const region = regionOf(toPicture(placement, from), toPicture(placement, to), picture.rows, picture.columns);
-    this.#marking = isOver ? null : region;
-    this.#copy.reset();
-    if (isOver) setTraits(this.#model, { region });
-    this.#card.redraw();
+  /** A drag marks a part; with Shift, with the middle button, or of a finger it moves the picture. */
+  startsAt(_at: Point, event: PointerEvent): "mark" | "move" | null {
+    const isTouch = event.pointerType === "touch";
+    // A finger scrolls the page where all of the picture is there. The middle button would scroll it, too.
+    if (event.button > 1 || (isTouch && !this.#look)) return null;
+    if (event.button === 1) event.preventDefault();
+    return isTouch || event.shiftKey || event.button === 1 ? "move" : "mark";
   }
 
-  onMove(dx: number, dy: number): void {
+  onDrag(kind: "mark" | "move", { from, last, at, ends }: Step): void {
     const [placement, picture] = [this.#placement, this.#source.picture];
-    if (!placement || !picture || !this.#look) return;
-    const moved = { ...placement, left: placement.left + dx, top: placement.top + dy };
-    this.#look = lookAt(moved, this.#room);
+    if (!placement || !picture) return;
+    if (kind === "move") {
+      const moved = { ...placement, left: placement.left + at.x - last.x, top: placement.top + at.y - last.y };
+      if (this.#look) this.#look = lookAt(moved, this.#room);
+    } else {
+      const region = regionOf(toPicture(placement, from), toPicture(placement, at), picture.rows, picture.columns);
+      this.#marking = ends ? null : region;
+      this.#copy.reset();
+      if (ends) this.#mark(region);
+    }
     this.#card.redraw();
   }
 
@@ -194,7 +200,12 @@ export class ImageView implements Zoom, ImageActs {
   /** Takes back the pixel first, then the region. */
   #clear(): void {
     if (this.#pixel) this.#pixel = null;
-    else setTraits(this.#model, { region: null });
+    else this.#mark(null);
+    this.#card.redraw();
+  }
+
+  #mark(region: Region | null): void {
+    setTraits(this.#model, { region });
     this.#card.redraw();
   }
 
@@ -211,46 +222,17 @@ export class ImageView implements Zoom, ImageActs {
 
   // What Python knows
 
-  /** What Python said of the picture on show, which it is asked once. */
-  #ask(question: { pixel: number[] } | { region: number[] }): Answer | undefined {
-    const { shown } = this.#stream;
-    const key = JSON.stringify(question);
-    if (!shown || !this.#model.get("_answers")) return undefined;
-    if (this.#answersOf !== shown.sequence) {
-      this.#answers.clear();
-      this.#answersOf = shown.sequence;
-    }
-    const known = this.#answers.get(key);
-    if (!known) {
-      this.#answers.set(key, {});
-      this.#model.send({ ...question, of: shown.sequence });
-    }
-    return known;
-  }
-
-  #onAnswer(answer: Answer): void {
-    if (answer.of !== this.#answersOf) return;
-    const { pixel, region } = answer;
-    if (!pixel && !region) return;
-    this.#answers.set(JSON.stringify(pixel ? { pixel } : { region }), answer);
-    this.#card.redraw();
-  }
-
   #knownOf(pixel: Pixel, picture: Picture): Known | null {
     const known = this.#source.valuesAt(pixel);
-    if (known?.isExact || picture !== this.#stream.shown) return known;
-    const { values } = this.#ask({ pixel: [pixel.row, pixel.column] }) ?? {};
+    const values = known?.isExact ? undefined : this.#answers.valuesAt(pixel, picture);
     if (!values) return known;
-    const [first = NaN] = values.map(Number);
-    const metres = first > 0 && first < Infinity ? first * picture.depthScale : NaN;
-    return { values: picture.depthScale ? [metres] : values.map(Number), isExact: true };
+    const { depthScale } = picture;
+    return { values: depthScale ? [toDepth(values[0] ?? NaN, depthScale)] : values, isExact: true };
   }
 
   #statisticsOf(region: number[], picture: Picture): Statistics | null {
     const found = this.#source.statistics(region);
-    if (found?.isExact || this.#marking || picture !== this.#stream.shown) return found;
-    const { statistics } = this.#ask({ region }) ?? {};
-    return statistics ? { ...statistics, isExact: true } : found;
+    return found?.isExact || this.#marking ? found : (this.#answers.statistics(region, picture) ?? found);
   }
 
   #wordsOn(pixel: Pixel, picture: Picture): PopupWords {
@@ -305,7 +287,7 @@ export class ImageView implements Zoom, ImageActs {
     card.update(picture ? [this.#sizeWords(picture), this.#about.frame_id ?? ""] : [], "picture");
     setText(this.#empty, !shown ? card.waiting("picture") : isNothing ? "no picture up to this time" : source.problem);
     setHidden(this.#empty, !this.#empty.textContent || (Boolean(picture) && !source.problem));
-    set(this.#fit, "disabled", this.isWhole);
+    set(this.#fit, "disabled", this.#look === null);
     const isOver = this.#model.get("overlay");
     setHidden(this.#laser, isOver && !this.#about.over);
     set(this.#laser, "ariaPressed", String(isOver));
@@ -381,12 +363,11 @@ export class ImageView implements Zoom, ImageActs {
     if (picture && placement && region) {
       const box = boxOf(placement, region);
       const words = describeRegion(region, this.#statisticsOf(region, picture), picture, this.#about);
-      const corner = { x: box.x + box.width, y: box.y + box.height };
       setHidden(this.#copy.row, this.#marking !== null);
       others.push(box);
-      others.push(
-        this.#marked.show(words, (size) => placePopup(size, room, corner, corner, NOWHERE, others.slice(0, 1), [])),
-      );
+      const isBelow = this.#putMarked();
+      const taken = this.#marked.show(words, (size) => (isBelow ? { x: 0, y: 0 } : placeBeside(size, room, box)));
+      if (!isBelow) others.push(taken);
     } else this.#marked.hide();
     const pointed = this.#pointer && !this.#marking ? dotAt(this.#dots, this.#pointer) : null;
     const lit = pointed ?? this.#dots.find(({ index }) => index === this.#lit.index);
@@ -410,6 +391,18 @@ export class ImageView implements Zoom, ImageActs {
         popup.show(this.#wordsOn(pixel, picture), (size) => placePopup(size, room, at, at, NOWHERE, others, [])),
       );
     }
+  }
+
+  /** Puts what is said of the region into the picture, or below one too small for both; returns whether it is below. */
+  #putMarked(): boolean {
+    const [{ element }, { picture }] = [this.#marked, this.#card];
+    const isBelow = this.#card.width < NARROW;
+    if (element.classList.contains("rw-image-below") !== isBelow) {
+      element.classList.toggle("rw-image-below", isBelow);
+      if (isBelow) picture.after(element);
+      else picture.append(element);
+    }
+    return isBelow;
   }
 
   #sizeWords({ rows, columns }: Picture): string {

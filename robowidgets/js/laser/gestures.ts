@@ -1,6 +1,6 @@
 import type { Point } from "../shared/box.ts";
 import { isDragged, pointIn } from "../shared/dom.ts";
-import { isPlain, on } from "../shared/events.ts";
+import { isOver, isPlain, on } from "../shared/events.ts";
 import { watchZoom, ZOOM_KEYS, type Zoom } from "../shared/zoom.ts";
 import type { Drag, Layer } from "./layer.ts";
 
@@ -149,9 +149,4 @@ function watchPresses(
       return taken;
     },
   };
-}
-
-/** Whether an event belongs to an element of a layer that stands over the picture, of the class `rw-over`. */
-function isOver({ target }: Event): boolean {
-  return target instanceof Element && target.closest(".rw-over") !== null;
 }

@@ -1,5 +1,4 @@
-import type { Point as Pixel } from "../shared/box.ts";
-import { isDragged, make, makeButton, pointIn, setHidden } from "../shared/dom.ts";
+import { make, makeButton, setHidden } from "../shared/dom.ts";
 import { on } from "../shared/events.ts";
 import type { Place } from "../shared/floor.ts";
 
@@ -64,53 +63,6 @@ export class Tools {
     }
     if (document.activeElement !== this.frame || !this.frame.value) this.frame.value = shown;
   }
-}
-
-/** Where a drag began, and what it does. */
-interface Drag {
-  pointer: number;
-  from: Pixel;
-  last: Pixel;
-  hasMoved: boolean;
-}
-
-/** What drags on the map do. */
-export interface Dragged {
-  /** Whether a press begins a line that is measured. */
-  readonly isMeasuring: boolean;
-  onMove(dx: number, dy: number): void;
-  onMeasured(from: Pixel, to: Pixel): void;
-  onTap(event: MouseEvent): void;
-}
-
-/** Has drags of a mouse or a pen move the map, or measure; a finger scrolls the page. */
-export function watchDrags(picture: HTMLElement, target: Dragged, signal: AbortSignal): void {
-  let drag: Drag | null = null;
-  let moved = false;
-  const onDown = (event: PointerEvent) => {
-    moved = false;
-    if (event.button !== 0 || (event.pointerType === "touch" && !target.isMeasuring)) return;
-    const from = pointIn(picture, event);
-    drag = { pointer: event.pointerId, from, last: from, hasMoved: false };
-  };
-  const onMove = (event: PointerEvent) => {
-    if (!drag || event.pointerId !== drag.pointer) return;
-    const at = pointIn(picture, event);
-    if (!drag.hasMoved && !isDragged(drag.from, at)) return;
-    if (!drag.hasMoved) picture.setPointerCapture(event.pointerId);
-    drag.hasMoved = moved = true;
-    if (target.isMeasuring) target.onMeasured(drag.from, at);
-    else target.onMove(at.x - drag.last.x, at.y - drag.last.y);
-    drag.last = at;
-  };
-  const onEnd = () => {
-    drag = null;
-  };
-  on(picture, "pointerdown", onDown, signal);
-  on(picture, "pointermove", onMove, signal);
-  on(picture, "pointerup", onEnd, signal);
-  on(picture, "pointercancel", onEnd, signal);
-  on(picture, "click", (event) => !moved && target.onTap(event), signal);
 }
 
 /** A line that a person measures. */

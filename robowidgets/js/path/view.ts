@@ -1,7 +1,8 @@
 import type { Point as Pixel } from "../shared/box.ts";
 import { Reader, toBytes } from "../shared/bytes.ts";
 import { Canvas, write } from "../shared/canvas.ts";
-import { make, pointIn, set, setHidden, setText } from "../shared/dom.ts";
+import { make, set, setHidden, setText } from "../shared/dom.ts";
+import { type Step, watchDrags } from "../shared/drag.ts";
 import { isPlain, on } from "../shared/events.ts";
 import { type Bounds, drawFloor, fit, type Place, type Projection, toFloor, toPixel } from "../shared/floor.ts";
 import { toDegrees, toFixed, toMany, toMetres } from "../shared/format.ts";
@@ -23,7 +24,7 @@ import { cellAt, type LayerAbout, type LayerState, robotOf, toTracks } from "./l
 import { Panel, type Row } from "./panel.ts";
 import { boundsOf, isKnown, nearestOn, type Point, type PoseFrame, splitAt, type TimedPose, toPoints } from "./path.ts";
 import { describePoint, toHeading, toPlace } from "./text.ts";
-import { type Measured, Tools, watchDrags } from "./tools.ts";
+import { type Measured, Tools } from "./tools.ts";
 import type { PathTraits, PlacedShape } from "./traits.ts";
 
 /** Pixels from the path within which a place of it is named; on a map, where cells are named, fewer. */
@@ -100,8 +101,6 @@ export class PathView {
     onChange(model, ["_path", "_tracks"], () => this.#onPath(), signal);
     onChange(model, ["_grids"], () => this.#onGrids(), signal);
     onChange(model, ["_map", "hidden", "follow", "frame"], this.#card.redraw, signal);
-    on(picture, "pointermove", (event) => this.#onPointer(event), signal);
-    on(picture, "pointerleave", () => this.#onPointer(null), signal);
     on(picture, "dblclick", () => !this.#isMeasuring && this.onFit(), signal);
     on(root, "keydown", (event) => this.#onKey(event), signal);
     watchDrags(picture, this, signal);
@@ -111,10 +110,6 @@ export class PathView {
   }
 
   // What a person does
-
-  get isMeasuring(): boolean {
-    return this.#isMeasuring;
-  }
 
   onFollow(): void {
     setTraits(this.#model, { follow: !this.#model.get("follow") });
@@ -159,7 +154,7 @@ export class PathView {
     this.#card.redraw();
   }
 
-  onMove(dx: number, dy: number): void {
+  #onMove(dx: number, dy: number): void {
     const projection = this.#projection;
     if (!projection) return;
     const look = this.#look ?? lookOf(projection.bounds);
@@ -168,14 +163,27 @@ export class PathView {
     this.#card.redraw();
   }
 
-  onMeasured(from: Pixel, to: Pixel): void {
-    if (!this.#projection) return;
-    this.#measured = { from: toFloor(this.#projection, from), to: toFloor(this.#projection, to) };
-    this.#tellMeasured();
+  onPoint(at: Pixel | null): void {
+    this.#pointer = at;
+    this.#card.redraw();
   }
 
-  onTap(event: MouseEvent): void {
-    const at = pointIn(this.#card.picture, event);
+  /** A finger scrolls the page, unless it measures. */
+  startsAt(_at: Pixel, { button, pointerType }: PointerEvent): "measure" | "move" | null {
+    if (button || (pointerType === "touch" && !this.#isMeasuring)) return null;
+    return this.#isMeasuring ? "measure" : "move";
+  }
+
+  onDrag(kind: "measure" | "move", { from, last, at }: Step): void {
+    if (kind === "move") {
+      this.#onMove(at.x - last.x, at.y - last.y);
+    } else if (this.#projection) {
+      this.#measured = { from: toFloor(this.#projection, from), to: toFloor(this.#projection, at) };
+      this.#tellMeasured();
+    }
+  }
+
+  onTap(at: Pixel): void {
     if (this.#isMeasuring && this.#projection) {
       const place = toFloor(this.#projection, at);
       const isSecond = this.#measured && !this.#measured.to;
@@ -503,12 +511,6 @@ export class PathView {
 
   // Pointer and keys
 
-  #onPointer(event: PointerEvent | null): void {
-    if (event?.pointerType === "touch") return;
-    this.#pointer = event && pointIn(this.#card.picture, event);
-    this.#card.redraw();
-  }
-
   /** In a player goes to the time of a place of the path, else keeps its pop-up open. */
   #pick(point: Point | null): void {
     const isInPlayer = this.#model.get("_picked") !== undefined;
@@ -538,7 +540,7 @@ export class PathView {
     else if (key === "f") this.onFollow();
     else if (key === "m") this.onMeasure();
     else if (key === "l" && this.#hasLayers) this.onLayers();
-    else if (shiftKey && move) this.onMove(...move);
+    else if (shiftKey && move) this.#onMove(...move);
     else if (by !== undefined) {
       const [{ points } = { points: [] }] = this.#ways;
       const times = points.map(({ time }) => time);

@@ -23,6 +23,11 @@ export function onAbort(signal: AbortSignal, callback: () => void): void {
   callbacks.push(callback);
 }
 
+/** Whether an event belongs to what stands over a picture and takes clicks itself: it has the class `rw-over`. */
+export function isOver({ target }: Event): boolean {
+  return target instanceof Element && target.closest(".rw-over") !== null;
+}
+
 /** Whether a key is pressed without Ctrl, Alt or Meta. */
 export function isPlain({ ctrlKey, altKey, metaKey }: KeyboardEvent): boolean {
   return !(ctrlKey || altKey || metaKey);

@@ -60,6 +60,13 @@ export function toMany(count: number, noun: string): string {
   return `${toCount(count)} ${noun}${count === 1 ? "" : "s"}`;
 }
 
+/** "1st", "22nd", "97th". */
+export function toOrdinal(number: number): string {
+  const tens = number % 100;
+  const word = tens > 10 && tens < 14 ? "th" : (["th", "st", "nd", "rd"][number % 10] ?? "th");
+  return `${number}${word}`;
+}
+
 /** How long ago: "2.3 s", "3 min", "2 h". */
 export function toAge(ms: number, decimals = 1): string {
   const seconds = ms / 1000;

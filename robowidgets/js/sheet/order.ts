@@ -158,13 +158,6 @@ export function cutOf(moments: Moment[]): number | null {
   return Number((factor * power).toPrecision(3));
 }
 
-/** "1st", "22nd", "97th". */
-export function toOrdinal(number: number): string {
-  const tens = number % 100;
-  const word = tens > 10 && tens < 14 ? "th" : (["th", "st", "nd", "rd"][number % 10] ?? "th");
-  return `${number}${word}`;
-}
-
 /** The code that opens a moment: its sample where something was met, else its span. */
 export function toCode({ path, topic, nearest, time, start, held }: Moment): string {
   // Upwards: a time before its sample would have the one before.

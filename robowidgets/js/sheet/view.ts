@@ -2,7 +2,7 @@ import { Card } from "../shared/card.ts";
 import { CopyCode, copyText } from "../shared/copy.ts";
 import { make, makeButton, setHidden, setText } from "../shared/dom.ts";
 import { isPlain, on, onAbort } from "../shared/events.ts";
-import { toShortMetres } from "../shared/format.ts";
+import { toOrdinal, toShortMetres } from "../shared/format.ts";
 import { lacksKernel, type Model, NO_KERNEL, onChange, onMessage, setTraits } from "../shared/model.ts";
 import { NameRow } from "../shared/naming.ts";
 import { offerPng } from "../shared/png.ts";
@@ -19,7 +19,6 @@ import {
   sorted,
   toCode,
   toMoments,
-  toOrdinal,
 } from "./order.ts";
 import type { Pictures } from "./pictures.ts";
 import { type Item, Row, Tile } from "./tile.ts";

@@ -1,7 +1,7 @@
 import { Canvas } from "../shared/canvas.ts";
 import { CopyCode } from "../shared/copy.ts";
 import { make, makeButton, pointIn, set, setHidden, setText } from "../shared/dom.ts";
-import { isPlain, on, onAbort } from "../shared/events.ts";
+import { isOver, isPlain, on, onAbort } from "../shared/events.ts";
 import { toMany, toShortMetres } from "../shared/format.ts";
 import type { Ring, SonarAbout } from "../shared/frames/ring.ts";
 import { FARTHEST_VIEW } from "../shared/frames/scan.ts";
@@ -276,8 +276,4 @@ function wordsOnPlaces(cones: Cone[]): string {
   if (!unknown.length) return "";
   const which = unknown.length === cones.length ? "places not known" : `place of ${unknown[0]?.name} not known`;
   return `${which}: spread evenly by name`;
-}
-
-function isOver({ target }: Event): boolean {
-  return target instanceof Element && target.closest(".rw-over") !== null;
 }

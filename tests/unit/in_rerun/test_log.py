@@ -19,7 +19,7 @@ from robowidgets.recording import Recording
 from robowidgets.recordings import RecordingError, UnknownTopicError
 from robowidgets.simulator import World
 
-from ..recordings.recorded import write
+from ..recordings.recorded import START_NS, stamped, write
 from ..test_cloud import cloud_message, points_of
 
 chunk = pytest.importorskip("rerun.chunk", reason="Rerun is not installed: pip install 'robowidgets[rerun]'")
@@ -254,3 +254,39 @@ def test_all_points_of_a_cloud_keep_their_index_and_a_message_that_is_none_is_le
             assert [row[0].value for row in rows] == [0, 2_000_000_000]
             expected = np.column_stack([points[axis] for axis in "xyz"])
             assert all(np.array_equal(np.array(row[1]), expected, equal_nan=True) for row in rows)
+
+
+def test_pictures_stand_in_space_where_their_camera_is_calibrated_and_its_place_known(tmp_path: Path) -> None:
+    depth = np.array([[0, 1500, 2000], [1000, 65535, 7]], np.uint16)
+    header = stamped(START_NS, "eye")
+    image = {"header": header, "height": 2, "width": 3, "encoding": "16UC1", "step": 6, "data": depth.view(np.uint8)}
+    image["data"] = image["data"].reshape(-1)
+    k = np.array([500.0, 0, 1, 0, 600, 0.5, 0, 0, 1])
+    info = {"header": header, "height": 2, "width": 3, "k": k, "p": np.zeros(12), "d": np.zeros(0)}
+    place = {"translation": {"x": 0.5, "y": 0.0, "z": 1.0}, "rotation": {"x": 0.0, "y": 0.0, "z": 0.0, "w": 1.0}}
+    tf = {"transforms": [{"header": stamped(START_NS, "base_link"), "child_frame_id": "eye", "transform": place}]}
+    jpeg = np.frombuffer(b"\xff\xd8\xff\xc0\x00\x11\x08\x00\x02\x00\x03" + bytes(9), np.uint8)
+    topics = {
+        "/eye/image": "sensor_msgs/msg/Image",
+        "/eye/camera_info": "sensor_msgs/msg/CameraInfo",
+        "/tf_static": "tf2_msgs/msg/TFMessage",
+        "/rear/compressed": "sensor_msgs/msg/CompressedImage",
+    }
+    messages = [
+        (0, "/tf_static", tf),
+        (0, "/eye/camera_info", info),
+        (1, "/eye/image", image),
+        (2, "/eye/image", {**image, "data": jpeg[:1]}),
+        (3, "/rear/compressed", {"header": header, "format": "jpeg", "data": jpeg}),
+    ]
+    with robowidgets.open(write(tmp_path / "drive", topics, messages)) as recording:
+        read = Read(recording.to_rerun(tmp_path / "seen.rrd"))
+    entity = "/world/cameras/eye\\/image"
+    names = ("recording_time", "DepthImage:buffer", "DepthImage:meter", "Transform3D:translation")
+    ((_, (pixels,), (meter,), (translation,)),) = read.rows(entity, *names)
+    assert np.array_equal(np.frombuffer(bytes(pixels), np.uint16).reshape(2, 3), depth)
+    assert (meter, translation) == (1000.0, [0.5, 0.0, 1.0])
+    ((matrix,),) = read.rows(entity, "Pinhole:image_from_camera", static=True)
+    assert np.reshape(matrix, (3, 3), "F").tolist() == [[500, 0, 1], [0, 600, 0.5], [0, 0, 1]]
+    ((_, (blob,)),) = read.rows("/cameras/rear\\/compressed", "recording_time", "EncodedImage:blob")
+    assert bytes(blob) == jpeg.tobytes()

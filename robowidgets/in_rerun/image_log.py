@@ -1,0 +1,101 @@
+"""Logging the pictures of cameras to Rerun, in the world where it is known how they see and where they are."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from contextlib import suppress
+from typing import Any
+
+import numpy as np
+
+from ..camera import CameraModel
+from ..imaging import as_numbers
+from ..kinds import info_of
+from ..messages import to_camera_info, to_image
+from ..recordings.topics import Topic
+from ..samples import Image
+from ._sdk import library
+from ._world import WorldFrame
+from .rerun_log import Log, TopicLog
+
+_VIEW = 220.0
+"""Height of the view with all cameras."""
+
+
+class ImageLog(TopicLog):
+    """Logs pictures as they are, those of depth with their metres."""
+
+    is_large = stands_apart = True
+
+    def __init__(self, log: Log, topics: Sequence[Topic]) -> None:
+        super().__init__(log, topics)
+        self._components = library("rerun.components")
+        self._models = {topic.name: self._model_of(topic.name) for topic in topics}
+
+    def frames(self) -> list[str]:
+        """See `TopicLog`."""
+        return [model.info.frame_id for model in self._models.values() if model is not None]
+
+    def views(self) -> list[tuple[Any, float]]:
+        """See `TopicLog`."""
+        blueprint = self._rr.blueprint
+        each = [blueprint.Spatial2DView(origin=self._entity(topic.name), name=topic.name) for topic in self._topics]
+        return [(blueprint.Horizontal(*each), _VIEW)]
+
+    def steps(self, stream: Any, world: WorldFrame) -> Iterator[None]:
+        """See `TopicLog`."""
+        rr, log = self._rr, self._log
+        for topic in self._topics:
+            entity, model = self._entity(topic.name), self._placed(topic.name)
+            if model is not None:
+                matrix = [[model.focus[0], 0, model.middle[0]], [0, model.focus[1], model.middle[1]], [0, 0, 1]]
+                pinhole = rr.Pinhole(image_from_camera=matrix, resolution=model.size, camera_xyz=rr.ViewCoordinates.RDF)
+                stream.log(entity, pinhole, static=True)
+            for time_ns, image in self._images(topic.name):
+                times, stamps = np.array([[time_ns], [image.stamp_ns or 0]], np.int64)
+                columns = [*self._columns(image)]
+                if model is not None:
+                    columns += log.transforms(world.poses(model.info.frame_id, times, stamps))
+                log.send(stream, entity, times, columns)
+                yield
+
+    def _model_of(self, topic: str) -> CameraModel | None:
+        """How the camera of a topic sees; None: it is not calibrated."""
+        info = info_of(topic, {one.name: one.type for one in self._recording.topics if not one.problem})
+        first = next(iter(self._recording.messages(info)), None) if info else None
+        if first is None:
+            return None
+        with suppress(TypeError, ValueError):
+            # As Rerun has it: without what bends a raw picture.
+            return CameraModel(to_camera_info(first.message), rectified=True)
+        return None
+
+    def _placed(self, topic: str) -> CameraModel | None:
+        """How the camera of a topic sees, if it is known where it is."""
+        model, world = self._models[topic], self._log.world
+        return model if model and world and world.has(model.info.frame_id) else None
+
+    def _entity(self, topic: str) -> str:
+        return self._log.entity("world/cameras" if self._placed(topic) else "cameras", topic)
+
+    def _images(self, topic: str) -> Iterator[tuple[int, Image]]:
+        """Log times and pictures, without messages that are none."""
+        for moment in self._recording.messages(topic):
+            with suppress(TypeError, ValueError):
+                yield moment.time_ns, to_image(moment.message)
+
+    def _columns(self, image: Image) -> Any:
+        rr = self._rr
+        if image.compressed:
+            return rr.EncodedImage.columns(blob=[image.compressed], media_type=[f"image/{image.encoding}"])
+        values = as_numbers(image)
+        kind = {"u1": rr.ChannelDatatype.U8, "u2": rr.ChannelDatatype.U16, "f4": rr.ChannelDatatype.F32}
+        rows, columns = values.shape[:2]
+        common = {"width": columns, "height": rows, "channel_datatype": kind[values.dtype.str[1:]]}
+        if image.is_depth:
+            held = self._components.ImageFormat(**common)
+            meter = 1000.0 if values.dtype == np.uint16 else 1.0
+            return rr.DepthImage.columns(buffer=[values.tobytes()], format=[held], meter=[meter])
+        colors = {1: rr.ColorModel.L, 3: rr.ColorModel.RGB, 4: rr.ColorModel.RGBA}
+        held = self._components.ImageFormat(**common, color_model=colors[1 if values.ndim == 2 else values.shape[2]])
+        return rr.Image.columns(buffer=[values.tobytes()], format=[held])

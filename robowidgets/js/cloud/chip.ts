@@ -1,0 +1,42 @@
+import type { Box } from "../shared/box.ts";
+import { CopyCode } from "../shared/copy.ts";
+import { make, makeButton, setHidden, setText } from "../shared/dom.ts";
+import { type Cloud, countOf } from "./cloud.ts";
+import { ABOUT_FORMS, bandWords, countWords, FORMS, type Form, toCode } from "./text.ts";
+import type { Selection } from "./traits.ts";
+
+/** What is selected, in a corner of the picture: how many points, between which bounds, and the code for them. */
+export class Chip {
+  readonly root = make("div", "rw-floating rw-over rw-cloud-chip");
+  readonly copy: CopyCode<Form>;
+  readonly #count = make("span", "rw-cloud-count");
+  readonly #bands = make("span", "rw-cloud-bands");
+  #selection: Selection = {};
+
+  constructor(onClose: () => void, say: (words: string[]) => void, signal: AbortSignal) {
+    this.copy = new CopyCode<Form>((form) => toCode(this.#selection, form), say, signal, FORMS, ABOUT_FORMS);
+    const closer = makeButton("rw-close", "Select nothing (Escape)", onClose, signal, "\u00d7");
+    const head = make("div", "rw-popup-row");
+    head.append(this.#count, closer);
+    this.root.append(head, this.#bands, this.copy.row, this.copy.field);
+    setHidden(this.root, true);
+  }
+
+  /**
+   * @param found which of the points that the page has are selected; null: nothing is, and it goes away
+   * @param whole how many points of the whole cloud are selected; null: not known
+   */
+  update(cloud: Cloud | null, selection: Selection, found: Uint8Array | null, whole: number | null): void {
+    this.#selection = selection;
+    setHidden(this.root, !cloud || !found);
+    if (!cloud || !found) return;
+    setText(this.#count, countWords(cloud, countOf(found), whole));
+    setText(this.#bands, bandWords(selection));
+  }
+
+  /** In the picture; none while it is away. */
+  get boxes(): Box[] {
+    const { offsetLeft: x, offsetTop: y, offsetWidth: width, offsetHeight: height, hidden } = this.root;
+    return hidden ? [] : [{ x, y, width, height }];
+  }
+}

@@ -1,0 +1,107 @@
+import assert from "node:assert/strict";
+import { test } from "node:test";
+import { Answers } from "../../robowidgets/js/image/answers.ts";
+import { fitScale, paintNumbers } from "../../robowidgets/js/image/colors.ts";
+import { decodeImage, FLOAT32, type Picture, toNumbers, UINT16 } from "../../robowidgets/js/image/frame.ts";
+import { lookAt, placeBeside, placeIn, toPicture, zoomed } from "../../robowidgets/js/image/place.ts";
+import { regionOf, statisticsOf } from "../../robowidgets/js/image/region.ts";
+import type { Stream } from "../../robowidgets/js/shared/stream.ts";
+import { FakeModel } from "./models.ts";
+
+function pictureOf(form: number, data: ArrayBuffer, depthScale: number): Picture {
+  const size = { rows: 1, columns: 4, every: 1, isExact: true };
+  return { sequence: 1, rate: 10, arrived: 0, form, depthScale, data: new Uint8Array(data), ...size };
+}
+
+test("a frame says its form and its size, amid the bytes of a larger message", () => {
+  const bytes = new DataView(new ArrayBuffer(100), 5, 32 + 48 + 2);
+  for (const [i, value] of [7, 10, 0, 1, 4, 2, 3, 5, 0.5, 1].entries()) bytes.setFloat64(8 * i, value, true);
+  bytes.setUint16(80, 300, true);
+  const { data, ...picture } = decodeImage(bytes);
+  const said = { form: 4, rows: 2, columns: 3, every: 5, depthScale: 0.5, isExact: true };
+  assert.deepEqual(picture, { sequence: 7, rate: 10, arrived: 1, ...said });
+  assert.deepEqual([...data], [44, 1]);
+});
+
+test("numbers of a depth image are metres, and what is no distance is nothing", () => {
+  const metres = new Float32Array([0, 1.5, Infinity, NaN]);
+  assert.deepEqual([...toNumbers(pictureOf(FLOAT32, metres.buffer, 1))], [NaN, 1.5, NaN, NaN]);
+  const millimetres = new Uint16Array([0, 250, 65535, 1000]);
+  const depths = [...toNumbers(pictureOf(UINT16, millimetres.buffer, 0.001))];
+  assert.deepEqual(depths, [NaN, ...[0.25, 65.535, 1].map(Math.fround)]);
+  assert.deepEqual([...toNumbers(pictureOf(UINT16, millimetres.buffer, 0))], [0, 250, 65535, 1000]);
+});
+
+test("colors are fitted without the outermost hundredth, and nothing has none", () => {
+  const numbers = Float32Array.from({ length: 1000 }, (_, i) => 1 + i / 500);
+  numbers[0] = 900;
+  numbers[1] = NaN;
+  assert.deepEqual(fitScale(numbers), [1, 3]);
+  assert.deepEqual(fitScale([NaN]), [0, 1]);
+  const pixels = new Uint32Array(4);
+  assert.equal(paintNumbers(pixels, [0, 2, 9, NaN], [1, 3], ["#010203", "#040506"]), 1);
+  assert.deepEqual([...pixels], [0xff030201, 0xff060504, 0xff060504, 0]);
+});
+
+test("a region holds both its corners, within the picture, and its statistics leave out nothing", () => {
+  assert.deepEqual(regionOf({ row: 9.5, column: -3 }, { row: 2.2, column: 3.9 }, 8, 10), [2, 8, 0, 4]);
+  const found = statisticsOf([Float64Array.of(10, NaN, 2, 9, 1)], true);
+  assert.deepEqual(found, { of: 5, count: 4, channels: [[1, 5.5, 5.5, 10]], isExact: true });
+  assert.deepEqual(statisticsOf([Float64Array.of(NaN)], true).channels, [null]);
+});
+
+test("a step of the wheel leaves the pixel under the pointer where it is, and the last step out shows all of it", () => {
+  const [size, room] = [{ width: 640, height: 480 }, { x: 0, y: 10, width: 320, height: 240 }];
+  const fitted = placeIn(size, room, null);
+  const at = { x: 200, y: 100 };
+  const look = zoomed(fitted, -1, at, size, room);
+  const placed = placeIn(size, room, look);
+  for (const part of ["row", "column"] as const)
+    assert.ok(Math.abs(toPicture(placed, at)[part] - toPicture(fitted, at)[part]) < 1e-9);
+  assert.equal(zoomed(placed, 1, at, size, room), null);
+  assert.deepEqual(lookAt(fitted, room), { scale: 0.5, column: 320, row: 240 });
+});
+
+test("what is said of a region covers none of it where there is room, else as little as can be", () => {
+  const [size, room] = [{ width: 150, height: 90 }, { x: 0, y: 0, width: 320, height: 240 }];
+  assert.deepEqual(placeBeside(size, room, { x: 20, y: 60, width: 100, height: 60 }), { x: 8, y: 128 });
+  assert.deepEqual(placeBeside(size, room, { x: 10, y: 10, width: 300, height: 120 }), { x: 10, y: 138 });
+  assert.deepEqual(placeBeside(size, room, { x: 0, y: 0, width: 320, height: 200 }).y, 142);
+});
+
+test("Python is asked once for each picture, and what it said of the one before stands until it answers", () => {
+  const asked: unknown[] = [];
+  const fake = new FakeModel({ _answers: true });
+  const model = Object.assign(fake, { send: (question: unknown) => asked.push(question) }).model;
+  const stream = { shown: null as Picture | null };
+  let told = 0;
+  const controller = new AbortController();
+  const answers = new Answers(model, stream as unknown as Stream<Picture>, () => told++, controller.signal);
+  const pixel = { row: 3, column: 5 };
+  const show = (sequence: number) => {
+    stream.shown = { ...pictureOf(FLOAT32, new ArrayBuffer(16), 1), sequence };
+    return () => answers.valuesAt(pixel, stream.shown as Picture);
+  };
+  const first = show(1);
+  assert.deepEqual([first(), first()], [undefined, undefined]);
+  fake.tell({ of: 1, pixel: [3, 5], values: [2, "nan"] });
+  assert.deepEqual(first(), [2, NaN]);
+  const second = show(2);
+  assert.deepEqual(second(), [2, NaN]);
+  fake.tell({ of: 1, pixel: [3, 5], values: [9] });
+  assert.deepEqual(second(), [2, NaN]);
+  const third = show(3);
+  assert.equal(third(), undefined);
+  assert.deepEqual(
+    asked,
+    [1, 2, 3].map((of) => ({ pixel: [3, 5], of })),
+  );
+  const statistics = { of: 4, count: 4, channels: [[1, 2, 2, 3]] };
+  assert.equal(answers.statistics([0, 2, 0, 2], stream.shown as Picture), undefined);
+  fake.tell({ of: 3, region: [0, 2, 0, 2], statistics });
+  assert.deepEqual(answers.statistics([0, 2, 0, 2], stream.shown as Picture), { ...statistics, isExact: true });
+  assert.equal(told, 2);
+  assert.equal(answers.valuesAt(pixel, pictureOf(FLOAT32, new ArrayBuffer(16), 1)), undefined);
+  controller.abort();
+  assert.equal(fake.listening, 0);
+});
