@@ -61,8 +61,8 @@ class OneScreen(ipywidgets.Box):  # type: ignore[misc]  # ipywidgets has no type
     right. On a narrow page the columns stand one above the other, the wide ones first. The view around it has the
     class ``rw-one-screen``.
 
-    What was added since takes the room that is left: the first one below the only wide one, others the rest of the low
-    row, or a row below. Nothing that is there moves for it, as its box stays the same.
+    What was added since takes the room that is left: beside wide ones that stand alone, below the only wide one, the
+    rest of the low row, or a row below. Nothing that is there moves for it, as its box stays the same.
     """
 
     def __init__(self) -> None:
@@ -88,7 +88,10 @@ class OneScreen(ipywidgets.Box):  # type: ignore[misc]  # ipywidgets has no type
         rows = [widget for widget in added if widget.column == "wide"]
         more = [widget for widget in added if widget.column != "wide"]
         if not main:
-            places = {"mains": [], "wides": [*wide], "smalls": [*small, *more], "below": rows}
+            # Beside a laser alone is room for the picture of a camera.
+            beside = rows[:1] if wide and not (small or more) else []
+            right = [*small, *more, *beside]
+            places = {"mains": [], "wides": [*wide], "smalls": right, "below": rows[len(beside) :]}
         else:
             under = len(wide) == 1 and bool(more)
             low = [*small[:UNDER_MAIN], *more[under : under + max(0, UNDER_MAIN - len(small))]]

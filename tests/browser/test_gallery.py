@@ -95,6 +95,7 @@ def test_picture_of_a_cloud(plain_page: Callable[..., PlainPage], theme: Literal
 
 CAMERA = """
 import numpy as np
+from ipywidgets import HBox
 from robowidgets import ImageWidget, LaserWidget, together
 from robowidgets.simulator import Robot, World
 
@@ -106,9 +107,10 @@ depth = ImageWidget(title="/camera/depth", region=(200, 330, 280, 360))
 depth.update(metres)
 
 near = Robot(World.rooms(), (0.3, -1.6, 0.15), camera=True, seed=1)
-laser = LaserWidget(title="/scan", view_range=2.5)
-eye = ImageWidget(title="/camera/image_raw", camera_pose=(0, 0, 0.1, 0, 0, 0))
-both = together(eye, laser)
+laser = LaserWidget(title="/scan", view_range=1.5, layout={"width": "50%"})
+eye = ImageWidget(title="/camera/image_raw", camera_pose=(0, 0, 0.1, 0, 0, 0), layout={"width": "50%"})
+together(eye, laser)
+both = HBox([eye, laser])
 eye.calibrate(near.camera.info)
 eye.take_scan(near.scan())
 laser.update(near.scan())
@@ -123,7 +125,7 @@ def test_pictures_of_a_camera(plain_page: Callable[..., PlainPage], theme: Liter
     card = nb.widget(1).locator(".rw-card")
     expect(card.locator(".rw-popup:visible")).to_contain_text("0.750 m")
     shoot(card, f"gallery-image-{theme}")
-    nb.resize(1000)
+    nb.resize(1180)
     eye = nb.output(2).locator(".rw-image")
     picture = eye.locator(".rw-picture")
     index, column, row = map(

@@ -1,4 +1,4 @@
-import type { Point } from "../shared/box.ts";
+import { type Box, isWithin, overlaps, type Point } from "../shared/box.ts";
 import { stroke, write } from "../shared/canvas.ts";
 import { type AngleUnit, sideOf, toAngle, toFixed, toMetres } from "../shared/format.ts";
 import type { PopupWords } from "../shared/popup.ts";
@@ -12,6 +12,8 @@ const EACH = 4;
 /** Pixels of the screen from a dot within which it is pointed at. */
 const REACH = 9;
 const DOT = 3;
+/** Pixels of a line of words. */
+const LINE = 16;
 const LIT = 6;
 /** Metres of what a camera sees, which set the decimals. */
 const REACHES = 10;
@@ -107,9 +109,11 @@ export function drawOver(
   dots: Dot[],
   lit: number | null,
   placement: Placement,
+  room: Box,
   theme: Theme,
 ): void {
-  for (const thing of over.drawn ?? []) drawThing(context, thing, placement, theme);
+  const names: Name[] = [];
+  for (const thing of over.drawn ?? []) drawThing(context, thing, placement, theme, names);
   for (const { at, index } of dots) {
     const size = index === lit ? LIT : DOT;
     // On a picture of any colour, a dot needs an edge of its own.
@@ -118,6 +122,7 @@ export function drawOver(
     context.fillStyle = theme.reading;
     context.fillRect(at.x - size / 2, at.y - size / 2, size, size);
   }
+  drawNames(context, names, room, theme);
   const pointed = dots.find(({ index }) => index === lit);
   if (!pointed) return;
   context.beginPath();
@@ -126,7 +131,13 @@ export function drawOver(
   stroke(context, theme.pointer, 2);
 }
 
-function drawThing(context: CanvasRenderingContext2D, thing: SeenThing, placement: Placement, theme: Theme): void {
+function drawThing(
+  context: CanvasRenderingContext2D,
+  thing: SeenThing,
+  placement: Placement,
+  theme: Theme,
+  names: Name[],
+): void {
   const color = thing.color ?? theme.own;
   for (const piece of thing.pieces) {
     const points = Array.from({ length: piece.length >> 1 }, (_, i) =>
@@ -149,14 +160,14 @@ function drawThing(context: CanvasRenderingContext2D, thing: SeenThing, placemen
         context.fill();
         context.globalAlpha = 1;
         haloed(context, theme.pointer, 1.5, theme);
-        name(context, points, thing.name, theme.pointer, theme);
+        names.push({ points, text: thing.name, color: theme.pointer });
         break;
       case "cone":
         trace(context, points, true);
         context.setLineDash(thing.dashed ? [3, 3] : []);
         haloed(context, theme.guide, 1.25, theme);
         context.setLineDash([]);
-        name(context, points, `${thing.name} ${thing.words ?? ""}`.trim(), theme.ink, theme);
+        names.push({ points, text: `${thing.name} ${thing.words ?? ""}`.trim(), color: theme.ink });
         break;
       case "arc":
         trace(context, points, false);
@@ -165,7 +176,7 @@ function drawThing(context: CanvasRenderingContext2D, thing: SeenThing, placemen
       case "line":
         trace(context, points, false);
         haloed(context, color, 2, theme);
-        name(context, points, thing.name, color, theme);
+        names.push({ points, text: thing.name, color });
         break;
       case "points":
         for (const { x, y } of points) {
@@ -173,10 +184,10 @@ function drawThing(context: CanvasRenderingContext2D, thing: SeenThing, placemen
           context.arc(x, y, 3.5, 0, 2 * Math.PI);
           haloed(context, color, 2, theme);
         }
-        name(context, points, thing.name, color, theme);
+        names.push({ points, text: thing.name, color });
         break;
       case "text":
-        name(context, points, thing.words || thing.name, color, theme);
+        names.push({ points, text: thing.words || thing.name, color });
         break;
     }
   }
@@ -196,10 +207,49 @@ function haloed(context: CanvasRenderingContext2D, color: string, width: number,
   stroke(context, color, width);
 }
 
-/** Words at the middle of something. */
-function name(context: CanvasRenderingContext2D, points: Point[], text: string, color: string, theme: Theme): void {
-  const [xs, ys] = [points.map(({ x }) => x), points.map(({ y }) => y)];
-  if (!points.length) return;
-  const [x, y] = [xs, ys].map((all) => (Math.min(...all) + Math.max(...all)) / 2) as [number, number];
-  write(context, text, x, y, color, `600 ${textFont(theme)}`, "center", theme.background);
+/** Words that stand at the middle of something, as far as there is room. */
+interface Name {
+  points: Point[];
+  text: string;
+  color: string;
+}
+
+/** Writes names within the picture, each where it covers no other, else not at all. */
+function drawNames(context: CanvasRenderingContext2D, names: Name[], room: Box, theme: Theme): void {
+  const font = `600 ${textFont(theme)}`;
+  const taken: Box[] = [];
+  for (const { points, text, color } of names) {
+    const at = points.length && text ? middleIn(points, room) : null;
+    if (!at) continue;
+    context.font = font;
+    const width = context.measureText(text).width + 4;
+    if (width > room.width) continue;
+    const x = Math.min(room.x + room.width - width / 2, Math.max(room.x + width / 2, at.x));
+    const places = [0, 1, -1].map((row) => ({ x: x - width / 2, y: at.y + (row - 0.5) * LINE, width, height: LINE }));
+    const free = places.find((box) => isWithin(box, room) && !taken.some((other) => overlaps(box, other)));
+    if (!free) continue;
+    taken.push(free);
+    write(context, text, x, free.y + LINE / 2, color, font, "center", theme.background);
+  }
+}
+
+/** The middle of what is seen of something; null where nothing is. */
+function middleIn(points: Point[], { x, y, width, height }: Box): Point | null {
+  const middle = (all: number[], low: number, high: number) => {
+    const [least, most] = [Math.max(low, Math.min(...all)), Math.min(high, Math.max(...all))];
+    return least <= most ? (least + most) / 2 : null;
+  };
+  const [across, down] = [
+    middle(
+      points.map((p) => p.x),
+      x,
+      x + width,
+    ),
+    middle(
+      points.map((p) => p.y),
+      y,
+      y + height,
+    ),
+  ];
+  return across === null || down === null ? null : { x: across, y: down };
 }

@@ -1,4 +1,4 @@
-import type { Box, Point } from "../shared/box.ts";
+import { type Box, common, type Point } from "../shared/box.ts";
 import { Canvas } from "../shared/canvas.ts";
 import { CopyCode } from "../shared/copy.ts";
 import type { Credit } from "../shared/credit.ts";
@@ -323,7 +323,7 @@ export class ImageView implements Zoom, Dragged<"mark" | "move"> {
     const over = this.#over;
     this.#dots = over ? dotsOf(over, placement) : [];
     void this.#lit.follow(over?.laser ?? "");
-    if (over) drawOver(context, over, this.#dots, this.#lit.index, placement, theme);
+    if (over) drawOver(context, over, this.#dots, this.#lit.index, placement, common(room, box), theme);
     this.#drawMarks(context, placement, picture);
     context.restore();
   }

@@ -24,6 +24,13 @@ export function overlaps(a: Box, b: Box, margin = 0): boolean {
   );
 }
 
+/** The part that two rectangles have in common, which overlap. */
+export function common(a: Box, b: Box): Box {
+  const [x, y] = [Math.max(a.x, b.x), Math.max(a.y, b.y)];
+  const right = Math.min(a.x + a.width, b.x + b.width);
+  return { x, y, width: right - x, height: Math.min(a.y + a.height, b.y + b.height) - y };
+}
+
 export function isWithin(inner: Box, outer: Box): boolean {
   return (
     inner.x >= outer.x &&
