@@ -11,7 +11,19 @@ import pytest
 from traitlets import TraitError
 
 import robowidgets
-from robowidgets import CameraInfo, CameraModel, ImageWidget, LaserWidget, Line, Range, Scan, SonarWidget, together
+from robowidgets import (
+    CameraInfo,
+    CameraModel,
+    ImageWidget,
+    LaserWidget,
+    Line,
+    Range,
+    Scan,
+    SonarWidget,
+    SpeedWidget,
+    together,
+)
+from robowidgets._layout import OneScreen
 from robowidgets._widget_choice import choose_widgets
 from robowidgets.camera import BesidePictures, PictureView, about_overlay, cones
 from robowidgets.feeds._frame_topics import _wanted
@@ -277,3 +289,15 @@ def test_a_laser_says_what_it_needs_of_a_depth_image() -> None:
         with pytest.raises(TraitError, match="rows"):
             laser.rows = rows
     laser.close()
+
+
+def test_the_first_picture_stands_beside_a_laser_that_stands_alone_and_others_below() -> None:
+    laser, speed = LaserWidget(), SpeedWidget()
+    images = [ImageWidget(), ImageWidget()]
+    screen = OneScreen()
+    screen.arrange([], [laser], [], images)
+    assert [box.children for box in screen.children] == [(laser,), (images[0],), (images[1],)]
+    screen.arrange([], [laser], [speed], images)
+    assert [box.children for box in screen.children] == [(laser,), (speed,), tuple(images)]
+    for widget in (laser, speed, *images, screen):
+        widget.close()
