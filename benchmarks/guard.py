@@ -264,11 +264,11 @@ def told(one: Fault) -> str:
 
 def latency(name: str, count: int, *, guarded: bool) -> list[float]:
     """Seconds from the call of a function with a scan until its speed is at the robot."""
-    environment = {**os.environ, "ROBOWIDGETS_GUARD": "on" if guarded else "off"}
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder, "heard.txt")
         path.touch()
         with robot(name, path) as where:
+            environment = {**os.environ, "ROBOWIDGETS_GUARD": "on" if guarded else "off"}  # the robot adds to it
             code = LATENCY.format(
                 system=SYSTEM, ros1=name == "ros1", opened=OPEN[name].format(where=where), count=count
             )
