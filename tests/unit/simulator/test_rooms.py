@@ -198,7 +198,7 @@ def test_the_feed_takes_a_room_by_name_or_a_world() -> None:
     for given in ("corridor", World.from_text(DRAWN)):
         with feeds.simulator(room=given, hz=100.0) as feed:
             assert next(feed.scans("/scan", timeout=60)).distance("front") < 30
-    with pytest.raises(TypeError, match="simulator: expected a Robot, which has its world and scanner"):
+    with pytest.raises(TypeError, match="simulator: expected a Robot, which has its world, scanner and camera"):
         feeds.simulator(Robot(World()), room="maze")
     with pytest.raises(ValueError, match="room: expected house, corridor, office, maze, got 'hall'"):
         feeds.simulator(room="hall")
