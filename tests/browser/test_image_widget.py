@@ -76,7 +76,7 @@ def test_the_pixel_under_the_pointer_and_a_region_say_their_numbers(
     for width in (1200, 480, 320):
         nb.resize(width, 720)
         shoot(card, f"image-region-{theme}-{width}")
-    below = card.locator(".rw-image-below")  # in a narrow card
+    below = card.locator(".rw-popup.rw-below")  # in a narrow card
     expect(below).to_contain_text("image[180:241, 300:331]")
     card.get_by_role("button", name="Mark nothing").click()
     expect(below).to_be_hidden()

@@ -1,6 +1,7 @@
 import type { Box } from "../shared/box.ts";
 import { CopyCode } from "../shared/copy.ts";
 import { make, makeButton, setHidden, setText } from "../shared/dom.ts";
+import { putMarked } from "../shared/popup.ts";
 import { type Cloud, countOf } from "./cloud.ts";
 import { ABOUT_FORMS, bandWords, countWords, FORMS, type Form, toCode } from "./text.ts";
 import type { Selection } from "./traits.ts";
@@ -12,6 +13,7 @@ export class Chip {
   readonly #count = make("span", "rw-cloud-count");
   readonly #bands = make("span", "rw-cloud-bands");
   #selection: Selection = {};
+  #isBelow = false;
 
   constructor(onClose: () => void, say: (words: string[]) => void, signal: AbortSignal) {
     this.copy = new CopyCode<Form>((form) => toCode(this.#selection, form), say, signal, FORMS, ABOUT_FORMS);
@@ -20,6 +22,11 @@ export class Chip {
     head.append(this.#count, closer);
     this.root.append(head, this.#bands, this.copy.row, this.copy.field);
     setHidden(this.root, true);
+  }
+
+  /** @param width of the card */
+  put(picture: HTMLElement, width: number): void {
+    this.#isBelow = putMarked(this.root, picture, width);
   }
 
   /**
@@ -34,9 +41,9 @@ export class Chip {
     setText(this.#bands, bandWords(selection));
   }
 
-  /** In the picture; none while it is away. */
+  /** In the picture; none while it is away or below. */
   get boxes(): Box[] {
     const { offsetLeft: x, offsetTop: y, offsetWidth: width, offsetHeight: height, hidden } = this.root;
-    return hidden ? [] : [{ x, y, width, height }];
+    return hidden || this.#isBelow ? [] : [{ x, y, width, height }];
   }
 }

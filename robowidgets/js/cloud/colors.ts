@@ -20,6 +20,11 @@ export function toPixel(color: string): number {
   return toPixelColor(`#${hex.join("")}`);
 }
 
+/** Such a pixel through which most of the ground is seen. */
+export function faint(pixel: number): number {
+  return ((pixel & 0xffffff) | 0x60000000) >>> 0;
+}
+
 /** Least and greatest value of the points. It widens at once, and narrows only when it is far too wide. */
 export function domainOf(cloud: Cloud, name: string, before: Domain | null): Domain | null {
   const values = columnOf(cloud, name);

@@ -4,10 +4,10 @@ import { labelOf } from "./text.ts";
 import type { ViewName } from "./traits.ts";
 
 const VIEWS: [ViewName, string][] = [
-  ["above", "From above"],
-  ["side", "From the side"],
-  ["behind", "From behind"],
-  ["rows", "In rows"],
+  ["above", "Above"],
+  ["side", "Side"],
+  ["behind", "Behind"],
+  ["rows", "Rows"],
 ];
 
 /** What a person does to the picture. */

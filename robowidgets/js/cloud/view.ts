@@ -13,7 +13,7 @@ import type { Stream } from "../shared/stream.ts";
 import { MOVE_KEYS, watchZoom, ZOOM_KEYS, type Zoom } from "../shared/zoom.ts";
 import { Chip } from "./chip.ts";
 import { type Cloud, columnOf, drawnAt, indexOf, isColor, nearestOf, placeOf, selectedIn } from "./cloud.ts";
-import { colorsOf, type Domain, domainOf, toPixel as toPixelColor } from "./colors.ts";
+import { colorsOf, type Domain, domainOf, faint, toPixel as toPixelColor } from "./colors.ts";
 import { Dots } from "./dots.ts";
 import { drawGrid, drawLegend, drawRowsGround, drawSelection, type Legend, legendIn, roomIn, valueAt } from "./draw.ts";
 import {
@@ -95,7 +95,7 @@ export class CloudView implements Zoom, CloudActs, Dragged<DragKind> {
     );
     this.#pinned = new Popup(picture, signal);
     this.#hovered = new Popup(picture, signal);
-    picture.append(this.#empty, this.#chip.root);
+    picture.append(this.#empty);
     this.#tools = new Tools(this, signal);
     this.#card.addControls(...this.#tools.all);
     footer.append(this.#drawnWords, this.#unmeasured, this.#nearest);
@@ -295,6 +295,7 @@ export class CloudView implements Zoom, CloudActs, Dragged<DragKind> {
     setText(this.#empty, this.#wordsOnNothing(cloud));
     setHidden(this.#empty, !this.#empty.textContent);
     this.#card.texts.ask(this.#tell);
+    this.#chip.put(this.#card.picture, this.#card.width);
     this.#chip.update(cloud, this.#selection, this.#found, this.#wholeCount);
     this.#credit.drawn(newest);
   }
@@ -347,8 +348,8 @@ export class CloudView implements Zoom, CloudActs, Dragged<DragKind> {
       const ghost = toPixelColor(theme.ghost);
       const { pixels } = colorsOf(cloud, by, domain, theme.dark, toPixelColor(theme.reading), ghost);
       const found = this.#found;
-      // A ground of cells would be too loud in the gray of dots.
-      const others = this.#view === "rows" ? toPixelColor(theme.line) : ghost;
+      // Fainter than the darkest color of what is selected, and a ground of cells fainter still.
+      const others = this.#view === "rows" ? toPixelColor(theme.line) : faint(ghost);
       if (found) for (let i = 0; i < cloud.count; i++) if (!found[i]) pixels[i] = others;
       if (this.#view === "rows" || !look) {
         if (cloud.rows > 1) {

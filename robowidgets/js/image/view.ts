@@ -6,7 +6,7 @@ import { make, makeButton, set, setHidden, setText } from "../shared/dom.ts";
 import { type Dragged, type Step, watchDrags } from "../shared/drag.ts";
 import { isPlain, on } from "../shared/events.ts";
 import { type Model, onChange, setTraits } from "../shared/model.ts";
-import { Popup, type PopupWords, toSentence } from "../shared/popup.ts";
+import { Popup, type PopupWords, putMarked, toSentence } from "../shared/popup.ts";
 import { placePopup } from "../shared/popup_place.ts";
 import { SampleCard } from "../shared/sample_card.ts";
 import type { Stream } from "../shared/stream.ts";
@@ -41,8 +41,6 @@ const WALK: Record<string, [rows: number, columns: number]> = {
 };
 /** Pixels of the screen for one of the picture from which they are drawn as squares. */
 const SQUARES = 1.5;
-/** Pixels of a card in whose picture a region and what is said of it have no room. */
-const NARROW = 440;
 const NOWHERE = { count: () => 0 };
 const LASER = "What the laser measures on the picture (l)";
 
@@ -365,7 +363,7 @@ export class ImageView implements Zoom, Dragged<"mark" | "move"> {
       const words = describeRegion(region, this.#statisticsOf(region, picture), picture, this.#about);
       setHidden(this.#copy.row, this.#marking !== null);
       others.push(box);
-      const isBelow = this.#putMarked();
+      const isBelow = putMarked(this.#marked.element, this.#card.picture, this.#card.width);
       const taken = this.#marked.show(words, (size) => (isBelow ? { x: 0, y: 0 } : placeBeside(size, room, box)));
       if (!isBelow) others.push(taken);
     } else this.#marked.hide();
@@ -391,18 +389,6 @@ export class ImageView implements Zoom, Dragged<"mark" | "move"> {
         popup.show(this.#wordsOn(pixel, picture), (size) => placePopup(size, room, at, at, NOWHERE, others, [])),
       );
     }
-  }
-
-  /** Puts what is said of the region into the picture, or below one too small for both; returns whether it is below. */
-  #putMarked(): boolean {
-    const [{ element }, { picture }] = [this.#marked, this.#card];
-    const isBelow = this.#card.width < NARROW;
-    if (element.classList.contains("rw-image-below") !== isBelow) {
-      element.classList.toggle("rw-image-below", isBelow);
-      if (isBelow) picture.after(element);
-      else picture.append(element);
-    }
-    return isBelow;
   }
 
   #sizeWords({ rows, columns }: Picture): string {

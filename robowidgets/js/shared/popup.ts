@@ -56,6 +56,20 @@ export class Popup {
   }
 }
 
+/** Pixels of a card in whose picture what is marked and what is said of it have no room. */
+const NARROW = 440;
+
+/** Puts what is said of what is marked into a picture, or below it in a narrow card; returns whether it is below. */
+export function putMarked(element: HTMLElement, picture: HTMLElement, width: number): boolean {
+  const isBelow = width < NARROW;
+  if (element.parentElement === null || element.classList.contains("rw-below") !== isBelow) {
+    element.classList.toggle("rw-below", isBelow);
+    if (isBelow) picture.after(element);
+    else picture.append(element);
+  }
+  return isBelow;
+}
+
 /** The words of a pop-up in the order in which they are heard. */
 export function toSentence({ expression, distance, angle, side, details }: PopupWords): string[] {
   return [expression, distance, angle ?? "", side ?? "", details.replaceAll(/\s*\n\s*/g, ", ").replaceAll("  ", ", ")];
