@@ -13,6 +13,7 @@ NAMES = {
     "alone": "the laser alone",
     "color-bare": "640 x 480 rgb8 at 30 Hz, bare canvas",
     "color-ours": "640 x 480 rgb8 at 30 Hz, `ImageWidget`",
+    "photo-ours": "640 x 480 rgb8 at 30 Hz, smooth but for the noise of a camera, `ImageWidget`",
     "depth-bare": "640 x 480 16UC1 at 10 Hz, bare canvas",
     "depth-ours": "640 x 480 16UC1 at 10 Hz, `ImageWidget`",
     "cloud-bare": "every 4th of 100,000 points at 10 Hz, bare canvas",

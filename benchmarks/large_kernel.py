@@ -18,7 +18,7 @@ from robowidgets._core.platform_fixes import route_by_message
 
 from . import kernel
 
-RATES = {"color": 30.0, "depth": 10.0, "cloud": 10.0}
+RATES = {"color": 30.0, "photo": 30.0, "depth": 10.0, "cloud": 10.0}
 POINTS, DRAWN_OF = 100_000, 4
 DIFFERENT = 8
 """Pictures that come in turn."""
@@ -176,6 +176,10 @@ class Source(kernel.Source):
     def _one(self, noise: np.random.Generator) -> NDArray[Any]:
         if self._kind == "color":
             return noise.integers(1, 250, (480, 640, 3), np.uint8)
+        if self._kind == "photo":
+            rows, columns = np.mgrid[:480, :640]
+            smooth = np.dstack([40 + columns // 4, 60 + rows // 4, 90 + (columns // 40 + rows // 40) % 2 * 60])
+            return (smooth + noise.normal(0, 4, smooth.shape)).clip(0, 255).astype(np.uint8)
         if self._kind == "depth":
             return noise.integers(1, 250, (480, 640)).astype(np.uint16)
         cloud = np.empty(POINTS, [(field, np.float32) for field in ("x", "y", "z", "intensity")])

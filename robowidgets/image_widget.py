@@ -17,6 +17,9 @@ from .imaging.packing import MOST_BYTES
 from .messages import to_camera_info, to_image
 from .samples import Image
 
+OFTEN = 5.0
+"""Pictures a second from which those of colors go as JPEGs."""
+
 
 class ImageWidget(HasOverlay):
     """What a camera sees, live, as large as the card and never stretched.
@@ -190,7 +193,7 @@ class ImageWidget(HasOverlay):
 
     def _pack(self, sample: Image) -> bytes:
         try:
-            self._last_good = pack(sample, self.most_bytes).data
+            self._last_good = pack(sample, self.most_bytes, often=self.rate > OFTEN).data
         except ValueError as error:  # a large file that has to be unpacked
             with self._newest.lock:
                 is_new = self._bad is not sample

@@ -27,6 +27,9 @@ MOST_PIXELS = 2_000_000
 MOST_FILE, MOST_FILE_PIXELS = 4_000_000, 10_000_000
 """Bytes and pixels of a JPEG or PNG that is passed on as it came."""
 
+WORTHWHILE = 4
+"""How many times as many bytes pixels have, at least, for a JPEG in their place where pictures come often."""
+
 _QUALITY = 90
 _BLUE_U, _GREEN_U, _GREEN_V, _RED_V = 1.772, 0.344136, 0.714136, 1.402
 """ITU-R BT.601, as in JPEG."""
@@ -50,8 +53,10 @@ class Packed(NamedTuple):
     every: int
 
 
-def pack(image: Image, most: int = MOST_BYTES) -> Packed:
+def pack(image: Image, most: int = MOST_BYTES, *, often: bool = False) -> Packed:
     """A picture for the page in at most some bytes: as it is, thinned, or of colors, where Pillow is there, as a JPEG.
+
+    Where pictures come often, those of colors are a JPEG, too, that would fit, so that others come in time beside them.
 
     Raises:
         ValueError: a JPEG or PNG is too large for the page, and cannot be unpacked.
@@ -62,10 +67,12 @@ def pack(image: Image, most: int = MOST_BYTES) -> Packed:
     values, first = image.pixels, 2 if image.encoding.startswith(BAYER) else 1
     form, size, is_exact = _form_of(image, values)
     every = _every(rows * columns * size, most, first)
-    if form in (Form.RGB, Form.GRAY) and every > first:
+    is_large = every > first
+    if form in (Form.RGB, Form.GRAY) and (is_large or often):
         every_th = _every(rows * columns, MOST_PIXELS, first)
         file = _jpeg(_shown(image, values, every_th, form))
-        if file is not None and len(file) <= max(most, MOST_BYTES // 4):
+        limit = max(most, MOST_BYTES // 4) if is_large else rows * columns * size // WORTHWHILE
+        if file is not None and len(file) <= limit:
             return _packed(image, Form.FILE, every_th, file, is_exact=False)
     shown = _shown(image, values, every, form)
     return _packed(image, form, every, shown.tobytes(), is_exact=is_exact)

@@ -141,15 +141,30 @@ def test_no_more_pictures_are_kept_than_have_room(monkeypatch: pytest.MonkeyPatc
     assert len(widget._kept) == 3
 
 
+def test_colors_that_come_often_go_as_jpegs_whose_exact_values_are_here(
+    monkeypatch: pytest.MonkeyPatch, widget: ImageWidget, page: Page
+) -> None:
+    pytest.importorskip("PIL", reason="Pillow is not installed")
+    monkeypatch.setattr(ImageWidget, "rate", 30.0)
+    smooth = np.dstack([np.tile(np.arange(640, dtype=np.uint8), (480, 1))] * 3)
+    widget.update(smooth)
+    wait_for(lambda: page.messages, "it was sent")
+    form, *_, is_exact = HEADER.unpack_from(page.state["_frame"], FRAME_HEADER.size)
+    assert (form, is_exact) == (0, 0)
+    assert len(page.state["_frame"]) < smooth.nbytes / 10
+    ask(widget, {"pixel": [3, 200], "of": 1})
+    assert page.customs == [{"pixel": [3, 200], "of": 1, "values": [200, 200, 200]}]
+
+
 def test_a_picture_that_comes_while_another_is_packed_is_not_taken_for_it(
     monkeypatch: pytest.MonkeyPatch, widget: ImageWidget, page: Page
 ) -> None:
     real, newer = image_widget.pack, [COLORS + 1]
 
-    def packing(image: Any, most: int) -> Any:
+    def packing(image: Any, most: int, **more: Any) -> Any:
         if newer:
             widget.update(newer.pop())
-        return real(image, most)
+        return real(image, most, **more)
 
     monkeypatch.setattr(image_widget, "pack", packing)
     widget.update(COLORS)

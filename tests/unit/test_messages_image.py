@@ -264,6 +264,18 @@ class TestPacked:
         data, every = pack(to_image(values))
         assert (HEADER.unpack_from(data)[0], every) == (Form.RGB, 2)
 
+    def test_colors_that_come_often_go_as_a_jpeg_where_that_saves_much_and_distances_never(
+        self, monkeypatch: pytest.MonkeyPatch
+    ) -> None:
+        smooth = np.dstack([np.tile(np.arange(640, dtype=np.uint8), (480, 1))] * 3)
+        noise = np.random.default_rng(1).integers(0, 255, (480, 640, 3), np.uint8)
+        forms = [HEADER.unpack_from(pack(to_image(values), often=True).data) for values in (smooth, noise)]
+        assert [form[:4] for form in forms] == [(Form.FILE, 480, 640, 1), (Form.RGB, 480, 640, 1)]
+        assert HEADER.unpack_from(pack(to_image(smooth)).data)[0] == Form.RGB
+        assert HEADER.unpack_from(pack(to_image(smooth[..., 0].astype(np.uint16)), often=True).data)[0] == Form.UINT16
+        monkeypatch.setitem(sys.modules, "PIL.Image", None)
+        assert HEADER.unpack_from(pack(to_image(smooth), often=True).data)[0] == Form.RGB
+
     def test_bgr_is_shown_as_rgb(self) -> None:
         packed = pack(to_image(np.array([[[1, 2, 3]]], np.uint8), "bgr8"))
         assert packed.data[HEADER.size :] == bytes([3, 2, 1])

@@ -17,6 +17,7 @@ export class Source {
   nothing = 0;
   #numbers: Float32Array | Uint16Array | null = null;
   #decoding: Picture | null = null;
+  #damaged: Picture | null = null;
   /** The pixels that were painted last, to be painted over. */
   #painted: ImageData | null = null;
   #look = "";
@@ -75,14 +76,17 @@ export class Source {
       }
       bitmap.close();
     } catch {
-      if (this.#decoding === picture) this.problem = "This picture is damaged. Showing the last good one.";
+      if (this.#decoding === picture) {
+        this.#damaged = picture;
+        this.problem = "This picture is damaged. Showing the last good one.";
+      }
     }
     onReady();
   }
 
   /** Whether a picture is being unpacked. */
   isBehind(picture: Picture): boolean {
-    return picture !== this.picture && !this.problem;
+    return picture !== this.picture && picture !== this.#damaged;
   }
 
   /** The values of a pixel of the whole picture, or of the nearest one that is there. */
