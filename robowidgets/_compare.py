@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack, suppress
 from typing import Any, NamedTuple
 
@@ -27,6 +27,7 @@ from .samples.state_span import StateSpan, rows_of
 from .search import conditions
 from .search.base import Condition
 from .search.search import find
+from .shapes import Points
 
 MOST = 4
 """Drives: a graph has room for so many lines."""
@@ -35,20 +36,49 @@ _POINTS = 1000
 _MARKS = 200
 """Of what happened in a drive: a plot with more of them says nothing."""
 _FRAME = "odom"
+_NAME = 40
+"""Characters of a name beside a place."""
 _LINES = ("nearest", "speed")
 
 
 class Comparison(Together):
-    """The plot and the map of `compare`, side by side.
+    """The plot and the map of `compare`, side by side. The map shows where the robots were at the time of the plot.
 
     Attributes:
         plot: the `PlotWidget`.
         map: the `PathWidget`; None where no drive has odometry.
     """
 
-    def __init__(self, plot: PlotWidget, way: PathWidget | None) -> None:
-        self.plot, self.map = plot, way
-        super().__init__([plot, *([way] if way else [])])
+    def __init__(self, plot: PlotWidget, ways: Mapping[str, _Way], is_by_place: bool) -> None:
+        self.plot, self.map = plot, _map(ways)
+        # By place the others were where the first one was.
+        self._ways = dict([*ways.items()][:1]) if is_by_place else ways
+        self._marked: list[str] = []
+        super().__init__([plot, *([self.map] if self.map else [])])
+        plot.observe(self._mark, "time")
+
+    def _mark(self, change: Any) -> None:
+        """Mark on the map where each robot was at the time of the plot."""
+        if self.map is None:
+            return
+        for mark in self._marked:
+            self.map.draw(mark, None)
+        self._marked = []
+        if change.new is None:
+            return
+        for name, (seconds, poses) in self._ways.items():
+            row = int(np.searchsorted(seconds, change.new, "right")) - 1
+            if row >= 0:
+                mark = f"{name[:_NAME]} at {change.new:.1f} s"
+                self.map.draw(mark, Points([poses[row, :2]]), frame=_FRAME)
+                self._marked.append(mark)
+
+
+class _Way(NamedTuple):
+    """Where the robot of a drive was, by the odometry of the first one: seconds, and x, y and yaw."""
+
+    seconds: Floats
+    poses: Floats
 
 
 class _Drive(NamedTuple):
@@ -105,7 +135,7 @@ def compare(
         starts = [Pose(0.0, 0.0, 0.0), *(to_place("origins", origin) for origin in origins)]
         starts += [starts[0]] * (len(drives) - len(starts))
         all_of = [_Drive(*one) for one in zip(_names(recordings), recordings, starts, strict=True)]
-        return Comparison(_plot(all_of, by, sector, marks), _map(all_of))
+        return Comparison(_plot(all_of, by, sector, marks), dict(_ways(all_of)), by == "place")
 
 
 def _names(recordings: Sequence[RecordingData]) -> list[str]:
@@ -184,21 +214,27 @@ def _states(drive: _Drive, is_named: bool) -> Iterator[StateSpan]:
         yield span._replace(path=f"{prefix}{span.path}")
 
 
-def _map(drives: Sequence[_Drive]) -> PathWidget | None:
-    """The ways of all drives in the frame of the first one's odometry; None where none has any."""
-    widget = PathWidget(title="ways by odometry", frame=_FRAME)
-    widget.has_rate = False  # what was recorded does not get old
+def _ways(drives: Sequence[_Drive]) -> Iterator[tuple[str, _Way]]:
+    """The ways of all drives that have odometry, by name."""
     for drive in drives:
         topic = odometry(drive.recording.topics)
         speeds = drive.recording.speeds(topic) if topic else None
         if not speeds:
             continue
-        known = np.flatnonzero(np.isfinite(speeds.poses).all(axis=1))
-        few = known[np.unique(np.linspace(0, len(known) - 1, min(_POINTS, len(known))).astype(int))]
-        seconds, poses = speeds.seconds[few], np.stack(drive.origin.offset(*speeds.poses[few].T), axis=1)
-        for second, pose in zip(seconds.tolist(), poses.tolist(), strict=True):
-            widget.put(drive.name, MapItem("pose", _FRAME, pose=Pose(*pose)), time=second)
-    if widget.names:
-        return widget
-    widget.close()
-    return None
+        is_known = np.isfinite(speeds.poses).all(axis=1)
+        if is_known.any():
+            poses = np.stack(drive.origin.offset(*speeds.poses[is_known].T), axis=1)
+            yield drive.name, _Way(speeds.seconds[is_known], poses)
+
+
+def _map(ways: Mapping[str, _Way]) -> PathWidget | None:
+    """The ways in the frame of the first one's odometry; None where there is none."""
+    if not ways:
+        return None
+    widget = PathWidget(title="ways by odometry", frame=_FRAME)
+    widget.has_rate = False  # what was recorded does not get old
+    for name, (seconds, poses) in ways.items():
+        few = np.unique(np.linspace(0, len(seconds) - 1, min(_POINTS, len(seconds))).astype(int))
+        for second, pose in zip(seconds[few].tolist(), poses[few].tolist(), strict=True):
+            widget.put(name, MapItem("pose", _FRAME, pose=Pose(*pose)), time=second)
+    return widget

@@ -27,6 +27,7 @@ from robowidgets.simulator import Pose, Robot, Scanner, World, wander
 SAMPLE = Path(__file__).parents[1] / "robowidgets" / "data" / "sample.mcap"
 DURATION = 58.0
 STEP = 0.05
+FORWARD = 0.6
 START_NS = 1_750_000_000 * 1_000_000_000
 """Header stamps and log times start here (a day in June 2025), so that the file is the same whenever it is written."""
 
@@ -64,7 +65,7 @@ def drive() -> Iterator[tuple[str, int, Any]]:
     robot = Robot(World.rooms(), pose=(0.2, -0.85, 0.5), scanner=Scanner(ray_count=451, intensities=True), seed=7)
     touched: dict[str, bool | None] = dict.fromkeys(BUMPERS, False)
     scan = None
-    for _ in wander(robot, linear=0.6):
+    for _ in wander(robot, linear=FORWARD):
         now = START_NS + round(robot.time * 1e9)
         if robot.scan() is not scan:
             scan = robot.scan()

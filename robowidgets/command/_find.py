@@ -5,13 +5,13 @@ from __future__ import annotations
 import argparse
 import json
 import operator
+import os
 import re
 from collections.abc import Callable, Iterable
 from contextlib import suppress
 from functools import reduce
 from math import degrees
 from operator import and_, or_
-from pathlib import Path
 from typing import Any
 
 import robowidgets
@@ -98,6 +98,15 @@ def add_find(parser: argparse.ArgumentParser) -> None:
         metavar="TOPIC",
         help="something was logged, changed its status, or was pressed; no topic named: on any that tells of events",
     )
+    asked.add_argument(
+        "--label",
+        nargs="?",
+        const="",
+        action="append",
+        default=[],
+        metavar="NAME",
+        help="a person gave the span this name; none named: any",
+    )
     asked.add_argument("--any", action="store_true", help="one of the conditions is enough")
     how = parser.add_argument_group("where to look")
     how.add_argument(
@@ -136,19 +145,23 @@ def add_topics(parser: Any) -> None:
 
 
 def _is_there(word: str) -> bool:
-    return is_url(word) or Path(word).exists()
+    return is_url(word) or os.path.exists(word)
+
+
+_TAKE_A_WORD = ["--touched"], ["--event"], ["--label"]
+"""Options after which a word may stand, or none."""
 
 
 def readable(words: Iterable[str]) -> list[str]:
     """The words of a command, as argparse can read them.
 
     It takes ``-30deg`` for an option unless a space stands before it, wants two words after ``--sector``, and takes a
-    file after ``--touched`` for a sensor, and after ``--event`` for a topic.
+    file after ``--touched`` for a sensor, after ``--event`` for a topic, and after ``--label`` for a name.
     """
     read: list[str] = []
     given = list(words)
     for word, after in zip(given, [*given[1:], ""], strict=False):
-        if read[-1:] in (["--touched"], ["--event"]) and _is_there(word) and not any(map(_is_there, read[1:])):
+        if read[-1:] in _TAKE_A_WORD and _is_there(word) and not any(map(_is_there, read[1:])):
             read.insert(1, word)
             continue
         if read[-1:] == ["--sector"] and word.isalpha() and not DEGREES.fullmatch(after):
@@ -191,9 +204,10 @@ def condition(arguments: argparse.Namespace) -> Condition:
         asked.append(conditions.gap(arguments.gap, arguments.silent))
     asked += map(_compared, arguments.field)
     asked += (conditions.event(topic or None, arguments.level, arguments.text) for topic in arguments.event)
+    asked += map(_labelled, arguments.label)
     if not asked:
         raise CommandError(
-            "find: expected a condition: --touched, --nearest-below, --speed-above, --gap, --field or --event"
+            "find: expected a condition: --touched, --nearest-below, --speed-above, --gap, --field, --event or --label"
         )
     _check_used(arguments)
     return reduce(or_ if arguments.any else and_, asked)
@@ -210,6 +224,13 @@ def _compared(words: str) -> Condition:
     field = conditions.field(size or name)
     compared: Condition = _SIGNS[sign](abs(field) if size else field, _value(value))
     return compared
+
+
+def _labelled(name: str) -> Condition:
+    try:
+        return conditions.label(name or None)
+    except ValueError as error:  # "label: ...", as of the sensors of --touched
+        raise CommandError(f"find: --{error}") from None
 
 
 def _value(word: str) -> Any:

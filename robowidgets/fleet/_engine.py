@@ -35,7 +35,11 @@ class Done(NamedTuple):
 
 
 def each(
-    job: Callable[[str], Any], paths: Iterable[str], executor: Any = None, longest: float = LONGEST
+    job: Callable[[str], Any],
+    paths: Iterable[str],
+    executor: Any = None,
+    longest: float = LONGEST,
+    idle: Callable[[], None] = lambda: None,
 ) -> Generator[Done, None, None]:
     """What a function returns for each of some recordings, as they get done.
 
@@ -47,6 +51,7 @@ def each(
         executor: what has ``submit``, as those of `concurrent.futures`; or a client of Dask. None: processes of this
             machine, one for each core. Where it breaks, processes of this machine go on.
         longest: seconds that each may take.
+        idle: called now and then while executors are waited for.
 
     Raises:
         TypeError: ``executor`` has no ``submit``, or the function refers to what cannot be sent, such as a lock.
@@ -63,20 +68,20 @@ def each(
         raise TypeError(f"condition: cannot be sent to another process: {one_line(error)}") from None
     suspects: list[str] = []
     if executor is not None:
-        yield from _by(_executor(executor), _AHEAD_ELSEWHERE, waiting, suspects, task, longest)
+        yield from _by(_executor(executor), _AHEAD_ELSEWHERE, waiting, suspects, task, longest, idle)
         if waiting or suspects:
             inform("the executor broke, or lost workers: processes of this machine go on")
         waiting.extend(suspects)  # too many wait there for a look at each in a process of its own
         suspects.clear()
     while waiting:
         with _processes() as (own, count):
-            yield from _by(own, _AHEAD * count, waiting, suspects, task, longest)
+            yield from _by(own, _AHEAD * count, waiting, suspects, task, longest, idle)
     # Of those that were under way when a process ended, one by one: each then ends but its own.
     for path in suspects:
         for attempt in range(1, _TRIES + 1):
             again: list[str] = []
             with _processes(1) as (own, _):
-                yield from _by(own, 1, deque([path]), again, task, longest)
+                yield from _by(own, 1, deque([path]), again, task, longest, idle)
             if not again:
                 break
             if attempt == _TRIES:
@@ -84,7 +89,13 @@ def each(
 
 
 def _by(
-    executor: Executor, ahead: int, waiting: deque[str], suspects: list[str], task: bytes, longest: float
+    executor: Executor,
+    ahead: int,
+    waiting: deque[str],
+    suspects: list[str],
+    task: bytes,
+    longest: float,
+    idle: Callable[[], None],
 ) -> Iterator[Done]:
     """What an executor makes of what waits, until it breaks: what was under way then is suspect."""
     under_way: dict[Future[Any], str] = {}
@@ -104,7 +115,7 @@ def _by(
                 future.add_done_callback(done.put)
             if not under_way:
                 break
-            future = _next(done)
+            future = _next(done, idle)
             path = under_way.pop(future)
             try:
                 answer = future.result()
@@ -123,12 +134,13 @@ def _by(
         suspects.extend(under_way.values())
 
 
-def _next(done: SimpleQueue[Future[Any]]) -> Future[Any]:
+def _next(done: SimpleQueue[Future[Any]], idle: Callable[[], None]) -> Future[Any]:
     """The future that is done next. An interrupt just before a wait wakes nobody, so it looks for one now and then."""
     # Not concurrent.futures.wait(): an interrupt may leave the lock of its Condition held for ever.
     while True:
         with suppress(Empty):
             return done.get(timeout=LOOK)
+        idle()
 
 
 def work(task: bytes, path: str, longest: float) -> tuple[Any, str]:

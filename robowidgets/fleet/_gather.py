@@ -73,8 +73,14 @@ def gather(
     missing = [path for path in states if path not in results]
     count = sum(map(found, results.values()))
     is_cut = False
+
+    def tell(done: int) -> None:
+        bar.update(done, f"{count:,} found" if count else "")
+        if grow:
+            grow(results, unread, [str(place.path) for place in places])
+
     with Progress(len(missing), what, " files") as bar, without_bars():
-        work = each(job, missing, executor, longest)
+        work = each(job, missing, executor, longest, lambda: tell(0))
         try:
             for path, result, problem in work:
                 if problem:
@@ -82,9 +88,7 @@ def gather(
                 else:
                     count += found(result)
                     results[path] = kept.add(path, states[path], result) if kept else result
-                bar.update(1, f"{count:,} found" if count else "")
-                if grow:
-                    grow(results, unread, [str(place.path) for place in places])
+                tell(1)
         except KeyboardInterrupt:
             is_cut = True
         finally:

@@ -33,15 +33,18 @@ class LiveTable:
         self._to_hits, self._clock = to_hits, clock
         self._due = clock() + SHOWN_AFTER
         self._sheet: Any = None
+        self._done = 0
         self._is_in_cell = bool(running_cell()[0]) and called_from_cell()
         self._order: list[str] = []
 
     def grow(self, results: Mapping[str, Any], unread: Sequence[Unread], files: Sequence[str]) -> None:
-        """Show the results so far, of which earlier ones keep their places, if it is time."""
-        if not self._is_in_cell or self._clock() < self._due:
+        """Show the results so far, of which earlier ones keep their places, if there are more and it is time."""
+        done = len(results) + len(unread)
+        if not self._is_in_cell or done == self._done or self._clock() < self._due:
             return
         began = self._clock()
-        self._show(results, unread, files, len(results) + len(unread))
+        self._show(results, unread, files, done)
+        self._done = done
         self._due = self._clock() + max(_LEAST, _SHARE * (self._clock() - began))
 
     def end(self, hits: Hits, results: Mapping[str, Any]) -> None:

@@ -14,6 +14,7 @@ from playwright.sync_api import Browser, FloatRect, expect
 
 import robowidgets
 from robowidgets import conditions
+from scripts import make_sample
 
 from .chromium import PICTURES, SCREENSHOTS, shoot
 from .cloud import ROOM as CLOUD
@@ -296,6 +297,32 @@ def test_pictures_of_moments_in_many_recordings(
     nb.python("sheet.widget.sort = '-nearest'")
     nb.page.wait_for_function("() => !document.querySelector('.rw-sheet-tile:not([data-painted])')")
     shoot(sheet, f"gallery-moments-{theme}")
+
+
+COMPARED = """
+import robowidgets
+view = robowidgets.compare({fast!r}, {slow!r})
+view.plot.time = 12.0
+view
+"""
+
+
+@every_theme
+def test_pictures_of_two_drives(
+    plain_page: Callable[..., PlainPage],
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    theme: Literal["light", "dark"],
+) -> None:
+    slow = tmp_path / "slower.mcap"
+    monkeypatch.setattr(make_sample, "FORWARD", 0.35)
+    make_sample.main(slow)
+    nb = plain_page([COMPARED.format(fast=str(robowidgets.SAMPLE), slow=str(slow))], scale=2, theme=theme)
+    nb.resize(1130, height=1000)
+    plot, way = nb.output(0).locator(".rw-plot"), nb.output(0).locator(".rw-path")
+    expect(plot.locator(".rw-plot-ghost")).to_have_count(2)
+    expect(way.locator(".rw-layers-row")).to_have_count(2)
+    shoot(nb.output(0), f"gallery-compare-{theme}")
 
 
 CONDITIONS = """

@@ -14,6 +14,7 @@ import robowidgets
 from robowidgets import conditions
 
 from .chromium import shoot
+from .notebook import Notebook
 from .plain_page import PlainPage
 
 Open = Callable[..., PlainPage]
@@ -33,6 +34,37 @@ from robowidgets.fleet import Hits
 some = [hit for hit in hits for _ in range(250)]
 many = Hits(conditions.nearest_below(0.3), some, files=hits.files, chosen={}, problems={})
 """
+
+SLOWLY = """
+import os
+import threading
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+import robowidgets
+from robowidgets import conditions
+
+os.environ["ROBOWIDGETS_CACHE"] = {cache!r}
+asked = []
+
+
+class Slowly(ThreadPoolExecutor):
+    \"\"\"Reads a recording once a file of its name is there.\"\"\"
+
+    def submit(self, function, task, path, longest):
+        asked.append(Path(path).name)
+        return super().submit(self._read, function, task, path, longest)
+
+    def _read(self, function, task, path, longest):
+        while not (Path({may!r}) / Path(path).name).exists():
+            threading.Event().wait(0.02)
+        return function(task, path, longest)
+
+
+here = Slowly(1)
+"""
+
+FIND = "hits = robowidgets.find(conditions.nearest_below(0.3), {folder!r}, executor=here)\nhits"
 
 PAINTED = "(count) => document.querySelectorAll('[data-painted=\"rays\"]').length >= count"
 
@@ -126,6 +158,43 @@ def test_of_thousands_only_what_is_seen_is_on_the_page_and_what_is_there_scrolls
         assert sheet.locator(".rw-sheet-tile").count() <= 7 * 7
         sheet.get_by_role("button", name="Every").click()
         expect(sheet.locator(".rw-sheet-tile")).to_have_count(21)
+
+
+def test_in_a_notebook_a_table_grows_a_click_opens_a_hit_and_after_an_interrupt_the_same_call_goes_on(
+    notebook: Callable[..., Notebook], folder: Path, tmp_path: Path
+) -> None:
+    copy(robowidgets.SAMPLE, folder / "drive_11.mcap")
+    may = tmp_path / "may"
+    may.mkdir()
+    nb = notebook(
+        [SLOWLY.format(cache=str(tmp_path / "cache"), may=str(may)), FIND.format(folder=str(folder))], run=False
+    )
+    nb.run(0)
+    nb.start(1)
+    sheet = nb.output(1).locator(".rw-sheet")
+    rows = sheet.locator(".rw-sheet-row.rw-sheet-item")
+    facts = sheet.locator(".rw-facts")
+    (may / "drive_2.mcap").touch()
+    expect(rows).to_have_count(8)
+    expect(facts).to_contain_text("8 so far, 1 of 4 files")
+    # It grows, also while the next recording takes long.
+    (may / "drive_10.mcap").touch()
+    expect(facts).to_contain_text("16 so far, 2 of 4 files")
+    rows.nth(9).click()
+    expect(nb.output(1).locator(".rw-player")).to_be_visible()
+    shown = rows.nth(9).locator(".rw-sheet-of-time").text_content()
+    expect(nb.output(1).locator(".rw-play-now")).to_contain_text(str(shown))
+    shoot(nb.output(1), "sheet_grows")
+    nb.interrupt()
+    nb.wait(1)
+    expect(nb.output(1)).to_contain_text("stopped after 2 of 4 files: the same call goes on")
+    expect(facts).to_contain_text("16 so far, 2 of 4 files")
+    expect(nb.output(1).locator(".rw-player")).to_be_visible()
+    for name in ("drive_11.mcap", "empty.bag"):
+        (may / name).touch()
+    assert nb.python("asked.clear(), len(hits), hits.until, hits.is_complete").strip() == "(None, 16, 2, False)"
+    nb.run(1)
+    assert nb.python("asked, len(hits), hits.is_complete").strip() == "(['drive_11.mcap', 'empty.bag'], 24, True)"
 
 
 def test_a_page_of_hits_plays_each_moment_without_a_kernel(

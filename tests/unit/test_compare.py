@@ -35,6 +35,10 @@ def test_two_drives_stand_in_one_plot_and_on_one_map(tmp_path: Path) -> None:
     assert any(text == "sample: anything touched" for _, _, text in view.plot.marks)
     assert view.map.names == ("sample", "other")
     assert view.children
+    view.plot.time = 7.5
+    assert [*view.map.drawn] == ["sample at 7.5 s", "other at 7.5 s"]
+    view.plot.time = None
+    assert not view.map.drawn
 
 
 def test_by_place_the_other_one_tells_what_it_met_where_the_first_one_was(tmp_path: Path) -> None:
@@ -45,6 +49,8 @@ def test_by_place_the_other_one_tells_what_it_met_where_the_first_one_was(tmp_pa
     assert len(here) == len(there)
     assert np.median(np.abs(here - there)) == 0
     assert all(text.startswith("sample: nearest below 0.2 m") for _, _, text in view.plot.marks)
+    view.plot.time = 7.5
+    assert [*view.map.drawn] == ["sample at 7.5 s"]
     with pytest.raises(ValueError, match=r"compare\(\): sample.mcap has no place within 0.5 m .*give origins="):
         robowidgets.compare(SAMPLE, SAMPLE, by="place", origins=[(100, 0, 0)])
 

@@ -5,6 +5,8 @@ from __future__ import annotations
 import json
 import subprocess
 import sys
+from pathlib import Path
+from shutil import copy
 
 import pytest
 
@@ -76,6 +78,18 @@ def test_all_sensors_that_are_named_must_be_touched(capsys: pytest.CaptureFixtur
     assert json.loads(capsys.readouterr().out)["condition"] == "(left touched & right touched)"
     main(["find", FILE, "--touched", "left", "--touched", "--any", "--json"])
     assert json.loads(capsys.readouterr().out)["condition"] == "(left touched | anything touched)"
+
+
+def test_spans_are_found_by_the_names_that_people_gave_them(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    file = str(copy(FILE, tmp_path))
+    with robowidgets.open(file) as recording:
+        recording.label("door", 12, 14.5)
+    for asked in (["--label", file], ["--label", "door", str(tmp_path)]):
+        assert main(["find", *asked, "--json"]) == 0
+        assert '"start": 12.0' in capsys.readouterr().out
+    assert main(["find", file, "--label", "window"]) == 1
+    assert main(["find", file, "--label", "x" * 1000]) == 2
+    assert "find: --label: expected a name of 1 to" in capsys.readouterr().err
 
 
 @pytest.mark.slow

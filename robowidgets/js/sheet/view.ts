@@ -366,7 +366,7 @@ export class SheetView {
     const files = odd.length === 1 ? "1 file" : `${count(odd.length)} files`;
     heading.append(
       make("b", "", `${files} could not be read whole`),
-      make("span", "rw-sheet-why", "they count as searched only as far as they go"),
+      make("span", "rw-sheet-why", `counted as searched only as far as ${odd.length === 1 ? "it goes" : "they go"}`),
     );
     const rows = odd.slice(0, odd.length > MOST_ODD + 1 ? MOST_ODD : MOST_ODD + 1).map((file) => this.#makeOdd(file));
     const left = odd.slice(rows.length);

@@ -20,6 +20,7 @@ import robowidgets
 from robowidgets import conditions
 from robowidgets.command import main
 from robowidgets.fleet import find
+from robowidgets.fleet._engine import Done, each
 from robowidgets.fleet.hits import Hit, Hits
 
 from . import executors
@@ -152,6 +153,18 @@ def _interrupts_once(moment: Any) -> bool:
         os.kill(os.getpid(), SIGINT)
         RELEASED.wait()
     return bool(moment.scan.distance() < 0.3)
+
+
+def test_who_waits_for_recordings_that_take_long_is_called_meanwhile() -> None:
+    with ThreadPoolExecutor(1) as threads:
+        assert [*each(_waits_for_a_call, ["a.mcap"], threads, idle=CALLED.set)] == [Done("a.mcap", True)]
+
+
+CALLED = Event()
+
+
+def _waits_for_a_call(_path: str) -> bool:
+    return CALLED.wait(60)
 
 
 @pytest.mark.slow
