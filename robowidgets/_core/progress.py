@@ -14,6 +14,9 @@ SHOWN_AFTER = 1.0
 """Seconds of work before a bar is shown."""
 
 
+_BETWEEN = 0.5
+"""Seconds between two pictures of a bar, at least: where it goes to a log, each is a line."""
+
 _SCALED_FROM = 10_000
 """Counts of which only the first digits are shown."""
 
@@ -56,7 +59,7 @@ class Progress:
         elif taken >= SHOWN_AFTER and not self._is_hidden:
             from tqdm.auto import tqdm
 
-            self._bar = tqdm(**self._options, unit_scale=self._is_scaled, leave=False)
+            self._bar = tqdm(**self._options, unit_scale=self._is_scaled, leave=False, mininterval=_BETWEEN)
             if not self._bar.disable:
                 # The bar's rate counts from the beginning.
                 self._bar.start_t -= taken

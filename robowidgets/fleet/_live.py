@@ -14,7 +14,8 @@ from .hits import Hits
 
 _LEAST = 0.5
 _SHARE = 20
-"""Seconds between two updates, at least; and how many times as long as one takes: a long table holds up nothing."""
+"""Seconds between two updates, at least; and how many times the CPU time that one takes: a long table holds up
+nothing. The first one does not count, which loads the widget."""
 
 
 class LiveTable:
@@ -23,14 +24,16 @@ class LiveTable:
     Args:
         to_hits: makes a table of the results so far, of what could not be read, and of all files.
         clock: seconds.
+        cpu: seconds of CPU time of this thread: other processes search meanwhile, on all cores.
     """
 
     def __init__(
         self,
         to_hits: Callable[[Mapping[str, Any], Sequence[Unread], Sequence[str]], Hits],
         clock: Callable[[], float] = time.monotonic,
+        cpu: Callable[[], float] = time.thread_time,
     ) -> None:
-        self._to_hits, self._clock = to_hits, clock
+        self._to_hits, self._clock, self._cpu = to_hits, clock, cpu
         self._due = clock() + SHOWN_AFTER
         self._sheet: Any = None
         self._done = 0
@@ -42,16 +45,16 @@ class LiveTable:
         done = len(results) + len(unread)
         if not self._is_in_cell or done == self._done or self._clock() < self._due:
             return
-        began = self._clock()
+        is_first, began = self._sheet is None, self._cpu()
         self._show(results, unread, files, done)
         self._done = done
-        self._due = self._clock() + max(_LEAST, _SHARE * (self._clock() - began))
+        self._due = self._clock() + (_LEAST if is_first else max(_LEAST, _SHARE * (self._cpu() - began)))
 
     def end(self, hits: Hits, results: Mapping[str, Any]) -> None:
         """Show all that was found, and have it stand for the table of the result below this cell."""
         if self._sheet is not None:
             self._show(results, hits.unread, hits.files, None if hits.is_complete else hits.until)
-            hits.shown_in = running_cell()
+            hits.shown_in, hits.live = running_cell(), self._sheet
 
     def _show(
         self, results: Mapping[str, Any], unread: Sequence[Unread], files: Sequence[str], done: int | None

@@ -69,6 +69,8 @@ class Hits(FleetTable, Sequence[Hit]):
         self._how = told
         self.shown_in: CellRun | None = None
         """The run of a cell below which the hits are on show already."""
+        self.live: Sheet | None = None
+        """The table that grew there."""
 
     def __len__(self) -> int:
         return len(self._hits)
@@ -109,10 +111,9 @@ class Hits(FleetTable, Sequence[Hit]):
         Raises:
             TypeError: an unknown keyword.
         """
-        from ._sheet import Sheet  # Imported lazily: a search needs no widget.
-
-        sheet = Sheet(self.condition, self._wanted, **options)
-        sheet.set_hits(self._hits, self.files, self.unread, self.problems)
+        sheet = self._sheet(**options)
+        if self.live is not None and self.shown_in == running_cell() and self.live.player is None:
+            self.live.close()  # else the same would stand there twice
         return sheet
 
     def to_html(
@@ -147,11 +148,18 @@ class Hits(FleetTable, Sequence[Hit]):
         from ._to_html import write  # Imported lazily: a search needs no widget.
 
         target = checked_output("to_html", path, SUFFIXES)
-        sheet = self.show()
+        sheet = self._sheet()
         try:
             return write(self, sheet.widget, self._wanted, target, around, title, note, max_size)
         finally:
             sheet.close()
+
+    def _sheet(self, **options: Any) -> Sheet:
+        from ._sheet import Sheet  # Imported lazily: a search needs no widget.
+
+        sheet = Sheet(self.condition, self._wanted, **options)
+        sheet.set_hits(self._hits, self.files, self.unread, self.problems)
+        return sheet
 
     def _rows(self) -> Iterator[Mapping[str, Any]]:
         for hit in self:

@@ -42,7 +42,7 @@ def find(
             rosbag2 folder are one recording.
         topics: names or patterns of topics, such as ``"/front*"``, that are meant where a recording has several of a
             kind. Where none of these fits, it is one that was measured rather than made of others (``/scan_merged``),
-            then the one with most messages, then the one with the shortest name; `Hits.topics` tells.
+            then the one with most messages, then the one with the shortest name; `Hits.chosen` tells.
         executor: what runs it: anything with ``submit``, or a client of Dask; None: a process for each core.
         longest: seconds that one recording may take. It is then named as one that was not read.
         keep: whether results are kept in the folder that the environment variable ``ROBOWIDGETS_CACHE`` names, by

@@ -1,5 +1,6 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
+import { toReason, toReasons } from "../../robowidgets/js/sheet/odd.ts";
 import {
   cutOf,
   evenly,
@@ -92,4 +93,20 @@ test("pictures are what Python has packed", () => {
   assert.deepEqual(found.get(5)?.facts, [0.5, 0.125]);
   assert.deepEqual(found.get(7)?.form, "line");
   assert.deepEqual([...(found.get(7)?.values ?? [])], [1, Math.fround(0.1)]);
+});
+
+test("files that were not read whole are told by reason, those of most files first, without names and numbers", () => {
+  const odd = [
+    "a.bag has no laser scans",
+    "the recording was cut off: read 270 messages, up to 13.4 s",
+    "the recording was cut off: read 12 messages, up to 1.5 s",
+    "was cut off before its first message (13 bytes), nothing can be saved",
+    "a chunk of 13 bytes is damaged",
+  ].map((problem) => ({ path: "/runs/day/a.bag", name: "day/a.bag", problem, is_read: true }));
+  assert.deepEqual(odd.map(toReason).slice(0, 2), ["has no laser scans", odd[1]?.problem]);
+  assert.equal(
+    toReasons(odd),
+    "and 5 more: the recording was cut off (2), has no laser scans (1), was cut off before its first message (1) and others",
+  );
+  assert.equal(toReasons(odd.slice(4)), "and 1 more: a chunk of … bytes is damaged (1)");
 });

@@ -8,6 +8,7 @@ import { NameRow } from "../shared/naming.ts";
 import { offerPng } from "../shared/png.ts";
 import { perAnimationFrame, throttle } from "../shared/schedule.ts";
 import type { Cut } from "./draw.ts";
+import { toReason, toReasons } from "./odd.ts";
 import {
   COLUMNS,
   type Column,
@@ -370,14 +371,15 @@ export class SheetView {
     );
     const rows = odd.slice(0, odd.length > MOST_ODD + 1 ? MOST_ODD : MOST_ODD + 1).map((file) => this.#makeOdd(file));
     const left = odd.slice(rows.length);
-    const more = make("div", "rw-sheet-odd-row rw-sheet-why", toReasons(left));
-    this.#odd.replaceChildren(heading, ...rows, ...(left.length ? [more] : []));
+    this.#odd.replaceChildren(heading, ...rows);
+    if (left.length) this.#odd.append(make("div", "rw-sheet-odd-row rw-sheet-why", toReasons(left)));
   }
 
-  #makeOdd({ path, name, problem, is_read }: OddFile): HTMLElement {
+  #makeOdd(file: OddFile): HTMLElement {
+    const { path, name, is_read } = file;
     const row = make("div", "rw-sheet-odd-row");
     row.title = path;
-    const why = make("span", "rw-sheet-why", problem);
+    const why = make("span", "rw-sheet-why", toReason(file));
     const [word, command] = is_read ? ["Repair a copy", "repair"] : ["Look at it", "doctor"];
     const line = `robowidgets ${command} ${JSON.stringify(path)}`;
     const onClick = async () => setText(button, (await copyText(line)) ? "Command copied" : line);
@@ -390,7 +392,8 @@ export class SheetView {
   #drawFoot(): void {
     const [shown, all] = [this.#order.length, this.#moments.length];
     const choice = this.#model.get("every") && this.#step > 1 ? `: every ${toOrdinal(this.#step)}` : "";
-    const parts = [shown === all ? `${count(all)}` : `${count(shown)} of ${count(all)}${choice}`];
+    const moments = all === 1 ? "1 moment" : `${count(all)} moments`;
+    const parts = [shown === all ? moments : `${count(shown)} of ${moments}${choice}`];
     const hasRays = this.#moments.some(({ nearest }) => nearest !== null);
     const { reach, inner } = this.#cut;
     if (hasRays && !this.#isTable) {
@@ -764,12 +767,4 @@ function toInner(reach: number): number {
 
 function toFiles(number: number): string {
   return `${count(number)} ${number === 1 ? "file" : "files"}`;
-}
-
-/** "and 12 more: 9 cut off, 3 empty". */
-function toReasons(odd: OddFile[]): string {
-  const reasons = new Map<string, number>();
-  for (const { problem } of odd) reasons.set(problem, (reasons.get(problem) ?? 0) + 1);
-  const parts = [...reasons].sort((a, b) => b[1] - a[1]).map(([reason, number]) => `${count(number)} ${reason}`);
-  return `and ${count(odd.length)} more: ${parts.join(", ")}`;
 }

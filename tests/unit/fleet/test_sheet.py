@@ -13,6 +13,7 @@ import pytest
 import robowidgets
 from robowidgets import conditions
 from robowidgets.fleet import Hits, find
+from robowidgets.fleet._live import LiveTable
 from robowidgets.fleet._picture_sender import PictureSender
 from robowidgets.fleet._pictures import LINE, RAYS, WORDS, Thumbnail, pictures
 from robowidgets.fleet._sheet import Sheet
@@ -247,6 +248,34 @@ def test_a_page_of_hits_says_what_would_make_it_smaller_and_leaves_nothing_where
     assert not (tmp_path / "hits.html").exists()
 
 
+def test_the_table_that_grows_waits_as_long_as_it_costs_but_for_what_loading_the_widget_does(
+    hits: Hits, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("robowidgets.fleet._live.running_cell", lambda: ("cell", "run"))
+    shown: list[int] = []
+    now, spent = [10.0], [0.0]
+
+    def to_hits(results: Any, _unread: Any, _files: Any) -> Hits:
+        spent[0] += 1.0
+        shown.append(len(results))
+        return hits[: len(results)]
+
+    def at(seconds: float, count: int) -> list[int]:
+        now[0] = seconds
+        live.grow({str(i): {} for i in range(count)}, (), hits.files)
+        return shown
+
+    monkeypatch.setattr("IPython.display.display", lambda _sheet: None)
+    live = LiveTable(to_hits, lambda: now[0], lambda: spent[0])
+    assert at(10.9, 1) == []
+    assert at(11.0, 1) == [1]
+    assert at(11.4, 2) == [1]
+    assert at(11.5, 2) == [1, 2]
+    assert at(31.4, 3) == [1, 2]
+    assert at(31.5, 3) == [1, 2, 3]
+    assert at(90.0, 3) == [1, 2, 3]
+
+
 def test_a_table_grows_below_the_cell_while_a_search_runs_and_stands_for_the_result(
     runs: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -273,6 +302,9 @@ def test_a_table_grows_below_the_cell_while_a_search_runs_and_stands_for_the_res
     assert [done for _, done in grown[-2:]] == [4, None]
     assert grown[-1][0] == len(found) == 24
     assert "<td" not in found._repr_html_()
+    other = found.show()
+    assert sheet.comm is None, "the sheet takes the place of the table"
+    other.close()
     run = ("cell", "second run")
     assert "<td" in found._repr_html_()
     sheet.close()
