@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..kinds import LASER
+from ..kinds import LASER, TOUCH
 from ..messages.decoding import one_line
 from ..recordings import RecordingData
 from ..recordings.topics import shown
@@ -93,7 +93,9 @@ def _picture(recording: RecordingData, hit: Hit, wanted: Condition | None, numbe
     words = verdict.text or (f"nothing on {', '.join(hit.silent)}" if hit.silent else "")
     known = shown(recording.topics)
     scanned = next((name for name in topics if name in known and known[name].widget == LASER.name), None)
-    if not hit.topic:  # it was found by its label: all that is known is when
+    is_touch = any(name in known and known[name].widget == TOUCH.name for name in topics)
+    # Of a touch a scan tells what was touched; of a name that a person gave, all that is known is when.
+    if not scanned and (is_touch or not hit.topic):
         scanned = next((name for name, topic in known.items() if topic.widget == LASER.name), None)
     scan = recording.at(scanned, seconds) if scanned else None
     if scan is not None and len(scan.sample):

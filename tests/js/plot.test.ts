@@ -3,7 +3,7 @@ import { test } from "node:test";
 import { PlotData } from "../../robowidgets/js/plot/data.ts";
 import { decodePlot, type Rows } from "../../robowidgets/js/plot/frame.ts";
 import { toDigits, toGroups } from "../../robowidgets/js/plot/groups.ts";
-import { holding, spread, toLabels } from "../../robowidgets/js/plot/names.ts";
+import { holding, spread, toDifference, toLabels } from "../../robowidgets/js/plot/names.ts";
 import { measure, merged, readingAt, timeBeside } from "../../robowidgets/js/plot/rows.ts";
 import { follows, type Looking, seen, wholeOf } from "../../robowidgets/js/plot/span.ts";
 import { toPairs } from "../../robowidgets/js/plot/xy.ts";
@@ -106,6 +106,12 @@ test("a line is named by what tells it apart", () => {
   assert.deepEqual(toLabels(["v", "set"]), ["v", "set"]);
   const odom = "/odom.twist.twist.linear.x";
   assert.deepEqual(toLabels([odom, `d/dt ${odom}`, `${odom} (b.mcap)`]), ["odom", "d/dt odom", "odom (b.mcap)"]);
+});
+
+test("a difference names what two lines differ by", () => {
+  assert.equal(toDifference(["nearest (fast)", "nearest (slow run)"]), "fast \u2212 slow run");
+  assert.equal(toDifference(["odom", "cmd_vel"]), "odom \u2212 cmd_vel");
+  assert.equal(toDifference(["x (fast)", "y (fast)"]), "x (fast) \u2212 y (fast)");
 });
 
 test("names at the ends of lines stand apart, in the order of the lines, and within the graph", () => {

@@ -2,7 +2,7 @@ import { make, makeSvg, setHidden, setText } from "../shared/dom.ts";
 import { on } from "../shared/events.ts";
 import { toFixed } from "../shared/format.ts";
 import { type Entry, type Group, toDigits } from "./groups.ts";
-import { fieldOf } from "./names.ts";
+import { fieldOf, toDifference } from "./names.ts";
 import type { Measures, Reading } from "./rows.ts";
 
 /** What stands beside a line. */
@@ -162,7 +162,8 @@ export class Legend {
     const row = make("tr", "rw-plot-difference");
     const title = make("th", "rw-plot-name");
     title.scope = "row";
-    title.append(make("span", "", entries.map(({ label }) => label).join(" \u2212 ")));
+    title.title = entries.map(({ name }) => name).join(" \u2212 ");
+    title.append(make("span", "", toDifference([entries[0].label, entries[1].label])));
     const [value, number] = [make("td", "rw-plot-value"), make("b", "")];
     value.append(number, make("span", "", unit && ` ${unit}`));
     const rest = make("td", "");

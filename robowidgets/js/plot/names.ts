@@ -19,6 +19,13 @@ export function toLabels(names: string[]): string[] {
   return parts.map(([before = "", base = "", after = ""]) => `${before}${short[own.indexOf(base)]}${after}`);
 }
 
+/** What two lines differ by, in short: "one − other" of "nearest (one)" and "nearest (other)". */
+export function toDifference(labels: [string, string]): string {
+  const [one, other] = labels.map((label) => /^(.*) \((.*)\)$/.exec(label));
+  const of = one && other && one[1] === other[1] ? [one[2], other[2]] : labels;
+  return of.join(" \u2212 ");
+}
+
 /** The field of a line; empty where its name is none of a topic. */
 export function fieldOf(name: string): string {
   return split(PARTS.exec(name)?.[2] ?? "")[1];

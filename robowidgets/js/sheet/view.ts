@@ -269,9 +269,7 @@ export class SheetView {
 
   #draw(): void {
     const [done, total] = [this.#model.get("_done"), this.#model.get("_total")];
-    const columns = this.#columns;
     this.#measure();
-    if (columns !== this.#columns) this.#forget();
     this.#soil();
     this.#space.style.height = `${this.#height}px`;
     this.#scroll.style.height = `${Math.min(this.#height, this.#most)}px`;

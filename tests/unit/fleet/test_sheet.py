@@ -92,7 +92,7 @@ def test_a_picture_is_the_scan_that_met_the_nearest_thing_and_lights_each_ray_be
 @pytest.mark.parametrize(
     ("wanted", "form", "words"),
     [
-        (conditions.touched(), WORDS, "right"),
+        (conditions.touched(), RAYS, "right"),
         (conditions.event(), WORDS, "right touched"),
         (conditions.speed_above(0.2), LINE, "0.60 > 0.20 m/s"),
         (conditions.field("/odom.twist.twist.linear.x") < 0, LINE, "−0.30 < 0.00 m/s"),
