@@ -93,7 +93,7 @@ def _picture(recording: RecordingData, hit: Hit, wanted: Condition | None, numbe
     words = verdict.text or (f"nothing on {', '.join(hit.silent)}" if hit.silent else "")
     known = shown(recording.topics)
     scanned = next((name for name in topics if name in known and known[name].widget == LASER.name), None)
-    is_touch = any(name in known and known[name].widget == TOUCH.name for name in topics)
+    is_touch = all(name in known and known[name].widget == TOUCH.name for name in topics)
     # Of a touch a scan tells what was touched; of a name that a person gave, all that is known is when.
     if not scanned and (is_touch or not hit.topic):
         scanned = next((name for name, topic in known.items() if topic.widget == LASER.name), None)

@@ -93,7 +93,7 @@ def test_a_picture_is_the_scan_that_met_the_nearest_thing_and_lights_each_ray_be
     ("wanted", "form", "words"),
     [
         (conditions.touched(), RAYS, "right"),
-        (conditions.event(), WORDS, "right touched"),
+        (conditions.event(), RAYS, "right touched"),
         (conditions.speed_above(0.2), LINE, "0.60 > 0.20 m/s"),
         (conditions.field("/odom.twist.twist.linear.x") < 0, LINE, "−0.30 < 0.00 m/s"),
         (conditions.gap(0.05), RAYS, "nothing on /scan"),
