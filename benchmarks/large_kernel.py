@@ -105,6 +105,8 @@ class Source(kernel.Source):
         """By the number of what was drawn, that of the newest by then, and the time."""
         self._span = 0.0, 0.0
         self._ends = threading.Event()
+        noise = np.random.default_rng(1)
+        self._some = [self._one(noise) for _ in range(DIFFERENT)] if self._whose else []
         self._large: Any = None
         if self._whose == "bare":
             self._large = Bare(self._kind, self._note)
@@ -160,9 +162,7 @@ class Source(kernel.Source):
             self._drawn.setdefault(number, (len(self._times), time.perf_counter()))
 
     def _pace_large(self) -> None:
-        noise = np.random.default_rng(1)
-        some = [self._one(noise) for _ in range(DIFFERENT)]
-        due = time.perf_counter()
+        some, due = self._some, time.perf_counter()
         while not self._ends.is_set():
             one = some[len(self._times) % len(some)]
             self._times.append(time.perf_counter())
