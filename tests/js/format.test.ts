@@ -1,6 +1,14 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { toAge, toCount, toDegrees, toFixed, toMetres, toOrdinal, toShortMetres } from "../../robowidgets/js/shared/format.ts";
+import {
+  toAge,
+  toCount,
+  toDegrees,
+  toFixed,
+  toMetres,
+  toOrdinal,
+  toShortMetres,
+} from "../../robowidgets/js/shared/format.ts";
 
 test("a minus is a real minus, and zero has none", () => {
   assert.equal(toFixed(-1.5, 2), "\u22121.50");

@@ -51,7 +51,10 @@ test("a region holds both its corners, within the picture, and its statistics le
 });
 
 test("a step of the wheel leaves the pixel under the pointer where it is, and the last step out shows all of it", () => {
-  const [size, room] = [{ width: 640, height: 480 }, { x: 0, y: 10, width: 320, height: 240 }];
+  const [size, room] = [
+    { width: 640, height: 480 },
+    { x: 0, y: 10, width: 320, height: 240 },
+  ];
   const fitted = placeIn(size, room, null);
   const at = { x: 200, y: 100 };
   const look = zoomed(fitted, -1, at, size, room);
@@ -63,7 +66,10 @@ test("a step of the wheel leaves the pixel under the pointer where it is, and th
 });
 
 test("what is said of a region covers none of it where there is room, else as little as can be", () => {
-  const [size, room] = [{ width: 150, height: 90 }, { x: 0, y: 0, width: 320, height: 240 }];
+  const [size, room] = [
+    { width: 150, height: 90 },
+    { x: 0, y: 0, width: 320, height: 240 },
+  ];
   assert.deepEqual(placeBeside(size, room, { x: 20, y: 60, width: 100, height: 60 }), { x: 8, y: 128 });
   assert.deepEqual(placeBeside(size, room, { x: 10, y: 10, width: 300, height: 120 }), { x: 10, y: 138 });
   assert.deepEqual(placeBeside(size, room, { x: 0, y: 0, width: 320, height: 200 }).y, 142);
