@@ -252,9 +252,8 @@ class OnShow:
 
     def add(self, entry: Entry) -> None:
         """Show a topic or a field, too, or fields together."""
-        if entry in self._off:
-            self._off.remove(entry)
-        elif entry not in self._more:
+        self._off.discard(entry)
+        if entry not in self._more:
             self._more.append(entry)
 
     def take_off(self, entries: Iterable[Entry]) -> None:
@@ -263,6 +262,13 @@ class OnShow:
             if entry in self._more:
                 self._more.remove(entry)
             self._off.add(entry)
+
+    def toggle(self, entry: Entry) -> None:
+        """Show a topic that was added no more, else show it, too."""
+        if entry in self._more and entry not in self._off:
+            self.take_off([entry])
+        else:
+            self.add(entry)
 
 
 def of_topic(topic: str, entries: Iterable[Entry], known: Collection[str]) -> list[Entry]:

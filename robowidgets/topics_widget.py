@@ -16,6 +16,9 @@ from .samples.staleness import LISTED
 MOST_LOOKED_AT = 100
 """Topics of which values are sent at most: a page shows no more at once."""
 
+WIRES = "the wires"
+"""What a page asks for in place of a topic: no topic has a name with a space."""
+
 log = logging.getLogger("robowidgets")
 
 
@@ -87,6 +90,9 @@ class TopicsWidget(FrontEndWidget):
     folded = Flag(None, allow_none=True, help="Whether it is folded away; None: by the room. The view writes it.").tag(
         sync=True
     )
+    wires = Flag(False, help="Whether the wires of all topics are on show below the rest. Settable.").tag(
+        sync=True, echo_update=False
+    )
     _rows = traitlets.List(traitlets.Dict(), help="Name, type, count, rate, widget and problem of each topic.").tag(
         sync=True, echo_update=False
     )
@@ -114,6 +120,10 @@ class TopicsWidget(FrontEndWidget):
         """Connect to the page."""
         super().open()
         route_by_message(self.comm)
+
+    def keep(self, earlier: TopicsWidget) -> None:
+        """Take over what a person did to the list of an earlier run of the cell."""
+        self.folded, self.wires = earlier.folded, earlier.wires
 
     def set_rows(self, rows: Iterable[TopicRow]) -> None:
         """List topics."""
@@ -164,7 +174,10 @@ class TopicsWidget(FrontEndWidget):
         if not isinstance(name, str) or self._on_toggle is None:
             return
         try:
-            self._on_toggle(name, bool(content.get("on")))
+            if name == WIRES:
+                self.wires = bool(content.get("on"))
+            else:
+                self._on_toggle(name, bool(content.get("on")))
         except Exception as error:
             log.exception("robowidgets: %s could not be shown", name)
             self._error = f"{name}: {error}"

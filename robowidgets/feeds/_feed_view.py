@@ -24,10 +24,12 @@ from ..program_widget import ProgramWidget
 from ..speed_widget import SpeedWidget
 from ..stop_widget import StopWidget
 from ..topics_widget import TopicNow, TopicRow, TopicsWidget
+from ..wires_widget import WiresWidget
 from ._connection import Connection
 from ._listening import Heard
 from ._probes import Probes
 from ._topics import FeedTopic, brief_of
+from ._wires import FeedWires
 from .middleware import FeedError
 
 
@@ -58,6 +60,7 @@ class FeedView(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no type
     Attributes:
         program, machine: the widgets of the program and of its state machine; None before the first one.
         room: the view of a simulated robot; None for any other robot.
+        wires: the nodes and topics as a graph, while the list of topics shows it; else None.
         refresh: makes widgets for topics that have appeared, and shows the status; the feed calls it.
     """
 
@@ -82,10 +85,12 @@ class FeedView(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no type
         self._status = ipywidgets.HTML()
         self._screen = OneScreen()
         self.topic_list = TopicsWidget(self._on_toggle, on_look=self._on_look)
+        self.topic_list.observe(self._on_wires, "wires")
         self._stop = StopWidget(feed)
         self.program: ProgramWidget | None = None
         self.machine: MachineWidget | None = None
         self.room = None if self._names else feed.room_view()
+        self.wires: WiresWidget | None = None
         super().__init__([self._stop, self._status, self.topic_list, self._screen])
         self._stop.stand_in(self.model_id)
         self._bar = StopWidget(feed) if beside else None
@@ -97,6 +102,7 @@ class FeedView(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no type
         for view in take_the_place(self):
             if isinstance(view, FeedView):
                 self.on_show.keep(view.on_show)
+                self.topic_list.keep(view.topic_list)
         self._connection.observe(self.refresh)
         self.refresh()
 
@@ -128,7 +134,8 @@ class FeedView(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no type
         self._connection.listening.look(self._on_heard, None)
         self._closed = True
         self.refresh()
-        for widget in (self._bar, self._stop, self.program, self.machine, self.room, self.topic_list, self._screen):
+        more = (self.program, self.machine, self.room, self.wires)
+        for widget in (self._bar, self._stop, *more, self.topic_list, self._screen):
             if widget is not None:
                 widget.close()
         super().close()
@@ -187,6 +194,23 @@ class FeedView(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no type
             self.on_show.add(topic)
         else:
             self.on_show.take_off(of_topic(topic, self._entries(), self._known))
+        self.refresh()
+
+    def _on_wires(self, change: Any) -> None:
+        """Show the wires below the rest, or show them no longer: a person wants it."""
+        before, self.wires = self.wires, None
+        rest = [child for child in self.children if child is not before]
+        if change["new"]:
+            self.wires = WiresWidget(FeedWires(self._connection))
+            self.wires.on_open(self._toggle_messages)
+            rest.append(self.wires)
+        self.children = rest
+        if before is not None:
+            before.close()
+
+    def _toggle_messages(self, topic: str) -> None:
+        """Show the messages of a topic field by field, or show them no longer: a person wants it."""
+        self.on_show.toggle(f"{topic} as message")
         self.refresh()
 
     def _on_look(self, names: Sequence[str]) -> None:

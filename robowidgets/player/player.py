@@ -51,6 +51,7 @@ from ..samples.state_span import rows_of
 from ..scanogram_widget import ScanogramWidget
 from ..speed_widget import SpeedWidget
 from ..topics_widget import TopicRow, TopicsWidget
+from ..wires_widget import WiresWidget
 from ._event_frames import event_marks, marks_of
 from ._frames import LOOKED_AT, Track, moment_at, moments_of, silent_after
 from ._leader import Leader
@@ -59,6 +60,7 @@ from ._parts import LeadingPlayer, PlayerView, followers
 from ._prefetcher import SEGMENT, Prefetcher, segment
 from ._to_html import LONGEST_SEGMENT, Wanted, page_of
 from ._touch_marks import touch_marks
+from .wires import RecordedWires
 
 LONGEST_LOOK = 0.1
 """Seconds for which values of topics are read for the list, each time that the time on show changes."""
@@ -107,6 +109,7 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
     _leader: Leader | None = None
     scanogram: ScanogramWidget | None = None
     topic_list: TopicsWidget | None = None
+    wires: WiresWidget | None = None
     _screen: OneScreen | None = None
 
     def _display_(self) -> Any:
@@ -149,6 +152,7 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
             self._screen = OneScreen()
             self.topic_list = TopicsWidget(self._on_toggle, self._values_of)
             self.topic_list.set_rows(_rows(recording))
+            self.topic_list.observe(self._on_wires, "wires")
         super().__init__()
         self._arrange()
         self.add_class("rw-recording")  # the bar takes the keys of this element
@@ -168,6 +172,9 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
         if self.rerun:
             traitlets.link((self, "time"), (self.rerun, "time"))
         self._on_time(None)
+        for player in earlier:
+            if isinstance(player, Player) and self.topic_list is not None and player.topic_list is not None:
+                self.topic_list.keep(player.topic_list)
 
     def __repr__(self) -> str:
         shown = ", ".join(dict.fromkeys(title for view in self.views for title in view.choice.titles))
@@ -422,6 +429,22 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
             self.on_show.take_off(of_topic(topic, self._entries(), known))
         self._show_chosen()
 
+    def _on_wires(self, change: Any) -> None:
+        """Show the wires below the rest, or show them no longer: a person wants it."""
+        with self._seeking:
+            before, self.wires = self.wires, None
+            if change["new"]:
+                self.wires = WiresWidget(RecordedWires(self.recording))
+                self.wires.on_open(self._toggle_messages)
+            self._arrange()
+        if before is not None:
+            before.close()
+
+    def _toggle_messages(self, topic: str) -> None:
+        """Show the messages of a topic field by field, or show them no longer: a person wants it."""
+        self.on_show.toggle(f"{topic} as message")
+        self._show_chosen()
+
     def _values_of(self, names: Sequence[str]) -> dict[str, str]:
         """What topics say at the time on show, of as many as can be read in a moment."""
         values: dict[str, str] = {}
@@ -461,7 +484,8 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
 
     def _arrange(self) -> None:
         """Put all that is shown into its place."""
-        self.children = self.arranged(self.scanogram, self._screen or OneScreen())
+        below = [self.wires] if self.wires is not None else []
+        self.children = [*self.arranged(self.scanogram, self._screen or OneScreen()), *below]
         if self.topic_list is not None:
             self.topic_list.show(view.choice for view in self.views)
 

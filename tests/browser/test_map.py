@@ -243,10 +243,16 @@ def test_a_player_has_the_map_at_its_time_and_goes_to_a_place_of_the_way(
     expect(fact(card, "/amcl_pose")).to_contain_text("x 0.")
 
 
-def test_a_page_in_a_file_has_the_map_with_its_cells_and_its_ways(browser: Browser, tmp_path: Path) -> None:
-    drive = recorded.write(tmp_path / "drive", map_scene.TYPES, map_scene.messages(8.0))
+def test_a_page_in_a_file_has_the_map_with_its_cells_and_its_ways_and_what_nothing_joins_on_its_own(
+    browser: Browser, tmp_path: Path
+) -> None:
+    types = {**map_scene.TYPES, "/fix": "geometry_msgs/msg/PoseStamped"}
+    alone = map_scene.plain(map_scene.header("gps", 2.0)), map_scene.plain(map_scene.pose(0.5, 1.0, 0.0))
+    messages = [*map_scene.messages(8.0), (2.0, "/fix", dict(zip(("header", "pose"), alone, strict=True)))]
+    drive = recorded.write(tmp_path / "drive", types, sorted(messages, key=lambda one: one[0]))
     with robowidgets.open(drive) as recording:
-        file = recording.to_html(tmp_path / "map.html", start=3, end=7, topics=["/map", "/odom", "/amcl_pose"])
+        names = ["/map", "/odom", "/amcl_pose", "/fix"]
+        file = recording.to_html(tmp_path / "map.html", start=3, end=7, topics=names)
     context = browser.new_context(offline=True, viewport={"width": 1200, "height": 760})
     page = context.new_page()
     complaints: list[str] = []
@@ -267,5 +273,11 @@ def test_a_page_in_a_file_has_the_map_with_its_cells_and_its_ways(browser: Brows
             break
     expect(popup).to_contain_text("grid[")
     shoot(page.locator("body"), "map-page")
+    expect(fact(card, "/fix")).to_have_text("nothing joins it to this frame")
+    card.get_by_role("button", name="Frame gps").click()
+    expect(fact(card, "/fix")).to_contain_text("x 0.")
+    expect(fact(card, "/map")).to_have_text("in the frame map, too")
+    expect(card.locator(".rw-layers-foot")).to_contain_text("all in the frame gps")
+    shoot(page.locator("body"), "map-page-other-frame")
     assert complaints == []
     context.close()

@@ -128,6 +128,39 @@ def test_the_exact_value_and_time_at_the_pointer_show_while_a_cell_runs(plain_pa
     expect(value(card, 0)).to_have_text("0 m")
 
 
+PAINTED = """() => {
+    window.painted = [];
+    const own = CanvasRenderingContext2D.prototype.fillText;
+    CanvasRenderingContext2D.prototype.fillText = function (text, x, ...more) {
+        const width = this.measureText(text).width;
+        painted.push([text, this.textAlign === "center" ? x - width / 2 : x, width]);
+        return own.call(this, text, x, ...more);
+    };
+}"""
+"""Tells the texts that are painted from now on, with their left end and their width."""
+
+
+def test_the_time_at_the_pointer_stands_beside_the_unit_and_a_place_off_the_lines_is_no_time(
+    plain_page: Callable[..., PlainPage],
+) -> None:
+    nb = plain_page([ARRAYS])
+    card = nb.widget(0).locator(".rw-card")
+    expect(value(card, 0)).to_have_text("1 m")
+    nb.page.evaluate(PAINTED)
+    nb.page.mouse.move(*x_of(card, 0.0))
+    expect(value(card, 0)).to_have_text("0 m")
+    painted = nb.page.evaluate("painted")
+    unit = next(one for one in reversed(painted) if one[0] == "m")
+    time = next(one for one in reversed(painted) if one[0] == "0.000 s")
+    assert unit[1] + unit[2] + 4 <= time[1], (unit, time)
+    nb.page.mouse.click(*x_of(card, -0.05))
+    expect(value(card, 0)).to_have_text("1 m")
+    assert nb.python("plot.time") == "None"
+    nb.page.mouse.click(*x_of(card, 1.05))
+    expect(value(card, 0)).to_have_text("1 m")
+    eventually(lambda: nb.python("print(plot.time)"), "4.0\n")
+
+
 def test_zooming_measures_what_is_seen_while_a_cell_runs(plain_page: Callable[..., PlainPage]) -> None:
     nb = plain_page([ARRAYS])
     card = nb.widget(0).locator(".rw-card")

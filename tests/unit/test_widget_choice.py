@@ -7,7 +7,7 @@ from dataclasses import replace
 import pytest
 
 from robowidgets import kinds
-from robowidgets._widget_choice import choose_widgets
+from robowidgets._widget_choice import OnShow, choose_widgets
 from robowidgets.feeds._topics import FeedTopic
 from robowidgets.kinds import KINDS, Role, is_command
 
@@ -112,3 +112,17 @@ def test_a_picture_needs_its_calibration_and_may_have_a_scan_which_keeps_its_own
         choice = shown["/front/image", "/front/camera_info", "/scan"]
         assert [choice.method(role) for role, _ in choice.parts] == ["update", "calibrate", "overlay"]
     assert "image" not in KINDS
+
+
+def test_what_was_taken_off_is_shown_again_whether_it_was_asked_for_or_added_later() -> None:
+    on_show = OnShow(["/scan"])
+    for entry in ("/scan", "/imu"):
+        on_show.add(entry)
+        on_show.take_off([entry])
+        assert entry not in on_show.entries([], lambda _: True)
+        on_show.add(entry)
+        assert entry in on_show.entries([], lambda _: True)
+    on_show.toggle("/imu")
+    assert on_show.entries([], lambda _: True) == ["/scan"]
+    on_show.toggle("/imu")
+    assert on_show.entries([], lambda _: True) == ["/scan", "/imu"]

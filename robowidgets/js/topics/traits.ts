@@ -14,6 +14,8 @@ export interface TopicRow {
 export interface TopicsTraits {
   /** Whether it is folded away; null: by the room. The view writes it. */
   folded: boolean | null;
+  /** Whether the wires of all topics are on show below the rest. */
+  wires: boolean;
   _rows: TopicRow[];
   /** Names of the topics on show, with the titles of their widgets. */
   _shown: Record<string, string[]>;

@@ -35,6 +35,9 @@ const LOOK_MS = 250;
 /** Values that are asked for at most. */
 const MOST_VALUES = 100;
 
+/** What is asked for in place of a topic. */
+const WIRES = "the wires";
+
 const NO_ROW: TopicRow = { name: "", type: "", messages: null, rate: null, widget: "", problem: "" };
 
 /** What Python says: that it has done what was asked for, or what topics say at a time, or what a robot's say now. */
@@ -69,6 +72,7 @@ export class TopicsView {
   readonly #railText = make("span", "");
   readonly #facts = make("span", "rw-facts");
   readonly #when = make("span", "");
+  readonly #wires: HTMLButtonElement;
   readonly #search: HTMLButtonElement;
   readonly #filter = make("input", "rw-topics-filter");
   readonly #unit: HTMLButtonElement;
@@ -108,6 +112,7 @@ export class TopicsView {
     this.#rail.append(makeLine("M1.5 3h1M5 3h6M1.5 6h1M5 6h6M1.5 9h1M5 9h6"), this.#railText);
     this.#search = makeButton("rw-topics-search", "Filter by name and type (/)", () => this.#openFilter(), signal);
     this.#search.append(makeLine("M5 1.5a3.5 3.5 0 1 0 0 7a3.5 3.5 0 1 0 0-7M7.7 7.7L11 11"));
+    this.#wires = makeButton("rw-topics-wires", "", () => this.#send(WIRES, !this.#hasWires), signal, "Wires");
     const fold = makeButton("rw-topics-fold", "Fold the list away", () => this.#fold(true), signal);
     fold.append(makeLine("M6 2L2 6l4 4M10 2L6 6l4 4"));
     this.#unit = makeButton("rw-topics-unit", "", () => this.#toggleUnit(), signal);
@@ -123,7 +128,7 @@ export class TopicsView {
     mount(element, this.#root, signal);
     followTheme(this.#root, signal);
     keepKeys(this.#root, signal);
-    onChange(model, ["_rows", "_shown", "folded", "_fixed", "_error"], this.#redraw, signal);
+    onChange(model, ["_rows", "_shown", "folded", "wires", "_fixed", "_error"], this.#redraw, signal);
     onMessage(model, (message: Message) => this.#onMessage(message), signal);
     this.#look = throttle(() => this.#askForValues(), LOOK_MS, signal);
     const onBeat = (isSeen: boolean) => {
@@ -142,7 +147,7 @@ export class TopicsView {
     const panel = make("div", "rw-topics-panel");
     const header = make("div", "rw-header");
     const controls = make("span", "rw-controls");
-    controls.append(this.#search, fold);
+    controls.append(this.#wires, this.#search, fold);
     header.append(make("span", "rw-title", "Topics"), this.#facts, controls);
     this.#filter.type = "search";
     this.#filter.placeholder = "name or type";
@@ -176,6 +181,10 @@ export class TopicsView {
     return this.#pending.get(name) ?? name in this.#model.get("_shown");
   }
 
+  get #hasWires(): boolean {
+    return this.#pending.get(WIRES) ?? this.#model.get("wires");
+  }
+
   get #rows(): TopicRow[] {
     return this.#model.get("_rows");
   }
@@ -202,6 +211,9 @@ export class TopicsView {
     setText(this.#railText, `Topics ${shown} / ${rows.length}`);
     setLabel(this.#rail, `List all topics: ${shown} of ${rows.length} are shown`);
     setText(this.#facts, `${shown} of ${rows.length} shown`);
+    setHidden(this.#wires, !this.#canChange);
+    set(this.#wires, "ariaPressed", String(this.#hasWires));
+    setLabel(this.#wires, this.#hasWires ? "Show the wires no more" : "Show who publishes and takes each topic, below");
     setText(this.#unit, this.#showsCounts ? "count ▾" : "Hz ▾");
     setLabel(this.#unit, this.#showsCounts ? "Messages; to Hz" : "Messages per second; to their number");
     this.#drawRows(rows);
@@ -346,6 +358,7 @@ export class TopicsView {
     if (this.#row) this.#send(`${this.#row.name} as scan`, true);
   }
 
+  /** Asks Python to show a topic, or the wires, or to take it off. */
   #send(name: string, isOn: boolean): void {
     this.#pending.set(name, isOn);
     this.#model.send({ toggle: name, on: isOn });
@@ -405,7 +418,7 @@ export class TopicsView {
     const wanted = this.#pending.get(name);
     this.#pending.delete(name);
     this.#isBusy = false;
-    const isShown = name in this.#model.get("_shown");
+    const isShown = name === WIRES ? this.#model.get("wires") : name in this.#model.get("_shown");
     if (wanted === isShown) this.#live.textContent = `${name} ${isShown ? "shown" : "taken off"}`;
     this.#redraw();
   }

@@ -16,6 +16,7 @@ from robowidgets.behaviors import Drive
 from robowidgets.feeds import Advert, Feed, FeedError
 from robowidgets.feeds._feed_view import FeedView
 from robowidgets.samples import Pose
+from robowidgets.wires_widget import WiresWidget
 
 from .scripted import CMD_VEL, IMU, ODOM, SCAN, Scripted, scan, twist
 
@@ -133,6 +134,28 @@ def test_a_number_in_a_message_is_plotted_when_the_page_asks_for_it(opened: Open
     assert message["angular_velocity.z"] == 0.25
     message._handle_custom_msg({"plot": 3}, [])
     message._handle_custom_msg("plot", [])
+
+
+def test_the_list_of_topics_shows_the_wires_below_the_rest_which_open_messages_on_the_screen(opened: Opened) -> None:
+    feed, _ = opened(ODOM, SCAN)
+    view = feed.show("/scan")
+    view.topic_list._handle_custom_msg({"toggle": "the wires", "on": True}, [])
+    assert view.children[-1] is view.wires
+    assert isinstance(view.wires, WiresWidget)
+    assert [wire.name for wire in view.wires.wait().wires] == ["/odom", "/scan"]
+    for _ in range(2):  # again, too
+        view.wires._handle_custom_msg({"open": "/odom"}, [])
+        assert isinstance(view.widgets["/odom"], MessageWidget)
+        view.wires._handle_custom_msg({"open": "/odom"}, [])
+        assert list(view.widgets) == ["/scan"]
+    wires = view.wires
+    view.topic_list.wires = False
+    assert (view.wires, wires.comm) == (None, None)
+    assert on_page(view) == ["/scan"]
+    view.topic_list.wires = True
+    wires = view.wires
+    view.close()
+    assert wires.comm is None
 
 
 def test_a_program_and_its_machine_are_shown_from_the_first_on_and_the_machine_freezes_with_the_sensors(

@@ -18,7 +18,7 @@ import pytest
 from comm import get_comm_manager
 from traitlets import TraitError
 
-from robowidgets import LaserWidget, SpeedWidget, TouchState, TouchWidget
+from robowidgets import LaserWidget, MessageWidget, SpeedWidget, TouchState, TouchWidget
 from robowidgets._core import cells as _cells
 from robowidgets.player import _prefetcher, _touch_marks
 from robowidgets.player._overview import readings_per_second
@@ -75,6 +75,25 @@ def test_each_topic_gets_its_widget_and_a_command_the_bars_of_the_measured_speed
     ]  # fmt: skip
     about = f"{player.recording.path.name}: 0.00 of {player.duration:.2f} s, /scan, /odom, /cmd_vel, /bumper"
     assert repr(player) == f"<Player {about}>"
+
+
+def test_the_list_of_topics_shows_the_wires_below_the_rest_which_open_messages_at_the_time_on_show(
+    player: Player,
+) -> None:
+    assert player.topic_list is not None
+    player.topic_list._handle_custom_msg({"toggle": "the wires", "on": True}, [])
+    wires = player.wires
+    assert player.children[-1] is wires
+    assert wires is not None
+    before = player.arrangement
+    wires._handle_custom_msg({"open": "/odom"}, [])
+    assert player.arrangement == [*before, "/odom as message"]
+    assert getattr(widget(player, MessageWidget), "title", "") == "/odom"
+    wires._handle_custom_msg({"open": "/odom"}, [])
+    assert player.arrangement == before
+    player.topic_list.wires = False
+    assert (player.wires, wires.comm) == (None, None)
+    assert wires not in player.children
 
 
 def test_a_span_is_named_renamed_and_loses_its_name_on_the_page_which_hears_what_came_of_it(
