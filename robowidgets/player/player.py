@@ -357,7 +357,9 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
             added = [view.widget for view in self.views if view.choice.takes_messages]
             others = [widget for widget in widgets if widget not in added]
             wide = [widget for widget in others if widget.column == "wide"]
-            small = [widget for widget in others if widget.column != "wide"]
+            if not wide and not scanogram:  # nothing else needs the room
+                wide = [widget for widget in widgets if widget.column == "map"]
+            small, added = ([widget for widget in some if widget not in wide] for some in (others, added))
             screen.arrange([scanogram] if scanogram else [], wide, small, added)
             return [self._problems, self.bar, self.topic_list, screen]
         above = [self._problems, *([self.bar, *([scanogram] if scanogram else [])] if moves else [])]

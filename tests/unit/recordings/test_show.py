@@ -516,11 +516,17 @@ def test_the_bars_of_axes_that_no_speed_or_command_uses_are_left_out(path: Path,
     assert not is_planar(path, scanogram=False), "its speeds are not read before it is shown"
 
 
-def test_without_a_scanogram_the_wide_widgets_stand_left_and_the_small_ones_beside(path: Path) -> None:
-    for names, boxes in (((), ["rw-wides", "rw-smalls"]), (("/odom", "/bumper"), ["rw-smalls"])):
+def test_without_a_scanogram_the_wide_widgets_or_a_map_stand_left_and_the_small_ones_beside(path: Path) -> None:
+    boxes = {
+        (): {"rw-wides": ["LaserWidget"], "rw-smalls": ["SpeedWidget", "TouchWidget", "PathWidget"]},
+        ("/odom", "/bumper"): {"rw-wides": ["PathWidget"], "rw-smalls": ["SpeedWidget", "TouchWidget"]},
+        ("/bumper",): {"rw-smalls": ["TouchWidget"]},
+    }
+    for names, expected in boxes.items():
         with shown(path, *names, scanogram=False) as player:
             screen = player.children[-1]
-            assert [box._dom_classes for box in screen.children] == [(name,) for name in boxes]
+            found = {box._dom_classes[0]: [type(one).__name__ for one in box.children] for box in screen.children}
+            assert found == expected
 
 
 @pytest.mark.slow
