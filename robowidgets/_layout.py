@@ -62,7 +62,8 @@ class OneScreen(ipywidgets.Box):  # type: ignore[misc]  # ipywidgets has no type
     class ``rw-one-screen``.
 
     What was added since takes the room that is left: beside wide ones that stand alone, below the only wide one, the
-    rest of the low row, or a row below. Nothing that is there moves for it, as its box stays the same.
+    rest of the low row, or a row below; plots, maps and what else is wide have a row of their own. Nothing that is there
+    moves for it, as its box stays the same.
     """
 
     def __init__(self) -> None:
@@ -81,12 +82,12 @@ class OneScreen(ipywidgets.Box):  # type: ignore[misc]  # ipywidgets has no type
         added: Sequence[ipywidgets.Widget] = (),
     ) -> None:
         """Give widgets their places."""
+        rows = [widget for widget in added if widget.column in ("wide", "map")]
+        more = [widget for widget in added if widget not in rows]
         for widget in added:
             widget.add_class("rw-added")
-            if widget.column == "wide":
-                widget.add_class("rw-added-row")
-        rows = [widget for widget in added if widget.column == "wide"]
-        more = [widget for widget in added if widget.column != "wide"]
+        for widget in rows:
+            widget.add_class("rw-added-row")
         if not main:
             # Beside a laser alone is room for the picture of a camera.
             beside = rows[:1] if wide and not (small or more) else []

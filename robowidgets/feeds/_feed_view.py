@@ -280,7 +280,7 @@ class FeedView(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no type
         main = _on_page([self.program, self.machine])
         # A machine needs the room in which else the map stands.
         main, wide = (main, [*maps, *wide]) if self.machine in main else ([*maps, *main], wide)
-        added = [widget for widget in sensors if widget in self._added]
+        added = [widget for widget in sensors if widget in self._added and widget not in main]
         self._screen.arrange(
             main,
             [widget for widget in wide if widget not in added],

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sized
 from dataclasses import fields, is_dataclass
 from math import isfinite
 from numbers import Real
@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from ..samples import Scan, Speed, Touch
+from ..samples import Range, Scan, Speed, Touch
 
 MOST = 60
 """Characters of a line."""
@@ -40,6 +40,8 @@ def brief(value: Any) -> str:
     if isinstance(value, Speed):
         x, y, yaw = value.linear[0], value.linear[1], value.angular[2]
         return ", ".join([f"{number(x)} m/s", *([f"{number(y)} m/s left"] if y else []), f"{number(yaw)} rad/s"])
+    if isinstance(value, Range):
+        return f"{number(value.distance)} m"
     if isinstance(value, Touch):
         return ", ".join(name for name, touched in value.touched.items() if touched)[:MOST] or "nothing touched"
     if value is None or isinstance(value, (str, Real, np.generic)) or _is_array(value):
@@ -67,6 +69,16 @@ def _in_words(fields: Mapping[str, Any]) -> str:
     names = fields.keys()
     if {"height", "width", "encoding"} <= names:
         return f"{fields['width']}\N{MULTIPLICATION SIGN}{fields['height']} {fields['encoding']}"
+    if {"height", "width", "distortion_model"} <= names:
+        return f"{fields['width']}\N{MULTIPLICATION SIGN}{fields['height']}"
+    if {"info", "data"} <= names and {"width", "height", "resolution"} <= (info := dict(_items(fields["info"]))).keys():
+        return f"{info['width']}\N{MULTIPLICATION SIGN}{info['height']} cells"
+    if {"name", "position", "velocity", "effort"} == names - _SKIPPED and _is_array(fields["name"]):
+        return _counted(fields["name"], "joint")
+    if {"poses"} == names - _SKIPPED and _is_array(fields["poses"]):
+        return _counted(fields["poses"], "pose")
+    if {"level", "name", "msg"} <= names:
+        return _leaf(str(fields["msg"]))
     if {"height", "width", "point_step"} <= names:
         return f"{fields['width'] * fields['height']:,} points"
     if {"level", "message", "hardware_id"} <= names:
@@ -77,8 +89,12 @@ def _in_words(fields: Mapping[str, Any]) -> str:
             worst = max(those, key=_number_of)
             return f"{_level(worst)}: {worst.get('name', '')} {worst.get('message', '')}, of {len(those)}"
     if "transforms" in names and _is_array(fields["transforms"]):
-        return f"{len(fields['transforms']):,} frame{'' if len(fields['transforms']) == 1 else 's'}"
+        return _counted(fields["transforms"], "frame")
     return ""
+
+
+def _counted(values: Sized, noun: str) -> str:
+    return f"{len(values):,} {noun}{'' if len(values) == 1 else 's'}"
 
 
 def _number_of(status: Mapping[str, Any]) -> int:

@@ -131,6 +131,7 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
         earlier = take_the_place(self)
         self.recording = recording
         self.views: tuple[PlayerView, ...] = ()
+        self._silences: dict[WidgetChoice, Any] = {}
         asked = list(topics) if arrangement is None else [*topics, *checked_arrangement(arrangement)]
         _check(recording, asked)
         self.rerun = RerunWidget(recording, topics, layout={**_BESIDE, "flex": f"3 1 {_VIEWER}"}) if rerun else None
@@ -167,6 +168,7 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
         self.bar.on_msg(self._on_page)
         self.bar.observe(self._on_time, ["time", "playing", "speed", "loop", "selection"])
         if self.scanogram:
+            self.scanogram.time = self.bar.time  # what it says late is no time that a person chose
             self.bar.observe(partial(_select, self.scanogram), "selection")
             traitlets.link((self.bar, "marks"), (self.scanogram, "marks"))
         if self.rerun:
@@ -310,10 +312,16 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
         """The traits of the bar that go by what is on show, with the first segments from a time on."""
         return {
             "_targets": [view.widget.model_id for view in self.views],
-            "_pauses": [_pause(self.recording, view.choice) for view in self.views],
+            "_pauses": [self._pause(view.choice) for view in self.views],
             "_followers": followers(self.views, self.scanogram),
             "_first": [*self._first_segments(int(seconds // SEGMENT))],
         }
+
+    def _pause(self, choice: WidgetChoice) -> float:
+        """The seconds of silence after which what a widget shows is stale, for which some of the file is read once."""
+        if choice not in self._silences:
+            self._silences[choice] = _pause(self.recording, choice)
+        return self._silences[choice]
 
     def _make_prefetcher(self) -> Prefetcher:
         return Prefetcher(self._open_tracks, self._send_ahead, self.recording.duration, self._complain)

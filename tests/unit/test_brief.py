@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from robowidgets.messages.brief import MOST, brief, number
-from robowidgets.samples import Speed, Touch
+from robowidgets.samples import Range, Speed, Touch
 
 
 @dataclass
@@ -55,6 +55,16 @@ class Slotted:
         ({"joints": [{"name": "a"}]}, "[1]"),
         ({"height": 480, "width": 640, "encoding": "rgb8", "data": b""}, "640\N{MULTIPLICATION SIGN}480 rgb8"),
         ({"height": 1, "width": 12000, "point_step": 16, "data": b""}, "12,000 points"),
+        ({"height": 480, "width": 640, "distortion_model": "", "d": []}, "640\N{MULTIPLICATION SIGN}480"),
+        (
+            {"header": {}, "info": {"resolution": 0.05, "width": 302, "height": 205}, "data": b""},
+            "302\N{MULTIPLICATION SIGN}205 cells",
+        ),
+        ({"header": {}, "name": ["a", "b"], "position": [], "velocity": [], "effort": []}, "2 joints"),
+        ({"header": {}, "poses": [{}]}, "1 pose"),
+        ({"level": 30, "name": "scan", "msg": "12 rays were lost", "file": "x.cpp"}, '"12 rays were lost"'),
+        (Range(0.42, min_range=0.1, max_range=5.0), "0.42 m"),
+        (Range(float("nan"), min_range=0.1, max_range=5.0), "NaN m"),
         ({"transforms": [{}, {}]}, "2 frames"),
         (
             {"status": [{"level": 0, "name": "a", "message": ""}, {"level": b"\2", "name": "arm", "message": "hot"}]},

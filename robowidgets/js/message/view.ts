@@ -256,7 +256,9 @@ export class MessageView {
     setText(this.#told, this.#copied ? `copied ${this.#copied}` : told);
     set(this.#told, "title", this.#told.textContent);
     const index = (shown?.sequence ?? 1) - 1;
-    setText(this.#place, recorded ? `at ${toFixed(shown?.arrived ?? 0, 3)} s` : `message [${toCount(index)}]`);
+    const seconds = shown?.arrived ?? -1;
+    const at = seconds < 0 ? "" : `at ${toFixed(seconds, 3)} s`;
+    setText(this.#place, recorded ? at : `message [${toCount(index)}]`);
   }
 
   // -- rows ----------------------------------------------------------------------------------------------------------

@@ -5,7 +5,7 @@ import { isOverlay, type Shown } from "./draw_layers.ts";
 import type { Ground } from "./ground.ts";
 import { cellValue, distanceTo, ellipseOf, lengthOf, wordOf } from "./layers.ts";
 import { isKnown, type TimedPose } from "./path.ts";
-import { toHeading, toPlace } from "./text.ts";
+import { toPose } from "./text.ts";
 
 /** How old a layer is at the time of a frame; nothing where it is of that moment. */
 function ageOf(time: number, now: number): string {
@@ -41,7 +41,7 @@ export function factOf(shown: Shown, robot: Shown | undefined, ground: Ground, n
     parts.push(age);
   } else if (!isKnown(state)) parts.push("no place known");
   else if (shown.isRobot || about.kind === "goal")
-    parts.push(`${toPlace({ ...state, time: 0 })}, ${toHeading(state)}`, age);
+    parts.push(toPose({ ...state, time: 0 }), age);
   else {
     const way = before.at(-1)?.way ?? 0;
     parts.push(`${toMetres(way)} driven`);

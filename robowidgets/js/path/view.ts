@@ -23,7 +23,7 @@ import { Ground } from "./ground.ts";
 import { cellAt, type LayerAbout, type LayerState, robotOf, toTracks } from "./layers.ts";
 import { Panel, type Row } from "./panel.ts";
 import { boundsOf, isKnown, nearestOn, type Point, type PoseFrame, splitAt, type TimedPose, toPoints } from "./path.ts";
-import { describePoint, toHeading, toPlace } from "./text.ts";
+import { describePoint, toPose } from "./text.ts";
 import { type Measured, Tools } from "./tools.ts";
 import type { PathTraits, PlacedShape } from "./traits.ts";
 
@@ -427,6 +427,7 @@ export class PathView {
     if (isBeside && root.parentElement !== picture) picture.append(root);
     else if (!isBeside && root.previousElementSibling !== picture) picture.after(root);
     root.classList.toggle("rw-layers-beside", isBeside);
+    root.style.top = isBeside ? `${this.#card.noticeHeight}px` : "";
     this.#card.root.classList.toggle("rw-map", hasLayers);
     return this.#isBeside;
   }
@@ -504,7 +505,7 @@ export class PathView {
   #drawFooter(now: TimedPose | null, here: Point | undefined, robot: Shown | undefined): void {
     const isShown = now !== null && isKnown(now);
     const sure = robot ? sureness(robot) : "";
-    setText(this.#pose, isShown ? [`${toPlace(now)}, ${toHeading(now)}`, sure].filter(Boolean).join(" ") : "");
+    setText(this.#pose, isShown ? [toPose(now), sure].filter(Boolean).join(" ") : "");
     const time = now ? `${toFixed(now.time, 1)} s` : "";
     setText(this.#way, isShown && here ? `${toMetres(here.way)} driven \u00B7 ${time}` : "");
   }

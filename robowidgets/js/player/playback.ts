@@ -358,6 +358,11 @@ export class Playback {
     const onTime = () => {
       const time = follower.get("time");
       if (time === this.#time) return;
+      // A plot without a time, as after Escape: a player always has one.
+      if (time === null) {
+        follower.set_state({ time: this.#time });
+        return;
+      }
       const isSent = Boolean(follower._state_lock);
       // The kernel echoes a click to every page, late when it is busy; this page may have moved on since.
       if (isSent && time === clicked) {

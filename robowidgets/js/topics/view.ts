@@ -210,7 +210,8 @@ export class TopicsView {
     this.#root.toggleAttribute("data-fixed", !this.#canChange);
     setText(this.#railText, `Topics ${shown} / ${rows.length}`);
     setLabel(this.#rail, `List all topics: ${shown} of ${rows.length} are shown`);
-    setText(this.#facts, `${shown} of ${rows.length} shown`);
+    setText(this.#facts, `${shown} of ${rows.length}`);
+    set(this.#facts, "title", `${shown} of ${rows.length} are shown`);
     setHidden(this.#wires, !this.#canChange);
     set(this.#wires, "ariaPressed", String(this.#hasWires));
     setLabel(this.#wires, this.#hasWires ? "Show the wires no more" : "Show who publishes and takes each topic, below");
