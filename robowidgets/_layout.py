@@ -18,6 +18,18 @@ _COLUMNS = {"wide": "2 1 460px", "narrow": "1 1 340px", "map": "1 1 340px"}
 _WIDEST = "764px"
 
 
+_ROWS = ("wide", "map")
+"""Columns of which a widget that was added has a row of its own."""
+
+
+def added_classes(column: str) -> list[str]:
+    """The classes of a widget that is added to a screen.
+
+    It has them from the start: in the page, the view of a widget that is new misses what is said soon after.
+    """
+    return ["rw-added", *(["rw-added-row"] if column in _ROWS else [])]
+
+
 class Together(ipywidgets.Box):  # type: ignore[misc]  # ipywidgets has no types
     """Widgets side by side, in their columns."""
 
@@ -82,12 +94,8 @@ class OneScreen(ipywidgets.Box):  # type: ignore[misc]  # ipywidgets has no type
         added: Sequence[ipywidgets.Widget] = (),
     ) -> None:
         """Give widgets their places."""
-        rows = [widget for widget in added if widget.column in ("wide", "map")]
+        rows = [widget for widget in added if widget.column in _ROWS]
         more = [widget for widget in added if widget not in rows]
-        for widget in added:
-            widget.add_class("rw-added")
-        for widget in rows:
-            widget.add_class("rw-added-row")
         if not main:
             # Beside a laser alone is room for the picture of a camera.
             beside = rows[:1] if wide and not (small or more) else []

@@ -7,6 +7,7 @@ from itertools import takewhile
 from typing import Any, NamedTuple, Protocol
 
 from ._core.sample_widget import SampleWidget
+from ._layout import added_classes
 from .kinds import (
     ASKED,
     KINDS,
@@ -135,7 +136,8 @@ class WidgetChoice(NamedTuple):
         if self.second:
             return widget(title=self.titles[0])
         if isinstance(self.kind, Asked):
-            return widget(*self.fields, title=self.titles[0], **self.kind.options)
+            classes = added_classes(widget.column)  # type: ignore[attr-defined]  # of the class
+            return widget(*self.fields, title=self.titles[0], _dom_classes=classes, **self.kind.options)
         titles = {f"{role.take}_title": topic for role, topic in self.parts if role is not self.role}
         return widget(title=self.titles[0], **titles, **self.kind.options, **(self.role.alone or {}))
 

@@ -48,7 +48,7 @@ class NamedWidget(FrontEndWidget):
         self._named_after: dict[str, str] = {}
         settable = [*self._keywords, *filter(self._is_ours, self.trait_names())]
         for name in kwargs:
-            if name not in settable:
+            if name not in settable and name != "_dom_classes":  # those of views that place it
                 meant = self._hint("_meant", name)
                 raise TypeError(_unknown(f"{type(self).__name__}()", "keyword", name, settable, meant))
         super().__init__(**kwargs)

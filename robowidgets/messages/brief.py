@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sized
 from dataclasses import fields, is_dataclass
-from math import isfinite
+from math import isfinite, isnan
 from numbers import Real
 from typing import Any
 
@@ -39,7 +39,8 @@ def brief(value: Any) -> str:
         ) + f", {len(value):,} ray{'' if len(value) == 1 else 's'}"
     if isinstance(value, Speed):
         x, y, yaw = value.linear[0], value.linear[1], value.angular[2]
-        return ", ".join([f"{number(x)} m/s", *([f"{number(y)} m/s left"] if y else []), f"{number(yaw)} rad/s"])
+        said = [(x, "m/s"), (yaw, "rad/s")] if not y else [(x, "m/s"), (y, "m/s left"), (yaw, "rad/s")]
+        return ", ".join(f"{number(one)} {unit}" for one, unit in said if not isnan(one)) or "nothing measured"
     if isinstance(value, Range):
         return f"{number(value.distance)} m"
     if isinstance(value, Touch):

@@ -72,6 +72,7 @@ class Slotted:
         ),
         ({"level": 1, "name": "arm", "message": "warm", "hardware_id": ""}, "arm: WARN warm"),
         (Speed((0.2, 0.0, 0.0), (0.0, 0.0, -0.5)), "0.2 m/s, \N{MINUS SIGN}0.5 rad/s"),
+        (Speed((1.0, float("nan"), 0.0), (0.0, 0.0, float("nan"))), "1 m/s"),
         (Touch({"left": True, "right": False}), "left"),
         (Touch({"left": False}), "nothing touched"),
         (None, "None"),

@@ -126,3 +126,13 @@ def test_what_was_taken_off_is_shown_again_whether_it_was_asked_for_or_added_lat
     assert on_show.entries([], lambda _: True) == ["/scan"]
     on_show.toggle("/imu")
     assert on_show.entries([], lambda _: True) == ["/scan", "/imu"]
+
+
+def test_what_is_added_to_a_screen_has_its_classes_from_the_start() -> None:
+    topics = [
+        FeedTopic(name, of, None, commanded=False, offered=True, wanted=None)
+        for name, of in (("/imu", "sensor_msgs/msg/Imu"), ("/fix", "sensor_msgs/msg/NavSatFix"))
+    ]
+    made = {choice.topic: choice.make() for choice in choose_widgets(topics, ["/imu", "/fix"])}
+    assert made["/imu"]._dom_classes == ("rw-added",)
+    assert made["/fix"]._dom_classes == ("rw-added", "rw-added-row")

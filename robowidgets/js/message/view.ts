@@ -23,6 +23,8 @@ const MOST_RECENT = 1000;
 const COPIED_MS = 2000;
 /** Pixels from which on there is room for the package of a type. */
 const WIDE = 520;
+/** Pixels below which the buttons of a row have short names, as in its stylesheet. */
+const NARROW = 400;
 const WALK: Record<string, number> = { ArrowDown: 1, ArrowUp: -1, Home: -Infinity, End: Infinity };
 
 /** One view of a message widget: it wires the card, the tree or the table, the buttons of a row, and the keys. */
@@ -308,7 +310,7 @@ export class MessageView {
     const code = this.#codeOf(row.field);
     const isCopied = this.#copied === code;
     set(this.#copy, "ariaPressed", String(isCopied));
-    setText(this.#copy, isCopied ? "Copied" : "Copy path");
+    setText(this.#copy, isCopied ? "Copied" : this.#card.width < NARROW ? "Copy" : "Copy path");
     set(this.#copy, "title", `Copy ${code} (c)`);
     if (this.#actions.parentElement !== view.gap) view.gap.append(this.#actions);
   }

@@ -394,6 +394,8 @@ export class PlotView {
     const graph = count === 1 ? ONE_GRAPH : GRAPH;
     const wanted = over ? ONE_OVER_OTHER : count * graph + TIMES;
     picture.style.setProperty("--rw-plot-height", `${wanted + noticeHeight}px`);
+    const least = over ? ONE_OVER_OTHER / 2 : count * LEAST_GRAPH;
+    picture.style.setProperty("--rw-plot-least", `${least + TIMES + noticeHeight}px`);
     this.#graphs.style.top = `${noticeHeight}px`;
     const height = Math.max(LEAST_GRAPH * count, size.height - noticeHeight);
     const key = JSON.stringify([groups, theme.font]);

@@ -16,6 +16,8 @@ import { describe } from "./words.ts";
 
 const [LEAST_HEIGHT, MOST_HEIGHT, PADDING] = [150, 420, 12];
 const STEP = 1.3;
+/** Pixels by which a card becomes wider or narrower until its boxes are placed anew. */
+const ROWS_STEP = 40;
 const HINT = "point at a box to see its wires, click to keep it";
 const ARROWS: Record<string, [number, number]> = {
   ArrowRight: [1, 0],
@@ -124,7 +126,9 @@ export class WiresView {
   #place(): void {
     const { size, theme, picture, noticeHeight } = this.#card;
     const { items, links } = this.#graph;
-    const key = [theme.font, ...items.keys(), ...links.map((link) => link.join())].join("\n");
+    // Topics alone stand in rows, of which a narrow card has shorter ones.
+    const step = Math.round(size.width / ROWS_STEP);
+    const key = [theme.font, step, ...items.keys(), ...links.map((link) => link.join())].join("\n");
     const measure = (text: string) => {
       if (!this.#text) return 7 * text.length;
       this.#text.font = `600 12px ${theme.font}`;
