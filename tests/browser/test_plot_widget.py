@@ -155,7 +155,7 @@ def test_the_time_at_the_pointer_stands_beside_the_unit_and_a_place_off_the_line
     assert unit[1] + unit[2] + 4 <= time[1], (unit, time)
     nb.page.mouse.click(*x_of(card, -0.05))
     expect(value(card, 0)).to_have_text("1 m")
-    assert nb.python("plot.time") == "None"
+    assert nb.python("print(plot.time)") == "None\n"
     nb.page.mouse.click(*x_of(card, 1.05))
     expect(value(card, 0)).to_have_text("1 m")
     eventually(lambda: nb.python("print(plot.time)"), "4.0\n")

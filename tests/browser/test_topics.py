@@ -233,31 +233,3 @@ def test_the_list_of_a_robot_says_what_comes_now_and_how_often_until_it_is_folde
     nb.output(2).locator(".rw-topics-fold").click()
     heard = "print(*robot.connection.connected)"
     wait_for(lambda: nb.python(heard).strip() == "/scan", "it listens to nothing more")
-
-
-@pytest.mark.parametrize(("theme", "scale"), LOOKS)
-def test_a_button_of_the_list_shows_the_wires_below_the_rest_and_they_open_messages(
-    plain_page: Open, theme: str, scale: int
-) -> None:
-    opens = "from robowidgets import feeds; robot = feeds.simulator(wander=False)"
-    nb = plain_page([opens, "(view := robot.show('/scan', '/bumper'))"], theme=theme, scale=scale)
-    nb.resize(1264, 720)
-    shown = nb.output(1)
-    expect(shown.locator(".rw-laser .rw-title")).to_have_text("/scan")
-    shown.locator(".rw-topics-rail").click()
-    button, wires = shown.get_by_role("button", name="Show who publishes"), shown.locator(".rw-wires")
-    button.click()
-    odom = wires.locator(".rw-wire-box").filter(has=nb.page.get_by_text("/odom", exact=True))
-    expect(odom).to_be_visible()
-    above, below = shown.locator(".rw-screen").bounding_box(), wires.bounding_box()
-    assert above is not None
-    assert below is not None
-    assert above["y"] + above["height"] <= below["y"]
-    shoot(shown, f"topics-wires-{theme}")
-    odom.click()
-    wires.locator(".rw-wires-act").click()
-    expect(shown.locator(".rw-screen .rw-message .rw-title")).to_have_text("/odom")
-    shoot(shown, f"topics-wires-message-{theme}")
-    shown.get_by_role("button", name="Show the wires no more").click()
-    expect(wires).to_have_count(0)
-    expect(shown.locator(".rw-screen .rw-message .rw-title")).to_have_text("/odom")

@@ -208,6 +208,34 @@ def test_names_and_messages_are_text_and_topics_alone_stand_in_rows(plain_page: 
     shoot(widget, "wires-alone")
 
 
+@pytest.mark.parametrize(("theme", "scale"), LOOKS)
+def test_a_button_of_the_list_shows_the_wires_below_the_rest_and_they_open_messages(
+    plain_page: Callable[..., PlainPage], theme: str, scale: int
+) -> None:
+    opens = "from robowidgets import feeds; robot = feeds.simulator(wander=False)"
+    nb = plain_page([opens, "(view := robot.show('/scan', '/bumper'))"], theme=theme, scale=scale)
+    nb.resize(1264, 720)
+    shown = nb.output(1)
+    expect(shown.locator(".rw-laser .rw-title")).to_have_text("/scan")
+    shown.locator(".rw-topics-rail").click()
+    button, wires = shown.get_by_role("button", name="Show who publishes"), shown.locator(".rw-wires")
+    button.click()
+    odom = box(wires, "/odom")
+    expect(odom).to_be_visible()
+    above, below = shown.locator(".rw-screen").bounding_box(), wires.bounding_box()
+    assert above is not None
+    assert below is not None
+    assert above["y"] + above["height"] <= below["y"]
+    shoot(shown, f"topics-wires-{theme}")
+    odom.click()
+    wires.locator(".rw-wires-act").click()
+    expect(shown.locator(".rw-screen .rw-message .rw-title")).to_have_text("/odom")
+    shoot(shown, f"topics-wires-message-{theme}")
+    shown.get_by_role("button", name="Show the wires no more").click()
+    expect(wires).to_have_count(0)
+    expect(shown.locator(".rw-screen .rw-message .rw-title")).to_have_text("/odom")
+
+
 def test_in_jupyterlab_the_messages_of_a_picked_topic_open_below_and_follow(notebook: Callable[..., Notebook]) -> None:
     nb = notebook([OPEN.rsplit("wires\n", 1)[0] + "view"], width=1280)
     wires, message = nb.page.locator(".rw-wires"), nb.page.locator(".rw-message")

@@ -40,8 +40,7 @@ export function factOf(shown: Shown, robot: Shown | undefined, ground: Ground, n
     if (step > 1) parts.push(`drawn: the greatest of ${step} \u00D7 ${step}`);
     parts.push(age);
   } else if (!isKnown(state)) parts.push("no place known");
-  else if (shown.isRobot || about.kind === "goal")
-    parts.push(toPose({ ...state, time: 0 }), age);
+  else if (shown.isRobot || about.kind === "goal") parts.push(toPose({ ...state, time: 0 }), age);
   else {
     const way = before.at(-1)?.way ?? 0;
     parts.push(`${toMetres(way)} driven`);
