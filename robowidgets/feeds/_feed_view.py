@@ -199,12 +199,11 @@ class FeedView(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no type
     def _on_wires(self, change: Any) -> None:
         """Show the wires below the rest, or show them no longer: a person wants it."""
         before, self.wires = self.wires, None
-        rest = [child for child in self.children if child is not before]
         if change["new"]:
             self.wires = WiresWidget(FeedWires(self._connection))
             self.wires.on_open(self._toggle_messages)
-            rest.append(self.wires)
-        self.children = rest
+        below = [] if self.wires is None else [self.wires]
+        self.children = [self._stop, self._status, self.topic_list, self._screen, *below]
         if before is not None:
             before.close()
 

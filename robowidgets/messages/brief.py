@@ -39,8 +39,8 @@ def brief(value: Any) -> str:
         ) + f", {len(value):,} ray{'' if len(value) == 1 else 's'}"
     if isinstance(value, Speed):
         x, y, yaw = value.linear[0], value.linear[1], value.angular[2]
-        said = [(x, "m/s"), (yaw, "rad/s")] if not y else [(x, "m/s"), (y, "m/s left"), (yaw, "rad/s")]
-        return ", ".join(f"{number(one)} {unit}" for one, unit in said if not isnan(one)) or "nothing measured"
+        axes = {"m/s": x, **({"m/s left": y} if y else {}), "rad/s": yaw}
+        return ", ".join(f"{number(one)} {unit}" for unit, one in axes.items() if not isnan(one)) or "nothing measured"
     if isinstance(value, Range):
         return f"{number(value.distance)} m"
     if isinstance(value, Touch):

@@ -131,7 +131,7 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
         earlier = take_the_place(self)
         self.recording = recording
         self.views: tuple[PlayerView, ...] = ()
-        self._silences: dict[WidgetChoice, Any] = {}
+        self._silences: dict[WidgetChoice, float] = {}
         asked = list(topics) if arrangement is None else [*topics, *checked_arrangement(arrangement)]
         _check(recording, asked)
         self.rerun = RerunWidget(recording, topics, layout={**_BESIDE, "flex": f"3 1 {_VIEWER}"}) if rerun else None
