@@ -74,8 +74,8 @@ class OneScreen(ipywidgets.Box):  # type: ignore[misc]  # ipywidgets has no type
     class ``rw-one-screen``.
 
     What was added since takes the room that is left: beside wide ones that stand alone, below the only wide one, the
-    rest of the low row, or a row below; plots, maps and what else is wide have a row of their own. Nothing that is there
-    moves for it, as its box stays the same.
+    rest of the low row, or a row below; plots, maps and what else is wide have a row of their own. Nothing that is
+    there moves for it, as its box stays the same.
     """
 
     def __init__(self) -> None:
