@@ -1,9 +1,10 @@
 """Builds JupyterLite with robowidgets as a folder that any web server serves: `lite_site.py OUT [NAME=FOLDER...]`.
 
-Notebooks: those of the package, with the lessons in all languages, and those in each FOLDER, below NAME. It asks no
-registry: the packages lie in .venv-site, as scripts/lite.sh fetches them. NumPy for the browser is in no registry.
-ROBOWIDGETS_PYODIDE_NUMPY names the file of Pyodide's distribution, or is `pyodide`, which fetches it from there; its
-hash is that of Pyodide's lock. Without it JupyterLite is built, but its notebooks end at the first import.
+Notebooks: those of the package, with the lessons in all languages, the study, and those in each FOLDER, below NAME,
+with the modules beside them. It asks no registry: the packages lie in .venv-site, as scripts/lite.sh fetches them.
+NumPy for the browser is in no registry. ROBOWIDGETS_PYODIDE_NUMPY names the file of Pyodide's distribution, or is
+`pyodide`, which fetches it from there; its hash is that of Pyodide's lock. Without it JupyterLite is built, but its
+notebooks end at the first import.
 """
 
 from __future__ import annotations
@@ -27,16 +28,20 @@ from urllib.request import urlopen
 from packaging.requirements import Requirement
 from packaging.utils import canonicalize_name
 
+from robowidgets._core.in_browser import NO_SWITCHING
+
 ROOT = Path(__file__).resolve().parents[1]
 VENV = ROOT / ".venv-site"
 MODULES = ROOT / "tests" / "browser" / "node_modules"
 PYODIDE = MODULES / "pyodide"
 VERSION = json.loads((PYODIDE / "package.json").read_text(encoding="utf-8"))["version"]
-CORE = ("pyodide.js", "pyodide.mjs", "pyodide.asm.js", "pyodide.asm.wasm", "python_stdlib.zip")
+KERNELS = ("pyodide.js", "pyodide.asm.js", "pyodide.asm.wasm", "python_stdlib.zip")
+CORE = (*KERNELS, "pyodide.mjs")
 KERNEL = VENV / "share" / "jupyter" / "labextensions" / "@jupyterlite" / "pyodide-kernel-extension" / "static" / "pypi"
 DISTRIBUTION = "https://cdn.jsdelivr.net/pyodide/v{version}/full/{file}"
 APPS = ("notebooks", "lab")
 SHIPPED = ROOT / "notebooks"
+STUDIES = ROOT / "studies"
 
 IN_LITE = ROOT / "scripts" / "in_lite"
 FZSTD = MODULES / "fzstd"
@@ -64,6 +69,11 @@ LEFT_OUT = frozenset({"apsw", "zstandard", "jupyterlab-widgets", "pexpect", "jed
 PRELOADED = ("micropip", "piplite", "sqlite3", "ipykernel", "comm", "pyodide_kernel", "jedi", "ipython", "robowidgets")
 """With the underscore of `pyodide_kernel`: the kernel compares these names with those that it would fetch from PyPI."""
 
+NO_FILES = (
+    "Python reaches no file beside this notebook, and what it writes is not kept: this browser gives the page no "
+    "service worker, as in a private window, or where the address begins with http:// and is not that of localhost."
+)
+
 BROWSER = {"sys_platform": "emscripten", "platform_system": "Emscripten", "python_version": "3.13", "extra": ""}
 
 
@@ -83,15 +93,18 @@ def main() -> None:
             for notebook in SHIPPED.glob("*.ipynb"):
                 written = SHIPPED / folder / notebook.name  # in that language, as far as it is
                 copy_notebook(written if written.exists() else notebook, files / folder / notebook.name)
-        for one in asked.folders:
+        for one in (f"{STUDIES.name}={STUDIES}", *asked.folders):
             name, _, source = one.partition("=")
             for notebook in Path(source).glob("*.ipynb"):
                 copy_notebook(notebook, files / name / notebook.name)
+            for module in Path(source).glob("*.py"):
+                shutil.copy(module, files / name)
         subprocess.run(
             [VENV / "bin" / "jupyter", "lite", "build", "--lite-dir", lite, "--output-dir", lite / "out",
              "--no-sourcemaps", *(word for app in APPS for word in ("--apps", app)), "--no-unused-shared-packages"],
             cwd=lite, check=True, env=os.environ | {"PATH": f"{VENV / 'bin'}:{os.environ['PATH']}"},
         )  # fmt: skip
+        add_start(lite / "out")
         shutil.rmtree(asked.out, ignore_errors=True)
         shutil.copytree(lite / "out", asked.out)
     check(asked.out / "static" / "pyodide")
@@ -193,11 +206,18 @@ def numpy_of(lock: dict[str, Any]) -> bytes:
             f"ROBOWIDGETS_PYODIDE_NUMPY={entry['file_name']} or =pyodide adds it."
         )
         return b""
-    if given == "pyodide":
-        with urlopen(DISTRIBUTION.format(version=VERSION, file=entry["file_name"]), timeout=60) as came:
-            numpy = bytes(came.read())
-    else:
-        numpy = Path(given).read_bytes()
+    url = DISTRIBUTION.format(version=VERSION, file=entry["file_name"])
+    try:
+        if given == "pyodide":
+            with urlopen(url, timeout=60) as came:
+                numpy = bytes(came.read())
+        else:
+            numpy = Path(given).read_bytes()
+    except OSError as error:
+        raise SystemExit(
+            f"ROBOWIDGETS_PYODIDE_NUMPY={given}: {error}. Name the file of {url}, or leave it out for a site "
+            "without NumPy"
+        ) from None
     found = hashlib.sha256(numpy).hexdigest()
     if found != entry["sha256"]:
         raise SystemExit(
@@ -223,6 +243,27 @@ def write_settings(lite: Path) -> None:
         },
     }
     (lite / "jupyter-lite.json").write_text(json.dumps(settings, indent=1), encoding="utf-8")
+
+
+def add_start(out: Path) -> None:
+    """Have each page of JupyterLite begin with how much of Python is loaded, and with what its browser cannot do."""
+    pyodide = out / "static" / "pyodide"
+    packages = json.loads((pyodide / "pyodide-lock.json").read_text(encoding="utf-8"))["packages"]
+    wanted, names = list(map(canonicalize_name, PRELOADED)), set[str]()
+    while wanted:
+        names.add(name := wanted.pop())
+        wanted += [need for need in packages[name]["depends"] if need not in names]
+    files = [*KERNELS, "pyodide-lock.json", *sorted(packages[name]["file_name"] for name in names)]
+    sizes = {f"static/pyodide/{file}": (pyodide / file).stat().st_size for file in files}
+    start = {"sizes": sizes, "words": {"noSwitching": f"{NO_SWITCHING}.", "noFiles": NO_FILES}}
+    (out / "start.json").write_text(json.dumps(start, indent=1), encoding="utf-8")
+    shutil.copy(IN_LITE / "start.js", out)
+    for app in APPS:
+        page, begin = out / app / "index.html", "await import("
+        text = page.read_text(encoding="utf-8")
+        if text.count(begin) != 1:
+            raise SystemExit(f"{app}/index.html: expected to begin by one {begin!r}, got {text.count(begin)}")
+        page.write_text(text.replace(begin, f"await import('../start.js');\n        {begin}"), encoding="utf-8")
 
 
 _CHECK = """

@@ -104,6 +104,12 @@ def test_forms_sets_and_their_order_are_balanced_over_four_participants(tmp_path
     assert len(Counter(firsts)) == 4
 
 
+def test_no_answer_of_either_set_is_the_first_index_or_nothing() -> None:
+    for which in "AB":
+        for task in study.tasks_of(which)[:3]:
+            assert {task.wrong(text) for text in ("-1", "0", "0,0")} == {"Not yet."}
+
+
 def test_a_file_is_continued_after_its_last_step_and_a_damaged_one_is_told(tmp_path: Path) -> None:
     seconds, like = {study.WITH: 10.0, study.WITHOUT: 20.0}, {study.WITH: 5, study.WITHOUT: 2}
     first = Participant(7, tmp_path)

@@ -1,4 +1,4 @@
-"""The system's Firefox, headless, by its own protocol (Marionette): enough to open a file and ask for what it shows."""
+"""The system's Firefox, headless, by its own protocol (Marionette): enough to open, click, and ask what it shows."""
 
 from __future__ import annotations
 
@@ -8,15 +8,16 @@ import shutil
 import socket
 import subprocess
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 NAMES = ("firefox-esr", "firefox")
-SECONDS = 60
+SECONDS = 240
+"""For which it may stay silent: a page may begin with JupyterLite, on a machine with much else to do."""
 _PREFERENCES: dict[str, Any] = {
-    # Without a network: all goes to a proxy that is not there.
+    # Without a network: all but what this machine serves goes to a proxy that is not there.
     "network.proxy.type": 1,
     "network.proxy.http": "127.0.0.1",
     "network.proxy.http_port": 9,
@@ -41,9 +42,14 @@ class Firefox:
         self._read()
         self._ask("WebDriver:NewSession")
 
-    def open(self, file: Path) -> None:
-        """Go to a file, and wait until it is loaded."""
-        self._ask("WebDriver:Navigate", url=file.as_uri())
+    def open(self, address: Path | str) -> None:
+        """Go to a file or to what this machine serves, and wait until it is loaded."""
+        self._ask("WebDriver:Navigate", url=address.as_uri() if isinstance(address, Path) else address)
+
+    def click(self, selector: str) -> None:
+        """Click the first element of a selector."""
+        found = self._ask("WebDriver:FindElement", using="css selector", value=selector)["value"]
+        self._ask("WebDriver:ElementClick", id=next(iter(found.values())))
 
     def run(self, script: str) -> Any:
         """What a script returns, run in the page."""
@@ -85,15 +91,16 @@ class Firefox:
 
 
 @contextmanager
-def running(folder: Path) -> Iterator[Firefox]:
-    """A Firefox with a new profile in a folder."""
+def running(folder: Path, preferences: Mapping[str, Any] | None = None) -> Iterator[Firefox]:
+    """A Firefox with a new profile in a folder, and with preferences as about:config has them."""
     path = found()
     assert path
     with socket.socket() as free:
         free.bind(("127.0.0.1", 0))
         port = free.getsockname()[1]
-    preferences = _PREFERENCES | {"marionette.port": port}
-    lines = [f"user_pref({json.dumps(name)}, {json.dumps(value)});" for name, value in preferences.items()]
+    all_of_them = {**_PREFERENCES, **(preferences or {}), "marionette.port": port}
+    lines = [f"user_pref({json.dumps(name)}, {json.dumps(value)});" for name, value in all_of_them.items()]
+    folder.mkdir(exist_ok=True)
     (folder / "user.js").write_text("\n".join(lines), encoding="utf-8")
     command = [
         path,

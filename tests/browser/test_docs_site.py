@@ -21,6 +21,7 @@ from .chromium import shoot
 from .console import Console
 
 pytest.importorskip("zensical", reason="the generator of the site is not installed: pip install --group site")
+pytestmark = pytest.mark.xdist_group("docs")  # the site is built once for all
 
 FIRST_VIEW = 1_000_000
 """Bytes, as a web server sends them that compresses."""

@@ -10,12 +10,14 @@ import functools
 import gzip
 import hashlib
 import http.server
+import importlib
 import json
 import os
 import re
 import subprocess
 import sys
 import threading
+from collections import Counter
 from collections.abc import Iterator
 from http import HTTPStatus
 from pathlib import Path
@@ -31,16 +33,18 @@ from rosbags.rosbag1 import Reader as BagReader
 from rosbags.rosbag2.storage_mcap import McapReader
 
 from robowidgets import SAMPLE
+from robowidgets._core.in_browser import NO_SWITCHING
 from robowidgets.messages.compression import inflate, zstd
 
 from .. import stack_cases
 from ..conftest import ROOT
 from ..unit.recordings import written
+from . import firefox
 from .console import Console
 from .notebook import notebook_of
 
 PYODIDE = Path(__file__).with_name("node_modules") / "pyodide"
-pytestmark = pytest.mark.timeout(600)  # JupyterLite is built, and starts Python
+pytestmark = [pytest.mark.timeout(600), pytest.mark.xdist_group("lite")]  # JupyterLite is built, once for all
 NUMPY = os.environ.get("ROBOWIDGETS_PYODIDE_NUMPY", "")
 needs_numpy = pytest.mark.skipif(not NUMPY, reason="ROBOWIDGETS_PYODIDE_NUMPY names no NumPy for the browser")
 LESSONS = ("from_picture_to_code", "from_code_to_behavior", "from_behavior_to_robot")
@@ -59,6 +63,15 @@ sys.path.insert(0, "/home/pyodide")
 sys.modules["robowidgets"] = ModuleType("robowidgets")  # without what imports NumPy
 sys.modules["robowidgets"].__path__ = ["/home/pyodide/robowidgets"]
 """
+
+NOTE_LOADING = """
+window.loading = [];
+new MutationObserver(() => {
+  const bar = document.querySelector(".rw-loading progress");
+  if (bar) window.loading.push([bar.value, bar.max, bar.parentElement.querySelector("p").textContent]);
+}).observe(document, { subtree: true, childList: true, attributes: true });
+"""
+"""Keeps what the bar says while a page loads."""
 
 KINDS = '''
 import asyncio, anywidget, traitlets
@@ -120,6 +133,8 @@ SHOWN = {
     "frame": [0, 1, 2, 255], "later": True,
 }  # fmt: skip
 
+CAME = "came None {'none': None, 'list': [None, 1], 'number': 2.5, 'text': 'b', 'yes': False} [{'custom': None}]"
+
 WAITS = """
 import threading, time
 from types import ModuleType
@@ -176,6 +191,16 @@ for name, data in PACKED.items():
 print("read all", "sqlite3" in sys.modules)
 """
 FILES = (".bag", ".mcap")
+
+BESIDE = """
+from pathlib import Path
+from beside import SAID  # as the study imports study.py
+
+kept = Path("kept.csv")  # as it writes P07.csv
+before = kept.read_text() if kept.exists() else "nothing"
+kept.write_text("of before")
+print(SAID, "kept", before)
+"""
 
 
 def packed(folder: Path) -> dict[str, bytes]:
@@ -264,17 +289,44 @@ def nearest_on_the_left(scan):
 
 print(lessons.check(nearest_on_the_left))
 """
+STUDY = """
+import sys
+
+sys.path.append("../studies")
+from compare import compare
+from study import SUS, TLX, WITH, Study
+
+for number in (1, 2):
+    study, boxes = Study(number), []
+    boxes.append(study.show())
+    study.agree()
+    while study.step:
+        kind, _, form, _, task = study.step
+        if kind == "task":
+            assert task.is_code or study.answer("-1") == "Not yet."
+            if task.is_code and number == 1:
+                name = task.given[4 : task.given.index("(")]
+                part = "'left'" if "left" in name else "('-20deg', '20deg')"
+                assert study.answer(f"def {name}(scan):\\n    return scan.distance({part})") == ""
+            else:
+                study.give_up()
+        else:
+            rating = 4 if form == WITH else 2
+            study.rate(dict.fromkeys(TLX if kind == "tlx" else map(str, range(1, len(SUS) + 1)), rating))
+found = compare(".")
+print(found.participants, found.measures[1].values.tolist(), found.problems)
+"""
 
 
 class Server:
     """Serves a folder of files, as any web server does, at an address that stays.
 
     Attributes:
-        sent: the files that were sent.
+        sent: the files that were sent, and how often.
     """
 
     def __init__(self, folder: Path) -> None:
-        self.folder, self.sent, self._port = folder, set[Path](), 0
+        self.folder, self.sent, self._port = folder, Counter[Path](), 0
         self.start()
 
     @property
@@ -287,7 +339,7 @@ class Server:
         class Files(http.server.SimpleHTTPRequestHandler):
             def log_request(self, code: Any = "-", _: Any = "-") -> None:
                 if code == HTTPStatus.OK:
-                    sent.add(Path(self.translate_path(self.path)))
+                    sent[Path(self.translate_path(self.path))] += 1
 
             def log_message(self, *_: Any) -> None:
                 pass
@@ -347,6 +399,11 @@ class Site(NamedTuple):
     server: Server
     packed: dict[str, bytes]
 
+    def said(self) -> list[str]:
+        """What the cell that unpacks prints."""
+        with TemporaryDirectory() as folder:
+            return [said(name, data, Path(folder)) for name, data in self.packed.items()]
+
 
 @pytest.fixture(scope="module")
 def site(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Site]:
@@ -356,9 +413,10 @@ def site(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Site]:
     notebooks.mkdir()
     data = packed(tmp_path_factory.mktemp("packed"))
     (notebooks / "kinds.ipynb").write_text(
-        notebook_of([KINDS, "print('came', kinds.hovered, kinds.answer, custom)", WAITS, reading_cell(data)])
+        notebook_of([KINDS, "print('came', kinds.hovered, kinds.answer, custom)", WAITS, reading_cell(data), BESIDE])
     )
-    (notebooks / "lesson.ipynb").write_text(notebook_of([LESSON, PROGRAM, EDIT, CHECK]))
+    (notebooks / "beside.py").write_text("SAID = 'from beside'")
+    (notebooks / "lesson.ipynb").write_text(notebook_of([LESSON, PROGRAM, EDIT, CHECK, STUDY]))
     subprocess.run([ROOT / "scripts" / "lite.sh"], cwd=ROOT, check=True)
     subprocess.run([sys.executable, ROOT / "scripts" / "lite_site.py", out, f"tests={notebooks}"], cwd=ROOT, check=True)
     server = Server(out)
@@ -367,13 +425,24 @@ def site(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Site]:
 
 
 class Lite:
-    """A notebook in JupyterLite."""
+    """A notebook in JupyterLite.
+
+    Attributes:
+        loading: what the bar said while it loaded: value, most, and text.
+    """
 
     def __init__(self, browser: Browser, url: str, notebook: str) -> None:
         self.page: Page = browser.new_page(viewport={"width": 1200, "height": 1300})
+        self.page.add_init_script(NOTE_LOADING)
         self.console = Console(self.page)
-        self.page.goto(f"{url}/notebooks/index.html?path={notebook}")
+        self._address = f"{url}/notebooks/index.html?path={notebook}"
+        self.open()
+
+    def open(self) -> None:
+        """Open the notebook, anew after the first time: with another kernel."""
+        self.page.goto(self._address)
         self.page.locator(".jp-CodeCell").first.wait_for(timeout=BOOT_MS)
+        self.loading = self.page.evaluate("loading")
 
     def run(self, index: int, awaited: str) -> None:
         """Run a cell until it shows a text."""
@@ -393,28 +462,77 @@ class Lite:
         return self.page.locator(".jp-CodeCell").nth(index).locator(".jp-OutputArea")
 
 
-def test_python_and_the_page_mean_the_same_by_each_kind_of_value_and_a_cell_that_computes_gives_way(
-    browser: Browser, site: Site
-) -> None:
+@pytest.fixture(scope="module")
+def kinds(browser: Browser, site: Site) -> Iterator[Lite]:
+    """The notebook of what needs no NumPy, opened once."""
     nb = Lite(browser, site.server.url, "tests/kinds.ipynb")
-    nb.run(0, "answer")
-    assert json.loads(nb.output(0).locator(".kinds").inner_text()) == SHOWN
-    nb.page.get_by_role("button", name="answer", exact=True).click()
-    expect(nb.output(0).locator(".said")).to_have_text('{"back":[null]}', timeout=BOOT_MS)
-    nb.run(
-        1, "came None {'none': None, 'list': [None, 1], 'number': 2.5, 'text': 'b', 'yes': False} [{'custom': None}]"
-    )
+    yield nb
+    nb.page.close()
+
+
+def test_python_and_the_page_mean_the_same_by_each_kind_of_value_and_a_cell_that_computes_gives_way(
+    kinds: Lite, site: Site
+) -> None:
+    kinds.run(0, "answer")
+    assert json.loads(kinds.output(0).locator(".kinds").inner_text()) == SHOWN
+    kinds.page.get_by_role("button", name="answer", exact=True).click()
+    expect(kinds.output(0).locator(".said")).to_have_text('{"back":[null]}', timeout=BOOT_MS)
+    kinds.run(1, CAME)
+    kinds.run(2, "ticks 40")
+    kinds.run(3, "read all False")
+    assert kinds.output(3).inner_text().splitlines()[:-1] == site.said()
+    assert kinds.console.errors == []
+
+
+def test_the_bar_of_the_first_view_counts_what_the_kernel_loads_then_and_no_more(kinds: Lite, site: Site) -> None:
+    kinds.run(2, "ticks 40")
+    values, mosts, texts = zip(*kinds.loading, strict=True)
+    assert values == tuple(sorted(values))
+    assert (values[0], set(mosts)) == (0, {values[-1]})
+    assert re.fullmatch(r"Loading Python: ([\d.]+) of \1 MB", texts[-1])
+    sent = [file for file in site.server.sent if file.parent.name == "pyodide"]
+    assert sum(file.stat().st_size for file in sent) == values[-1]
+    # A private window keeps no file as large as that of Python itself; any other has each from its cache.
+    assert {file.name for file in sent if site.server.sent[file] > 1} <= {"pyodide.asm.wasm"}
     # Compressed, where that makes a file smaller, as web servers do.
     first_view = sum(len(gzip.compress(file.read_bytes())) for file in site.server.sent)
     assert first_view + (0 if NUMPY else NUMPY_SIZE) < FIRST_VIEW
 
-    nb.run(2, "ticks 40")
-    nb.run(3, "read all False")
-    said_there = nb.output(3).inner_text().splitlines()
-    with TemporaryDirectory() as folder:
-        assert said_there[:-1] == [said(name, data, Path(folder)) for name, data in site.packed.items()]
-    assert nb.console.errors == []
-    nb.page.close()
+
+def test_a_notebook_has_the_modules_beside_it_and_on_the_next_visit_what_it_wrote(kinds: Lite) -> None:
+    kinds.run(4, "from beside kept nothing")
+    kinds.open()
+    kinds.run(4, "from beside kept of before")
+    assert kinds.console.errors == []
+
+
+@pytest.mark.skipif(firefox.found() is None, reason="Firefox is not installed: apt-get install firefox-esr")
+def test_firefox_runs_what_chromium_does_and_one_that_cannot_pause_python_says_so(site: Site, tmp_path: Path) -> None:
+    address = f"{site.server.url}/notebooks/index.html?path=tests/kinds.ipynb"
+    said = "return document.querySelector('.rw-cannot p')?.textContent"
+    with firefox.running(tmp_path / "old", {"javascript.options.wasm_js_promise_integration": False}) as browser:
+        browser.open(address)
+        assert browser.wait(said) == f"{NO_SWITCHING}."
+        browser.click(".rw-cannot button")
+        browser.wait("return !document.querySelector('.rw-cannot')")
+    with firefox.running(tmp_path / "new") as browser:
+        browser.open(address)
+        browser.wait("return document.querySelector('.jp-CodeCell')")
+
+        def shown(index: int, awaited: str) -> str:
+            """Run the next cell until it shows a text."""
+            browser.click('[data-command="notebook:run-cell-and-select-next"]')
+            output = f"document.querySelectorAll('.jp-CodeCell')[{index}].querySelector('.jp-OutputArea').innerText"
+            return str(browser.wait(f"return {output}.includes({json.dumps(awaited)}) && {output}"))
+
+        assert json.loads(shown(0, "answer").splitlines()[0]) == SHOWN
+        browser.run("[...document.querySelectorAll('button')].find((one) => one.textContent === 'answer').click()")
+        browser.wait("return document.querySelector('.said')?.textContent === '{\"back\":[null]}'")
+        shown(1, CAME)
+        shown(2, "ticks 40")
+        assert shown(3, "read all False").splitlines()[:-1] == site.said()
+        shown(4, "from beside kept nothing")
+        assert browser.run(said) is None
 
 
 def test_the_lock_names_each_file_by_its_hash_and_all_that_each_needs(site: Site) -> None:
@@ -429,36 +547,41 @@ def test_the_lock_names_each_file_by_its_hash_and_all_that_each_needs(site: Site
 def test_every_link_of_a_notebook_leads_to_one_beside_it(site: Site) -> None:
     files = site.server.folder / "files"
     notebooks = [file for file in files.rglob("*.ipynb") if file.parent.name != "tests"]
-    assert {"tour.ipynb", "de/from_picture_to_code.ipynb"} <= {str(file.relative_to(files)) for file in notebooks}
+    there = {"tour.ipynb", "de/from_picture_to_code.ipynb", "studies/take_part.ipynb", "studies/compare.ipynb"}
+    assert there <= {str(file.relative_to(files)) for file in notebooks}
+    assert {"study.py", "compare.py"} <= {file.name for file in (files / "studies").iterdir()}
     links = [(file, link) for file in notebooks for link in re.findall(r"\]\(([^):]+)\)", file.read_text("utf-8"))]
     assert len(links) > 20
     assert [(file, link) for file, link in links if not (file.parent / link).exists()] == []
 
 
-def test_another_file_than_that_of_pyodide_is_no_numpy(tmp_path: Path) -> None:
-    other = tmp_path / "numpy.whl"
-    other.write_bytes(b"other")
-    given = os.environ | {"ROBOWIDGETS_PYODIDE_NUMPY": str(other)}
-    command = [
-        sys.executable,
-        "-c",
-        "import lite_site, json; lite_site.numpy_of(json.load(open(lite_site.PYODIDE / 'pyodide-lock.json')))",
-    ]
-    ended = subprocess.run(
-        command, cwd=ROOT / "scripts", env=given, capture_output=True, text=True, timeout=60, check=False
-    )
-    assert ended.returncode == 1
-    assert "is not the numpy-" in ended.stderr
-    assert "expected 800c98edc0c864dfa49f07005680c699b4b42b84eae1f8cb19d35b3634e7f05c" in ended.stderr
+@pytest.mark.parametrize(
+    ("given", "said"),
+    [
+        ("other.whl", "other.whl is not the numpy-.* expected 800c98edc0c864dfa49f07005680c699b4b42b84eae1f8cb19d3"),
+        ("none.whl", "No such file or directory: 'none.whl'. Name the file of https://cdn.jsdelivr.net/pyodide/v"),
+    ],
+)
+def test_another_file_than_that_of_pyodide_is_no_numpy(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, given: str, said: str
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.syspath_prepend(ROOT / "scripts")
+    monkeypatch.setenv("ROBOWIDGETS_PYODIDE_NUMPY", given)
+    Path("other.whl").write_bytes(b"other")
+    lite_site = importlib.import_module("lite_site")
+    with pytest.raises(SystemExit, match=said):
+        lite_site.numpy_of(json.loads((PYODIDE / "pyodide-lock.json").read_text()))
 
 
 @needs_numpy
-def test_a_lesson_runs_in_jupyterlite(browser: Browser, site: Site) -> None:
+def test_a_lesson_and_the_study_run_in_jupyterlite(browser: Browser, site: Site) -> None:
     nb = Lite(browser, site.server.url, "tests/lesson.ipynb")
     nb.run(0, "laser")
     nb.run(1, "steps True rate True")
     nb.run(2, "line 4: a step has not returned for half a second")
     nb.run(3, "line 3: a step has not returned for half a second")
+    nb.run(4, "(1, 2) [[1.0, 1.0], [0.0, 0.0]] ()")
     assert nb.console.errors == []
     nb.page.close()
 
@@ -466,7 +589,12 @@ def test_a_lesson_runs_in_jupyterlite(browser: Browser, site: Site) -> None:
 @needs_numpy
 @pytest.mark.parametrize(
     "name",
-    [*(f"{folder}{lesson}.ipynb" for folder in ("", "de/", "es/") for lesson in LESSONS), "tour.ipynb", "find.ipynb"],
+    [
+        *(f"{folder}{lesson}.ipynb" for folder in ("", "de/", "es/") for lesson in LESSONS),
+        "tour.ipynb",
+        "find.ipynb",
+        "studies/take_part.ipynb",
+    ],
 )
 def test_all_cells_of_a_notebook_run_to_their_end_in_jupyterlite(browser: Browser, site: Site, name: str) -> None:
     nb = Lite(browser, site.server.url, name)
