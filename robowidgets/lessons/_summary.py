@@ -86,8 +86,8 @@ class ClassSummary:
             f'<div class="rw-class"><style>{_STYLE}</style>'
             f"<table><thead><tr><th></th>{head}<th>done</th></tr></thead><tbody>{rows}</tbody>"
             f"<tfoot><tr><th>done by, of {len(self.students)}</th>{bars}<td></td></tr></tfoot></table>"
-            f'<p><b class="rw-yes">✓</b> done <b class="rw-try">1</b> wrong answers so far '
-            f'<b class="rw-stuck">{STUCK}</b> stuck: {STUCK} or more different answers were wrong</p>'
+            f'<p><span><b class="rw-yes">✓</b> done</span><span><b class="rw-try">1</b> wrong answers so far</span>'
+            f'<span><b class="rw-stuck">{STUCK}</b> stuck: {STUCK} or more different answers were wrong</span></p>'
             f"{''.join(self._stuck_html())}"
             f"{f'<h3>Not read</h3><ul>{problems}</ul>' if problems else ''}</div>"
         )
@@ -108,7 +108,7 @@ class ClassSummary:
             '<!doctype html><html lang="en"><meta charset="utf-8">'
             "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; style-src 'unsafe-inline'\">"
             '<meta name="viewport" content="width=device-width"><title>The class at a glance</title>'
-            "<style>:root { color-scheme: light dark } body { font: 15px system-ui, sans-serif; margin: 2em }</style>"
+            "<style>:root { color-scheme: light dark } body { font: 15px system-ui, sans-serif; margin: min(2em, 4vw) }</style>"
             f"<h1>The class at a glance</h1>{self._repr_html_()}</html>",
             encoding="utf-8",
         )
@@ -177,6 +177,8 @@ _STYLE = """
 .rw-class { overflow-x: auto; }
 .rw-class table { border-collapse: separate; border-spacing: 3px; font-variant-numeric: tabular-nums; }
 .rw-class th { font-weight: 500; text-align: left; padding-right: .6em; background: none; white-space: nowrap; }
+.rw-class tr > th:first-child { position: sticky; left: 0; min-width: 9em; max-width: 12em; white-space: normal;
+  overflow-wrap: anywhere; background: var(--jp-layout-color0, Canvas); }
 .rw-class thead th { vertical-align: bottom; }
 .rw-class thead th:last-child { text-align: right; padding-right: 0; }
 .rw-class .rw-task { padding: 0; text-align: center; }
@@ -186,8 +188,8 @@ _STYLE = """
 .rw-class tbody .rw-done { box-shadow: none; text-align: right; }
 .rw-class .rw-bar { vertical-align: bottom; text-align: center; padding: 0; }
 .rw-class .rw-bar i { display: block; background: #1f7a46; border-radius: 2px 2px 0 0; margin: 0 .3em; }
-.rw-class p b { display: inline-block; min-width: 1.6em; text-align: center; border-radius: 3px; margin-left: .8em; }
-.rw-class p b:first-child { margin-left: 0; }
+.rw-class p { display: flex; flex-wrap: wrap; gap: .2em .8em; }
+.rw-class p b { display: inline-block; min-width: 1.6em; text-align: center; border-radius: 3px; }
 .rw-class .rw-yes { background: #1f7a46; color: #fff; }
 .rw-class .rw-try { background: #f0d48a; color: #000; }
 .rw-class .rw-stuck { background: #c2410c; color: #fff; font-weight: 600; }

@@ -464,8 +464,9 @@ class Lite:
 
 @pytest.fixture(scope="module")
 def kinds(browser: Browser, site: Site) -> Iterator[Lite]:
-    """The notebook of what needs no NumPy, opened once."""
+    """The notebook of what needs no NumPy, opened once, whose first cell has run."""
     nb = Lite(browser, site.server.url, "tests/kinds.ipynb")
+    nb.run(0, "answer")
     yield nb
     nb.page.close()
 
@@ -473,7 +474,6 @@ def kinds(browser: Browser, site: Site) -> Iterator[Lite]:
 def test_python_and_the_page_mean_the_same_by_each_kind_of_value_and_a_cell_that_computes_gives_way(
     kinds: Lite, site: Site
 ) -> None:
-    kinds.run(0, "answer")
     assert json.loads(kinds.output(0).locator(".kinds").inner_text()) == SHOWN
     kinds.page.get_by_role("button", name="answer", exact=True).click()
     expect(kinds.output(0).locator(".said")).to_have_text('{"back":[null]}', timeout=BOOT_MS)
@@ -485,7 +485,6 @@ def test_python_and_the_page_mean_the_same_by_each_kind_of_value_and_a_cell_that
 
 
 def test_the_bar_of_the_first_view_counts_what_the_kernel_loads_then_and_no_more(kinds: Lite, site: Site) -> None:
-    kinds.run(2, "ticks 40")
     values, mosts, texts = zip(*kinds.loading, strict=True)
     assert values == tuple(sorted(values))
     assert (values[0], set(mosts)) == (0, {values[-1]})
@@ -507,32 +506,16 @@ def test_a_notebook_has_the_modules_beside_it_and_on_the_next_visit_what_it_wrot
 
 
 @pytest.mark.skipif(firefox.found() is None, reason="Firefox is not installed: apt-get install firefox-esr")
-def test_firefox_runs_what_chromium_does_and_one_that_cannot_pause_python_says_so(site: Site, tmp_path: Path) -> None:
-    address = f"{site.server.url}/notebooks/index.html?path=tests/kinds.ipynb"
-    said = "return document.querySelector('.rw-cannot p')?.textContent"
-    with firefox.running(tmp_path / "old", {"javascript.options.wasm_js_promise_integration": False}) as browser:
-        browser.open(address)
-        assert browser.wait(said) == f"{NO_SWITCHING}."
+def test_a_firefox_that_cannot_pause_python_says_so_on_the_page_until_that_is_closed(
+    site: Site, tmp_path: Path
+) -> None:
+    with firefox.running(tmp_path, {"javascript.options.wasm_js_promise_integration": False}) as browser:
+        browser.open(f"{site.server.url}/notebooks/index.html?path=tests/kinds.ipynb")
+        said = browser.wait("return document.querySelector('.rw-cannot p')?.textContent")
+        assert said == f"{NO_SWITCHING}."
+        browser.wait("return document.querySelector('.jp-CodeCell') && !document.querySelector('.rw-loading')")
         browser.click(".rw-cannot button")
         browser.wait("return !document.querySelector('.rw-cannot')")
-    with firefox.running(tmp_path / "new") as browser:
-        browser.open(address)
-        browser.wait("return document.querySelector('.jp-CodeCell')")
-
-        def shown(index: int, awaited: str) -> str:
-            """Run the next cell until it shows a text."""
-            browser.click('[data-command="notebook:run-cell-and-select-next"]')
-            output = f"document.querySelectorAll('.jp-CodeCell')[{index}].querySelector('.jp-OutputArea').innerText"
-            return str(browser.wait(f"return {output}.includes({json.dumps(awaited)}) && {output}"))
-
-        assert json.loads(shown(0, "answer").splitlines()[0]) == SHOWN
-        browser.run("[...document.querySelectorAll('button')].find((one) => one.textContent === 'answer').click()")
-        browser.wait("return document.querySelector('.said')?.textContent === '{\"back\":[null]}'")
-        shown(1, CAME)
-        shown(2, "ticks 40")
-        assert shown(3, "read all False").splitlines()[:-1] == site.said()
-        shown(4, "from beside kept nothing")
-        assert browser.run(said) is None
 
 
 def test_the_lock_names_each_file_by_its_hash_and_all_that_each_needs(site: Site) -> None:
