@@ -108,7 +108,7 @@ class ClassSummary:
             '<!doctype html><html lang="en"><meta charset="utf-8">'
             "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; style-src 'unsafe-inline'\">"
             '<meta name="viewport" content="width=device-width"><title>The class at a glance</title>'
-            "<style>:root { color-scheme: light dark } body { font: 15px system-ui, sans-serif; margin: min(2em, 4vw) }</style>"
+            "<style>:root { color-scheme: light dark } body { font: 15px system-ui; margin: min(2em, 4vw) }</style>"
             f"<h1>The class at a glance</h1>{self._repr_html_()}</html>",
             encoding="utf-8",
         )
