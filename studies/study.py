@@ -327,7 +327,7 @@ class Study:
             ]  # fmt: skip
             box.children = [HTML(f"<h3>How were the tasks of part {block}?</h3>"), *rows, next_button]
         else:
-            choices = [RadioButtons(options=[1, 2, 3, 4, 5], value=None, layout=Layout(width="5em")) for _ in SUS]
+            choices = [RadioButtons(options=[1, 2, 3, 4, 5], value=None, layout=Layout(width="auto")) for _ in SUS]
             for choice in choices:
                 choice.add_class("rw-study-row")
 
@@ -337,7 +337,10 @@ class Study:
                     self._draw(box)
 
             next_button.on_click(send)
-            style = "<style>.rw-study-row .widget-radio-box { flex-direction: row; gap: 1em }</style>"
+            style = (
+                "<style>.rw-study-row .widget-radio-box { flex-direction: row; gap: 1em }"
+                ".rw-study-row label { flex: none; white-space: nowrap }</style>"
+            )
             legend = HTML(
                 f"{style}<h3>The pictures of part {block}</h3>1: strongly disagree, 5: strongly agree. Answer all."
             )
@@ -358,7 +361,8 @@ def picture(scan: Scan, condition: str) -> Any:
     )
     numbers = " ".join(f"{value:.3f}" for value in scan.ranges.tolist())
     return HTML(
-        f'<svg viewBox="-4 -4 8 5" width="420" fill="#c33">{dots}<path d="M0-.12.08.1h-.16z" fill="#555"/></svg>'
+        f'<svg viewBox="-4 -4 8 5" style="width:100%;max-width:420px" fill="#c33">{dots}'
+        '<path d="M0-.12.08.1h-.16z" fill="currentColor"/></svg>'
         f"<div>angle_min {scan.angle_min:.4f}, angle_increment {scan.angle_increment:.6f}, {len(scan)} ranges:</div>"
         f'<div style="max-height:9em;overflow:auto;font-family:monospace">[{numbers}]</div>'
     )
