@@ -149,7 +149,8 @@ async function take(bytes) {
 // One message after the other, each when the widget of the one before is there.
 let taken = opened;
 socket.onmessage = ({ data: bytes }) => {
-  taken = taken.then(() => take(bytes));
+  // What one message throws keeps none from those after it, and is among the errors of the console.
+  taken = taken.then(() => take(bytes)).catch(reportError);
 };
 
 function outputOf(cell) {
