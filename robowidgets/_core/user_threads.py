@@ -7,6 +7,7 @@ import sys
 import threading
 import traceback
 from collections.abc import Callable
+from contextlib import suppress
 from types import FrameType
 from typing import Any
 
@@ -56,7 +57,8 @@ class UserThread(threading.Thread):
     def run(self) -> None:
         """See `threading.Thread`."""
         try:
-            super().run()
+            with suppress(SystemExit):  # of `end`: it may come when what it was to end is over
+                super().run()
         finally:
             with self._ending:
                 self._is_over = True

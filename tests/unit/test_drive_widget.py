@@ -449,6 +449,7 @@ class TestFeed:
         wait_for(lambda: script.speeds == [(0.2, 0.5), (0.2, 0.5)], "it drives on")
         assert feed.connection._observers == []
 
+    @pytest.mark.usefixtures("holds")
     def test_what_could_not_be_published_ends_the_press_and_is_told_until_it_can(
         self, pad: Pad, script: Scripted, caplog: pytest.LogCaptureFixture
     ) -> None:
@@ -469,6 +470,7 @@ class TestFeed:
         pad.hold("q", forward=0.2)
         assert pad.told["error"] == ""
 
+    @pytest.mark.usefixtures("holds")
     def test_a_connection_that_is_lost_ends_the_press_and_is_told(self, pad: Pad, script: Scripted) -> None:
         token = pad.hold(forward=0.2)
         wait_for(lambda: pad.told["speed"] == (0.1, 0.0, 0.0), "it drives")
