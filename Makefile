@@ -100,6 +100,7 @@ test-wheel: setup
 test-browser: setup build $(EXPORT_MODULES)
 	scripts/chromium.sh
 	scripts/firefox.sh
+	scripts/lite.sh
 	$(PYTEST) --numprocesses 3 --dist loadgroup tests/browser
 
 # The documentation, and JupyterLite with the lessons in site/lite, as a folder of files that any web server serves.
