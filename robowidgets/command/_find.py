@@ -66,15 +66,16 @@ _NAMED_BY: dict[str | None, str] = {
 """The option that names a topic of a kind; None: the topic with a gap."""
 
 
+_WITH_OR_WITHOUT: dict[str, Any] = {"nargs": "?", "const": "", "action": "append", "default": []}
+"""Of an option that may be given several times, with a word or without one."""
+
+
 def add_find(parser: argparse.ArgumentParser) -> None:
     """The arguments of ``robowidgets find``, but for its file."""
     asked = parser.add_argument_group("conditions, of which all must hold")
     asked.add_argument(
         "--touched",
-        nargs="?",
-        const="",
-        action="append",
-        default=[],
+        **_WITH_OR_WITHOUT,
         metavar="SENSOR",
         help="it is touched; none named: any; may be given again for another",
     )
@@ -91,19 +92,13 @@ def add_find(parser: argparse.ArgumentParser) -> None:
     )
     asked.add_argument(
         "--event",
-        nargs="?",
-        const="",
-        action="append",
-        default=[],
+        **_WITH_OR_WITHOUT,
         metavar="TOPIC",
         help="something was logged, changed its status, or was pressed; no topic named: on any that tells of events",
     )
     asked.add_argument(
         "--label",
-        nargs="?",
-        const="",
-        action="append",
-        default=[],
+        **_WITH_OR_WITHOUT,
         metavar="NAME",
         help="a person gave the span this name; none named: any",
     )

@@ -10,8 +10,8 @@ import numpy as np
 
 from ..camera import CameraModel
 from ..imaging import as_numbers
-from ..kinds import info_of
 from ..messages import to_camera_info, to_image
+from ..recordings.calibration import first_info
 from ..recordings.topics import Topic
 from ..samples import Image
 from ._sdk import library
@@ -61,13 +61,12 @@ class ImageLog(TopicLog):
 
     def _model_of(self, topic: str) -> CameraModel | None:
         """How the camera of a topic sees; None: it is not calibrated."""
-        info = info_of(topic, {one.name: one.type for one in self._recording.topics if not one.problem})
-        first = next(iter(self._recording.messages(info)), None) if info else None
-        if first is None:
+        info = first_info(self._recording, topic)
+        if info is None:
             return None
         with suppress(TypeError, ValueError):
             # As Rerun has it: without what bends a raw picture.
-            return CameraModel(to_camera_info(first.message), rectified=True)
+            return CameraModel(to_camera_info(info), rectified=True)
         return None
 
     def _placed(self, topic: str) -> CameraModel | None:

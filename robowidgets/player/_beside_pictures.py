@@ -10,20 +10,13 @@ from .._core.progress import without_bars
 from ..camera import BesidePictures
 from ..image_widget import ImageWidget
 from ..imaging.overlay import RANGE, SCAN
-from ..kinds import info_of, sensor_of
+from ..kinds import sensor_of
 from ..poses.frame_tree import FrameTree
 from ..recordings import RecordingData
+from ..recordings.calibration import first_info
 
 AROUND = 1.0
 """Seconds round a picture in which the nearest scan is looked for."""
-
-
-def first_info(recording: RecordingData, topic: str) -> Any:
-    """The first message with the calibration of the camera of a topic; None without one."""
-    types = {one.name: one.type for one in recording.topics if not one.problem}
-    info = info_of(topic, types)
-    first = next(iter(recording.messages(info)), None) if info else None
-    return first and first.message
 
 
 class BesidePicturesOf:

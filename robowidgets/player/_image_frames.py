@@ -11,8 +11,9 @@ from ..image_widget import ImageWidget
 from ..laser_widget import LaserWidget
 from ..messages import to_image
 from ..recordings import RecordingData
+from ..recordings.calibration import first_info
 from ..recordings.topics import Moment
-from ._beside_pictures import BesidePicturesOf, first_info
+from ._beside_pictures import BesidePicturesOf
 from ._frames import MessageFrames
 
 BYTES_PER_SECOND = 2_000_000

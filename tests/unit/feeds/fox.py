@@ -3,11 +3,16 @@
 from __future__ import annotations
 
 import struct
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from typing import Any
 
+import foxglove
 import numpy as np
 from rosbags.typesys import Stores, get_typestore
 from tornado.websocket import WebSocketHandler
+
+from robowidgets.messages.encoding import encode
 
 from .servers import Server
 
@@ -38,6 +43,27 @@ def definition(kind: str = SCAN, store: Any = HUMBLE, version: int = 2) -> str:
 def channel(number: int, topic: str = "/scan", kind: str = SCAN, **more: Any) -> dict[str, Any]:
     told = {"id": number, "topic": topic, "encoding": "cdr", "schemaName": kind, "schemaEncoding": "ros2msg"}
     return {**told, "schema": definition() if kind == SCAN else "", **more}
+
+
+@contextmanager
+def serving(types: Mapping[str, str]) -> Iterator[tuple[str, Callable[[str, Any], None]]]:
+    """A server with topics of these types: its address, and what publishes the fields of a message on one of them."""
+    context = foxglove.Context()
+    server = foxglove.start_server(host="127.0.0.1", port=0, context=context)
+    channels = {
+        topic: foxglove.Channel(
+            topic,
+            schema=foxglove.Schema(name=kind, encoding="ros2msg", data=definition(kind).encode()),
+            message_encoding="cdr",
+            context=context,
+        )
+        for topic, kind in types.items()
+    }
+    yield (
+        f"ws://127.0.0.1:{server.port}",
+        lambda topic, fields: channels[topic].log(bytes(encode("cdr", types[topic], fields))),
+    )
+    server.stop()
 
 
 class OldFoxglove(Server):

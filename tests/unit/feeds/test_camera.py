@@ -19,7 +19,7 @@ from ... import camera_drive
 from ..clocks import ManualClock
 from ..test_cloud_widget import cloud_message
 from ..waiting import wait_for
-from .fox import definition
+from .fox import definition, serving
 
 foxglove.set_log_level("CRITICAL")
 
@@ -45,20 +45,8 @@ def types(simulated: Any) -> dict[str, str]:
 def robot(request: pytest.FixtureRequest, types: dict[str, str]) -> Iterator[Robot]:
     """A feed of a robot with a camera, and what publishes the fields of a message on one of its topics."""
     if request.param == "foxglove":
-        context = foxglove.Context()
-        server = foxglove.start_server(host="127.0.0.1", port=0, context=context)
-        channels = {
-            topic: foxglove.Channel(
-                topic,
-                schema=foxglove.Schema(name=kind, encoding="ros2msg", data=definition(kind).encode()),
-                message_encoding="cdr",
-                context=context,
-            )
-            for topic, kind in types.items()
-        }
-        with feeds.foxglove(f"ws://127.0.0.1:{server.port}") as feed:
-            yield feed, lambda topic, fields: channels[topic].log(encode("cdr", types[topic], fields))
-        server.stop()
+        with serving(types) as (address, publish), feeds.foxglove(address) as feed:
+            yield feed, publish
         return
     pytest.importorskip("cyclonedds", reason="cyclonedds is not installed: pip install cyclonedds")
     from cyclonedds.domain import DomainParticipant

@@ -10,12 +10,11 @@ import pytest
 
 from robowidgets import LaserWidget, PathWidget, Range, SonarWidget, feeds
 from robowidgets.maps.packing import unpack_layers
-from robowidgets.messages.encoding import encode
 
 from ... import map_scene as scene
 from ..waiting import wait_for
 from .bridge import Rosbridge
-from .fox import definition
+from .fox import serving
 
 foxglove.set_log_level("CRITICAL")
 
@@ -33,20 +32,8 @@ def robot(request: pytest.FixtureRequest, left_out: str) -> Iterator[tuple[Any, 
     """A feed of a robot with a map, and what publishes on one of its topics."""
     types = {topic: kind for topic, kind in scene.TYPES.items() if topic != left_out}
     if request.param == "foxglove":
-        context = foxglove.Context()
-        server = foxglove.start_server(host="127.0.0.1", port=0, context=context)
-        channels = {
-            topic: foxglove.Channel(
-                topic,
-                schema=foxglove.Schema(name=kind, encoding="ros2msg", data=definition(kind).encode()),
-                message_encoding="cdr",
-                context=context,
-            )
-            for topic, kind in types.items()
-        }
-        with feeds.foxglove(f"ws://127.0.0.1:{server.port}") as feed:
-            yield feed, lambda topic, fields: channels[topic].log(bytes(encode("cdr", types[topic], fields)))
-        server.stop()
+        with serving(types) as (address, publish), feeds.foxglove(address) as feed:
+            yield feed, publish
         return
     with Rosbridge(types) as bridge, feeds.rosbridge(bridge.address) as feed:
 
