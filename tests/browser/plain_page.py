@@ -223,7 +223,8 @@ class PlainPage:
     def resize(self, width: int, height: int = 900) -> None:
         """Size the window such that what a cell displays has `width` CSS pixels."""
         self.page.set_viewport_size({"width": width + MARGIN, "height": height})
-        # Until the widgets have drawn for their size.
+        # The page of a busy browser is told of its size later. Then the widgets draw for it.
+        self.page.wait_for_function("(width) => innerWidth === width", arg=width + MARGIN)
         self.page.evaluate("() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))")
 
     # The way between

@@ -2,7 +2,7 @@ import { Canvas, type Surface, watchSize, write } from "../canvas.ts";
 import { make, pointIn, setHidden } from "../dom.ts";
 import { on } from "../events.ts";
 import { type Theme, textFont } from "../theme.ts";
-import { type TimeAxis, toTime } from "../time_axis.ts";
+import { type Span, type TimeAxis, toTime } from "../time_axis.ts";
 import {
   cutName,
   drawActive,
@@ -31,7 +31,7 @@ export class StateBand {
   /** Pixels left of the states, for the names of machines. */
   readonly #left: number;
   #size: Surface = { width: 0, height: 0, ratio: 1 };
-  #axis: TimeAxis = { span: [0, 1], left: 0, width: 1 };
+  #span: Span = [0, 1];
   #rows: StateSpan[][] = [];
   readonly #tones: Tones = new Map();
   #drawn: unknown[] = [];
@@ -58,9 +58,15 @@ export class StateBand {
     on(this.root, "pointerleave", () => onPoint?.(null), signal);
   }
 
+  /** Of the size that it has: a person may point at it before it is drawn for that. */
+  get #axis(): TimeAxis {
+    return { span: this.#span, left: this.#left, width: Math.max(1, this.#size.width - this.#left) };
+  }
+
   /** @param time the states of which are in ink */
-  update(rows: StateSpan[][], span: [number, number], time: number, theme: Theme): void {
+  update(rows: StateSpan[][], span: Span, time: number, theme: Theme): void {
     this.#rows = rows;
+    this.#span = span;
     setHidden(this.root, !rows.length);
     this.root.style.height = `${rows.length * ROW_STEP - (ROW_STEP - ROW)}px`;
     // Compare first: there may be thousands of states, and this runs in every frame while it plays.
@@ -68,8 +74,7 @@ export class StateBand {
     const isDrawn = drawn.length === this.#drawn.length && drawn.every((one, i) => one === this.#drawn[i]);
     if (!this.#size.width || isDrawn) return;
     this.#drawn = drawn;
-    const axis = { span, left: this.#left, width: Math.max(1, this.#size.width - this.#left) };
-    this.#axis = axis;
+    const axis = this.#axis;
     const context = this.#canvas.begin(this.#size);
     for (const [i, row] of rows.entries()) {
       const top = i * ROW_STEP;
