@@ -47,7 +47,7 @@ def lesson() -> None:
     before = feed.robot.pose
     while avoid.steps < 3:
         time.sleep(0.01)
-    say("waited", type(laser.wait(timeout=20)).__name__)
+    say("waited", type(laser.wait(timeout=240)).__name__)
     say("moved", feed.robot.pose != before)
     steps, sequence = avoid.steps, laser.scan
     while avoid.steps < steps + 3 or laser.scan is sequence:
@@ -63,7 +63,7 @@ def lesson() -> None:
     while not avoid.error:
         time.sleep(0.01)
     say("error", avoid.error)
-    say("lamp", laser.watch(lambda scan: scan.distance() >= 0, name="there").wait(timeout=20) is not None)
+    say("lamp", laser.watch(lambda scan: scan.distance() >= 0, name="there").wait(timeout=240) is not None)
 
     def nearest_on_the_left(scan):  # type: ignore[no-untyped-def]
         while True:

@@ -145,7 +145,7 @@ def a_condition_wakes_who_waits_and_says_when_the_time_came_first(threads: Any, 
 
     def wait() -> None:
         with lock:
-            woken.append(changed.wait(20))
+            woken.append(changed.wait(240))
 
     started = began(wait, wait)
     time.sleep(0.005)
@@ -160,7 +160,7 @@ def a_condition_wakes_who_waits_and_says_when_the_time_came_first(threads: Any, 
     event = threading.Event()
     assert not event.wait(0.005)
     threading.Timer(0.005, event.set).start()
-    assert event.wait(20)
+    assert event.wait(240)
 
 
 @case
@@ -232,12 +232,12 @@ def loops_and_calls_that_never_wait_give_way_and_are_ended(threads: Any, call_fr
     assert spin.__code__ in [frame.f_code for frame, _ in traceback.walk_stack(frame)]
     thread = started[2]
     assert ctypes.pythonapi.PyThreadState_SetAsyncExc(ctypes.c_ulong(thread.ident), ctypes.py_object(SystemExit)) == 1
-    thread.join(20)
+    thread.join(240)
     assert not thread.is_alive()
     assert ended == ["SystemExit()"]
     alive.clear()
     for thread in started:
-        thread.join(20)
+        thread.join(240)
     assert not any(thread.is_alive() for thread in started)
     assert ctypes.pythonapi.PyThreadState_SetAsyncExc(ctypes.c_ulong(thread.ident), ctypes.py_object(SystemExit)) == 0
 
@@ -251,7 +251,7 @@ def one_that_sleeps_in_a_loop_is_ended_after_its_sleep(threads: Any, call_from_p
     (thread,) = began(doze)
     time.sleep(0.005)
     ctypes.pythonapi.PyThreadState_SetAsyncExc(ctypes.c_ulong(thread.ident), ctypes.py_object(SystemExit))
-    thread.join(20)
+    thread.join(240)
     assert not thread.is_alive()
 
 

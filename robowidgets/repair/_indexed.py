@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Sequence
+from contextlib import ExitStack
+from weakref import finalize
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,6 +32,10 @@ class IndexedSource:
 
     def __init__(self, walks: Sequence[Walk], problems: Sequence[str] = ()) -> None:
         self._walks = walks
+        files = ExitStack()
+        for walk in walks:
+            files.callback(walk.close)
+        self._close = finalize(self, files.close)  # also where nobody closes it: Python would complain of the files
         self._starts = np.cumsum([0, *(len(walk.times) for walk in walks)])
         channels, renumber = merged(walk.channels for walk in walks)
         arrivals = (Arrivals(np.asarray(walk.times, np.int64), np.asarray(walk.ids, np.int64)) for walk in walks)
@@ -75,8 +81,7 @@ class IndexedSource:
 
     def close(self) -> None:
         """See `Source`."""
-        for walk in self._walks:
-            walk.close()
+        self._close()
 
     def _before(self, time_ns: int) -> int:
         """The number of messages that were logged before a time."""

@@ -39,7 +39,7 @@ DARK = {"area": (31, 37, 43), "line": (57, 66, 76), "reading": (255, 107, 94), "
 DOT = 3
 """Pixels."""
 
-SECONDS = 10
+SECONDS = 60
 _TURNS = {"up": 90, "left": 180, "down": -90, "right": 0}
 _READ = """(card) => {
     const layers = [...card.querySelectorAll(".rw-picture .rw-layer")];

@@ -64,7 +64,7 @@ class LabServer:
     def request(self, path: str, method: str = "GET") -> Any:
         """The JSON that the server's interface answers, None where it answers nothing."""
         request = Request(f"{self.url}/{path}", method=method, headers={"Authorization": f"token {self.token}"})
-        with urlopen(request, timeout=30) as answer:
+        with urlopen(request, timeout=240) as answer:
             body = answer.read()
         return json.loads(body) if body else None
 

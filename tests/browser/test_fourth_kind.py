@@ -49,5 +49,5 @@ def test_a_page_in_a_file_plays_it_by_its_own_front_end(browser: Browser, tmp_pa
     expect(value).to_have_text("2 m")
     page.locator(".rw-play").click()
     # It lasts five seconds.
-    expect(value).to_have_text("1.51 m", timeout=15_000)
+    expect(value).to_have_text("1.51 m")
     page.close()

@@ -496,7 +496,7 @@ MachineWidget(robot)
 def test_pictures_of_a_machine(plain_page: Callable[..., PlainPage], theme: Literal["light", "dark"]) -> None:
     nb = plain_page([MACHINE], scale=2, theme=theme, width=720)
     card = nb.widget(0).locator(".rw-card")
-    expect(card.locator(".rw-fired-row")).to_have_count(8, timeout=20_000)
+    expect(card.locator(".rw-fired-row")).to_have_count(8)
     card.locator(
         ".rw-machine-state[data-active=leaf] .rw-machine-state-left", has_text=re.compile(r"0\.[5-9]")
     ).wait_for()
@@ -749,7 +749,7 @@ def test_a_moving_picture_of_a_program_edited_while_it_drives(notebook: Callable
     height = below["y"] + below["height"] + two_lines - box["y"]
     clip = FloatRect(x=below["x"], y=box["y"] - 4, width=below["width"], height=height)
     rows = nb.widget(0).locator(".rw-fired-row")
-    expect(rows.nth(1)).to_be_attached(timeout=20_000)
+    expect(rows.nth(1)).to_be_attached()
     film = MovingPicture(nb.page, clip)
     film.run(0.6)
     line = cell.locator(".cm-line", has_text="def turn").bounding_box()

@@ -91,17 +91,17 @@ def serving(folder: Path, command: Callable[[int], list[str]]) -> Iterator[str]:
 
     def answers() -> bool:
         try:
-            urlopen(url, timeout=30).close()
+            urlopen(url, timeout=240).close()
         except URLError:
             return False
         return True
 
     try:
-        wait_for(answers, f"{command(port)[0]} answered", seconds=60)
+        wait_for(answers, f"{command(port)[0]} answered")
         yield url
     finally:
         process.terminate()
-        process.wait(20)
+        process.wait(240)
 
 
 def shows(page: Page) -> None:

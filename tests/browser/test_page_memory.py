@@ -16,7 +16,7 @@ LISTENERS_PER_RUN = 50
 BYTES_PER_RUN = 300_000
 # Of widgets that are closed they keep 160 kB at most; all their scripts and stylesheets have 250 kB.
 BYTES_PER_CLOSED_RUN = 220_000
-PATIENCE_S = 10.0
+PATIENCE_S = 60.0
 
 # `made` keeps every widget alive in Python, as IPython's history does.
 SHOW = """

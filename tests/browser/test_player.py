@@ -503,7 +503,7 @@ def test_a_first_look_is_there_though_the_kernel_is_busy_at_once(notebook: Open)
     nb.run(0)
     nb.start(1)
     # A kernel's first recording takes seconds to open.
-    expect(nb.output(1).locator(".rw-laser .rw-nearest")).to_contain_text("nearest", timeout=30_000)
+    expect(nb.output(1).locator(".rw-laser .rw-nearest")).to_contain_text("nearest")
     bar(nb).get_by_title("Play (space)").click()
     passes(nb, 6.0)
     nb.interrupt()

@@ -441,7 +441,7 @@ def test_a_robot_that_does_not_read_holds_up_no_other_and_hears_zero_when_it_rea
         middleware.publish(topic, 0.0)
     assert time.monotonic() - started > limit
     wait_for(lambda: other.heard[-1] == 0.0, "the other robot hears zero")
-    monkeypatch.setattr("robowidgets.feeds._ros1_publications.SEND_TIMEOUT", 20.0)
+    monkeypatch.setattr("robowidgets.feeds._ros1_publications.SEND_TIMEOUT", 240.0)
     stuck.process.send_signal(signal.SIGCONT)
     middleware.publish(topic, 0.0)
     wait_for(lambda: stuck.heard and stuck.heard[-1] == 0.0, "the robot hears zero, after all that waited for it")

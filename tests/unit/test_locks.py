@@ -82,7 +82,7 @@ for _ in range(400):
         {works}
 """
 LOOPS = {
-    "drive": ("watchdog.drive(Velocity(0.3), hold=60.0)", "watchdog.sent_in_time(watchdog.stop())"),
+    "drive": ("watchdog.drive(Velocity(0.3), hold=60.0)", "watchdog.sent_in_time(watchdog.stop(), 120.0)"),
     "flush": ("pacer.flush()", "sender.was_sent.clear(); pacer.mark(sender); assert sender.was_sent.wait(60.0)"),
     "wait": ("waiters.wait_for(lambda: None, 0.0001)", "assert not waiters and not lock._is_owned()"),
     "call": ("call()", "calls.clear(); call(); assert calls"),

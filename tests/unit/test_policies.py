@@ -139,6 +139,6 @@ def test_no_thread_of_a_judge_stays_after_its_feed_is_closed(condition: Callable
         assert judged.wait(120)
     wait_for(lambda: threads_named("robowidgets-judge") == before, "it has ended")
     assert near.verdict.value is True, "the other one is judged nevertheless"
-    words = r"has not returned for \d\.\d s, line \d+, and was ended with its feed" if condition is loop else ""
+    words = r"has not returned for \d+\.\d s, line \d+, and was ended with its feed" if condition is loop else ""
     assert re.fullmatch(words, wall.error)
     laser.close()

@@ -17,6 +17,7 @@ import pytest
 
 import robowidgets
 from robowidgets import LaserWidget, SpeedWidget, TouchWidget, conditions
+from robowidgets._core import judge
 from robowidgets._core.timed_frame import FRAME_HEADER
 from robowidgets._core.watch import MOST_RUNS, _runs
 
@@ -100,7 +101,7 @@ class TestLamp:
         show(laser, 0.4)
         wait_for(lambda: sequence(page.state) == 1, "the scan is shown")
         assert lamp(page)["state"] == "unknown"
-        words = r"has not returned for \d\.\d s, line \d+$"
+        words = r"has not returned for \d+\.\d s, line \d+$"
         wait_for(lambda: re.match(words, lamp(page)["text"]), "the lamp says where it hangs")
         show(laser, 0.3)
         wait_for(lambda: sequence(page.state) == 2, "the next scan is shown, too")
@@ -158,7 +159,10 @@ class TestLamp:
             assert lamp(page)["state"] == "unknown"
         laser.close()
 
-    def test_is_in_a_notebook_that_is_saved_after_the_cell(self, laser: LaserWidget) -> None:
+    def test_is_in_a_notebook_that_is_saved_after_the_cell(
+        self, laser: LaserWidget, monkeypatch: pytest.MonkeyPatch
+    ) -> None:
+        monkeypatch.setattr(judge, "PATIENCE", 120)
         laser.watch(conditions.nearest_below(0.5), name="wall")
         show(laser, 0.4)
         state = laser.get_state()
@@ -279,24 +283,20 @@ class TestWaiting:
 
     def test_with_await(self, laser: LaserWidget) -> None:
         wall = laser.watch(lambda scan: scan.distance() < 0.5, name="wall")
-        ticks: list[int] = []
+
+        async def show_soon() -> None:
+            await asyncio.sleep(0.01)
+            show(laser, 0.4)
 
         async def program() -> Any:
-            async def tick() -> None:
-                while True:
-                    ticks.append(1)
-                    await asyncio.sleep(0.01)
-
-            ticking = asyncio.ensure_future(tick())
             with pytest.raises(TimeoutError, match=r"wall was not true within 0\.01 s"):
                 await wall.wait_async(0.01)
-            threading.Timer(0.1, show, (laser, 0.4)).start()
+            showing = asyncio.ensure_future(show_soon())  # in the same loop, which goes on meanwhile
             scan = await wall.wait_async(240)
-            ticking.cancel()
+            await showing
             return scan
 
         assert asyncio.run(program()).distance() == pytest.approx(0.4)
-        assert len(ticks) > 3
         assert wall._wakers == []
 
 
@@ -313,7 +313,7 @@ class TestChanges:
             (False, "2.00 ≥ 0.50 m"),
         ]
         assert before <= wall.changes[0].time <= wall.changes[1].time <= time.time()
-        assert re.fullmatch(r"<wall: false for 0\.\d s, 2.00 ≥ 0.50 m, 2 changes>", repr(wall))
+        assert re.fullmatch(r"<wall: false for \d+\.\d s, 2.00 ≥ 0.50 m, 2 changes>", repr(wall))
 
 
 class TestArguments:

@@ -314,7 +314,7 @@ def tornado_keeps_its_own_close_code_to_itself() -> bool:
         server = HTTPServer(Application([("/", Large)]))
         server.add_socket(listening)
         connection = await websocket_connect(f"ws://127.0.0.1:{port}/", max_message_size=10)
-        ended = await asyncio.wait_for(connection.read_message(), 10)
+        ended = await asyncio.wait_for(connection.read_message(), 240)
         server.stop()
         return (ended, connection.close_code) == (None, None)
 
@@ -335,7 +335,7 @@ def tornado_leaves_a_cancelled_connection_open() -> bool:
         connecting = asyncio.ensure_future(
             websocket_connect(f"ws://127.0.0.1:{server.sockets[0].getsockname()[1]}/")  # type: ignore[arg-type]
         )
-        writer = await asyncio.wait_for(accepted.get(), 10)
+        writer = await asyncio.wait_for(accepted.get(), 240)
         here = writer.get_extra_info("peername")
         connecting.cancel()
         await asyncio.wait([connecting])

@@ -10,6 +10,7 @@ from collections.abc import Callable, Collection, Iterator
 from functools import cached_property
 from pathlib import Path
 from typing import Any
+from weakref import finalize
 
 from rosbags.interfaces import Connection, MessageDefinition, MessageDefinitionFormat
 from rosbags.rosbag1 import Reader as BagReader
@@ -76,9 +77,9 @@ class RosbagsSource:
         span_in: Callable[[Any, int], tuple[int, int] | None] | None = None,
     ) -> None:
         reader.open()
+        self._close = finalize(self, reader.close)  # also where nobody closes it: Python would complain of the file
         self._reader = reader
         self._arrivals_in, self._span_in = arrivals_in, span_in
-        self._open = True
         self._connections = {c.id: c for c in reader.connections}
         self.channels = tuple(_channel(c) for c in reader.connections)
         about = reader if isinstance(reader, BagReader) else reader.metadata
@@ -108,9 +109,7 @@ class RosbagsSource:
 
     def close(self) -> None:
         """See `Source`."""
-        if self._open:
-            self._open = False
-            self._reader.close()
+        self._close()
 
     def _messages_in_bag(
         self, connections: list[Connection], start_ns: int | None, stop_ns: int | None

@@ -66,12 +66,20 @@ def expect(kernel: Kernel, words: str) -> None:
     assert reply["status"] == "ok", reply
 
 
+BESIDE = """
+beside = feeds.simulator(hz=20, wander=False)
+beside.program(lambda: Drive(0.11), rate=20)
+"""
+
+
 def expect_zero(kernel: Kernel, since: float) -> None:
-    """The robot gets zero after a moment, long before the hold ends, and nothing else afterwards."""
+    """The robot gets zero, long before the hold ends, and nothing else while another robot gets six speeds."""
     wait_for(lambda: 0.0 in kernel.heard_since(since), "the robot gets zero")
     first = next(at for at, linear, _ in kernel.heard if at >= since and linear == 0.0)
-    time.sleep(0.3)  # six steps, none of which may drive
-    assert {linear for at, linear, _ in kernel.heard if at > first} <= {0.0}
+    assert kernel.run("beside", BESIDE)["status"] == "ok"
+    wait_for(lambda: kernel.heard_since(first).count(0.11) >= 6, "the other robot is driven")
+    assert kernel.run("alone", "beside.close()")["status"] == "ok"
+    assert set(kernel.heard_since(first)) == {0.0, 0.11}
 
 
 @pytest.mark.parametrize(
@@ -300,6 +308,7 @@ def test_the_restart_and_the_end_of_the_kernel_leave_the_robot_at_zero(tmp_path:
         wait_for(lambda: kernel.heard_since(0.0)[-1:] == [0.3], "it drives")
         since = time.monotonic()
         getattr(kernel.manager, end)()
-        expect_zero(kernel, since)
+        wait_for(lambda: 0.0 in kernel.heard_since(since), "the robot gets zero")
+        assert kernel.heard[-1][1] == 0.0, "the last that it got"
     finally:
         kernel.close()

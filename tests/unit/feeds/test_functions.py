@@ -13,7 +13,7 @@ from typing import Any
 import pytest
 
 from robowidgets import LaserWidget, Scan, Speed, SpeedWidget, Touch
-from robowidgets.feeds import Advert, Feed, FeedError
+from robowidgets.feeds import Advert, Driving, Feed, FeedError
 
 from ..waiting import Clock, wait_for
 from .scripted import CMD_VEL, IMU, ODOM, SCAN, Scripted, scan, twist
@@ -185,6 +185,7 @@ def test_a_widget_of_a_user_s_class_that_hangs_on_what_is_sent_holds_back_no_zer
 
 def test_a_bump_and_turn_function_sends_each_of_its_speeds_while_it_sleeps(opened: Opened) -> None:
     feed, script = opened(BUMPER, CMD_VEL)
+    feed.driving = Driving(hold=3600.0)
 
     def bump_and_turn(_touch: Touch) -> None:
         feed.drive(-0.2)

@@ -45,6 +45,8 @@ def log(tmp_path: Path) -> Log:
 
 
 HOLD = "feed.driving = feeds.Driving(hold=3600.0)\n"
+AWAIT_ZERO = "while not open(log.name).read().endswith(' 0.0, 0.0)\\n'): time.sleep(0.01)"
+"""Waits for as long as it takes until the robot got zero; with `HOLD`, it does not get it of itself."""
 LOOP = """
 while True:
     feed.drive(0.3)
@@ -61,20 +63,15 @@ def test_an_interrupt_sends_zero_at_once(kernel: Kernel) -> None:
 
 
 def test_an_interrupt_that_the_cell_catches_sends_zero_at_once(kernel: Kernel) -> None:
-    loop = kernel.start(
-        "loop", f"try:{LOOP.replace(chr(10), chr(10) + '    ')}\nexcept KeyboardInterrupt: time.sleep(1.0)"
-    )
+    indented = LOOP.replace("\n", "\n    ")
+    loop = kernel.start("loop", f"{HOLD}try:{indented}\nexcept KeyboardInterrupt:\n    {AWAIT_ZERO}")
     wait_for(lambda: len(kernel.heard) > 5, "it drives")
-    at = time.monotonic()
     kernel.manager.interrupt_kernel()
-    assert kernel.end_of(loop)["status"] == "ok"
-    assert any(when > at and linear == 0.0 for when, linear, _ in kernel.heard), (
-        "zero is sent before the cell has ended"
-    )
+    assert kernel.end_of(loop)["status"] == "ok", "zero is sent before the cell has ended"
 
 
 def test_a_cell_that_raises_after_it_drove_sends_zero_at_once_one_that_ends_well_does_not(kernel: Kernel) -> None:
-    assert kernel.run("well", "feed.driving = feeds.Driving(hold=3.0); feed.drive(0.2)")["status"] == "ok"
+    assert kernel.run("well", "feed.driving = feeds.Driving(hold=1.5); feed.drive(0.2)")["status"] == "ok"
     wait_for(lambda: kernel.heard and kernel.heard[-1][1] == 0.0, "zero follows")
     assert kernel.heard[-1][0] - kernel.heard[-2][0] > 1.0, "at the end of the hold, not of the cell"
     badly = "feed.driving = feeds.Driving(hold=3600.0); feed.drive(0.2); 1 / 0"
@@ -85,8 +82,8 @@ def test_a_cell_that_raises_after_it_drove_sends_zero_at_once_one_that_ends_well
 def test_zero_does_not_wait_for_the_traceback_of_a_cell_or_of_a_script(kernel: Kernel, tmp_path: Path) -> None:
     script = tmp_path / "script.py"
     script.write_text("feed.drive(0.2)\n1 / 0\n")
-    slowly = "lambda *_: (time.sleep(1.0), print((time.monotonic(), 9.0, 0.0), file=log))"
-    slow = f"{HOLD}shell = get_ipython(); usual = shell._showtraceback; shell._showtraceback = {slowly}"
+    slow = f"{HOLD}shell = get_ipython(); usual = shell._showtraceback\ndef slowly(*_):\n    {AWAIT_ZERO}\n"
+    slow += "    print((time.monotonic(), 9.0, 0.0), file=log)\nshell._showtraceback = slowly"
     assert kernel.run("slow", slow)["status"] == "ok"
     for cell in (script.read_text(), f"%run -i {script}"):
         kernel.run("badly", cell)
@@ -237,10 +234,17 @@ def test_nobody_drives_a_robot_while_the_feeds_of_others_are_closed(
 ) -> None:
     two = """
 from contextlib import suppress
-Simulated.close = lambda self: time.sleep(5)
+tried = 0
+def close(self):
+    print((time.monotonic(), 9.0, 0.0), file=log)
+    until = tried + 100
+    while tried < until: time.sleep(0.001)
+Simulated.close = close
 other = feeds.simulator(hz=20, wander=False)
 def on():
+    global tried
     while True:
+        tried += 1
         for one, linear in ((feed, 0.3), (other, 0.2)):
             with suppress(Exception): one.drive(linear)
 import threading
@@ -251,8 +255,8 @@ time.sleep(60)
     wait_for(lambda: len(log.heard()) > 5, "both are driven")
     process.send_signal(signal.SIGTERM)
     process.wait(120)
-    first_zero = next(at for at, linear, _ in log.heard() if linear == 0.0)
-    assert [linear for at, linear, _ in log.heard() if at > first_zero + 2.0 and linear] == []
+    speeds = [linear for _, linear, _ in log.heard()]
+    assert {*speeds[speeds.index(9.0) :]} <= {0.0, 9.0}, "once the first of them is being closed"
 
 
 def test_a_signal_that_ends_the_process_sends_zero_first_from_a_pad_without_a_feed(

@@ -344,7 +344,7 @@ def test_the_cell_of_a_view_beside_the_notebook_shows_a_bar_which_is_closed_with
 
 
 def test_showing_waits_for_the_first_topics(opened: Opened, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("robowidgets.feeds._connection.PATIENCE", 20.0)
+    monkeypatch.setattr("robowidgets.feeds._connection.PATIENCE", 240.0)
     feed, script = opened()
     threading.Timer(0.05, lambda: script.listener.on_topics([SCAN])).start()
     assert on_page(feed.show()) == ["/scan"]

@@ -190,18 +190,21 @@ def test_a_robot_that_falls_silent_is_given_up_after_ten_seconds(ears: Ears, clo
 
 def test_a_robot_that_answers_but_says_nothing_is_not_given_up(ears: Ears, clock: ManualClock) -> None:
     pings: list[bytes] = []
-    with OldFoxglove([]) as server:
+
+    class Counting(OldFoxglove):
+        def on_open(self, client: Any) -> None:
+            client.on_ping = pings.append
+            super().on_open(client)
+
+    with Counting([]) as server:
         middleware = Foxglove(server.address, clock)
         middleware.open(ears)
-        wait_for(lambda: server.clients and middleware._socket and middleware._socket.is_open, "it is connected")
-        server.clients[0].on_ping = lambda data: pings.append(data)  # type: ignore[method-assign]
-        clock.advance()  # the first ping is sent
-        wait_for(lambda: not _unanswered(middleware), "it answered")
-        before = len(pings)
-        for _ in range(20):
+        for count in range(1, 22):
+            # The server counts a ping after it has answered it.
+            wait_for(lambda: len(pings) >= count and not _unanswered(middleware), "it answered")  # noqa: B023
             clock.advance(1.0)
-            wait_for(lambda: not _unanswered(middleware), "it answered")
-        assert len(pings) == before + 20
+        wait_for(lambda: not _unanswered(middleware), "it answered")
+        assert len(pings) <= 22, "one a second"
         close(middleware, clock)
     assert ears.lost == []
 
@@ -595,20 +598,18 @@ def test_a_server_of_another_protocol_is_told(ears: Ears, monkeypatch: pytest.Mo
 
 def test_a_server_that_answers_too_late_to_be_told_from_others_is_left(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(_other_bridge, "PATIENCE", 0.01)
-    monkeypatch.setattr(_other_bridge, "_GOODBYE", 60.0)
+    monkeypatch.setattr(_other_bridge, "_GOODBYE", 120.0)
+    leave = _other_bridge.close_when_connected
     with Server() as server:
+        go_on = server.stall()
 
-        async def ask() -> bool:
-            go_on = server.stall()
-            asking = asyncio.ensure_future(_other_bridge.is_rosbridge(server.address))
-            await asyncio.sleep(0.1)  # not to claim anything: the time for an answer is over then
-            go_on()
-            answer = await asking
-            while server.clients or not server.opened:
-                await asyncio.sleep(0.005)
-            return answer
+        async def leave_and_go_on(connecting: Any, seconds: float) -> None:
+            go_on()  # the time for an answer is over
+            await leave(connecting, seconds)
 
-        assert not asyncio.run(asyncio.wait_for(ask(), 120))
+        monkeypatch.setattr(_other_bridge, "close_when_connected", leave_and_go_on)
+        assert not asyncio.run(_other_bridge.is_rosbridge(server.address))
+        wait_for(lambda: server.opened and not server.clients, "the connection ended")
 
 
 def test_a_name_that_nobody_knows_is_told(ears: Ears, monkeypatch: pytest.MonkeyPatch) -> None:

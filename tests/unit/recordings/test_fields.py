@@ -80,12 +80,12 @@ def test_every_field_of_every_topic_is_that_of_rosbags_to_the_last_bit(data: Pat
             for topic in recording.topics:
                 if topic.problem or not topic.count:
                     continue
-                messages = [moment.message for moment in recording.messages(topic.name)]
                 fields = recording.fields(topic.name)
-                assert len(fields) == len(messages)
-                every = -(-len(messages) // LOOKED_AT)
+                assert len(fields) == topic.count or recording.problems
+                every = -(-len(fields) // LOOKED_AT)
+                messages = [fields[row].message for row in range(0, len(fields), every)]
                 for name, column in fields._columns(fields.names).items():
-                    assert_equal(column[::every], messages[::every], name)
+                    assert_equal(column[::every], messages, name)
                     columns += 1
                 topics += 1
     assert topics > 150

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import gzip
 import heapq
 import io
@@ -36,6 +37,23 @@ LOG = b"\n".join(f"ODOM 1 2 0.5 0.{i} 0.1 0 {i}.0 host {i}.0".encode() for i in 
 def read_count(path: Path) -> dict[str, int]:
     with open(path) as recording:
         return {topic.name: topic.count for topic in recording.topics}
+
+
+@pytest.mark.parametrize("part", [1.0, 0.5], ids=["whole", "cut"])
+@pytest.mark.parametrize("write", [write_bag, write_indexed_mcap, write_db3])
+@pytest.mark.filterwarnings("error::ResourceWarning")
+def test_a_recording_that_nobody_has_any_more_closes_its_file(
+    tmp_path: Path, write: Callable[..., Path], part: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    complaints: list[object] = []
+    monkeypatch.setattr(sys, "unraisablehook", lambda told: complaints.append(told.exc_value))
+    path = write(tmp_path / "drive", messages(300))
+    os.truncate(path, int(part * path.stat().st_size))
+    recording = open(path)
+    assert recording.topics
+    del recording
+    gc.collect()
+    assert complaints == []
 
 
 @pytest.mark.parametrize("name", ["drive.bag", "drive.recorded", "a folder/drive #1%.bag"])

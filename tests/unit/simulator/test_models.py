@@ -190,8 +190,8 @@ def test_a_feed_of_the_pr2_drives_sideways_and_those_of_other_robots_say_that_th
             feed.drive(lateral=-0.3)
             wait_for(lambda: feed.robot.speed().linear[1] < -0.1, "it drives to the right")
             wait_for(lambda: recorder.written["/cmd_vel"], "the speed is written")
-    sent = robowidgets.open(tmp_path / "run.mcap").speeds("/cmd_vel").values
-    assert -0.3 in sent[:, 1]
+    with robowidgets.open(tmp_path / "run.mcap") as recording:
+        assert -0.3 in recording.speeds("/cmd_vel").values[:, 1]
     with feeds.simulator("turtlebot3", wander=False) as feed:
         with pytest.raises(FeedError, match=r"lateral is 0.07 m/s, but this robot is not known to move sideways"):
             feed.drive(0.1, lateral=0.07)

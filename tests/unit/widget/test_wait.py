@@ -225,7 +225,7 @@ def test_a_busy_main_thread_gets_the_first_scan_of_a_feed() -> None:
     with Feed(script) as feed:
         feed.connect("/scan", laser)
         threading.Timer(0.05, lambda: script.listener.on_message("/scan", scan(1.5))).start()
-        assert laser.wait().nearest().range == 1.5
+        assert laser.wait(240.0).nearest().range == 1.5
 
 
 def test_a_commanded_speed_is_none_that_was_measured() -> None:
@@ -284,7 +284,7 @@ def test_a_function_that_is_connected_may_wait_for_what_comes_next() -> None:
     laser, got, script = LaserWidget(), [], Scripted(SCAN)
     with Feed(script) as feed:
         feed.connect("/scan", laser)
-        feed.connect("/scan", lambda _: got or got.append([laser.wait().ranges[0] for _ in range(2)]))
+        feed.connect("/scan", lambda _: got or got.append([laser.wait(240.0).ranges[0] for _ in range(2)]))
         script.listener.on_message("/scan", scan(1.5))
         wait_for(lambda: laser._newest.waiters, "the function waits for the next one")
         script.listener.on_message("/scan", scan(2.5))
