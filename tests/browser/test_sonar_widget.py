@@ -67,6 +67,7 @@ def test_a_sensor_is_named_where_the_pointer_is_kept_by_a_click_and_copied_also_
     nb = plain_page([PIONEER])
     card = nb.widget(0).locator(".rw-card")
     nb.page.context.grant_permissions(["clipboard-read", "clipboard-write"])
+    expect(card.locator(".rw-footer")).to_contain_text("12 readings")
     with nb.busy():
         nb.page.mouse.move(*at(card, 30))
         expect(words(card, "expression")).to_have_text("[2] sonar_2")
