@@ -118,8 +118,9 @@ def summary(folder: str | os.PathLike[str]) -> ClassSummary:
     """How far a class is, from a folder with the reports of its students, at any depth.
 
     Reports are files that `report` wrote, each with the name of its student, and the ``robowidgets-progress.json`` of
-    notebooks' folders, which belong to the student after whom the first folder is named. A file that is damaged, or
-    none of these, is named in ``problems``. Nothing in them is run.
+    notebooks' folders, which belong to the student after whom the first folder is named. One with notebooks and no
+    report is of a student who has answered nothing. A file that is damaged, or none of these, is named in ``problems``.
+    Nothing in them is run.
 
     Raises:
         NotADirectoryError: there is no such folder.
@@ -128,10 +129,8 @@ def summary(folder: str | os.PathLike[str]) -> ClassSummary:
     if not root.is_dir():
         raise NotADirectoryError(f"summary: there is no folder {str(folder)!r}; name the one with the reports")
     found, problems = list[tuple[Path, dict[str, Task]]](), list[str]()
-    for file in sorted(root.rglob("*.json")):
-        within = file.relative_to(root)
-        if any(part.startswith(".") for part in within.parts):
-            continue
+    for within in _files(root, "*.json"):
+        file = root / within
         try:
             found.append((within, read(file)))
         except (ReportError, OSError) as error:
@@ -145,7 +144,17 @@ def summary(folder: str | os.PathLike[str]) -> ClassSummary:
         for task, row in tasks.items():
             if task not in of or (row.done, row.last) > (of[task].done, of[task].last):
                 of[task] = row
+    told = {file.parts[0] for file, _ in found}
+    for file in _files(root, "*.ipynb"):
+        if len(file.parts) > 1 and file.parts[0] not in told:
+            students.setdefault(file.parts[0], {})
     return ClassSummary(students, problems)
+
+
+def _files(root: Path, pattern: str) -> list[Path]:
+    """The files of a pattern at any depth, within their root, but for hidden ones."""
+    within = (file.relative_to(root) for file in sorted(root.rglob(pattern)))
+    return [file for file in within if not any(part.startswith(".") for part in file.parts)]
 
 
 def _is_stuck(task: Task | None) -> bool:

@@ -216,6 +216,17 @@ class TestSummary:
             write(folder / name / "report.json", {})
         assert list(lessons.summary(folder).students) == ["ada/report", "bo/report"]
 
+    def test_a_folder_with_notebooks_alone_is_a_student_who_has_answered_nothing(self, folder: Path) -> None:
+        for name in ("ada", "bo", "cy", ".ipynb_checkpoints"):
+            (folder / name / "lesson").mkdir(parents=True)
+            (folder / name / "lesson" / "lesson.ipynb").write_text("{}", encoding="utf-8")
+        (folder / "mine.ipynb").write_text("{}", encoding="utf-8")
+        write(folder / "ada.json", {"fits_through": Task(done=True)})
+        (folder / "cy" / "lesson" / FILE).write_text("torn", encoding="utf-8")
+        found = lessons.summary(folder)
+        assert {name: len(tasks) for name, tasks in found.students.items()} == {"ada": 1, "bo": 0, "cy": 0}
+        assert [problem.split(":")[0] for problem in found.problems] == ["cy/lesson"]
+
 
 def test_the_command_puts_the_lessons_into_a_folder_and_runs_no_cell(
     folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
