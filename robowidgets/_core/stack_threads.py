@@ -262,7 +262,8 @@ class StackThreads:
         me = self._now
         # The collector may call a function of the user while this stack is being put aside.
         if self._host.can_wait() and me not in self._aside:
-            self.block(0)
+            # By a timer: Firefox runs none while anything is due at once, which would be so all the time.
+            self.block(0.001)
             if me.ident == self._main:
                 self._on_long(time.monotonic() - me.computes_since)
         self._slice_end = time.monotonic() + SLICE

@@ -18,7 +18,7 @@ import subprocess
 import sys
 import threading
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from http import HTTPStatus
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -40,6 +40,7 @@ from .. import stack_cases
 from ..conftest import ROOT
 from ..unit.recordings import written
 from . import firefox
+from .conftest import FAILED
 from .console import Console
 from .notebook import notebook_of
 
@@ -74,7 +75,8 @@ new MutationObserver(() => {
 """Keeps what the bar says while a page loads."""
 
 KINDS = '''
-import asyncio, anywidget, traitlets
+import asyncio, anywidget, importlib.util, traitlets
+from pathlib import Path
 
 try:
     import robowidgets
@@ -94,7 +96,10 @@ class Kinds(anywidget.AnyWidget):
     frame = traitlets.Bytes(b"\\0\\1\\2\\xff").tag(sync=True)
     hovered = traitlets.Int(5, allow_none=True).tag(sync=True)
     answer = traitlets.Dict().tag(sync=True)
-    _esm = """
+    # Run as each of our own is, which hears the kernel on a slow machine, too.
+    _esm = (Path(importlib.util.find_spec("robowidgets").origin).parent / "static" / "run_once.js").read_text()
+    _style = traitlets.Unicode().tag(sync=True)
+    _script = traitlets.Unicode("""
     export default {
       render({ model, el }) {
         const names = ["nothing", "yes", "count", "stamp", "part", "text", "items", "pair", "table", "hovered"];
@@ -120,7 +125,7 @@ class Kinds(anywidget.AnyWidget):
         });
       },
     };
-    """
+    """).tag(sync=True)
 
 kinds = Kinds()
 custom = []
@@ -133,6 +138,10 @@ SHOWN = {
     "frame": [0, 1, 2, 255], "later": True,
 }  # fmt: skip
 
+# With the name of the kernel: before there is one, JupyterLite asks for it when a cell is run.
+IS_READY = """document.body.innerText.includes("Python (Pyodide)") && !document.querySelector(".jp-Spinner")
+  && document.querySelector(".jp-Notebook-ExecutionIndicator[data-status=idle]") !== null"""
+RUN_CELL = "[data-jp-item-name=run] jp-button"
 CAME = "came None {'none': None, 'list': [None, 1], 'number': 2.5, 'text': 'b', 'yes': False} [{'custom': None}]"
 
 WAITS = """
@@ -424,6 +433,10 @@ def site(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Site]:
     server.stop()
 
 
+def address_of(site: Site, notebook: str) -> str:
+    return f"{site.server.url}/notebooks/index.html?path={notebook}"
+
+
 class Lite:
     """A notebook in JupyterLite.
 
@@ -431,24 +444,22 @@ class Lite:
         loading: what the bar said while it loaded: value, most, and text.
     """
 
-    def __init__(self, browser: Browser, url: str, notebook: str) -> None:
-        self.page: Page = browser.new_page(viewport={"width": 1200, "height": 1300})
-        self.page.add_init_script(NOTE_LOADING)
-        self.console = Console(self.page)
-        self._address = f"{url}/notebooks/index.html?path={notebook}"
+    def __init__(self, page: Page, console: Console, address: str) -> None:
+        self.page, self.console, self._address = page, console, address
         self.open()
 
     def open(self) -> None:
         """Open the notebook, anew after the first time: with another kernel."""
-        self.page.goto(self._address)
-        self.page.locator(".jp-CodeCell").first.wait_for(timeout=BOOT_MS)
+        self.page.goto(self._address, wait_until="commit")
+        self.page.wait_for_function(IS_READY, timeout=BOOT_MS)
         self.loading = self.page.evaluate("loading")
 
     def run(self, index: int, awaited: str) -> None:
         """Run a cell until it shows a text."""
         cell = self.page.locator(".jp-CodeCell").nth(index)
         cell.locator(".cm-content").click()
-        self.page.keyboard.press("Shift+Enter")
+        expect(cell).to_have_class(re.compile(r"\bjp-mod-active\b"))
+        self.page.locator(RUN_CELL).click()
         expect(cell.locator(".jp-OutputArea")).to_contain_text(awaited, timeout=BOOT_MS)
 
     def run_all(self) -> None:
@@ -462,13 +473,44 @@ class Lite:
         return self.page.locator(".jp-CodeCell").nth(index).locator(".jp-OutputArea")
 
 
+@pytest.fixture
+def lite(browser: Browser, site: Site, pages: list[tuple[Page, Console]]) -> Callable[[str], Lite]:
+    """A function that opens a notebook in JupyterLite, as one who has never been there."""
+
+    def open_notebook(name: str) -> Lite:
+        page = browser.new_page(viewport={"width": 1200, "height": 1300})
+        page.add_init_script(NOTE_LOADING)
+        pages.append((page, Console(page)))
+        return Lite(*pages[-1], address_of(site, name))
+
+    return open_notebook
+
+
 @pytest.fixture(scope="module")
-def kinds(browser: Browser, site: Site) -> Iterator[Lite]:
-    """The notebook of what needs no NumPy, opened once, whose first cell has run."""
-    nb = Lite(browser, site.server.url, "tests/kinds.ipynb")
-    nb.run(0, "answer")
+def spare() -> Iterator[list[Lite]]:
+    """The notebook of `kinds`, while no test has it."""
+    kept: list[Lite] = []
+    yield kept
+    for nb in kept:
+        nb.page.close()
+
+
+@pytest.fixture
+def kinds(
+    lite: Callable[[str], Lite], site: Site, spare: list[Lite], pages: list[tuple[Page, Console]], request: Any
+) -> Iterator[Lite]:
+    """The notebook of what needs no NumPy, whose first cell has run: opened once, and anew after a test that failed."""
+    if spare:
+        nb = spare.pop()
+        pages.append((nb.page, nb.console))
+    else:
+        site.server.sent.clear()
+        nb = lite("tests/kinds.ipynb")
+        nb.run(0, "answer")
     yield nb
-    nb.page.close()
+    if not request.node.stash.get(FAILED, False):
+        pages.remove((nb.page, nb.console))
+        spare.append(nb)
 
 
 def test_python_and_the_page_mean_the_same_by_each_kind_of_value_and_a_cell_that_computes_gives_way(
@@ -506,16 +548,33 @@ def test_a_notebook_has_the_modules_beside_it_and_on_the_next_visit_what_it_wrot
 
 
 @pytest.mark.skipif(firefox.found() is None, reason="Firefox is not installed: apt-get install firefox-esr")
-def test_a_firefox_that_cannot_pause_python_says_so_on_the_page_until_that_is_closed(
-    site: Site, tmp_path: Path
-) -> None:
-    with firefox.running(tmp_path, {"javascript.options.wasm_js_promise_integration": False}) as browser:
-        browser.open(f"{site.server.url}/notebooks/index.html?path=tests/kinds.ipynb")
-        said = browser.wait("return document.querySelector('.rw-cannot p')?.textContent")
-        assert said == f"{NO_SWITCHING}."
-        browser.wait("return document.querySelector('.jp-CodeCell') && !document.querySelector('.rw-loading')")
+def test_firefox_runs_what_chromium_does_and_one_that_cannot_pause_python_says_so(site: Site, tmp_path: Path) -> None:
+    address = address_of(site, "tests/kinds.ipynb")
+    said = "return document.querySelector('.rw-cannot p')?.textContent"
+    with firefox.running(tmp_path / "old", {"javascript.options.wasm_js_promise_integration": False}) as browser:
+        browser.open(address)
+        assert browser.wait(said) == f"{NO_SWITCHING}."
         browser.click(".rw-cannot button")
         browser.wait("return !document.querySelector('.rw-cannot')")
+    with firefox.running(tmp_path / "new") as browser:
+        browser.open(address)
+        browser.wait(f"return {IS_READY}")
+
+        def run(index: int, awaited: str) -> str:
+            """Run the next cell until it shows a text."""
+            browser.click(RUN_CELL)
+            cell = f"document.querySelectorAll('.jp-CodeCell')[{index}]"
+            shown = f"[...{cell}.querySelectorAll('.jp-OutputArea-output')].map((one) => one.innerText).join('\\n')"
+            return str(browser.wait(f"const shown = {shown}; return shown.includes({json.dumps(awaited)}) && shown"))
+
+        assert json.loads(run(0, "answer").splitlines()[0]) == SHOWN
+        browser.run("[...document.querySelectorAll('button')].find((one) => one.textContent === 'answer').click()")
+        browser.wait("return document.querySelector('.said')?.textContent === '{\"back\":[null]}'")
+        run(1, CAME)
+        run(2, "ticks 40")
+        assert run(3, "read all False").splitlines()[:-1] == site.said()
+        run(4, "from beside kept nothing")
+        assert browser.run(said) is None
 
 
 def test_the_lock_names_each_file_by_its_hash_and_all_that_each_needs(site: Site) -> None:
@@ -558,15 +617,13 @@ def test_another_file_than_that_of_pyodide_is_no_numpy(
 
 
 @needs_numpy
-def test_a_lesson_and_the_study_run_in_jupyterlite(browser: Browser, site: Site) -> None:
-    nb = Lite(browser, site.server.url, "tests/lesson.ipynb")
+def test_a_lesson_and_the_study_run_in_jupyterlite(lite: Callable[[str], Lite]) -> None:
+    nb = lite("tests/lesson.ipynb")
     nb.run(0, "laser")
     nb.run(1, "steps True rate True")
     nb.run(2, "line 4: a step has not returned for half a second")
     nb.run(3, "line 3: a step has not returned for half a second")
     nb.run(4, "(1, 2) [[1.0, 1.0], [0.0, 0.0]] ()")
-    assert nb.console.errors == []
-    nb.page.close()
 
 
 @needs_numpy
@@ -579,8 +636,5 @@ def test_a_lesson_and_the_study_run_in_jupyterlite(browser: Browser, site: Site)
         "studies/take_part.ipynb",
     ],
 )
-def test_all_cells_of_a_notebook_run_to_their_end_in_jupyterlite(browser: Browser, site: Site, name: str) -> None:
-    nb = Lite(browser, site.server.url, name)
-    nb.run_all()
-    assert nb.console.errors == []
-    nb.page.close()
+def test_all_cells_of_a_notebook_run_to_their_end_in_jupyterlite(lite: Callable[[str], Lite], name: str) -> None:
+    lite(name).run_all()
