@@ -28,7 +28,6 @@ TESTS = [
     FOLDER / f"{name}.py"
     for name in (
         "test_watch",
-        "test_drive_widget",
         "test_program_widget",
         "test_machine_widget",
         "test_stop_widget",
