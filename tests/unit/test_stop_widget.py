@@ -71,12 +71,12 @@ def test_a_bare_watchdog_will_do() -> None:
     watchdog = CommandWatchdog(lambda *speed: heard.append(speed))
     bar = StopWidget(watchdog)
     assert bar.get_state()["_state"]["ready"] is True
-    watchdog.drive(Velocity(0.1))
+    watchdog.drive(Velocity(0.1), 3600.0)
     wait_for(lambda: heard, "it drives")
     bar.stopped = True
     wait_for(lambda: heard == [Velocity(0.1), ZERO], "it stops")
     bar.stopped = False
-    watchdog.drive(Velocity(0.1))
+    watchdog.drive(Velocity(0.1), 3600.0)
     bar.close()
     watchdog.close()
 
