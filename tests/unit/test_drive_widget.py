@@ -16,11 +16,12 @@ import traitlets
 
 from robowidgets import DriveWidget, Speed
 from robowidgets.driving import command_watchdog
-from robowidgets.driving.command_watchdog import HOLD, PROGRAM, Velocity
+from robowidgets.driving.command_watchdog import HOLD, PROGRAM, CommandWatchdog, Velocity
 from robowidgets.driving.driving_widget import ALLOW_LIFETIME
 from robowidgets.driving.press import PressLease, Tokens
 from robowidgets.feeds import Driving, Feed, FeedError
 
+from .clocks import ManualClock
 from .feeds.scripted import CMD_VEL, SCAN, Scripted
 from .pages import Page
 from .waiting import wait_for
@@ -38,6 +39,8 @@ class Pad(DriveWidget):
     answers: list[dict[str, Any]] = []  # noqa: RUF012
     heard: list[tuple[float, float]] = []  # noqa: RUF012
     now = 100.0
+    clock: ManualClock | None = None
+    """That of its watchdogs, if it is moved by hand."""
 
     def __init__(self, **kwargs: Any) -> None:
         self.answers = []
@@ -69,14 +72,25 @@ class Pad(DriveWidget):
         return state
 
     def rests(self) -> None:
-        wait_for(lambda: self._watchdog._thread is None, "the pad rests")
+        wait_for(lambda: self._watchdog._thread is None or (self.clock and self.clock.advance(1 / 64)), "the pad rests")
 
 
 @pytest.fixture
-def pad() -> Iterator[Pad]:
+def clock(monkeypatch: pytest.MonkeyPatch) -> ManualClock:
+    """That of the watchdogs which pads make."""
+    made = ManualClock()
+    monkeypatch.setitem(CommandWatchdog.__init__.__kwdefaults__, "clock", made)  # type: ignore[index]
+    return made
+
+
+@pytest.fixture
+def pad(clock: ManualClock) -> Iterator[Pad]:
     made = Pad()
+    made.clock = clock
     yield made
-    made.close()
+    closing = clock.beside(made.close)
+    wait_for(lambda: not closing.is_alive() or clock.advance(1 / 64), "it is closed")
+    made.rests()
 
 
 @pytest.fixture
