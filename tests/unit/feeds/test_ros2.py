@@ -705,6 +705,7 @@ def test_a_zero_after_an_interrupt_that_ended_all_of_rclpy_arrives(
 def test_a_stop_after_such_an_interrupt_arrives(graph: Graph, robot: Robot) -> None:
     for _ in range(3):
         with feeds.ros2(domain_id=7) as feed:
+            feed.driving = feeds.Driving(hold=NEVER)
             feed.drive(0.25)
             wait_for(lambda: robot.speeds[-1:] == [0.25], "the robot drives")
             graph.contexts[-1].interrupt()
@@ -714,6 +715,7 @@ def test_a_stop_after_such_an_interrupt_arrives(graph: Graph, robot: Robot) -> N
 
 def test_a_feed_that_is_closed_after_such_an_interrupt_stops_the_robot(graph: Graph, robot: Robot) -> None:
     feed = feeds.ros2(domain_id=7)
+    feed.driving = feeds.Driving(hold=NEVER)
     feed.drive(0.25)
     wait_for(lambda: robot.speeds[-1:] == [0.25], "the robot drives")
     graph.contexts[0].interrupt()
@@ -748,6 +750,7 @@ def test_a_zero_that_was_too_early_follows_as_soon_as_the_robot_is_found_again(
 ) -> None:
     monkeypatch.setattr("robowidgets.driving.command_watchdog.RETRY", 60.0)
     with feeds.ros2(domain_id=7) as feed:
+        feed.driving = feeds.Driving(hold=NEVER)
         feed.drive(0.25)
         wait_for(lambda: robot.speeds[-1:] == [0.25], "the robot drives")
         graph.discovery = 1.3
@@ -791,6 +794,7 @@ def test_a_robot_that_was_found_late_is_known_to_have_listened(ros2: Ros2, graph
 
 def test_a_feed_that_is_closed_waits_until_its_robot_is_found_again(graph: Graph, robot: Robot) -> None:
     feed = feeds.ros2(domain_id=7)
+    feed.driving = feeds.Driving(hold=NEVER)
     feed.drive(0.25)
     wait_for(lambda: robot.speeds[-1:] == [0.25], "the robot drives")
     graph.discovery = 1.3
