@@ -11,6 +11,7 @@ from ._core import in_browser
 
 if in_browser.IN_BROWSER:
     in_browser.prepare()
+    in_browser.check_numpy()
 
 from ._core.renamed import renamed
 from ._core.short_traceback import shorten_tracebacks

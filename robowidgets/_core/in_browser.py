@@ -38,6 +38,10 @@ LONG_CELL = (
     "`for scan in feed.scans('/scan'):` or with `time.sleep(0.1)`, leaves time to robot and pictures"
 )
 
+NO_NUMPY = (
+    "robowidgets needs NumPy, which this site has not. "
+    "`make site ROBOWIDGETS_PYODIDE_NUMPY=pyodide` builds one that has it"
+)
 NO_RECORDINGS = (
     "recordings cannot be opened here: this browser's Python has no lz4 and no zstd to unpack them. Open them on a "
     "site that `make site` made, or where Jupyter runs on a computer; a page that recording.to_html() writes there "
@@ -76,6 +80,16 @@ def prepare() -> StackThreads:
     if kernel_comm is not None:
         repair_comm(kernel_comm.Comm, pyodide.ffi.jsnull)
     return threads
+
+
+def check_numpy() -> None:
+    """Say so where there is no NumPy, rather than Pyodide, whose advice is for a browser that reaches its packages.
+
+    Raises:
+        ModuleNotFoundError: there is none, and what to do.
+    """
+    if _is_absent("numpy"):
+        raise ModuleNotFoundError(NO_NUMPY, name="numpy")
 
 
 def prepare_recordings() -> None:

@@ -46,6 +46,14 @@ def test_recordings_name_what_is_missing_to_unpack_them(monkeypatch: pytest.Monk
         exec(spec.get_code("robowidgets.recordings") or "", {"__name__": "x", "__package__": "robowidgets.recordings"})
 
 
+def test_a_site_without_numpy_says_how_to_build_one_with_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    in_browser.check_numpy()
+    monkeypatch.setattr(in_browser, "find_spec", lambda _: None)
+    with pytest.raises(ModuleNotFoundError, match=r"needs NumPy.*make site ROBOWIDGETS_PYODIDE_NUMPY=pyodide") as told:
+        in_browser.check_numpy()
+    assert told.value.name == "numpy"
+
+
 RECORDINGS = """
 import sys
 
