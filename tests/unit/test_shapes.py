@@ -151,9 +151,9 @@ class TestDraw:
             judging.set()
             return may_end.wait(120)
 
+        monkeypatch.setattr(judge, "CONDITION", judge.CONDITION._replace(late=600.0))
         laser.watch(close, name="close")
         assert judging.wait(120)
-        monkeypatch.setattr(judge, "PATIENCE", 60)
         marked: list[object] = []
         mark = pacer.mark
         monkeypatch.setattr(pacer, "mark", lambda sender: (marked.append(sender), mark(sender)))
