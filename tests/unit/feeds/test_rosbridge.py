@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 
 from robowidgets import Validity
+from robowidgets.feeds import _threaded, _websocket
 from robowidgets.feeds import rosbridge as rosbridge_feed
 from robowidgets.feeds._rosbridge_frames import topic_of
 from robowidgets.feeds.middleware import Advert, FeedError
@@ -405,7 +406,11 @@ def test_without_a_connection_publishing_is_an_error_and_nothing_is_kept(ears: E
     assert server.published == 2 * [("/cmd_vel", {})]  # the first zero of a new publisher is repeated
 
 
-def test_closing_waits_until_the_robot_has_processed_a_zero_for_it_drops_its_queue_then(ears: Ears) -> None:
+def test_closing_waits_until_the_robot_has_processed_a_zero_for_it_drops_its_queue_then(
+    ears: Ears, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(_threaded, "CLOSE_TIMEOUT", 1000.0)
+    monkeypatch.setattr(_websocket, "_GOODBYE", 1000.0)
     with Server({"/scan": SCAN}, delay=0.02) as server:
         middleware = opened(server.address, ears, "/scan")
         wait_for(lambda: ears.topics, "the topics were told")
