@@ -28,8 +28,8 @@ SECONDS = 300
 OTHER_PAGES = {ROOT / "CHANGELOG.md": "changelog.md", ROOT / "CONTRIBUTING.md": "contributing.md"}
 """Pages of the site that are not in the folder of the documentation."""
 
-NEEDS_KERNEL = {"drive_widget", "player_widget", "program_widget", "simulator_widget", "stop_widget", "topics_widget"}
-"""Widgets that Python must answer: their pictures stay."""
+NEEDS_KERNEL = {"drive_widget", "player_widget", "program_widget", "sheet_widget", "stop_widget", "topics_widget"}
+"""Widgets that Python must answer: their pictures stay, as those of widgets that have no script of their own."""
 
 NOT_IN_BROWSER = {
     "connect",
@@ -74,7 +74,7 @@ _FENCE = re.compile(r"(^```.*?^```$)", re.MULTILINE | re.DOTALL)
 _NOTEBOOK = re.compile(r"`notebooks/(\w+\.ipynb)`")
 _LINK = re.compile(r"(?<!!)\[([^\]]*)\]\((?!https?:|#)([^)#]+)(#[^)]*)?\)")
 
-_RUN = """
+_RUN = '''
 import json, sys
 from IPython.core.interactiveshell import InteractiveShell
 from IPython.utils.capture import capture_output
@@ -82,11 +82,16 @@ from ipywidgets import Widget
 from robowidgets.export.models import Models, shown
 
 shell = InteractiveShell.instance()
-blocks, needs_kernel, out = json.load(sys.stdin)
+blocks, live, out = json.load(sys.stdin)
 VIEW = "application/vnd.jupyter.widget-view+json"
 
 def all_of(widget):
     return [one for child in widget.children for one in all_of(child)] if hasattr(widget, "children") else [widget]
+
+def waits(part):
+    """Whether no sample came yet that it could show."""
+    frames = [value for value in part.get_state().values() if isinstance(value, (bytes, memoryview))]
+    return bool(frames) and not any(frames)
 
 for number, source in enumerate(blocks):
     with capture_output(stdout=False, stderr=False) as said:
@@ -100,8 +105,7 @@ for number, source in enumerate(blocks):
         shows.append(cell.result)
     for widget in shows[-1:]:
         parts = all_of(widget)
-        names = {type(part).__module__ for part in parts}
-        if any(not name.startswith("robowidgets.") or name.rpartition(".")[2] in needs_kernel for name in names):
+        if any(type(part).__module__.rpartition(".")[2] not in live for part in parts) or any(map(waits, parts)):
             continue
         models = Models()
         for part in parts:
@@ -110,7 +114,7 @@ for number, source in enumerate(blocks):
             models.add(part, {k: v for k, v in {"_source": {}, "_silence": 0.0}.items() if k in known_traits})
         with open(out % number, "wb") as file:
             file.write(models.part(shown(widget)))
-"""
+'''
 
 
 def run_blocks(page: Path, live: Path) -> dict[int, str]:
@@ -123,10 +127,11 @@ def run_blocks(page: Path, live: Path) -> dict[int, str]:
     if not blocks:
         return {}
     pattern = str(live / f"{page.stem}-%d.txt")
+    names = sorted({script.stem for script in STATIC.glob("*_widget.js")} - NEEDS_KERNEL)
     with tempfile.TemporaryDirectory() as folder:
         ended = subprocess.run(
             [sys.executable, "-c", _RUN],
-            cwd=folder, input=json.dumps([blocks, sorted(NEEDS_KERNEL), pattern]), text=True, capture_output=True,
+            cwd=folder, input=json.dumps([blocks, names, pattern]), text=True, capture_output=True,
             timeout=SECONDS, check=False, env=os.environ | {"PYTHONPATH": str(ROOT)},
         )  # fmt: skip
     if ended.returncode:

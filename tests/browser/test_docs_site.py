@@ -119,8 +119,13 @@ def test_a_page_of_the_site_has_live_widgets_and_asks_no_other_host(
 
     page.locator("a", has_text="Layers").first.click()
     expect(page.locator("h1")).to_contain_text("Layers on a scan")
+    for place in page.locator("[data-rw-live]").all():
+        place.scroll_into_view_if_needed()
+        expect(place.locator(".rw-card").first).to_be_visible()
+        # Nothing is live that waits for what never comes.
+        expect(place.get_by_text("waiting for").filter(visible=True)).to_have_count(0)
     page.locator(".md-search__button:visible").click()
-    page.get_by_role("combobox").fill("footprint")
+    page.get_by_role("combobox", name="Search").fill("footprint")
     expect(page.get_by_text("The robot to scale", exact=True).filter(visible=True).last).to_be_visible()
     assert console.errors == []
 
