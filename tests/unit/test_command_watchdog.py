@@ -62,7 +62,7 @@ def threads() -> list[threading.Thread]:
 
 
 def drive(watchdog: CommandWatchdog, velocity: Velocity, driver: str = PROGRAM) -> None:
-    watchdog.sent_in_time(watchdog.drive(velocity, driver=driver))
+    watchdog.sent_in_time(watchdog.drive(velocity, hold=60.0, driver=driver))
 
 
 def test_a_loop_without_a_pause_sends_at_most_50_speeds_a_second_the_newest_last(
@@ -76,8 +76,8 @@ def test_a_loop_without_a_pause_sends_at_most_50_speeds_a_second_the_newest_last
     passed = time.monotonic() - began
     assert len([velocity for velocity in sink.speeds if velocity.linear]) <= passed / INTERVAL + 2
     assert sink.speeds[-1] == ZERO
-    watchdog.drive(FORWARD)
-    watchdog.drive(LEFT)
+    watchdog.drive(FORWARD, hold=60.0)
+    watchdog.drive(LEFT, hold=60.0)
     wait_for(lambda: sink.speeds[-1] == LEFT, "the newest is sent")
 
 
@@ -109,7 +109,7 @@ def test_a_sink_that_hangs_is_told_to_who_waits_and_holds_nobody_for_ever(
     watchdog: CommandWatchdog, sink: Sink
 ) -> None:
     sink.gate.clear()
-    watchdog.drive(FORWARD)
+    watchdog.drive(FORWARD, hold=60.0)
     wait_for(lambda: sink.got, "the sink is at work")
     with pytest.raises(TimeoutError, match=r"the function that sends speeds has not returned for \d+\.\d s"):
         watchdog.sent_in_time(watchdog.stop(), 0.2)
@@ -188,7 +188,7 @@ def test_a_speed_that_waits_for_its_turn_owes_a_zero(
     monkeypatch.setattr("robowidgets.driving.command_watchdog.INTERVAL", 1.0)
     drive(watchdog, FORWARD)
     watchdog.sent_in_time(watchdog.stop())
-    watchdog.drive(LEFT)
+    watchdog.drive(LEFT, hold=60.0)
     assert watchdog.owes_zero
     stop_all()
     assert LEFT not in sink.speeds
@@ -354,6 +354,8 @@ def test_observers_are_told_of_every_change_and_none_of_them_keeps_zero_from_bei
 
     watchdog.observe(fail)
     drive(watchdog, FORWARD)
+    wait_for(lambda: told == [FORWARD], "it is told")
+    watchdog.stop()
     wait_for(lambda: told == [FORWARD, ZERO], "both are told")
     watchdog.unobserve(fail)
     drive(watchdog, FORWARD)

@@ -13,10 +13,9 @@ import numpy as np
 import pytest
 
 from robowidgets import Validity
-from robowidgets.feeds import _threaded, _websocket
 from robowidgets.feeds import rosbridge as rosbridge_feed
 from robowidgets.feeds._rosbridge_frames import topic_of
-from robowidgets.feeds.middleware import Advert, FeedError
+from robowidgets.feeds.middleware import CLOSE_TIMEOUT, Advert, FeedError
 from robowidgets.feeds.rosbridge import Rosbridge
 from robowidgets.messages import to_scan
 
@@ -47,6 +46,13 @@ def in_json(monkeypatch: pytest.MonkeyPatch) -> None:
 def quick(monkeypatch: pytest.MonkeyPatch) -> None:
     """Questions for topics follow each other quickly, but leave a busy machine time for the answers."""
     monkeypatch.setattr(sys.modules["robowidgets.feeds.rosbridge"], "_POLL", 0.3)
+
+
+@pytest.fixture
+def patient(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Answers may take as long as a busy machine needs for them."""
+    for limit in ("_websocket.SEND_TIMEOUT", "_websocket._GOODBYE", "_threaded.CLOSE_TIMEOUT"):
+        monkeypatch.setattr(f"robowidgets.feeds.{limit}", 120.0)
 
 
 def opened(address: str, ears: Ears, *topics: str) -> Rosbridge:
@@ -390,6 +396,7 @@ def test_a_speed_after_a_lost_connection_is_written_as_before(ears: Ears) -> Non
     assert server.advertised == {"/cmd_vel": "geometry_msgs/Twist"}
 
 
+@pytest.mark.usefixtures("patient")
 def test_without_a_connection_publishing_is_an_error_and_nothing_is_kept(ears: Ears) -> None:
     port = free_port()
     middleware = Rosbridge(f"ws://127.0.0.1:{port}")
@@ -406,11 +413,8 @@ def test_without_a_connection_publishing_is_an_error_and_nothing_is_kept(ears: E
     assert server.published == 2 * [("/cmd_vel", {})]  # the first zero of a new publisher is repeated
 
 
-def test_closing_waits_until_the_robot_has_processed_a_zero_for_it_drops_its_queue_then(
-    ears: Ears, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(_threaded, "CLOSE_TIMEOUT", 1000.0)
-    monkeypatch.setattr(_websocket, "_GOODBYE", 1000.0)
+@pytest.mark.usefixtures("patient")
+def test_closing_waits_until_the_robot_has_processed_a_zero_for_it_drops_its_queue_then(ears: Ears) -> None:
     with Server({"/scan": SCAN}, delay=0.02) as server:
         middleware = opened(server.address, ears, "/scan")
         wait_for(lambda: ears.topics, "the topics were told")
@@ -431,17 +435,31 @@ def test_closing_a_connection_that_published_nothing_asks_the_robot_nothing(ears
 
 
 def test_to_a_robot_that_falls_silent_publishing_a_zero_is_an_error_that_says_so(ears: Ears) -> None:
-    with Server({"/cmd_vel": STAMPED}) as server:
-        middleware = opened(server.address, ears)
-        wait_for(lambda: ears.topics, "the topics were told")
-        zero = {"header": {"stamp": {"sec": 1, "nanosec": 2}, "frame_id": "base"}, "twist": {"linear": {"x": 0.0}}}
-        middleware.publish("/cmd_vel", STAMPED, zero)
-        go_on = server.stall()
-        with pytest.raises(TimeoutError, match=f"{server.address} has not answered for 0.5 s"):
+    clock, errors = ManualClock(), []
+    zero = {"header": {"stamp": {"sec": 1, "nanosec": 2}, "frame_id": "base"}, "twist": {"linear": {"x": 0.0}}}
+
+    def publish() -> None:
+        try:
             middleware.publish("/cmd_vel", STAMPED, zero)
+        except TimeoutError as error:
+            errors.append(str(error))
+
+    with Server({"/cmd_vel": STAMPED}) as server:
+        middleware = Rosbridge(server.address, clock)
+        middleware.open(ears)
+        wait_for(lambda: ears.topics, "the topics were told")
+        publish()
+        go_on = server.stall()
+        publishing = clock.beside(publish)
+        clock.advance(0.5)
+        publishing.join()
+        assert errors == [f"{server.address} has not answered for 0.5 s"]
         go_on()
-        middleware.publish("/cmd_vel", STAMPED, zero)
-        middleware.close()
+        publish()
+        assert len(errors) == 1
+        closing = clock.beside(middleware.close)
+        clock.advance(CLOSE_TIMEOUT)
+        closing.join()
     assert server.published == 4 * [("/cmd_vel", zero)]  # the first one is repeated
 
 

@@ -186,6 +186,7 @@ def test_the_feed_of_a_robot_speaks_its_dialect_and_a_widget_reads_it() -> None:
 def test_a_feed_of_the_pr2_drives_sideways_and_those_of_other_robots_say_that_they_cannot(tmp_path: Path) -> None:
     with feeds.simulator("pr2", hz=100.0, wander=False) as feed:
         assert feed.driving.max_lateral == 0.5
+        feed.driving = feeds.Driving(max_lateral=0.5, hold=3600.0)
         with feed.record(tmp_path / "run.mcap") as recorder:
             feed.drive(lateral=-0.3)
             wait_for(lambda: feed.robot.speed().linear[1] < -0.1, "it drives to the right")
@@ -195,7 +196,7 @@ def test_a_feed_of_the_pr2_drives_sideways_and_those_of_other_robots_say_that_th
     with feeds.simulator("turtlebot3", wander=False) as feed:
         with pytest.raises(FeedError, match=r"lateral is 0.07 m/s, but this robot is not known to move sideways"):
             feed.drive(0.1, lateral=0.07)
-        feed.driving = feeds.Driving(max_lateral=0.3)
+        feed.driving = feeds.Driving(max_lateral=0.3, hold=3600.0)
         with pytest.raises(
             FeedError, match=r"the simulated robot does not move sideways; feeds.simulator\('pr2'\) does"
         ):
