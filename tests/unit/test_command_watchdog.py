@@ -226,35 +226,6 @@ def test_a_latched_stop_sends_zero_and_refuses_all_until_it_is_released(watchdog
     wait_for(lambda: sink.speeds[-1] == LEFT, "it is sent")
 
 
-def test_while_a_hand_drives_a_program_is_refused_but_for_stop(watchdog: CommandWatchdog, sink: Sink) -> None:
-    drive(watchdog, FORWARD)
-    assert watchdog.driver == PROGRAM
-    watchdog.take("hand")
-    wait_for(lambda: sink.speeds == [FORWARD, ZERO], "the program's speed ends")
-    drive(watchdog, LEFT, "hand")
-    for refused in (FORWARD, ZERO):
-        with pytest.raises(RefusedError, match="a hand drives from a pad"):
-            watchdog.drive(refused)
-    assert watchdog.driver == "hand"
-    wait_for(lambda: sink.speeds[-1] == LEFT, "the hand's is sent")
-    watchdog.sent_in_time(watchdog.stop())
-    drive(watchdog, LEFT, "hand")
-    watchdog.let_go("hand")
-    wait_for(lambda: sink.speeds[-1] == ZERO, "letting go stops")
-    with pytest.raises(RefusedError, match="the press on the pad is over"):
-        watchdog.drive(LEFT, driver="hand")
-    drive(watchdog, FORWARD)
-
-
-def test_the_newest_hand_drives(watchdog: CommandWatchdog) -> None:
-    watchdog.take("one")
-    watchdog.take("other")
-    with pytest.raises(RefusedError):
-        watchdog.drive(LEFT, driver="one")
-    watchdog.let_go("one")
-    assert watchdog.driver == "other"
-
-
 @pytest.fixture
 def clock() -> ManualClock:
     return ManualClock()
@@ -268,6 +239,43 @@ def timed(clock: ManualClock) -> Iterator[tuple[CommandWatchdog, Sink]]:
     yield made, sink
     made.close()
     clock.advance(1.0)
+
+
+def test_while_a_hand_drives_a_program_is_refused_but_for_stop(
+    clock: ManualClock, timed: tuple[CommandWatchdog, Sink]
+) -> None:
+    watchdog, sink = timed
+    drive(watchdog, FORWARD)
+    assert watchdog.driver == PROGRAM
+    watchdog.take("hand")
+    clock.advance(INTERVAL)
+    assert sink.speeds == [FORWARD, ZERO]
+    drive(watchdog, LEFT, "hand")
+    clock.advance(INTERVAL)
+    for refused in (FORWARD, ZERO):
+        with pytest.raises(RefusedError, match="a hand drives from a pad"):
+            watchdog.drive(refused)
+    assert watchdog.driver == "hand"
+    assert sink.speeds[-1] == LEFT
+    watchdog.sent_in_time(watchdog.stop())
+    drive(watchdog, LEFT, "hand")
+    clock.advance(INTERVAL)
+    watchdog.let_go("hand")
+    clock.advance(INTERVAL)
+    assert sink.speeds[-3:] == [ZERO, LEFT, ZERO]
+    with pytest.raises(RefusedError, match="the press on the pad is over"):
+        watchdog.drive(LEFT, driver="hand")
+    drive(watchdog, FORWARD)
+
+
+def test_the_newest_hand_drives(timed: tuple[CommandWatchdog, Sink]) -> None:
+    watchdog, _ = timed
+    watchdog.take("one")
+    watchdog.take("other")
+    with pytest.raises(RefusedError):
+        watchdog.drive(LEFT, driver="one")
+    watchdog.let_go("one")
+    assert watchdog.driver == "other"
 
 
 def test_a_hand_that_is_not_renewed_lets_programs_drive_again(
