@@ -524,11 +524,12 @@ class TestFeed:
 
     def test_a_feed_that_needs_a_page_is_driven_while_one_is_there_and_asks_for_it(self, pad: Pad, feed: Feed) -> None:
         page = Page(pad)
-        feed.driving = Driving(needs_page=True)
+        feed.driving = Driving(needs_page=True, hold=3600.0)
         with pytest.raises(FeedError, match="no page"):
             feed.drive(0.1)
         pad.hear("beat")
         feed.drive(0.1)
+        feed.stop()
         wait_for(
             lambda: page.state["_state"]["speed"] == Velocity() and len(page.sent("_state")) > 4, "it is asked again"
         )
