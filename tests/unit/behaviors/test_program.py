@@ -212,11 +212,12 @@ def test_paused_it_makes_single_steps(robot: Feed, script: Scripted) -> None:
         return Drive(state.n / 1000)
 
     wait_for(lambda: count.steps > 3, "it runs")
+    wait_for(lambda: script.speeds, "it drives")
     count.pause()
     wait_for(lambda: script.speeds[-1] == (0.0, 0.0), "zero is sent")
     before = count.state.n
     count.step()
-    wait_for(lambda: script.speeds[-1] == ((before + 1) / 1000, 0.0), "one step drives")
+    wait_for(lambda: ((before + 1) / 1000, 0.0) in script.speeds, "one step drives")
     wait_for(lambda: script.speeds[-1] == (0.0, 0.0), "its speed ends with the hold")
     assert (count.mode, count.state.n) == ("paused", before + 1)
     count.run()
