@@ -123,6 +123,20 @@ def test_controls_stand_on_the_right_also_without_a_title(plain_page: Callable[.
         assert around["x"] + around["width"] - controls["x"] - controls["width"] <= 12, width
 
 
+def test_a_long_title_of_a_scanogram_pushes_no_control_out_of_a_narrow_card(
+    plain_page: Callable[..., PlainPage],
+) -> None:
+    nb = plain_page(["import robowidgets\nwide = robowidgets.open(robowidgets.SAMPLE).scanogram()\nwide"])
+    nb.python("wide.title = 'a wall comes closer'")
+    header = nb.widget(0).locator(".rw-header")
+    expect(header).to_contain_text("a wall comes closer")
+    nb.resize(345)
+    around, controls = header.bounding_box(), header.locator(".rw-controls").bounding_box()
+    assert around
+    assert controls
+    assert controls["x"] + controls["width"] <= around["x"] + around["width"]
+
+
 def test_the_footer_of_a_laser_ends_where_it_should(plain_page: Callable[..., PlainPage]) -> None:
     nb = plain_page([SCANS, "sweep(270, 541)"])
     nb.resize(700)
