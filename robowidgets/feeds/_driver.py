@@ -298,6 +298,8 @@ class Driver:
                 return
         self._twists.send(topic, velocity, self._connection.adverts)
         self._status.refused = self._twists.refused
+        if guard is not None:
+            guard.tell_others(self._number, topic, velocity)
 
     @property
     def _listed(self) -> Sequence[Advert] | None:

@@ -183,6 +183,7 @@ def test_in_a_player_a_click_goes_there_pointing_shows_that_moment_and_the_row_o
     expect(now).to_have_text("3.00")
     expect(card.locator(".rw-event:visible .rw-event-count").filter(has_text="× 5")).to_have_count(1)
     card.get_by_label("Only rows with these words (/)").fill("lost the")
+    expect(row(card, "over current")).to_have_count(0)
     nb.page.keyboard.press("Enter")
     nb.page.keyboard.press("ArrowDown")
     expect(now).to_have_text("7.00")

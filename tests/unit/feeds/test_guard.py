@@ -207,6 +207,15 @@ def opened(stack: ExitStack, robot: Rosbridge) -> tuple[feeds.Feed, kernel_side.
     return feed, guard
 
 
+def shown_by(feed: feeds.Feed) -> list[float]:
+    """The speeds that a widget of a feed is given."""
+    shown: list[float] = []
+    feed.connection.attach("/cmd_vel", lambda speed: shown.append(speed.linear[0]))
+    # Until it is known that nobody else publishes them, they would come by the robot.
+    wait_for(lambda: [one.offered for one in feed.connection.adverts] == [False], "the publishers are told")
+    return shown
+
+
 def wait_for_speeds(robot: Rosbridge, *speeds: float) -> None:
     """Wait until the robot has these speeds as its last ones; a zero may come again."""
     wait_for(lambda: tuple(_changes(robot)[-len(speeds) :]) == speeds, f"{speeds} come")
@@ -238,8 +247,7 @@ def test_feeds_of_one_robot_share_a_guard_that_ends_with_the_last_and_see_each_o
     other, same = opened(with_guards, robot)
     assert same is guard
     pid = guard.pid
-    shown: list[float] = []
-    other.connection.attach("/cmd_vel", lambda speed: shown.append(speed.linear[0]))  # as a widget is connected
+    shown = shown_by(other)
     told = ("another feed of this kernel drives the robot, too", "")
 
     def is_seen() -> bool:
@@ -277,15 +285,21 @@ def test_a_guard_that_dies_is_told_the_kernel_sends_zero_and_another_one_drives(
 
 
 @pytest.mark.slow
-def test_a_guard_that_stands_still_is_ended_and_the_kernel_sends_zero(robot: Rosbridge, with_guards: ExitStack) -> None:
+def test_a_guard_that_stands_still_is_ended_and_the_kernel_sends_zero_which_other_feeds_show(
+    robot: Rosbridge, with_guards: ExitStack
+) -> None:
     feed, guard = opened(with_guards, robot)
+    other, _ = opened(with_guards, robot)
+    shown = shown_by(other)
     feed.drive(0.3)
     wait_for_speeds(robot, 0.3)
+    wait_for(lambda: shown == [0.3], "the other one shows it")
     pid = guard.pid
     os.kill(pid, signal.SIGSTOP)
     with suppress(FeedError):  # "zero follows", where that takes more than a second
         feed.stop()
     wait_for_speeds(robot, 0.3, 0.0)
+    wait_for(lambda: shown[-1] == 0.0, "the other one shows zero")
     wait_for(lambda: not Path(f"/proc/{pid}").exists(), "the process is gone")
 
 
