@@ -7,6 +7,7 @@ import logging
 import threading
 import time
 from collections.abc import Iterator
+from itertools import groupby
 from math import inf, nan
 from types import SimpleNamespace
 from typing import Any
@@ -639,7 +640,7 @@ class TestProgram:
         wait_for(lambda: pad.heard, "it drives")
         pad.stop()
         pad.rests()
-        assert pad.heard == [(0.5, 0.0), ZERO]
+        assert [speed for speed, _ in groupby(pad.heard)] == [(0.5, 0.0), ZERO]  # zero may come twice
         assert pad.hear("hold", token=pad.answers[-1]["token"], forward=1)["over"] == "released"
 
     @pytest.mark.usefixtures("holds")
@@ -648,7 +649,7 @@ class TestProgram:
         wait_for(lambda: pad.heard, "it drives")
         pad.enabled = False
         pad.rests()
-        assert pad.heard == [(0.5, 0.0), ZERO]
+        assert [speed for speed, _ in groupby(pad.heard)] == [(0.5, 0.0), ZERO]  # zero may come twice
         assert pad.hear("press") == {"press": "p", "over": "disabled"}
         pad.enabled = True
         assert "token" in pad.hear("press")
