@@ -28,8 +28,10 @@ window.driver = (() => {
       return true;
     },
 
-    // One document, as in JupyterLab's simple mode, or beside each other with the file browser, as it starts.
+    // One document, as in JupyterLab's simple mode, or beside each other with the file browser, as it starts. A page that
+    // had these once opens again what was open when it was loaded.
     showOne(isSimple) {
+      if (!isSimple) this.isSpoilt = true;
       const { shell } = app();
       shell.mode = isSimple ? "single-document" : "multiple-document";
       if (isSimple) shell.collapseLeft();

@@ -75,9 +75,11 @@ class LabServer:
                 self.request(f"api/kernels/{session['kernel']['id']}/interrupt", "POST")
 
     def end_sessions(self) -> None:
-        """Shut down every kernel that a notebook left running."""
+        """Shut down every kernel that a notebook left running, and forget which notebooks were open."""
         for session in self.request("api/sessions"):
             self.request(f"api/sessions/{session['id']}", "DELETE")
+        for name in self.request("lab/api/workspaces")["workspaces"]["ids"]:
+            self.request(f"lab/api/workspaces/{name}", "DELETE")
 
     def stop(self) -> None:
         """End the server and its kernels."""
