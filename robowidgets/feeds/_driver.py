@@ -283,23 +283,28 @@ class Driver:
         if velocity != ZERO:
             self._connection.check_open()
         self._choose(is_driven=False)
-        guard, topic = self._guard, self.topic
-        if guard is not None and not guard.unavailable and (velocity != ZERO or guard.is_there):
-            here = [advert for advert in self._connection.adverts if advert.name == topic]
-            try:
-                sent = guard.send(self._number, topic, velocity, self.watchdog.expires, here)
-            except (FeedError, OSError):
-                if velocity != ZERO:
-                    raise
-            else:
-                self._twists.note_moved(topic, sent.moved)
-                self._status.refused = sent.refused
-                guard.tell_others(self._number, topic, velocity)
-                return
-        self._twists.send(topic, velocity, self._connection.adverts)
-        self._status.refused = self._twists.refused
-        if guard is not None:
-            guard.tell_others(self._number, topic, velocity)
+        topic = self.topic
+        if not self._send_by_guard(topic, velocity):
+            self._twists.send(topic, velocity, self._connection.adverts)
+            self._status.refused = self._twists.refused
+        if self._guard is not None:
+            self._guard.tell_others(self._number, topic, velocity)
+
+    def _send_by_guard(self, topic: str, velocity: Velocity) -> bool:
+        """Have the guard send a speed; returns False if the kernel must: there is none, or a zero cannot go by it."""
+        guard = self._guard
+        if guard is None or guard.unavailable or (velocity == ZERO and not guard.is_there):
+            return False
+        here = [advert for advert in self._connection.adverts if advert.name == topic]
+        try:
+            sent = guard.send(self._number, topic, velocity, self.watchdog.expires, here)
+        except (FeedError, OSError):
+            if velocity != ZERO:
+                raise
+            return False
+        self._twists.note_moved(topic, sent.moved)
+        self._status.refused = sent.refused
+        return True
 
     @property
     def _listed(self) -> Sequence[Advert] | None:
