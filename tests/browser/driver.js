@@ -19,23 +19,20 @@ window.driver = (() => {
 
     // Closes all notebooks, without the question whether to save them; false if the page cannot be used again.
     closeAll() {
-      if (!this.isLoaded() || this.isSpoilt) return false;
+      // A page with documents beside each other opens again what was open when it was loaded.
+      if (!this.isLoaded() || this.isSpoilt || app().shell.mode !== "single-document") return false;
       // What plays goes on without its view.
       for (const stop of document.querySelectorAll('.rw-play[title^="Stop here"]')) stop.click();
       for (const widget of [...app().shell.widgets("main")]) widget.dispose();
-      this.showOne(true);
       this.slowDown(1);
       return true;
     },
 
-    // One document, as in JupyterLab's simple mode, or beside each other with the file browser, as it starts. A page that
-    // had these once opens again what was open when it was loaded.
-    showOne(isSimple) {
-      if (!isSimple) this.isSpoilt = true;
+    // Documents beside each other and the file browser, as JupyterLab starts where it is not in simple mode.
+    showMany() {
       const { shell } = app();
-      shell.mode = isSimple ? "single-document" : "multiple-document";
-      if (isSimple) shell.collapseLeft();
-      else shell.expandLeft();
+      shell.mode = "multiple-document";
+      shell.expandLeft();
     },
 
     // Has the page's clock go so many times slower.

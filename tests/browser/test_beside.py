@@ -46,7 +46,7 @@ def beside(notebook: Callable[..., Notebook]) -> Callable[..., Notebook]:
 
     def run(cell: str, **more: object) -> Notebook:
         nb = notebook([ROBOT, cell], run=False, **more)
-        nb.page.evaluate("window.driver.showOne(false)")
+        nb.page.evaluate("window.driver.showMany()")
         nb.run_all()
         return nb
 
@@ -115,7 +115,6 @@ def test_there_is_one_pane_when_the_cell_is_run_again_closed_reloaded_or_its_ker
     nb.page.wait_for_function(AGREES)
 
     nb.reload()
-    nb.page.evaluate("window.driver.isSpoilt = true")  # it opens this notebook again
     expect(pane.locator(".rw-machine-state[data-active='leaf']")).to_be_visible()
     expect(pane).to_have_count(1)
     nb.page.wait_for_function(AGREES)

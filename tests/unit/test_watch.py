@@ -284,14 +284,15 @@ class TestWaiting:
     def test_with_await(self, laser: LaserWidget) -> None:
         wall = laser.watch(lambda scan: scan.distance() < 0.5, name="wall")
 
-        async def show_soon() -> None:
-            await asyncio.sleep(0.01)
+        async def show_meanwhile() -> None:
+            while not wall._wakers:
+                await asyncio.sleep(0)
             show(laser, 0.4)
 
         async def program() -> Any:
             with pytest.raises(TimeoutError, match=r"wall was not true within 0\.01 s"):
                 await wall.wait_async(0.01)
-            showing = asyncio.ensure_future(show_soon())  # in the same loop, which goes on meanwhile
+            showing = asyncio.ensure_future(show_meanwhile())  # in the same loop, which goes on meanwhile
             scan = await wall.wait_async(240)
             await showing
             return scan
