@@ -59,7 +59,9 @@ class Firefox:
         """Wait until a script returns something true, and return it."""
         until = time.monotonic() + SECONDS
         while not (value := self.run(script)):
-            assert time.monotonic() < until, f"Firefox: still {value!r}: {script}"
+            if time.monotonic() > until:
+                shown = self.run("return document.body.innerText")
+                raise AssertionError(f"Firefox: still {value!r}: {script}\nThe page shows:\n{shown}")
             time.sleep(0.05)
         return value
 
