@@ -138,9 +138,8 @@ SHOWN = {
     "frame": [0, 1, 2, 255], "later": True,
 }  # fmt: skip
 
-# With the name of the kernel: before there is one, JupyterLite asks for it when a cell is run.
-IS_READY = """document.body.innerText.includes("Python (Pyodide)") && !document.querySelector(".jp-Spinner")
-  && document.querySelector(".jp-Notebook-ExecutionIndicator[data-status=idle]") !== null"""
+# The notebook shows no more that its kernel starts. Before, a cell that is run may be left out without a word.
+IS_READY = "document.querySelector('.jp-NotebookKernelStatus-fade')?.textContent === ''"
 RUN_CELL = "[data-jp-item-name=run] jp-button"
 PRINTED = ".jp-OutputArea-output[data-mime-type='application/vnd.jupyter.stdout']"
 """What a cell prints: not what it says by itself when a busy machine takes long to compute."""
