@@ -194,6 +194,36 @@ def test_each_value_of_an_hour_at_1_khz_shows_when_the_kernel_is_free(plain_page
     expect(card.locator(".rw-plot-at")).to_have_text("at 1234.567 s")
 
 
+def test_live_lines_on_a_phone_have_a_whole_title_and_one_at_zero_lies_in_the_middle(
+    plain_page: Callable[..., PlainPage],
+) -> None:
+    cell = """
+        from robowidgets import PlotWidget
+        plot = PlotWidget(title="wheel speeds", units={"v": "m/s", "w": "rad/s"})
+        for i in range(100):
+            plot.update({"v": 0.0, "w": i / 100}, time=i / 10)
+        plot
+    """
+    nb = plain_page([dedent(cell)])
+    nb.resize(376)
+    card = nb.widget(0).locator(".rw-card")
+    expect(value(card, 1)).to_have_text("0.99 rad/s")
+    assert card.locator(".rw-title").evaluate("(title) => title.scrollWidth <= title.clientWidth")
+    assert card.locator(".rw-header").evaluate("(header) => header.offsetHeight") == 40
+    expect(card.get_by_role("button", name="Freeze the picture (space)")).to_be_visible()
+    dark = """(wrap) => {
+        const [canvas, over] = ["canvas", ".u-over"].map((name) => wrap.querySelector(name));
+        const [x, top, height] = [over.offsetLeft + over.offsetWidth / 2 + 7, over.offsetTop, over.offsetHeight];
+        const { data } = canvas.getContext("2d").getImageData(x * devicePixelRatio, top * devicePixelRatio, 1,
+            height * devicePixelRatio);
+        const rows = [...data].flatMap((red, i) => (i % 4 === 0 && data[i + 3] > 200 && red < 100 ? [i / 4] : []));
+        return rows.map((row) => row / devicePixelRatio / height);
+    }"""
+    rows = card.locator(".u-wrap").first.evaluate(dark)
+    assert rows
+    assert all(0.45 < row < 0.55 for row in rows)
+
+
 def test_live_values_stand_still_while_frozen_and_are_followed_again(plain_page: Callable[..., PlainPage]) -> None:
     nb = plain_page([LIVE])
     card = nb.widget(0).locator(".rw-card")

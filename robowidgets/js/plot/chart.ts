@@ -62,7 +62,7 @@ export class Chart {
         padding: [TOP, () => this.#shown.right, isLast ? 0 : 6, 0],
         legend: { show: false },
         cursor: { show: false },
-        scales: { x: { time: false, range: () => this.#shown.span } },
+        scales: { x: { time: false, range: () => this.#shown.span }, y: { range: toRange } },
         axes: [
           {
             ...axis,
@@ -185,4 +185,11 @@ function toScale(value: number, step: number): string {
   if (Math.abs(value) >= 1e6 || step < 1e-5) return value.toExponential(1).replace(/-/g, "\u2212");
   const digits = String(Number(step.toPrecision(4))).split(".")[1] ?? "";
   return toFixed(value, digits.length);
+}
+
+/** The scale of the least and the most value; both are null where there is none. */
+function toRange(_: uPlot, least: number | null, most: number | null): uPlot.Range.MinMax {
+  if (least === null || most === null) return [null, null];
+  // A line at zero would lie at the bottom of a scale up to 100.
+  return least === 0 && most === 0 ? [-1, 1] : uPlot.rangeNum(least, most, 0.1, true);
 }
