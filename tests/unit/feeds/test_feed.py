@@ -469,10 +469,10 @@ def test_a_hundred_opens_and_closes_leave_no_thread_and_no_memory() -> None:
     settled, _ = tracemalloc.get_traced_memory()
     for _ in range(100):
         once()
+    wait_for(lambda: set(threading.enumerate()) <= before, "every thread has ended")
     gc.collect()
     after, _ = tracemalloc.get_traced_memory()
     tracemalloc.stop()
-    wait_for(lambda: set(threading.enumerate()) <= before, "every thread has ended")
     assert [ref for ref in there if ref() is not None] == []
     assert after - settled < 100_000
 
