@@ -102,7 +102,7 @@ def _blind(title: str, seconds: float = 0.0) -> Case:
         robot = covered()
         for _ in _steps(answer, robot, seconds + 2):
             robot.is_covered = robot.time >= seconds
-            if robot.time > (seconds + 1 if seconds else 0) and robot.speed().linear[0] > 0.02:
+            if robot.time > (seconds + 1 if seconds else 0) and abs(robot.speed().linear[0]) > 0.02:
                 raise WrongError(
                     "at {seconds:.1f} s it drives blind. Drive while the distance is greater: no comparison with NaN "
                     "is true"

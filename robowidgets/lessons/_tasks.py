@@ -106,7 +106,7 @@ def stop_at_wall() -> Sequence[Case]:
 
     def blind(answer: Answer) -> None:
         speed = number(call(answer, covered), say("speed forward in m/s"))
-        if not speed <= 0:
+        if speed != 0:
             raise WrongError(
                 "you returned {speed:.4g} m/s, and the robot drives blind. Drive while the distance is greater than a "
                 "limit: no comparison with NaN is true",

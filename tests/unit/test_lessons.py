@@ -40,6 +40,12 @@ def turn_in_degrees(touch: Touch) -> tuple[float, float]:
     return (-0.2, -90 if touched["left"] else 90) if any(touched.values()) else (0.3, 0.0)
 
 
+def keep_distance(scan: Scan, metres: float = 0.4) -> float:
+    """Backs off where it is too close, and where it sees nothing."""
+    distance = ahead(scan)
+    return 0.2 if distance > metres + 0.05 else 0.0 if distance > metres - 0.05 else -0.3
+
+
 class TestWrongAnswers:
     @pytest.mark.parametrize("name", NAMES)
     def test_none_is_told_once_with_what_is_probably_missing(self, name: str) -> None:
@@ -103,6 +109,7 @@ class TestWrongAnswers:
             ("stop_at_wall", lambda _scan: 0.3, "it hit what is ahead at "),
             ("stop_at_wall", lambda scan: 0.3 * (scan.distance("front") > 0.4), "take a narrower sector"),
             ("stop_at_wall", lambda scan: 0 if scan.distance((-0.3, 0.3)) < 0.4 else 0.3, "no comparison with NaN"),
+            ("stop_at_wall", keep_distance, "you returned -0.3 m/s, and the robot drives blind"),
             ("stop_at_wall", lambda _scan: math.nan, "it returned nan m/s"),
             ("slow_in_doorway", lambda scan: 0.3 * scan.distance("front"), "it returned inf m/s"),
             ("stop_at_wall", lambda _scan: 0.05, "after 25 s it still drives with 0.05 m/s"),
@@ -261,6 +268,7 @@ class TestPrograms:
             ("stop_before_wall", drive_on, "return Drive() where something is near"),
             ("stop_before_wall", lambda scan: Drive(0.2 * (scan.distance("front") > 0.5)), "so take a narrower sector"),
             ("stop_before_wall", lambda scan: Drive(0.2 * (not ahead(scan) < 0.5)), "it drives blind"),
+            ("stop_before_wall", lambda scan: Drive(keep_distance(scan, 0.5)), "it drives blind"),
             ("stop_before_wall", lambda time: Drive(0.2 * (time < 2)), "drive closer"),
             ("stop_before_wall", lambda: Drive(0.03), "after 25 s it still drives with 0.03 m/s"),
             ("stop_before_wall", lambda scan: Drive(0.2 * (scan.at(0).range > 0.5)), "one ray is not enough, take a"),
