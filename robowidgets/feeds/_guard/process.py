@@ -71,6 +71,8 @@ class Guarding:
         self._publishing = threading.Lock()
         """Held while the middleware publishes: one thread at a time may."""
         self._feeds: dict[int, _Feed] = {}
+        self._ending: list[_Feed] = []
+        """Those that are closed, whose robot has not got its zero yet."""
         self._heard_at = clock.now()
         self._stops = 0
         self._silent_since: float | None = None
@@ -99,27 +101,25 @@ class Guarding:
         elif name == "again" and isinstance(self._middleware, ThreadedMiddleware):
             self._middleware.retry()
         elif name == "close":
-            feed = self._feeds.pop(parts[0], None)
-            if feed is not None:
-                feed.end()
+            self._close(*parts)
 
     def look(self) -> float:
         """Send zero if the kernel has been silent for too long; returns the seconds until the next look."""
-        if self._silent_since is not None or not any(feed.moves for feed in self._feeds.values()):
+        if self._silent_since is not None or not any(feed.moves for feed in self._all):
             return ALIVE
         left = self._heard_at + SILENCE - self._clock.now()
         if left > 0:
             return left
         self._silent_since = self._heard_at
         self._stops += 1
-        for feed in self._feeds.values():
+        for feed in self._all:
             feed.watchdog.stop()
         return ALIVE
 
     def finish(self) -> None:
         """Send zero for all that moves, and go on trying for a while; then disconnect."""
         until = self._clock.now() + LAST_ZERO
-        there = list(self._feeds.values())
+        there = self._all
         for feed in there:
             if feed.watchdog.owes_zero:
                 feed.watchdog.stop()
@@ -135,13 +135,13 @@ class Guarding:
         if self._up_at is None:
             self._up_at = self._clock.now()
         self._tell("up")
-        for feed in list(self._feeds.values()):
+        for feed in self._all:
             feed.on_connected()
 
     def on_lost(self, reason: str, again_in: float) -> None:
         """See `Listener`."""
         self._tell("down", reason, again_in)
-        for feed in list(self._feeds.values()):
+        for feed in self._all:
             feed.watchdog.on_lost()
 
     def on_nobody(self, reason: str) -> None:
@@ -192,6 +192,23 @@ class Guarding:
             self._tell("failed", str(error))
         else:
             self._tell("ready")
+
+    @property
+    def _all(self) -> list[_Feed]:
+        """The feeds whose robot may need a zero, also those that are closed."""
+        return [*self._feeds.values(), *self._ending]
+
+    def _close(self, number: int) -> None:
+        """Forget a feed, but not the zero that it owes."""
+        self._ending = [feed for feed in self._ending if feed.moves]
+        feed = self._feeds.get(number)
+        if feed is None:
+            return
+        feed.end()
+        if feed.moves:
+            feed.watchdog.stop()
+            self._ending.append(feed)
+        del self._feeds[number]
 
     def _feed(self, number: int) -> _Feed:
         return self._feeds.setdefault(number, _Feed(number, self, self._tell, self._clock))

@@ -95,7 +95,7 @@ def guarded() -> Iterator[Guarded]:
     made = Guarded()
     yield made
     made.robot.broken = ""
-    for feed in made.guarding._feeds.values():
+    for feed in made.guarding._all:
         made.clock.beside(feed.watchdog.close)
     made.clock.advance(LAST_ZERO)
 
@@ -168,6 +168,27 @@ def test_the_end_sends_zero_again_until_the_robot_has_it(guarded: Guarded) -> No
     guarded.robot.broken = ""
     guarded.clock.advance(2.0)
     assert (guarded.speeds, guarded.robot.closed) == ([0.3, 0.0], 1)
+
+
+@pytest.mark.parametrize("then", ["the guard ends", "the robot is back"])
+def test_a_feed_that_is_closed_while_the_robot_is_away_still_owes_it_a_zero(guarded: Guarded, then: str) -> None:
+    guarded.drive(hold=60.0)
+    guarded.robot.broken = "the network is gone"
+    guarded.guarding.take("zero", [1, 7, "/cmd_vel", TOPIC])
+    guarded.clock.settle()
+    guarded.guarding.take("close", [1])
+    guarded.clock.settle()
+    if then == "the guard ends":
+        guarded.clock.beside(guarded.guarding.finish)
+        guarded.clock.advance(0.8)
+        assert (guarded.speeds, guarded.robot.closed) == ([0.3], 0)
+    guarded.robot.broken = ""
+    if then == "the robot is back":
+        guarded.robot.connect()
+    guarded.clock.advance(0.1 if then == "the robot is back" else 2.0)
+    assert guarded.speeds[:2] == [0.3, 0.0]
+    assert guarded.robot.closed == (then == "the guard ends")
+    assert not any(feed.moves for feed in guarded.guarding._all)
 
 
 def test_the_end_gives_up_a_robot_that_cannot_be_reached(guarded: Guarded) -> None:
