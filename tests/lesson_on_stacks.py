@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import signal
 import sys
+import tempfile
 import time
 import traceback
 from pathlib import Path
@@ -73,6 +74,32 @@ def lesson() -> None:
     say("right", bool(lessons.check(lambda scan: scan.distance("left"), "nearest_on_the_left")))
     feed.close()
     say("closed", True)
+    study_by_its_button()
+
+
+def study_by_its_button() -> None:
+    sys.path.insert(0, str(ROOT / "studies"))
+    import study
+
+    with tempfile.TemporaryDirectory() as folder:
+        someone = study.Study(1, folder)
+        box = someone.show()
+        someone.agree()
+        while not someone.step[4].is_code:
+            someone.give_up()
+        someone._draw(box)
+        _, _, field, buttons, said = box.children
+        check, step, given = buttons.children[0], someone.step, someone.step[4].given.partition("\n")[0]
+        for body, is_judged in (
+            ("while True: pass", lambda: said.value and not check.disabled),
+            ("return scan.distance(('-20deg', '20deg'))", lambda: said not in box.children),
+        ):
+            field.value = f"{given}\n    {body}"
+            host.loop.call_from_page(check.click)
+            while not is_judged():
+                time.sleep(0.01)
+        say("a loop in the study", "line 2: a step has not returned for half a second" in said.value)
+        say("the study", someone.step is not step)
 
 
 if __name__ == "__main__":

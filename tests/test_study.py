@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import random
 import sys
+import threading
 from collections import Counter
 from datetime import datetime, timezone
 from pathlib import Path
@@ -12,6 +13,7 @@ from typing import Any
 import pytest
 
 from .conftest import ROOT
+from .unit.waiting import threads_named, wait_for
 
 sys.path.insert(0, str(ROOT / "studies"))
 import compare
@@ -145,7 +147,39 @@ def test_wrong_answers_are_told_counted_and_end_with_the_limit_of_time(tmp_path:
     assert [(row.tries, row.right, row.seconds) for row in rows] == [(3, False, study.LIMIT), (0, False, study.LIMIT)]
     assert study.code_wrong("wall_ahead", "def other(scan): ...") == "Keep the name wall_ahead."
     assert "SyntaxError" in study.code_wrong("wall_ahead", "def (")
+    assert study.code_wrong("wall_ahead", "exit()").startswith("SystemExit")
     assert "right in 0 of 5" in study.code_wrong("wall_ahead", "def wall_ahead(scan):\n    return -1")
+
+
+def test_a_task_that_is_left_while_its_answer_is_judged_ends_once(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    someone = Participant(1, tmp_path)
+    box = someone.study.show()
+    someone.study.agree()
+    while not someone.study.step[4].is_code:
+        someone.study.give_up()
+    someone.study._draw(box)
+    judged, goes_on = threading.Event(), threading.Event()
+
+    def wrong(_name: str, _text: str) -> str:
+        judged.set()
+        goes_on.wait(240)
+        return ""
+
+    monkeypatch.setattr(study, "code_wrong", wrong)
+    check, leave = box.children[3].children
+    check.click()
+    check.click()
+    assert judged.wait(240)
+    assert check.disabled
+    leave.click()
+    shown = box.children
+    goes_on.set()
+    wait_for(lambda: not threads_named("study"), "both answers are judged")
+    assert someone.study.step[0] == "tlx"
+    assert box.children is shown
+    assert [row.right for row in study.read_rows(someone.study.file) if row.kind == "task"] == [False] * 4
 
 
 def test_a_participant_goes_through_the_page_by_its_buttons(tmp_path: Path) -> None:
@@ -158,14 +192,17 @@ def test_a_participant_goes_through_the_page_by_its_buttons(tmp_path: Path) -> N
         if kind == "task":
             view, field, buttons = box.children[1:4]
             assert type(view).__name__ == ("LaserWidget" if form == study.WITH else "HTML")
+            check, said = buttons.children[0], box.children[4]
             field.value = "never" if not task.is_code else "1/0"
-            buttons.children[0].click()
+            check.click()
+            wait_for(lambda check=check: not check.disabled, "the answer is judged")
             assert someone.study.step[4] is task
-            assert box.children[4].value.startswith("<pre>")
+            assert said.value.startswith("<pre>")
             someone.time += 5
             someone.study.show()  # run again: its time goes on
             field.value = someone.right(task)
-            buttons.children[0].click()
+            check.click()
+            wait_for(lambda said=said: said not in box.children, "the next step is shown")
         else:
             for child in box.children:
                 if type(child).__name__ == "RadioButtons":

@@ -51,6 +51,8 @@ CAME = {
     "and its loops end",
     "right": "True",
     "closed": "True",
+    "a loop in the study": "True",
+    "the study": "True",
 }
 
 
