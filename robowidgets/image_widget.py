@@ -11,7 +11,7 @@ import traitlets
 from . import kinds
 from ._core.front_end import bundle
 from .camera import CameraModel
-from .imaging import checked_region, pack, statistics
+from .imaging import checked_region, is_recolored, pack, statistics
 from .imaging.overlay import HasOverlay
 from .imaging.packing import MOST_BYTES
 from .messages import to_camera_info, to_image
@@ -186,6 +186,7 @@ class ImageWidget(HasOverlay):
         about: dict[str, Any] = {"encoding": sample.encoding, "frame_id": sample.frame_id}
         letters = "rgb" if sample.compressed else "".join(sample.channels)
         about |= {"channels": letters} if letters else {}
+        about |= {"recolored": True} if is_recolored(sample) else {}
         if sample.step and sample.values is not None:
             each = sample.values.dtype.itemsize * (sample.values.shape[2] if sample.values.ndim == 3 else 1)
             about |= {"row_bytes": sample.step, "pixel_bytes": 2 if letters == "yuv" else each}

@@ -21,6 +21,7 @@ import robowidgets
 from robowidgets import (
     CloudWidget,
     EventsWidget,
+    ImageWidget,
     LaserWidget,
     MapGrid,
     MessageWidget,
@@ -39,6 +40,9 @@ from robowidgets import (
 from robowidgets._core.robot_widget import RobotWidget
 from robowidgets._core.timed_frame import TimedFrame
 from robowidgets.export.segments import pack_tracks
+from robowidgets.imaging import as_numbers, statistics
+from robowidgets.messages import to_image
+from robowidgets.messages.image import layout_of
 from robowidgets.player._frames import pack
 from robowidgets.samples import Pose, staleness
 from robowidgets.samples.sector import SECTORS as SECTORS_BY_NAME
@@ -205,6 +209,54 @@ def make_ranges() -> list[list[Any]]:
     """Ranges of sensors with limits, their class, and the distance that a program goes by."""
     ranges = [Range(one, low, high) for one in RANGED for low, high in ((0.1, 5.0), (0.0, inf), (0.01, 2.5))]
     return _in_words([[r.range, r.min_range, r.max_range, int(r.validity), r.distance] for r in ranges])
+
+
+ENCODINGS = (
+    *("mono8", "rgb8", "bgr8", "rgba8", "bgra8", "8UC1", "8UC2", "8UC3", "8UC4", "8SC1", "8SC3", "mono16", "rgb16"),
+    *("bgr16", "bgra16", "16UC1", "16UC3", "16SC1", "32SC1", "32FC1", "32FC3", "64FC1", "yuv422", "yuv422_yuy2"),
+    "bayer_rggb8",
+)
+PIXEL, REGION = (0, 2), (0, 2, 1, 4)
+"""What is looked at in a picture of 2 rows and 4 columns."""
+
+
+def make_images() -> list[Any]:
+    """By encoding a frame, what is said of it, and what the page says of a pixel and of a region without Python.
+
+    Values and letters of the pixel are those of the message, or those of the colors as shown; so are the statistics.
+    """
+    return [_image(encoding) for encoding in ENCODINGS]
+
+
+def _image(encoding: str) -> list[Any]:
+    (dtype, channels), rows, columns = layout_of(encoding), 2, 4
+    numbers = (np.arange(1.0, 1 + rows * columns * channels) * 37) % 251
+    if dtype.kind == "f":
+        numbers /= 256 if channels > 1 else 9
+    elif dtype.itemsize > 1:
+        numbers = numbers * 256 + 44 if dtype.itemsize == 2 else numbers * 2**23 + 1
+    if dtype.kind == "i":
+        numbers -= 2.0 ** (8 * dtype.itemsize - 1)
+    data = numbers.astype(dtype)
+    step = data.nbytes // rows
+    message = {"height": rows, "width": columns, "encoding": encoding, "step": step, "data": data.view(np.uint8)}
+    image = to_image(message)
+    widget = ImageWidget()
+    about, frame = widget.frame_of(image)
+    widget.close()
+    about = {name: about[name] for name in ("channels", "recolored") if name in about}
+    is_rounded = encoding in ("32SC1", "64FC1")
+    why = "as shown (8 bit)" if "recolored" in about else "rounded to float32" if is_rounded else ""
+    shown = to_image(as_numbers(image)) if why and not is_rounded else image
+    values = np.atleast_1d((image.depth if image.is_depth else shown.pixels)[PIXEL])
+    values = values.astype(np.float32) if is_rounded else values
+    letters = "".join(shown.channels) if values.size > 1 else ""
+    is_mosaic = encoding.startswith("bayer")
+    is_whole = shown.pixels.dtype.kind in "ui" and not (image.is_depth or is_rounded or is_mosaic)
+    found = statistics(shown, REGION)["channels"] if is_whole else None
+    why = f"nearest of every 2nd row and column\n{why}" if is_mosaic else why
+    frame = np.array([1, 30, nan, ARRIVED]).astype("<f8").tobytes() + frame
+    return [encoding, base64.b64encode(frame).decode(), about, letters, _in_words(values.tolist()), why, found]
 
 
 def _laser() -> tuple[bytes, dict[str, Any]]:
@@ -447,7 +499,7 @@ def write() -> None:
     """Put the frames of this Python into the file."""
     vectors = read() | {"frames": make(), "sectors": make_sectors(), "codes": make_codes(), "spreads": make_spreads()}
     vectors |= {"rays": make_rays(), "silences": make_silences(), "steps": make_steps(), "beats": make_beats()}
-    vectors |= {"ranges": make_ranges()}
+    vectors |= {"ranges": make_ranges(), "images": make_images()}
     FILE.write_text(_to_text(vectors), encoding="utf-8")
 
 

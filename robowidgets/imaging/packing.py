@@ -93,6 +93,14 @@ def as_numbers(image: Image) -> NDArray[Any]:
     return np.ascontiguousarray(_shown(image, values, 1, form))
 
 
+def is_recolored(image: Image) -> bool:
+    """Whether the page has colors that were made of the pixels of a picture, in place of their channels."""
+    if image.compressed:
+        return False
+    form, _, is_exact = _form_of(image, image.pixels)
+    return form in (Form.RGB, Form.RGBA) and not is_exact
+
+
 def _packed(image: Image, form: Form, every: int, data: bytes, *, is_exact: bool) -> Packed:
     head = HEADER.pack(form, *image.shape, every, image.depth_scale, is_exact)
     return Packed(head + data, every)

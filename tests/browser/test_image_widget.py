@@ -107,6 +107,9 @@ def test_depth_says_metres_and_places_and_its_colors_can_be_kept(plain_page: Cal
     shoot(card, "image-zoomed-dark")
     picture.press("0")
     expect(card.locator(".rw-image-facts")).to_have_text("drag to mark a region")
+    nb.python("camera.update(np.full((480, 640, 3), (10, 20, 200), np.uint8), 'bgr8')")
+    distance = card.locator(".rw-popup:visible .rw-popup-distance")
+    expect(distance.first).to_have_text(re.compile(r"^b 10 {2}g 20 {2}r 200$"))
 
 
 def test_a_page_gets_the_next_when_it_has_drawn_the_last_and_asks_for_what_was_thinned(

@@ -2,11 +2,15 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 import { Answers } from "../../robowidgets/js/image/answers.ts";
 import { fitScale, paintNumbers } from "../../robowidgets/js/image/colors.ts";
-import { decodeImage, FLOAT32, type Picture, toNumbers, UINT16 } from "../../robowidgets/js/image/frame.ts";
+import { decodeImage, FILE, FLOAT32, type Picture, toNumbers, UINT16 } from "../../robowidgets/js/image/frame.ts";
 import { lookAt, placeBeside, placeIn, toPicture, zoomed } from "../../robowidgets/js/image/place.ts";
 import { regionOf, statisticsOf } from "../../robowidgets/js/image/region.ts";
+import { Source } from "../../robowidgets/js/image/source.ts";
+import { describePixel, describeRegion, toValue } from "../../robowidgets/js/image/text.ts";
+import type { ImageAbout } from "../../robowidgets/js/image/traits.ts";
 import type { Stream } from "../../robowidgets/js/shared/stream.ts";
 import { FakeModel } from "./models.ts";
+import { vectors } from "./vectors.ts";
 
 function pictureOf(form: number, data: ArrayBuffer, depthScale: number): Picture {
   const size = { rows: 1, columns: 4, every: 1, isExact: true };
@@ -110,4 +114,60 @@ test("Python is asked once for each picture, and what it said of the one before 
   assert.equal(answers.valuesAt(pixel, pictureOf(FLOAT32, new ArrayBuffer(16), 1)), undefined);
   controller.abort();
   assert.equal(fake.listening, 0);
+});
+
+/** The parts of a page that a picture is painted on, of which each pixel is the same. */
+function fakePage(pixel: number[]): void {
+  const getImageData = (_x: number, _y: number, width: number, height: number) => ({
+    data: Uint8ClampedArray.from({ length: 4 * width * height }, (_, i) => pixel[i % 4] as number),
+  });
+  const context = { putImageData() {}, clearRect() {}, drawImage() {}, getImageData };
+  const ImageData = class {
+    readonly data: Uint8ClampedArray;
+    constructor(width: number, height: number) {
+      this.data = new Uint8ClampedArray(4 * width * height);
+    }
+  };
+  const createImageBitmap = async () => ({ width: 4, height: 1, close() {} });
+  const document = { createElement: () => ({ getContext: () => context }) };
+  Object.assign(globalThis, { document, ImageData, createImageBitmap });
+}
+
+for (const [encoding, base64, about, letters, values, why, found] of vectors.images) {
+  test(`without Python, too, a pixel says what image[row, column] gives, or that it is a color as shown: ${encoding}`, () => {
+    fakePage([]);
+    const source = new Source();
+    const picture = decodeImage(new DataView(Uint8Array.from(Buffer.from(base64, "base64")).buffer));
+    assert.ok(source.paint(picture, null, false, () => {}));
+    const pixel = { row: 0, column: 2 };
+    const words = describePixel(pixel, source.valuesAt(pixel, about), picture, about, null);
+    const [meters] = values;
+    const shown = picture.depthScale
+      ? `${meters?.toFixed(3)} m`
+      : values.map((value, i) => `${letters[i] ?? ""} ${toValue(value)}`.trim()).join("  ");
+    assert.deepEqual([words.distance, words.details], [shown, why]);
+    if (!found) return;
+    const statistics = source.statistics([0, 2, 1, 4], about);
+    assert.deepEqual(statistics?.channels, found);
+    const { details = "" } = describeRegion([0, 2, 1, 4], statistics, picture, about);
+    const lines = [...(letters || " ")].map((letter) => letter.trim()).concat(why || []);
+    assert.ok(details.split("\n").every((line, i) => line.startsWith(lines[i] ?? "-")));
+  });
+}
+
+test("a picture that came as a JPEG says so, in the channels of its message", async () => {
+  fakePage([200, 20, 10, 255]);
+  const said = async (about: ImageAbout) => {
+    const source = new Source();
+    const picture = { ...pictureOf(FILE, new ArrayBuffer(4), 0), isExact: false };
+    await new Promise<void>((resolve) => source.paint(picture, null, false, resolve));
+    const pixel = { row: 0, column: 1 };
+    const { distance, details } = describePixel(pixel, source.valuesAt(pixel, about), picture, about, null);
+    return [distance, details];
+  };
+  assert.deepEqual(await said({ channels: "rgb" }), ["r 200  g 20  b 10", "about, from a JPEG"]);
+  assert.deepEqual(await said({ channels: "bgr" }), ["b 10  g 20  r 200", "about, from a JPEG"]);
+  assert.deepEqual(await said({}), ["200", "about, from a JPEG"]);
+  const shown = ["r 200  g 20  b 10", "as shown (8 bit), from a JPEG"];
+  assert.deepEqual(await said({ channels: "yuv", recolored: true }), shown);
 });

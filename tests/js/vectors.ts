@@ -48,6 +48,15 @@ interface Vectors {
   >;
   rays: [of: [number, number, number], on: [number, number, number], rays: number[]][];
   ranges: [range: Word, minRange: number, maxRange: Word, kind: number, distance: Word][];
+  images: [
+    encoding: string,
+    frame: string,
+    about: { channels?: string; recolored?: boolean },
+    letters: string,
+    values: number[],
+    why: string,
+    statistics: number[][] | null,
+  ][];
   spreads: [scans: Word[][], spread: Word[]][];
   silences: [step: Word, onShow: number, listed: Word][];
   steps: [times: number[], step: Word][];

@@ -51,6 +51,11 @@ def test_a_range_is_classified_and_counts_as_in_the_front_end() -> None:
     assert vectors.make_ranges() == VECTORS["ranges"]
 
 
+def test_pixels_are_read_as_in_the_front_end() -> None:
+    """Else the rule has changed: change the front end, then run `python -m tests.vectors`."""
+    assert vectors.make_images() == VECTORS["images"]
+
+
 def test_rays_scatter_as_in_the_front_end() -> None:
     """Else the rule has changed: change the front end, then run `python -m tests.vectors`."""
     assert vectors.make_spreads() == VECTORS["spreads"]

@@ -6,6 +6,8 @@ export interface Statistics {
   /** For each channel least, mean, median and greatest value; null: there is none. */
   channels: (number[] | null)[];
   isExact: boolean;
+  /** Whether they are of red, green and blue as shown, not of the channels of the message. */
+  isShown?: boolean;
 }
 
 /** First row, row after the last, first column, column after the last. */

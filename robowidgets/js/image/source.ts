@@ -3,6 +3,7 @@ import { fitScale, paintNumbers, type Scale, scaleColors } from "./colors.ts";
 import { FILE, GRAY, isNumbers, type Picture, RGBA, sizeThere, toNumbers } from "./frame.ts";
 import { type Statistics, statisticsOf } from "./region.ts";
 import type { Known, Pixel } from "./text.ts";
+import type { ImageAbout } from "./traits.ts";
 
 /** The pixels of the picture on show, painted once for each frame, and what they say. */
 export class Source {
@@ -90,16 +91,17 @@ export class Source {
   }
 
   /** The values of a pixel of the whole picture, or of the nearest one that is there. */
-  valuesAt({ row, column }: Pixel): Known | null {
+  valuesAt({ row, column }: Pixel, about: ImageAbout): Known | null {
     const { picture } = this;
     if (!picture) return null;
     const [y, x] = [Math.floor(row / picture.every), Math.floor(column / picture.every)];
     const isExact = picture.isExact && row % picture.every === 0 && column % picture.every === 0;
-    return { values: this.#read(picture, x, y, 1, 1).map((values) => values[0] ?? NaN), isExact };
+    const values = this.#read(picture, x, y, 1, 1).map((values) => values[0] ?? NaN);
+    return { values: inChannels(values, about), isExact, isShown: about.recolored === true };
   }
 
   /** What is in a part of the whole picture, of the pixels that are there. */
-  statistics(region: readonly number[]): Statistics | null {
+  statistics(region: readonly number[], about: ImageAbout): Statistics | null {
     const { picture } = this;
     if (!picture) return null;
     const key = region.join();
@@ -111,7 +113,8 @@ export class Source {
     const width = Math.max(0, Math.min(size.width, Math.ceil(right / every)) - x);
     const height = Math.max(0, Math.min(size.height, Math.ceil(bottom / every)) - y);
     const channels = width && height ? this.#read(picture, x, y, width, height) : [];
-    const statistics = statisticsOf(channels, picture.isExact && every === 1);
+    const isExact = picture.isExact && every === 1;
+    const statistics = { ...statisticsOf(inChannels(channels, about), isExact), isShown: about.recolored === true };
     this.#found = { picture, key, statistics };
     return statistics;
   }
@@ -128,6 +131,15 @@ export class Source {
     const pixels = this.#context?.getImageData(x, y, width, height).data;
     return pixels ? channels.map((one) => cut(pixels, 0, width, width, height, one, 4)) : [];
   }
+}
+
+/**
+ * What the page has as red, green and blue, in the order of the channels of the message. Of a picture with one channel
+ * that came as a JPEG each is that channel.
+ */
+function inChannels<T>(shown: T[], { channels = "", recolored }: ImageAbout): T[] {
+  if (recolored || shown.length === 1) return shown;
+  return [...(channels || "r")].flatMap((letter) => shown["rgba".indexOf(letter)] ?? []);
 }
 
 /** A channel of a part of a picture: so many of each row of so many columns, from the pixel of a number on. */

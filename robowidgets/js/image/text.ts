@@ -1,6 +1,6 @@
 import { toCount, toFixed, toMany, toOrdinal } from "../shared/format.ts";
 import type { PopupWords } from "../shared/popup.ts";
-import type { Picture } from "./frame.ts";
+import { FILE, type Picture } from "./frame.ts";
 import type { Statistics } from "./region.ts";
 import type { ImageAbout } from "./traits.ts";
 
@@ -20,11 +20,27 @@ export interface Known {
   values: number[];
   /** Whether they are those of the message. */
   isExact: boolean;
+  /** Whether they are red, green and blue as shown, not the channels of the message. */
+  isShown?: boolean;
 }
 
 /** "every 2nd row and column", or nothing. */
 export function thinned({ every }: Pick<Picture, "every">): string {
   return every > 1 ? `every ${toOrdinal(every)} row and column` : "";
+}
+
+/** Why what is said is not what the message has. */
+function reasons(picture: Picture, { isExact, isShown = false }: Omit<Known, "values">, of: string): string[] {
+  if (isExact) return [];
+  const isFile = picture.form === FILE;
+  const shown = `as shown (8 bit)${isFile ? ", from a JPEG" : ""}`;
+  const why = isShown ? shown : isFile ? "about, from a JPEG" : "rounded to float32";
+  return [picture.every > 1 ? `${of} ${thinned(picture)}` : "", picture.isExact ? "" : why].filter(Boolean);
+}
+
+/** The letters of the channels of which something is known. */
+function lettersOf(isShown: boolean | undefined, { channels = "" }: ImageAbout): string {
+  return isShown ? "rgba" : channels;
 }
 
 /** Metres in the frame of the camera: x to the right, y down, z ahead. */
@@ -49,19 +65,19 @@ export function describePixel(
     const [x = NaN, y = NaN, z = NaN] = toCamera(pixel, known.values[0], camera);
     if (!Number.isNaN(z)) lines.push(`x ${toFixed(x, 3)}  y ${toFixed(y, 3)}  z ${toFixed(z, 3)} m`);
   }
-  if (known && !known.isExact) lines.push(picture.every > 1 ? `nearest of ${thinned(picture)}` : "about, from a JPEG");
+  if (known) lines.push(...reasons(picture, known, "nearest of"));
   return {
     expression: `${name}[${row}, ${column}]`,
-    distance: known ? toValues(known.values, picture, about) : "\u2026",
+    distance: known ? toValues(known.values, picture, lettersOf(known.isShown, about)) : "\u2026",
     details: lines.join("\n"),
   };
 }
 
 /** The values of a pixel with the letters of their channels; of a depth image the distance. */
-export function toValues(values: number[], { depthScale }: Pick<Picture, "depthScale">, about: ImageAbout): string {
+function toValues(values: number[], { depthScale }: Picture, letters: string): string {
   if (depthScale) return Number.isNaN(values[0] ?? NaN) ? "nothing" : `${toFixed(values[0] ?? NaN, 3)} m`;
-  const letters = values.length > 1 ? (about.channels ?? "") : "";
-  return values.map((value, i) => `${letters[i] ?? ""} ${toValue(value)}`.trim()).join("  ");
+  const several = values.length > 1 ? letters : "";
+  return values.map((value, i) => `${several[i] ?? ""} ${toValue(value)}`.trim()).join("  ");
 }
 
 /** The code that reads a region. */
@@ -83,7 +99,7 @@ export function describeRegion(
   };
   if (!found) return { ...words, details: "\u2026" };
   const unit = picture.depthScale ? " m" : "";
-  const letters = found.channels.length > 1 ? (about.channels ?? "") : "";
+  const letters = found.channels.length > 1 ? lettersOf(found.isShown, about) : "";
   const show = (value: number) =>
     picture.depthScale ? toFixed(value, 3) : Number.isInteger(value) ? toValue(value) : toFixed(value, 1);
   const rows = found.channels.map((row, i) => {
@@ -93,6 +109,6 @@ export function describeRegion(
   });
   const lacks = found.of - found.count;
   if (lacks > 0) rows.push(`${toMany(lacks, "pixel")} of ${toCount(found.of)} nothing`);
-  if (!found.isExact) rows.push(picture.every > 1 ? `of ${thinned(picture)}` : "about, from a JPEG");
+  rows.push(...reasons(picture, found, "of"));
   return { ...words, details: rows.join("\n") };
 }

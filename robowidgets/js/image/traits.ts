@@ -17,6 +17,8 @@ export interface ImageAbout extends About {
   encoding?: string;
   /** A letter for each channel; missing for one channel. */
   channels?: string;
+  /** Whether the page has colors made of the channels, not the channels. */
+  recolored?: boolean;
   /** Of the data in its message; missing where there is none. */
   row_bytes?: number;
   pixel_bytes?: number;

@@ -221,7 +221,7 @@ export class ImageView implements Zoom, Dragged<"mark" | "move"> {
   // What Python knows
 
   #knownOf(pixel: Pixel, picture: Picture): Known | null {
-    const known = this.#source.valuesAt(pixel);
+    const known = this.#source.valuesAt(pixel, this.#about);
     const values = known?.isExact ? undefined : this.#answers.valuesAt(pixel, picture);
     if (!values) return known;
     const { depthScale } = picture;
@@ -229,7 +229,7 @@ export class ImageView implements Zoom, Dragged<"mark" | "move"> {
   }
 
   #statisticsOf(region: number[], picture: Picture): Statistics | null {
-    const found = this.#source.statistics(region);
+    const found = this.#source.statistics(region, this.#about);
     return found?.isExact || this.#marking ? found : (this.#answers.statistics(region, picture) ?? found);
   }
 
