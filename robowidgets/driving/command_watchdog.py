@@ -61,7 +61,7 @@ PROGRAM = "program"
 
 
 class RefusedError(Exception):
-    """A speed that is not sent: stop is latched, a hand drives, or nobody waits for the caller. The text says which."""
+    """A speed that is not sent: it was stopped, a hand drives, or nobody waits for the caller. The text says which."""
 
 
 @dataclass(eq=False)
@@ -177,16 +177,22 @@ class CommandWatchdog(Observed):
 
     # -- speeds --------------------------------------------------------------------------------------------------------
 
-    def drive(self, velocity: Velocity, hold: float = HOLD, driver: str = PROGRAM) -> Request:
+    def drive(self, velocity: Velocity, hold: float = HOLD, driver: str = PROGRAM, stops: int | None = None) -> Request:
         """Send a speed, which holds for some seconds, that of a hand for `HOLD` at most; or renew it.
+
+        Args:
+            velocity: the speed.
+            hold: the seconds.
+            driver: who drives.
+            stops: the number of `stops` when the caller began to wait with the speed; None: it did not wait.
 
         Returns:
             The request for `sent_in_time`. It is done already where the speed is sent later, because another one was
             sent just before.
 
         Raises:
-            RefusedError: a hand drives; or, except for the zero of a program, stop is latched, or the calling thread is
-                abandoned.
+            RefusedError: a hand drives; or, except for the zero of a program, stop is latched, the calling thread is
+                abandoned, or there was another stop since ``stops``.
         """
         if velocity == ZERO and driver == PROGRAM and not self._hand_now():
             return self.stop()
@@ -195,6 +201,8 @@ class CommandWatchdog(Observed):
             on_failed_cell(stop_driven_by_cell)
         with self._lock:
             self._check(driver)
+            if stops not in (None, self.stops):
+                raise RefusedError("it was stopped meanwhile")
             now = self._clock.now()
             self._wanted, self._expires, self._driver = velocity, now + hold, driver
             if driver == PROGRAM:

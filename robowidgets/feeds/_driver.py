@@ -229,15 +229,14 @@ class Driver:
     def _try_drive(self, velocity: Velocity, stops: int) -> bool:
         """Send the speed of a program; returns False if it must be retried, because a subscriber is connecting.
 
-        It is not retried after a stop, which another thread may have requested.
+        It is refused after a stop that came since there were so many ``stops``, while it waited.
         """
-        request = self._request(velocity, PROGRAM)
+        request = self._request(velocity, PROGRAM, stops)
         try:
             self.watchdog.sent_in_time(request)
         except (FeedError, OSError) as error:
             until = max(self._connected_by or 0.0, self._link.up_at + CONNECT_TIMEOUT if self._link else 0.0)
-            is_connecting = isinstance(error, NotConnectedYetError) and self._clock.now() < until
-            if is_connecting and self.watchdog.stops == stops:
+            if isinstance(error, NotConnectedYetError) and self._clock.now() < until:
                 return False
             raise FeedError(f"cannot drive: {self._connection.status or error}") from None
         return True
@@ -250,7 +249,7 @@ class Driver:
             return False
         return True
 
-    def _request(self, velocity: Velocity, driver: str) -> Request:
+    def _request(self, velocity: Velocity, driver: str, stops: int | None = None) -> Request:
         """Check a speed and request it from the watchdog; FeedError if a check fails."""
         self._connection.check_open()
         if self._connection.status and not self._is_reached_by_guard:
@@ -261,13 +260,14 @@ class Driver:
                 raise FeedError(f"cannot drive: {elsewhere}")
             self._connection.list_driven(self.topic)
         with self._changing:
-            if self._driving.needs_page and self._clock.now() - self._page_at > PAGE_SILENCE:
+            is_page_gone = self._clock.now() - self._page_at > PAGE_SILENCE
+            if velocity != ZERO and self._driving.needs_page and is_page_gone:
                 raise FeedError(
                     "cannot drive: no page that shows this feed or its pad answers, and driving.needs_page asks for "
                     "one; while a cell runs, only ipykernel 7 or later receives messages of the page"
                 )
             try:
-                return self.watchdog.drive(velocity, self._driving.hold, driver)
+                return self.watchdog.drive(velocity, self._driving.hold, driver, stops)
             except RefusedError as error:
                 raise FeedError(f"cannot drive: {error}") from None
 

@@ -14,6 +14,7 @@ from robowidgets._core.clock import Clock, scheduler
 from robowidgets.behaviors import Drive
 from robowidgets.driving.command_watchdog import RefusedError, Velocity
 from robowidgets.feeds import Advert, Driving, Feed, FeedError
+from robowidgets.feeds._guard.link import GuardLink
 from robowidgets.feeds.middleware import NotConnectedYetError
 
 from ..clocks import ManualClock
@@ -552,11 +553,36 @@ def test_a_speed_is_not_tried_again_after_a_stop(driven: Driven, monkeypatch: py
     tried = connects_after(3, script, monkeypatch)
     stop = threading.Thread(target=lambda: (wait_for(lambda: tried, "it is tried"), feed.watchdog.stop()))
     stop.start()
-    with pytest.raises(FeedError, match="has not connected"):
+    with pytest.raises(FeedError, match="cannot drive: it was stopped meanwhile"):
         feed.drive(0.3)
     stop.join()
     wait_for(lambda: script.speeds, "zero is sent")
     assert set(script.speeds) == {(0.0, 0.0)}
+
+
+class Guarded(Scripted):
+    """A robot that is reached by a guard, which is about to start."""
+
+    def __init__(self) -> None:
+        super().__init__(CMD_VEL)
+        self.guard = GuardLink(self.where)
+
+
+def test_a_stop_while_a_speed_waits_for_the_guard_refuses_it(clock: ManualClock) -> None:
+    script = Guarded()
+    feed = Feed(script, clock=clock)
+    refused: list[str] = []
+    driving = clock.beside(lambda: refused.append(words_of(feed)))
+    clock.advance(0.3)
+    clock.beside(feed.stop)
+    clock.advance(0.3)
+    assert (script.speeds, refused) == ([(0.0, 0.0)], [])
+    script.guard._on_up()
+    clock.advance(0.3)
+    driving.join()
+    assert (script.speeds, refused) == ([(0.0, 0.0)], ["cannot drive: it was stopped meanwhile"])
+    clock.beside(feed.close)
+    clock.advance(2.0)
 
 
 def test_a_latched_stop_ends_the_attempts(driven: Driven, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -855,6 +881,7 @@ def test_a_robot_that_needs_a_page_is_not_driven_without_one(driven: Driven, mon
     feed.drive(0.2)
     wait_for(lambda: refused(feed), "the page is gone")
     wait_for(lambda: script.speeds[-1] == (0.0, 0.0), "the robot stops")
+    feed.drive(0, 0)  # zero needs none
     with pytest.raises(TypeError, match="needs_page: expected True or False, got 1"):
         Driving(needs_page=1)  # type: ignore[arg-type]
 
