@@ -15,6 +15,7 @@ from .._core.inform import inform
 from .._core.user_threads import UserThread
 from .._core.waiters import LOOK
 from ..messages.decoding import one_line
+from ..messages.definitions import add, all_added
 from ..repair import RecordingError
 
 LONGEST = 600.0
@@ -46,7 +47,8 @@ def each(
     A recording that takes too long, fails, or ends its process is told as a problem; the others go on.
 
     Args:
-        job: takes a path, and returns plain data. It is sent by value: it may be a lambda.
+        job: takes a path, and returns plain data. It is sent by value: it may be a lambda. Message definitions that were
+            added here go with it.
         paths: the recordings.
         executor: what has ``submit``, as those of `concurrent.futures`; or a client of Dask. None: processes of this
             machine, one for each core. Where it breaks, processes of this machine go on.
@@ -63,7 +65,7 @@ def each(
     from cloudpickle import dumps
 
     try:
-        task = dumps(job)
+        task = dumps((all_added(), job))
     except Exception as error:  # whatever the objects that it refers to raise
         raise TypeError(f"condition: cannot be sent to another process: {one_line(error)}") from None
     suspects: list[str] = []
@@ -152,8 +154,12 @@ def work(task: bytes, path: str, longest: float) -> tuple[Any, str]:
 def _loaded(task: bytes) -> Callable[[str], Any]:
     from cloudpickle import loads
 
-    loaded: Callable[[str], Any] = loads(task)
-    return loaded
+    definitions: dict[str, str]
+    job: Callable[[str], Any]
+    definitions, job = loads(task)
+    if not definitions.items() <= all_added().items():
+        add(definitions)
+    return job
 
 
 def _call(job: Callable[[str], Any], path: str, longest: float) -> tuple[Any, str]:

@@ -8,6 +8,7 @@ from typing import Any, NamedTuple, Protocol
 
 from .._core.progress import Progress, without_bars
 from ..kinds import KINDS
+from ..messages.definitions import all_added, installed
 from ..recordings.remote import is_url, without_secrets
 from ._engine import LONGEST, each
 from ._fleet_table import Unread
@@ -53,7 +54,8 @@ def gather(
     Args:
         job: takes a path, and returns plain data: a mapping. One with ``problem`` says why there is nothing to tell.
         paths: as for `places_of`.
-        kept: where results are kept for the next time, and taken from; None: nowhere. See `kept_of`.
+        kept: where results are kept for the next time, and taken from; None: nowhere. See `kept_of`. One with
+            ``problem`` is not kept: the reason may lie outside of the recording.
         what: for the bar: "Finding".
         executor: as for `each`.
         longest: as for `each`.
@@ -87,7 +89,9 @@ def gather(
                     unread.append(Unread(path, problem))
                 else:
                     count += found(result)
-                    results[path] = kept.add(path, states[path], result) if kept else result
+                    results[path] = result
+                    if kept and "problem" not in result:
+                        results[path] = kept.add(path, states[path], result)
                 tell(1)
         except KeyboardInterrupt:
             is_cut = True
@@ -122,7 +126,7 @@ def kept_of(question: Any, keep: bool) -> Kept | None:
 def identity_or_none(question: Any) -> str | None:
     """The text for a question, as by `identity_of`; None where nothing tells whether it is the same next time."""
     try:
-        # What is read of a topic is part of it: somebody may have added a kind.
-        return identity_of((question, {kind.name: kind.read for kind in KINDS.values()}))
+        # What is read of a topic is part of it: somebody may have added a kind, or definitions of messages.
+        return identity_of((question, {kind.name: kind.read for kind in KINDS.values()}, all_added(), installed()))
     except NotIdentifiedError:
         return None

@@ -61,6 +61,16 @@ def added(type_name: str) -> str:
     return _added.get(type_name, "")
 
 
+def all_added() -> dict[str, str]:
+    """The texts of all definitions that were added, by type name."""
+    return {name: text for name, text in _added.items() if text}
+
+
+def installed() -> str:
+    """Where a ROS 2 that is installed and sourced here has its packages; empty without one."""
+    return os.environ.get("AMENT_PREFIX_PATH", "")
+
+
 def elsewhere(type_name: str) -> str:
     """The text of the definition of a type that rosbags does not know; empty if there is none.
 
@@ -70,7 +80,7 @@ def elsewhere(type_name: str) -> str:
     if found is None:
         return ""
     package, name = found.groups()
-    for prefix in filter(None, os.environ.get("AMENT_PREFIX_PATH", "").split(os.pathsep)):
+    for prefix in filter(None, installed().split(os.pathsep)):
         file = Path(prefix) / "share" / package / "msg" / f"{name}.msg"
         with suppress(OSError):
             return file.read_text(encoding="utf-8", errors="replace")
