@@ -22,7 +22,7 @@ from ._core.text import many
 from ._core.timed_frame import FRAME_HEADER
 from ._core.traits import Flag, bytes_trait
 from .maps.layers import MOST_LAYERS, Layers, TooManyLayersError, frames_in
-from .maps.packing import pack_grids, pack_layers, pack_tracks, unpack_layers
+from .maps.packing import PackedGrid, pack_grids, pack_layers, pack_tracks, unpack_layers
 from .maps.placing import Placed, pose_of_frame
 from .messages import to_pose
 from .messages.fields import frame_id, get, stamp_ns, unwrap
@@ -132,6 +132,8 @@ class PathWidget(DrawsShapes[PathPoint]):
     def __init__(self, **kwargs: Any) -> None:
         self._layers = Layers()
         self._placed: tuple[Placed, ...] = ()
+        self._grids_now: list[PackedGrid] = []
+        self._grids_sent: list[PackedGrid] = []
         self._own = ""
         """The layer of the poses that `update` takes; empty while there are no others."""
         self._map_edition = self._map_listing = 0
@@ -140,7 +142,7 @@ class PathWidget(DrawsShapes[PathPoint]):
         self._shape_frames: dict[str, str] = {}
         self._ground: MapGrid | None = None
         self._whole_tracks: list[tuple[int, Floats]] = []
-        self._whole_grids: list[tuple[int, float, bytes]] = []
+        self._whole_grids: list[tuple[int, float, PackedGrid]] = []
         self._track = Path()
         self._recent = RecentPoses()
         self._began: float | None = None
@@ -477,12 +479,12 @@ class PathWidget(DrawsShapes[PathPoint]):
         self._path = path.points.tobytes()
 
     def show_map(
-        self, about: dict[str, Any], tracks: list[tuple[int, Floats]], grids: list[tuple[int, float, bytes]]
+        self, about: dict[str, Any], tracks: list[tuple[int, Floats]], grids: list[tuple[int, float, PackedGrid]]
     ) -> None:
         """Show the layers of a recording, with all of their ways, and their large grids, each from seconds on."""
         self._whole_tracks, self._whole_grids = tracks, grids
         self._map, self._tracks = about, pack_tracks(tracks)
-        self._grids = pack_grids([packed for _, _, packed in grids])
+        self._grids = pack_grids(packed for _, _, packed in grids)
 
     def show_moment(self, point: PathPoint, about: dict[str, Any]) -> None:
         """Show a moment of the map of a recording."""
@@ -537,10 +539,12 @@ class PathWidget(DrawsShapes[PathPoint]):
     def _texts_now(self) -> dict[str, Any]:
         """See `RobotWidget`: the shapes, each with the pose of its frame; which layers are not drawn, and why."""
         texts = super()._texts_now()
-        if self.driven_by_player or (not self._layers and "shapes" not in texts):
+        if self.driven_by_player:
             return texts
         placed, missing = self._layers.show_placed()
-        self._placed = tuple(placed)
+        self._placed, self._grids_now = tuple(placed), self._layers.grids()
+        if not self._layers and "shapes" not in texts:
+            return texts
         shapes = []
         for form in texts.pop("shapes", []):
             at = self._at(self._shape_frames.get(form["name"], ""))
@@ -588,6 +592,10 @@ class PathWidget(DrawsShapes[PathPoint]):
                 self._map_listing = layers.listing
                 about = [{**one.about, "number": one.number} for one in layers]
                 values = {"_map": {"layers": about, "frames": layers.known_frames}}
+            if self._grids_now != self._grids_sent:
+                # At once: frames name them by their versions.
+                self._grids_sent = self._grids_now
+                values["_grids"] = pack_grids(self._grids_now)
             is_map_new = layers.edition != self._map_edition and not self.driven_by_player
             now = time.monotonic()
             if (self._is_path_new or is_map_new) and now < self._path_due:
@@ -597,7 +605,7 @@ class PathWidget(DrawsShapes[PathPoint]):
                 self._map_edition = layers.edition
                 values["_path"] = b"" if layers else self._track.points.tobytes()
                 if is_map_new:
-                    values |= {"_tracks": pack_tracks(layers.tracks()), "_grids": pack_grids(layers.grids())}
+                    values["_tracks"] = pack_tracks(layers.tracks())
             # Without sending them at once, as setting the traits would.
             changed = [name for name, value in values.items() if self._trait_values.get(name) != value]
             self._trait_values.update(values)

@@ -385,11 +385,11 @@ def _map() -> tuple[bytes, dict[str, Any]]:
     cells = {"rows": 1, "columns": 3, "size": 0.5, "step": 1, "data": [0, 99, 255]}
     unknown = [nan] * 3
     layers = [
-        [0, 0.5, 1.5, -2.0, pi, [0.25, 0.125, 0.5], [], 0, None],
-        [1, 1.0, nan, nan, nan, unknown, places, 2, None],
-        [2, 2.0, 1.0, 2.0, 0.0, unknown, [], 0, cells],
+        [0, 0.5, 1.5, -2.0, pi, [0.25, 0.125, 0.5], [], 0, 0, None],
+        [1, 1.0, nan, nan, nan, unknown, places, 2, 0, None],
+        [2, 2.0, 1.0, 2.0, 0.0, unknown, [], 0, 0, cells],
     ]
-    keys = ("number", "time", "x", "y", "yaw", "scatter", "points", "total", "cells")
+    keys = ("number", "time", "x", "y", "yaw", "scatter", "points", "total", "version", "cells")
     reads = {"sequence": 3, "rate": 30.0, "arrived": 12.5, "time": 2.0, "x": nan, "y": nan, "yaw": nan}
     return frame, {**reads, "layers": [dict(zip(keys, row, strict=True)) for row in layers]}
 

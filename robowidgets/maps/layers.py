@@ -15,7 +15,7 @@ from ..poses.transforms import Transform
 from ..samples import Pose
 from ..samples.map_item import SENSED, MapItem
 from . import _distances
-from .packing import is_small, pack_grid
+from .packing import PackedGrid, is_small, pack_grid
 from .placing import Placed, by_plane, place, pose_of_frame, world_of, worlds_of_map
 
 MOST_LAYERS = 30
@@ -43,7 +43,8 @@ class Layer:
         self.placed: Placed | None = None
         self.track = Path()
         self.plans: list[tuple[float, Floats]] = []
-        self.grid_bytes = b""
+        self.packed_grid: PackedGrid | None = None
+        """What it shows, where that is a large grid."""
 
     @property
     def about(self) -> dict[str, Any]:
@@ -82,7 +83,7 @@ class Layers:
     Attributes:
         frames: the coordinate frames, as far as tf and odometry told them.
         asked: the frame that a person chose; empty: the one that all have in common.
-        edition: how often ways and large grids have changed.
+        edition: how often ways have changed.
     """
 
     def __init__(self) -> None:
@@ -187,9 +188,9 @@ class Layers:
         """The ways of the layers that have one."""
         return [(layer.number, layer.track.points) for layer in self if layer.item and layer.item.kind == "pose"]
 
-    def grids(self) -> list[bytes]:
-        """The large grids that are placed, packed."""
-        return [layer.grid_bytes for layer in self if layer.grid_bytes]
+    def grids(self) -> list[PackedGrid]:
+        """The large grids that are placed."""
+        return [layer.packed_grid for layer in self if layer.packed_grid is not None]
 
     def distance(self, name: str, other: str) -> tuple[Floats, Floats]:
         """Seconds of each point of the way of a layer, and its metres from another or from a plan.
@@ -244,7 +245,6 @@ class Layers:
         if layer.placed is not None or item is None or layer.frame is None:
             return layer.placed
         placed = place(self.frames, layer.frame, item, layer.time_ns, layer.number, layer.seconds)
-        layer.placed = placed
         if placed is None:
             return None
         if item.kind == "pose":
@@ -254,6 +254,7 @@ class Layers:
         elif item.kind == "path":
             layer.plans = [*layer.plans[1 - MOST_PLANS :], (layer.seconds, placed.points)]
         elif item.grid is not None:
-            layer.grid_bytes = b"" if is_small(item.grid) else pack_grid(layer.number, layer.seconds, item.grid)
-            self.edition += 1
+            layer.packed_grid = None if is_small(item.grid) else pack_grid(layer.number, item.grid)
+            placed = placed._replace(version=layer.packed_grid.version if layer.packed_grid else 0)
+        layer.placed = placed
         return placed

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import struct
 import zlib
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator
+from itertools import count
 from math import isnan, nan
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,11 +16,12 @@ from ..samples import MapGrid, Pose
 from ..samples.map_item import Scatter
 from .placing import Placed
 
-_RECORD = struct.Struct("<12d")
-"""Number of the layer; seconds; x, y, yaw; covariance of x, x and y, y (NaN: not known); points in the message; metres
-of a cell of the grid that follows (NaN: no grid does); rows and columns of what follows."""
+_RECORD = struct.Struct("<13d")
+"""Number of the layer; seconds; x, y, yaw; covariance of x, x and y, y (NaN: not known); points in the message; version
+of its large grid (0: it has none); metres of a cell of the grid that follows (NaN: no grid does); rows and columns of
+what follows."""
 _GRID = struct.Struct("<7d")
-"""Number of the layer, seconds, rows, columns, metres of a cell, cells of the map to its side, bytes that follow."""
+"""Number of the layer, version, rows, columns, metres of a cell, cells of the map to its side, bytes that follow."""
 _TRACK = struct.Struct("<2d")
 
 CELLS_IN_FRAME = 10_000
@@ -26,6 +29,16 @@ CELLS_IN_FRAME = 10_000
 
 MOST_CELLS = 4_000_000
 """Cells of a grid that the page gets."""
+
+_versions = count(1)
+"""For all widgets: the page keeps earlier grids, and layers and whole maps begin anew."""
+
+
+class PackedGrid(NamedTuple):
+    """A large grid, which the page gets once; frames name it by its version, which no other grid has."""
+
+    version: int
+    data: bytes
 
 
 def pack_layers(layers: Iterable[Placed]) -> bytes:
@@ -36,7 +49,8 @@ def pack_layers(layers: Iterable[Placed]) -> bytes:
         rows, columns = grid.cells.shape if grid else one.points.shape
         scatter = one.scatter or (nan,) * 3
         size = grid.resolution if grid else nan
-        parts.append(_RECORD.pack(one.number, one.seconds, *one.pose, *scatter, one.total, size, rows, columns))
+        head = (one.number, one.seconds, *one.pose, *scatter, one.total, one.version, size, rows, columns)
+        parts.append(_RECORD.pack(*head))
         if grid:
             parts.append(grid.cells.tobytes())
         else:
@@ -51,7 +65,7 @@ def unpack_layers(data: bytes) -> Iterator[Placed]:
     """The layers in a frame."""
     at = 0
     while at < len(data):
-        number, seconds, x, y, yaw, xx, xy, yy, count, size, rows, columns = _RECORD.unpack_from(data, at)
+        number, seconds, x, y, yaw, xx, xy, yy, total, version, size, rows, columns = _RECORD.unpack_from(data, at)
         at += _RECORD.size
         shape = int(rows), int(columns)
         grid, points = None, np.empty((0, 2))
@@ -66,7 +80,7 @@ def unpack_layers(data: bytes) -> Iterator[Placed]:
             grid = MapGrid(cells, size, Pose(x, y, yaw))
             at += cells.nbytes
         scatter = None if isnan(xx) else Scatter(xx, xy, yy)
-        yield Placed(int(number), seconds, Pose(x, y, yaw), scatter, points, int(count), grid)
+        yield Placed(int(number), seconds, Pose(x, y, yaw), scatter, points, int(total), grid, int(version))
 
 
 def is_small(grid: MapGrid) -> bool:
@@ -74,12 +88,14 @@ def is_small(grid: MapGrid) -> bool:
     return grid.cells.size <= CELLS_IN_FRAME
 
 
-def pack_grid(number: int, seconds: float, grid: MapGrid) -> bytes:
-    """A large grid of a layer from a time on, which the page gets once."""
+def pack_grid(number: int, grid: MapGrid) -> PackedGrid:
+    """A large grid of a layer, in a version of its own."""
     shown, step = grid.thinned(MOST_CELLS)
     rows, columns = shown.cells.shape
     packed = zlib.compress(shown.cells.tobytes(), 6)
-    return _GRID.pack(number, seconds, rows, columns, shown.resolution, step, len(packed)) + packed
+    version = next(_versions)
+    head = _GRID.pack(number, version, rows, columns, shown.resolution, step, len(packed))
+    return PackedGrid(version, head + packed)
 
 
 def pack_tracks(tracks: Iterable[tuple[int, NDArray[np.float64]]]) -> bytes:
@@ -87,6 +103,6 @@ def pack_tracks(tracks: Iterable[tuple[int, NDArray[np.float64]]]) -> bytes:
     return b"".join(_TRACK.pack(number, len(points)) + points.astype("<f8").tobytes() for number, points in tracks)
 
 
-def pack_grids(grids: Sequence[bytes]) -> bytes:
+def pack_grids(grids: Iterable[PackedGrid]) -> bytes:
     """The large grids of all layers."""
-    return b"".join(grids)
+    return b"".join(grid.data for grid in grids)

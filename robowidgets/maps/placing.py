@@ -32,7 +32,8 @@ class Placed(NamedTuple):
     """What a layer shows at a time, in the frame of the map.
 
     ``pose`` is that of a pose, or of the corner of a grid; NaN where there is none. ``points`` have shape (N, 2), or
-    (N, 3) with their yaw; of ``total`` points of the message every ``total / N``-th is there.
+    (N, 3) with their yaw; of ``total`` points of the message every ``total / N``-th is there. ``version`` is that of a
+    large grid, which the page gets once; 0: it has none.
     """
 
     number: int
@@ -42,6 +43,7 @@ class Placed(NamedTuple):
     points: Floats
     total: int
     grid: MapGrid | None
+    version: int = 0
 
 
 def place(frames: Frames, world: str, item: MapItem, time_ns: int, number: int, seconds: float) -> Placed | None:

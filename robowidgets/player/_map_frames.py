@@ -15,7 +15,7 @@ from .._core.text import many
 from .._core.timed_frame import FRAME_HEADER, TimedFrame
 from .._widget_choice import WidgetChoice
 from ..maps.layers import kind_of
-from ..maps.packing import is_small, pack_grid
+from ..maps.packing import PackedGrid, is_small, pack_grid
 from ..maps.placing import Floats, Placed, by_plane, place, poses_in, world_of, worlds_of_map
 from ..messages.map_item import to_map_item
 from ..path_widget import PathPoint, PathWidget
@@ -51,13 +51,15 @@ class _Told(NamedTuple):
     item: MapItem
     seconds: float
     time_ns: int
+    version: int = 0
+    """That of a large grid."""
 
 
 class _LargeGrid(NamedTuple):
     """A large grid that the page has: without its cells."""
 
     told: _Told
-    packed: bytes
+    packed: PackedGrid
 
 
 class WholeMap:
@@ -176,7 +178,7 @@ class WholeMap:
             if placed is None:
                 missing[name] = f"not drawn: no transform to {world}"
             else:
-                shown.append(placed)
+                shown.append(placed._replace(version=told.version))
         return shown, missing
 
     def _read(self, recording: RecordingData) -> None:
@@ -206,9 +208,10 @@ class WholeMap:
 
     def _keep(self, name: str, moment: TimedMessage, item: MapItem) -> None:
         assert item.grid is not None
-        packed = pack_grid(self.names.index(name), moment.seconds, item.grid)
+        packed = pack_grid(self.names.index(name), item.grid)
         stub = MapItem("grid", item.frame_id, item.stamp_ns, item.grid.origin)
-        self.grids.setdefault(name, []).append(_LargeGrid(_Told(stub, moment.seconds, moment.time_ns), packed))
+        told = _Told(stub, moment.seconds, moment.time_ns, packed.version)
+        self.grids.setdefault(name, []).append(_LargeGrid(told, packed))
 
     def _in_time(self, found: Iterable[Any], what: str) -> Iterator[Any]:
         """What is found within the time that a map may take, and a note where that was not all."""

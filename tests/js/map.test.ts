@@ -20,7 +20,7 @@ import { frameOf } from "./vectors.ts";
 const CELLS: Cells = { rows: 2, columns: 3, size: 0.5, step: 1, data: Uint8Array.of(0, 100, 255, 50, 255, 255) };
 
 function state(number: number, x = 0, scatter: LayerState["scatter"] = [NaN, NaN, NaN]): LayerState {
-  return { number, time: 0, x, y: 0, yaw: 0, scatter, points: [], total: 0, cells: null };
+  return { number, time: 0, x, y: 0, yaw: 0, scatter, points: [], total: 0, version: 0, cells: null };
 }
 
 function statesOf(...states: LayerState[]): Map<number, LayerState> {

@@ -1,5 +1,8 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
+import { deflateSync } from "node:zlib";
+import { Ground } from "../../robowidgets/js/path/ground.ts";
+import type { LayerState } from "../../robowidgets/js/path/layers.ts";
 import { boundsOf, multiples, nearestOn, type Point, splitAt, toPoints } from "../../robowidgets/js/path/path.ts";
 import { describePoint } from "../../robowidgets/js/path/text.ts";
 
@@ -99,4 +102,57 @@ test("a grid has its lines, and ends also on a floor as large as only damaged nu
   );
   assert.ok(multiples(1e62, west, east).length < 1e3);
   assert.deepEqual(multiples(1, -Infinity, Infinity), []);
+});
+
+/** The bytes of a large grid of layer 0 whose cells are all alike, as Python packs them. */
+function packedGrid(version: number, side: number, value: number): DataView {
+  const cells = deflateSync(new Uint8Array(side * side).fill(value));
+  const bytes = new Uint8Array(56 + cells.length);
+  for (const [i, number] of [0, version, side, side, 0.05, 1, cells.length].entries())
+    new DataView(bytes.buffer).setFloat64(8 * i, number, true);
+  bytes.set(cells, 56);
+  return new DataView(bytes.buffer);
+}
+
+function grid(version: number, x: number): LayerState {
+  const nothing = { number: 0, time: 0, y: 0, yaw: 0, points: [], total: 0, cells: null };
+  return { ...nothing, scatter: [NaN, NaN, NaN], version, x };
+}
+
+test("a frozen map keeps its large grid where it was while the newest grows, and stepping back finds each", async () => {
+  const ground = new Ground();
+  const [small, large] = [grid(1, -1), grid(2, -3)];
+  const shown = (state: LayerState) => {
+    const { cells, corner } = ground.gridOf(state) ?? {};
+    return [cells?.rows, cells?.data[0], corner?.x];
+  };
+  await ground.take(packedGrid(1, 200, 0), [small], () => {});
+  assert.deepEqual(shown(small), [200, 0, -1]);
+  const taken = ground.take(packedGrid(2, 240, 100), [small], () => {});
+  assert.deepEqual(shown(large), [200, 0, -1], "until it is inflated, the one before, at its own corner");
+  await taken;
+  assert.deepEqual(
+    [shown(small), shown(large)],
+    [
+      [200, 0, -1],
+      [240, 100, -3],
+    ],
+  );
+});
+
+test("large grids that no sample of the history shows any more go, and none takes their place", async () => {
+  const ground = new Ground();
+  for (const version of [1, 2, 3, 4]) await ground.take(packedGrid(version, 200, 0), [grid(2, 0)], () => {});
+  assert.deepEqual(
+    [1, 2, 3, 4].map((version) => [ground.gridOf(grid(version, 0)) !== null, ground.hasDropped(grid(version, 0))]),
+    [[false, true], ...Array(3).fill([true, false])],
+  );
+  assert.deepEqual([ground.gridOf(grid(5, 0)), ground.hasDropped(grid(5, 0))], [null, false]);
+});
+
+test("of the large grids of a history, those of 40 million cells are kept", async () => {
+  const ground = new Ground();
+  for (const version of [1, 2, 3, 4, 5]) await ground.take(packedGrid(version, 4000, 0), [grid(1, 0)], () => {});
+  const kept = [1, 2, 3, 4, 5].filter((version) => ground.gridOf(grid(version, 0)));
+  assert.deepEqual(kept, [3, 4, 5]);
 });

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import zlib
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from math import cos, degrees, hypot, inf, nan, pi, radians, sin, sqrt
 from pathlib import Path
 from threading import Thread
@@ -179,14 +179,40 @@ class TestGrids:
 
     def test_a_large_grid_is_sent_once_and_deflated(self) -> None:
         cells = np.zeros((200, 300), np.uint8)
-        packed = pack_grid(3, 1.5, MapGrid(cells, 0.05))
-        assert _GRID.unpack_from(packed) == (3, 1.5, 200, 300, 0.05, 1, len(packed) - _GRID.size)
+        version, packed = pack_grid(3, MapGrid(cells, 0.05))
+        assert _GRID.unpack_from(packed) == (3, version, 200, 300, 0.05, 1, len(packed) - _GRID.size)
         assert zlib.decompress(packed[_GRID.size :]) == cells.tobytes()
         assert len(packed) < 300
         path = PathWidget()
         path.put("/map", MapGrid(cells, 0.05, frame_id="map"))
         assert shown(path)["/map"].grid is None
         assert path.get_state()["_grids"]
+
+    def test_a_large_grid_goes_in_one_message_with_the_first_frame_that_shows_it(
+        self, monkeypatch: pytest.MonkeyPatch
+    ) -> None:
+        path = PathWidget()
+        sent: list[tuple[int, float, set[int]]] = []
+        grids: set[int] = set()
+
+        def send(data: dict[str, Any], buffers: Sequence[bytes] = (), **_: object) -> None:
+            parts = dict(zip((name for (name,) in data["buffer_paths"]), buffers, strict=True))
+            if packed := bytes(parts.get("_grids", b"")):
+                grids.clear()
+                grids.add(int(_GRID.unpack_from(packed)[1]))
+            if frame := bytes(parts.get("_frame", b"")):
+                (one,) = unpack_layers(frame[64:])
+                sent.append((one.version, one.pose.x, {*grids}))
+
+        monkeypatch.setattr(path.comm, "send", send)
+        for side in (200, 240, 280):
+            origin = Pose(-side / 100, 0.0, 0.0)
+            path.put("/map", MapGrid(np.zeros((side, side), np.uint8), 0.05, origin, frame_id="map"))
+            path.send_newest()
+        assert [x for _, x, _ in sent] == [-2.0, -2.4, -2.8]
+        assert [known for _, _, known in sent] == [{version} for version, _, _ in sent]
+        assert len({version for version, _, _ in sent}) == 3
+        path.close()
 
     def test_a_small_grid_comes_with_its_frame(self) -> None:
         path = PathWidget()

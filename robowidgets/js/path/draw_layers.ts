@@ -132,14 +132,15 @@ function drawCells(
   isOver: boolean,
   theme: Theme,
 ): void {
-  const cells = ground.cellsOf(state);
-  const picture = cells && ground.pictureOf(cells, about.most ?? 100, isOver, theme);
-  if (!cells || !picture) return;
-  const corner = toPixel(projection, state);
+  const grid = ground.gridOf(state);
+  const picture = grid && ground.pictureOf(about, grid.cells, isOver, theme);
+  if (!grid || !picture) return;
+  const { cells, corner } = grid;
+  const at = toPixel(projection, corner);
   const pixels = cells.size * projection.scale;
   context.save();
-  context.translate(corner.x, corner.y);
-  context.rotate(-state.yaw);
+  context.translate(at.x, at.y);
+  context.rotate(-corner.yaw);
   context.scale(pixels, pixels);
   // Cells of a pixel and more have sharp edges.
   context.imageSmoothingEnabled = pixels < 1;

@@ -3,7 +3,7 @@ import { toAge, toDegrees, toFixed, toMany, toMetres } from "../shared/format.ts
 import type { PopupWords } from "../shared/popup.ts";
 import { isOverlay, type Shown } from "./draw_layers.ts";
 import type { Ground } from "./ground.ts";
-import { cellValue, distanceTo, ellipseOf, lengthOf, wordOf } from "./layers.ts";
+import { type Cells, cellValue, distanceTo, ellipseOf, lengthOf, wordOf } from "./layers.ts";
 import { isKnown, type TimedPose } from "./path.ts";
 import { toPose } from "./text.ts";
 
@@ -33,9 +33,9 @@ export function factOf(shown: Shown, robot: Shown | undefined, ground: Ground, n
     if (robot && state.total) parts.push(`${robot.about.name} ${toMetres(distanceTo(state.points, robot.state))} off`);
     parts.push(age);
   } else if (about.kind === "grid") {
-    const cells = ground.cellsOf(state);
-    if (!cells) return "on its way";
-    const { columns, rows, step, size } = cells;
+    const grid = ground.gridOf(state);
+    if (!grid) return ground.hasDropped(state) ? "not kept so long" : "on its way";
+    const { columns, rows, step, size } = grid.cells;
     parts.push(`${columns * step} \u00D7 ${rows * step} cells of ${toMetres(size / step)}`);
     if (step > 1) parts.push(`drawn: the greatest of ${step} \u00D7 ${step}`);
     parts.push(age);
@@ -64,16 +64,15 @@ export function sureness({ state }: Shown): string {
 
 /** What the pop-up says of a cell: as the program finds it, its value, where it is, how far from the robot. */
 export function describeCell(
-  { about, state }: Shown,
-  ground: Ground,
+  { about }: Shown,
+  cells: Cells,
   [row, column]: [number, number],
   at: Place,
   robot: Shown | undefined,
 ): PopupWords {
-  const cells = ground.cellsOf(state);
   const most = about.most ?? 100;
-  const value = cells ? cellValue(cells, row, column, most) : -1;
-  const step = cells?.step ?? 1;
+  const value = cellValue(cells, row, column, most);
+  const { step } = cells;
   const index = (i: number) => (step === 1 ? String(i) : `${i * step}:${(i + 1) * step}`);
   return {
     expression: `grid[${index(row)}, ${index(column)}]`,

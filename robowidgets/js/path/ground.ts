@@ -1,62 +1,113 @@
 import { Reader, toBytes } from "../shared/bytes.ts";
-import type { Place } from "../shared/floor.ts";
+import type { Place, Pose } from "../shared/floor.ts";
 import type { Theme } from "../shared/theme.ts";
-import { type Cells, cornersOf, inflate, type LayerState, toPackedGrids } from "./layers.ts";
+import {
+  type Cells,
+  cornersOf,
+  inflate,
+  type LayerAbout,
+  type LayerState,
+  type PackedGrid,
+  toPackedGrids,
+} from "./layers.ts";
 
-interface Version {
-  time: number;
+/** Cells of all earlier grids that are kept for the history. */
+const MOST_CELLS = 40e6;
+
+/** The cells of a grid and their corner, in the frame of the map. */
+export interface Grid {
   cells: Cells;
+  corner: Pose;
 }
 
-/** The large grids of a map, which come once, and the pictures of all grids. */
-export class Ground {
-  #versions = new Map<number, Version[]>();
-  #pictures = new WeakMap<Cells, { key: string; picture: HTMLCanvasElement }>();
-  #corners = new WeakMap<Cells, { key: string; places: Place[] }>();
-  #edition = 0;
+interface Version {
+  number: number;
+  size: number;
+  /** Null until they are inflated. */
+  cells: Cells | null;
+  ready: Promise<void>;
+}
 
-  /** Takes the grids of a trait, and calls back when they are inflated; those before stay until then. */
-  async take(value: unknown, callback: () => void): Promise<void> {
-    this.#edition++;
-    const edition = this.#edition;
+/** The large grids of a map, each of which comes once, and the pictures of all grids. */
+export class Ground {
+  /** By their own numbers, in the order in which they came. */
+  readonly #versions = new Map<number, Version>();
+  /** What each layer had on show last. */
+  readonly #last = new Map<number, Grid>();
+  readonly #pictures = new Map<number, { cells: Cells; key: string; picture: HTMLCanvasElement }>();
+  readonly #corners = new WeakMap<Cells, { key: string; places: Place[] }>();
+
+  /**
+   * Takes the grids of a trait, and calls back when they are inflated. Earlier ones stay as long as a sample of the
+   * history shows them, up to a number of cells.
+   *
+   * @param oldest What the layers show in the oldest sample of the history.
+   */
+  async take(value: unknown, oldest: readonly LayerState[], callback: () => void): Promise<void> {
     const bytes = toBytes(value);
     const packed = bytes ? toPackedGrids(new Reader(bytes)) : [];
-    const cells = await Promise.all(packed.map(inflate));
-    if (edition !== this.#edition) return;
-    this.#versions = new Map();
-    for (const [i, { number, time }] of packed.entries()) {
-      const own = this.#versions.get(number) ?? [];
-      own.push({ time, cells: cells[i] as Cells });
-      this.#versions.set(number, own);
-    }
+    for (const one of packed) if (!this.#versions.has(one.version)) this.#add(one);
+    const present = new Set(packed.map(({ version }) => version));
+    this.#forget(present, new Map(oldest.map(({ number, version }) => [number, version])));
+    await Promise.all([...present].map((version) => this.#versions.get(version)?.ready));
     callback();
   }
 
-  /** The cells of a grid at the time of its state; null while they are not there. */
-  cellsOf({ number, time, cells }: LayerState): Cells | null {
-    if (cells) return cells;
-    const own = this.#versions.get(number) ?? [];
-    return (own.filter((version) => version.time <= time + 1e-6).at(-1) ?? own[0])?.cells ?? null;
+  #add(packed: PackedGrid): void {
+    const { number, version, rows, columns } = packed;
+    const ready = inflate(packed).then((cells) => {
+      added.cells = cells;
+    });
+    const added: Version = { number, size: rows * columns, cells: null, ready };
+    this.#versions.set(version, added);
+  }
+
+  /** Drops the grids that nothing shows any more, and the oldest where the rest is too large. */
+  #forget(present: ReadonlySet<number>, oldest: ReadonlyMap<number, number>): void {
+    const earlier = [...this.#versions].filter(([version]) => !present.has(version));
+    let size = earlier.reduce((sum, [, one]) => sum + one.size, 0);
+    for (const [version, one] of earlier) {
+      if (version >= (oldest.get(one.number) ?? 0) && size <= MOST_CELLS) continue;
+      size -= one.size;
+      this.#versions.delete(version);
+    }
+  }
+
+  /** What a state shows: until its own grid is inflated the one before, where that was; null where there is none. */
+  gridOf(state: LayerState): Grid | null {
+    const version = this.#versions.get(state.version);
+    const cells = state.cells ?? version?.cells;
+    if (!cells) return version ? (this.#last.get(state.number) ?? null) : null;
+    const grid = { cells, corner: { x: state.x, y: state.y, yaw: state.yaw } };
+    this.#last.set(state.number, grid);
+    return grid;
+  }
+
+  /** Whether the grid of a state was there, and is kept no longer. */
+  hasDropped({ number, version }: LayerState): boolean {
+    if (this.#versions.has(version)) return false;
+    return [...this.#versions].some(([later, one]) => later > version && one.number === number);
   }
 
   /** The corners of what a grid knows, where it lies in the map. */
   cornersOf(state: LayerState): Place[] {
-    const cells = this.cellsOf(state);
-    if (!cells) return [];
-    const key = `${state.x} ${state.y} ${state.yaw}`;
+    const grid = this.gridOf(state);
+    if (!grid) return [];
+    const { cells, corner } = grid;
+    const key = `${corner.x} ${corner.y} ${corner.yaw}`;
     const known = this.#corners.get(cells);
     if (known?.key === key) return known.places;
-    const places = cornersOf(cells, state);
+    const places = cornersOf(cells, corner);
     this.#corners.set(cells, { key, places });
     return places;
   }
 
-  /** The picture of a grid, a pixel for each cell, the last row on top. */
-  pictureOf(cells: Cells, most: number, isOver: boolean, theme: Theme): HTMLCanvasElement | null {
+  /** The picture of a layer's grid, a pixel for each cell, the last row on top; of each layer the last one is kept. */
+  pictureOf({ number, most = 100 }: LayerAbout, cells: Cells, isOver: boolean, theme: Theme): HTMLCanvasElement | null {
     const colors = isOver ? overColors(most, theme) : groundColors(most, theme);
     const key = [isOver, theme.seen, theme.muted, theme.guide].join();
-    const known = this.#pictures.get(cells);
-    if (known?.key === key) return known.picture;
+    const known = this.#pictures.get(number);
+    if (known?.cells === cells && known.key === key) return known.picture;
     const { rows, columns, data } = cells;
     const picture = document.createElement("canvas");
     [picture.width, picture.height] = [columns, rows];
@@ -70,7 +121,7 @@ export class Ground {
         pixels[to + column] = colors[data[from + column] as number] as number;
     }
     context.putImageData(image, 0, 0);
-    this.#pictures.set(cells, { key, picture });
+    this.#pictures.set(number, { cells, key, picture });
     return picture;
   }
 }

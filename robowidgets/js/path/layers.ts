@@ -35,6 +35,8 @@ export interface LayerState extends Pose {
   points: Pose[];
   /** Points in the message. */
   total: number;
+  /** Of its large grid, as `_grids` has it; 0: it has none. */
+  version: number;
   cells: Cells | null;
 }
 
@@ -42,9 +44,10 @@ export interface LayerState extends Pose {
 export function readLayers(reader: Reader): LayerState[] {
   const layers: LayerState[] = [];
   while (reader.left > 0) {
-    const [number = 0, time = NaN, x = NaN, y = NaN, yaw = NaN, ...rest] = reader.float64s(12);
-    const [xx = NaN, xy = NaN, yy = NaN, total = 0, size = NaN, rows = 0, columns = 0] = rest;
-    const layer: LayerState = { number, time, x, y, yaw, scatter: [xx, xy, yy], points: [], total, cells: null };
+    const [number = 0, time = NaN, x = NaN, y = NaN, yaw = NaN, ...rest] = reader.float64s(13);
+    const [xx = NaN, xy = NaN, yy = NaN, total = 0, version = 0, size = NaN, rows = 0, columns = 0] = rest;
+    const scatter: LayerState["scatter"] = [xx, xy, yy];
+    const layer: LayerState = { number, time, x, y, yaw, scatter, points: [], total, version, cells: null };
     if (Number.isNaN(size)) layer.points = readPlaces(reader, rows, columns);
     else {
       const data = new Uint8Array(reader.bytes(rows * columns));
@@ -76,18 +79,19 @@ export function toTracks(reader: Reader | null): Map<number, Point[]> {
   return tracks;
 }
 
-/** A large grid of a layer from a time on, as it comes. */
+/** A large grid of a layer, as it comes. */
 export interface PackedGrid extends Omit<Cells, "data"> {
   number: number;
-  time: number;
+  /** The grid's own; later ones have greater numbers. */
+  version: number;
   packed: ArrayBuffer;
 }
 
 export function toPackedGrids(reader: Reader | null): PackedGrid[] {
   const grids: PackedGrid[] = [];
   while (reader && reader.left > 0) {
-    const [number = 0, time = 0, rows = 0, columns = 0, size = 1, step = 1, length = 0] = reader.float64s(7);
-    grids.push({ number, time, rows, columns, size, step, packed: reader.bytes(length) });
+    const [number = 0, version = 0, rows = 0, columns = 0, size = 1, step = 1, length = 0] = reader.float64s(7);
+    grids.push({ number, version, rows, columns, size, step, packed: reader.bytes(length) });
   }
   return grids;
 }

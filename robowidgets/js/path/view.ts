@@ -19,7 +19,7 @@ import { boundsOfLook, canZoom, type Look, lookOf, zoomed } from "./camera.ts";
 import { drawGrid, drawPath } from "./draw.ts";
 import { drawMap, drawMeasure, placeOf, type Shown, spotsOf } from "./draw_layers.ts";
 import { describeCell, factOf, gridsFrom, sureness } from "./facts.ts";
-import { Ground } from "./ground.ts";
+import type { Ground } from "./ground.ts";
 import { cellAt, type LayerAbout, type LayerState, robotOf, toTracks } from "./layers.ts";
 import { Panel, type Row } from "./panel.ts";
 import { boundsOf, isKnown, nearestOn, type Point, type PoseFrame, splitAt, type TimedPose, toPoints } from "./path.ts";
@@ -54,7 +54,7 @@ export class PathView {
   readonly #popup: Popup;
   readonly #tools: Tools;
   readonly #panel: Panel;
-  readonly #ground = new Ground();
+  readonly #ground: Ground;
   readonly #empty = make("div", "rw-empty");
   readonly #pose = make("span", "rw-strong");
   readonly #way = make("span", "");
@@ -79,10 +79,12 @@ export class PathView {
     model: Model<PathTraits & Picking>,
     element: HTMLElement,
     stream: Stream<PoseFrame>,
+    ground: Ground,
     signal: AbortSignal,
   ) {
     this.#model = model;
     this.#stream = stream;
+    this.#ground = ground;
     this.#card = new SampleCard(element, "path", model, stream, () => this.#draw(), signal);
     const { picture, footer, root } = this.#card;
     // Screen readers leave the arrow keys to it.
@@ -220,7 +222,9 @@ export class PathView {
   }
 
   #onGrids(): void {
-    void this.#ground.take(this.#model.get("_grids"), this.#card.redraw);
+    const [first] = this.#stream.moments;
+    const { layers = [] } = first ? this.#stream.frameOf(first) : {};
+    void this.#ground.take(this.#model.get("_grids"), layers, this.#card.redraw);
   }
 
   /** What is on show of each layer at the time of a frame. */
@@ -405,9 +409,9 @@ export class PathView {
     if (at.x < west || at.x > east || at.y < south || at.y > north) return null;
     const robot = this.#layers.find(({ isRobot }) => isRobot);
     for (const grid of gridsFrom(this.#layers)) {
-      const cells = this.#ground.cellsOf(grid.state);
-      const cell = cells && cellAt(cells, grid.state, at);
-      if (cell) return describeCell(grid, this.#ground, cell, at, robot);
+      const shown = this.#ground.gridOf(grid.state);
+      const cell = shown && cellAt(shown.cells, shown.corner, at);
+      if (cell) return describeCell(grid, shown.cells, cell, at, robot);
     }
     return null;
   }
