@@ -47,8 +47,8 @@ def each(
     A recording that takes too long, fails, or ends its process is told as a problem; the others go on.
 
     Args:
-        job: takes a path, and returns plain data. It is sent by value: it may be a lambda. Message definitions that were
-            added here go with it.
+        job: takes a path, and returns plain data. It is sent by value: it may be a lambda. Message definitions that
+            were added here go with it.
         paths: the recordings.
         executor: what has ``submit``, as those of `concurrent.futures`; or a client of Dask. None: processes of this
             machine, one for each core. Where it breaks, processes of this machine go on.
