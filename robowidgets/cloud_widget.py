@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import json
+import re
 import struct
 from collections.abc import Mapping
+from keyword import iskeyword
 from math import ceil, inf, isfinite, sqrt
 from typing import Any, ClassVar
 
@@ -72,7 +74,7 @@ class CloudWidget(LargeFrameWidget[Cloud]):
         >>> clouds = CloudWidget(title="/points", selection={"z": (0.1, 0.5)})
         >>> clouds.update([[1.0, 0.0, 0.2], [2.0, 0.5, 1.4]])
         >>> clouds.selected["x"].tolist(), clouds.code()
-        ([1.0], 'points[(z >= 0.1) & (z <= 0.5)]')
+        ([1.0], 'points[(z >= 0.1) & (z <= 0.5) & np.isfinite(x) & np.isfinite(y)]')
     """
 
     _esm, _css = bundle("cloud_widget")
@@ -151,7 +153,8 @@ class CloudWidget(LargeFrameWidget[Cloud]):
 
         Args:
             form: "points", with ``points``, and with each field by its name; "cloud", of a `Cloud`; "array", of numbers
-                of shape (N, 3).
+                of shape (N, 3). Where the bounds leave out x, y or z, it needs NumPy as ``np`` to leave out points that
+                were not measured, except of a `Cloud`.
 
         Raises:
             ValueError: nothing is selected, another form, or an array has no such field.
@@ -219,17 +222,39 @@ def selection_code(selection: Mapping[str, Any], form: str = "points") -> str:
         raise ValueError(f"form: expected {', '.join(map(repr, FORMS))}, got {form!r}")
     if form == "array" and (others := [field for field in selection if field not in AXES]):
         raise ValueError(f"form: an array of shape (N, 3) has no {', '.join(others)}")
-    bands = ((_field_code(field, form), low, high) for field, (low, high) in selection.items())
-    parts = [f"({name} >= {low:.10g}) & ({name} <= {high:.10g})" for name, low, high in bands]
-    return f"{'cloud.points' if form == 'cloud' else 'points'}[{' & '.join(parts)}]"
+    bands = [(field, _number_code(low), _number_code(high)) for field, (low, high) in selection.items()]
+    if form == "cloud":
+        named = [f"{field}=({low}, {high})" for field, low, high in bands if _is_name(field)]
+        keyed = ", ".join(f"{_quoted(field)}: ({low}, {high})" for field, low, high in bands if not _is_name(field))
+        named += [f"**{{{keyed}}}"] if keyed else []
+        return f"cloud.points[cloud.inside({', '.join(named)})]"
+    parts = [
+        f"({_field_code(field, form)} >= {low}) & ({_field_code(field, form)} <= {high})" for field, low, high in bands
+    ]
+    # Bounds leave out what is NaN or infinite; a distance has none where x, y or z is.
+    unbounded = [axis for axis in AXES if axis not in selection and DISTANCE not in selection]
+    parts += [f"np.isfinite({_field_code(axis, form)})" for axis in unbounded]
+    return f"points[{' & '.join(parts)}]"
 
 
 def _field_code(field: str, form: str) -> str:
     if form == "array":
         return f"points[:, {AXES.index(field)}]"
-    if form == "cloud":
-        return f"cloud.{field}" if field in (*AXES, DISTANCE) else f'cloud.points["{field}"]'
-    return field if field.isidentifier() else f'points["{field}"]'
+    return field if _is_name(field) and field not in ("points", "np") else f"points[{_quoted(field)}]"
+
+
+def _is_name(text: str) -> bool:
+    """Whether code may have a text as a name, in plain letters, as `js/shared/python.ts` has it."""
+    return re.fullmatch(r"[A-Za-z_]\w*", text, re.ASCII) is not None and not iskeyword(text)
+
+
+def _quoted(text: str) -> str:
+    return json.dumps(text, ensure_ascii=False)
+
+
+def _number_code(value: float) -> str:
+    """All digits of a number, whole ones without a point."""
+    return repr(value + 0.0).removesuffix(".0")
 
 
 def _pack(cloud: Cloud, most: int) -> bytes:

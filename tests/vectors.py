@@ -39,6 +39,7 @@ from robowidgets import (
 )
 from robowidgets._core.robot_widget import RobotWidget
 from robowidgets._core.timed_frame import TimedFrame
+from robowidgets.cloud_widget import FORMS, selection_code
 from robowidgets.export.segments import pack_tracks
 from robowidgets.imaging import as_numbers, statistics
 from robowidgets.messages import to_image
@@ -158,6 +159,30 @@ def make_rays() -> list[Any]:
         [list(of), list(on), rays_at(*pair).tolist()]
         for of, on, pair in zip(rays_of[::2], rays_of[1::2], pairs, strict=True)
     ]
+
+
+BANDS = (
+    {"z": (0.1, 0.5)},
+    {"x": (0.0, 2.5), "y": (-1.0, 1.0), "z": (-0.25, 0.5)},
+    {"x": (-2.0, 2.0), "y": (-1e-7, 1e16)},
+    {"ring": (3.0, 7.0)},
+    {"ring": (3.0, 7.0), "distance": (0.00001, 123456789.0625)},
+    {"intensity": (0.30000000000000004, 12.5), "class": (1.0, 5.0)},
+    {'a"]; __import__("os").system("id") #': (1.0, 5.0), "x": (0.0, 9.0)},
+    {"points": (1.0, 5.0), "np": (0.0, 4.0), "self": (1.0, 9.0)},
+    {"gr\u00f6\u00dfe": (1.0, 5.0), "a b\\\n\U0001f916": (2.0, 5.0)},
+)
+"""Bounds of points by field, of whom some have names that need care in code."""
+
+
+def make_selections() -> list[Any]:
+    """Bounds of points, and the code that selects them by form; null where a form has no such fields."""
+    made = []
+    for bands in BANDS:
+        forms = FORMS if {*bands} <= {*"xyz"} else FORMS[:2]
+        codes = {form: selection_code(bands, form) if form in forms else None for form in FORMS}
+        made.append([{name: list(band) for name, band in bands.items()}, codes])
+    return made
 
 
 SCATTERED = (
@@ -499,7 +524,7 @@ def write() -> None:
     """Put the frames of this Python into the file."""
     vectors = read() | {"frames": make(), "sectors": make_sectors(), "codes": make_codes(), "spreads": make_spreads()}
     vectors |= {"rays": make_rays(), "silences": make_silences(), "steps": make_steps(), "beats": make_beats()}
-    vectors |= {"ranges": make_ranges(), "images": make_images()}
+    vectors |= {"ranges": make_ranges(), "images": make_images(), "selections": make_selections()}
     FILE.write_text(_to_text(vectors), encoding="utf-8")
 
 

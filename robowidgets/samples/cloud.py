@@ -168,7 +168,7 @@ class Cloud(HasAge):
         """Whether each point was measured: x, y and z are numbers, shape (N,)."""
         return frozen(np.isfinite(self.distance))
 
-    def inside(self, **bands: Band) -> NDArray[np.bool_]:
+    def inside(self, /, **bands: Band) -> NDArray[np.bool_]:
         """Whether each point lies between bounds, shape (N,): ``cloud.inside(x=(0, 2), z=(0.1, 0.5))``.
 
         Args:
@@ -188,7 +188,7 @@ class Cloud(HasAge):
             found &= (values >= low) & (values <= high)
         return found
 
-    def nearest(self, **bands: Band) -> Point | None:
+    def nearest(self, /, **bands: Band) -> Point | None:
         """The point nearest to the origin of the frame, the first of equals; None without any.
 
         Args:

@@ -16,10 +16,13 @@ import {
   countWords,
   describePoint,
   exact,
+  FORMS,
+  hasCode,
   rounded,
   thinnedWords,
   toCode,
 } from "../../robowidgets/js/cloud/text.ts";
+import { vectors } from "./vectors.ts";
 
 const MINUS = "\u2212";
 
@@ -160,14 +163,14 @@ test("a point is told with every field, exactly as it was sent", () => {
   assert.equal(exact(NaN, Float32Array.of(0)), "NaN");
 });
 
-test("code has the bounds as they are, in each form", () => {
-  const selection = { x: [0, 2.5], intensity: [-1, 7] } as Record<string, [number, number]>;
-  assert.equal(toCode(selection, "points"), "points[(x >= 0) & (x <= 2.5) & (intensity >= -1) & (intensity <= 7)]");
-  assert.equal(
-    toCode(selection, "cloud"),
-    'cloud.points[(cloud.x >= 0) & (cloud.x <= 2.5) & (cloud.points["intensity"] >= -1) & (cloud.points["intensity"] <= 7)]',
-  );
-  assert.equal(toCode({ z: [0.1, 0.5] }, "array"), "points[(points[:, 2] >= 0.1) & (points[:, 2] <= 0.5)]");
+test("code is as Python has it, in each form that has the fields", () => {
+  for (const [bands, codes] of vectors.selections) {
+    for (const form of FORMS)
+      assert.equal(hasCode(bands, form) ? toCode(bands, form) : null, codes[form], JSON.stringify(bands));
+  }
+});
+
+test("bounds have the digits that a person would write, and are said with their units", () => {
   assert.deepEqual(rounded([0.123456, 0.987654], 5), [0.12, 0.99]);
   assert.deepEqual(rounded([0.123456, 0.987654], 500), [0, 1]);
   assert.equal(bandWords({ z: [-0.5, 1], ring: [1, 2] }), `z ${MINUS}0.5 to 1 m\nring 1 to 2`);

@@ -160,6 +160,9 @@ test("code reads a field as its program does, whatever its name", () => {
   assert.equal(toCode(plain as Field, false), "message.a.x");
   assert.equal(toCode(plain as Field, true), 'message["a"]["x"]');
   assert.equal(toCode(odd as Field, false), 'message.a["b c"]');
+  const [keyword, digit] = fieldsOf([number("class"), number("1st")], [1, 2]);
+  assert.equal(toCode(keyword as Field, false), 'getattr(message, "class")');
+  assert.equal(toCode(digit as Field, false), 'message["1st"]');
   assert.equal(toCode(elementsOf(array("ranges", [1, 2]), 1, 2)[0] as Field, false), "message.ranges[1]");
   const [alone] = fieldsOf([number("pose.position[2].x")], [1]);
   assert.equal(toCode(alone as Field, false), "message.pose.position[2].x");

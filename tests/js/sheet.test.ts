@@ -1,6 +1,6 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { toReason, toReasons } from "../../robowidgets/js/sheet/odd.ts";
+import { toReason, toReasons, toShell } from "../../robowidgets/js/sheet/odd.ts";
 import {
   cutOf,
   evenly,
@@ -109,4 +109,10 @@ test("files that were not read whole are told by reason, those of most files fir
     "and 5 more: the recording was cut off (2), has no laser scans (1), was cut off before its first message (1) and others",
   );
   assert.equal(toReasons(odd.slice(4)), "and 1 more: a chunk of … bytes is damaged (1)");
+});
+
+test("a path that is copied for a shell runs nothing", () => {
+  assert.equal(toShell("/runs/my run.mcap"), '"/runs/my run.mcap"');
+  assert.equal(toShell("C:\\runs\\a.bag"), '"C:\\runs\\a.bag"');
+  assert.equal(toShell("/runs/$(id)'s.mcap"), "'/runs/$(id)'\\''s.mcap'");
 });

@@ -57,6 +57,7 @@ interface Vectors {
     why: string,
     statistics: number[][] | null,
   ][];
+  selections: [bands: Record<string, [number, number]>, codes: Record<string, string | null>][];
   spreads: [scans: Word[][], spread: Word[]][];
   silences: [step: Word, onShow: number, listed: Word][];
   steps: [times: number[], step: Word][];

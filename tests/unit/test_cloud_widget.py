@@ -18,10 +18,12 @@ from robowidgets._widget_choice import choose_widgets
 from robowidgets.kinds import load
 from robowidgets.messages import to_cloud
 
+from ..vectors import BANDS
 from .recordings.recorded import write
 from .test_cloud import OVER, cloud_message, points_of
 from .test_to_html import parts
 
+Bands = dict[str, tuple[float, float]]
 POINTS = [[1.0, 0.0, 0.2], [2.0, 0.5, 1.4], [0.5, -1.0, 0.5], [nan, nan, nan]]
 
 
@@ -52,7 +54,7 @@ def test_what_is_selected_is_counted_and_is_the_points_that_its_code_gives(cloud
     clouds.selection = {"x": (0, 1.5), "z": (0.2, 0.5)}
     assert clouds.get_state()["_about"]["selected"] == [{"x": [0.0, 1.5], "z": [0.2, 0.5]}, 2]
     points = clouds.cloud.points
-    names = {"points": points, "x": points["x"], "z": points["z"], "cloud": clouds.cloud}
+    names = {**{axis: points[axis] for axis in "xyz"}, "points": points, "cloud": clouds.cloud, "np": np}
     for form, given in (("points", {}), ("cloud", {}), ("array", {"points": np.array(POINTS)})):
         assert len(eval(clouds.code(form), {**names, **given})) == 2, form
     assert clouds.selected["x"].tolist() == [1.0, 0.5]
@@ -61,6 +63,26 @@ def test_what_is_selected_is_counted_and_is_the_points_that_its_code_gives(cloud
     for form, text in (("array", "an array of shape .N, 3. has no ring"), ("C", "form: expected 'points'")):
         with pytest.raises(ValueError, match=text):
             clouds.code(form)
+
+
+@pytest.mark.parametrize("bands", BANDS, ids=lambda bands: ", ".join(map(ascii, bands)))
+def test_code_gives_the_points_that_are_counted_whatever_was_not_measured(clouds: CloudWidget, bands: Bands) -> None:
+    names = {name: None for name in ("x", "y", "z", "ring", "intensity", *bands) if name != "distance"}
+    points = np.zeros(12, [(name, np.float32) for name in names])
+    for number, name in enumerate(names):
+        points[name] = (np.arange(12) * (number + 1)) % 7 / (4 if number < 3 else 1)
+    for i, (axis, value) in enumerate([("x", nan), ("y", inf), ("z", -inf), ("z", nan)]):
+        points[axis][2 * i + 2] = value
+    points[["x", "y", "z"]][1] = (nan, nan, nan)
+    clouds.update(points.reshape(3, 4))
+    clouds.selection = bands
+    given = {**{name: points[name] for name in names}, "np": np, "points": points, "distance": clouds.cloud.distance}
+    for form in ("points", "cloud", "array"):
+        if form == "array" and not {*bands} <= {"x", "y", "z"}:
+            continue
+        rows = np.column_stack([points[axis] for axis in "xyz"]) if form == "array" else points
+        found = eval(clouds.code(form), {**given, "cloud": clouds.cloud, "points": rows})
+        assert len(found) == len(clouds.selected) == clouds.get_state()["_about"]["selected"][1], form
 
 
 @pytest.mark.parametrize(

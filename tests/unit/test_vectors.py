@@ -56,6 +56,11 @@ def test_pixels_are_read_as_in_the_front_end() -> None:
     assert vectors.make_images() == VECTORS["images"]
 
 
+def test_points_are_selected_by_the_code_of_the_front_end() -> None:
+    """Else a text has changed: change js/cloud/text.ts, then run `python -m tests.vectors`."""
+    assert vectors.make_selections() == VECTORS["selections"]
+
+
 def test_rays_scatter_as_in_the_front_end() -> None:
     """Else the rule has changed: change the front end, then run `python -m tests.vectors`."""
     assert vectors.make_spreads() == VECTORS["spreads"]

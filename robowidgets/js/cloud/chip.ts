@@ -3,7 +3,7 @@ import { CopyCode } from "../shared/copy.ts";
 import { make, makeButton, setHidden, setText } from "../shared/dom.ts";
 import { putMarked } from "../shared/popup.ts";
 import { type Cloud, countOf } from "./cloud.ts";
-import { ABOUT_FORMS, bandWords, countWords, FORMS, type Form, toCode } from "./text.ts";
+import { ABOUT_FORMS, bandWords, countWords, FORMS, type Form, hasCode, toCode } from "./text.ts";
 import type { Selection } from "./traits.ts";
 
 /** What is selected, in a corner of the picture: how many points, between which bounds, and the code for them. */
@@ -39,6 +39,7 @@ export class Chip {
     if (!cloud || !found) return;
     setText(this.#count, countWords(cloud, countOf(found), whole));
     setText(this.#bands, bandWords(selection));
+    this.copy.offer((form) => hasCode(selection, form));
   }
 
   /** In the picture; none while it is away or below. */

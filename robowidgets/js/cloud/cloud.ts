@@ -123,9 +123,10 @@ export function placeOf(cloud: Cloud, i: number): [row: number, column: number] 
 
 /** What colours points, or bounds them: a field with one number for each, or the distance. */
 export function columnOf(cloud: Cloud, name: string): Column | null {
+  // As in Python, also where a field has that name.
+  if (name === "distance") return cloud.distance;
   const field = cloud.fields.get(name);
-  if (field) return field.size === 1 ? field.values : null;
-  return name === "distance" ? cloud.distance : null;
+  return field?.size === 1 ? field.values : null;
 }
 
 /** Which of the points that the page has are within bounds; null: nothing is selected. */

@@ -1,5 +1,6 @@
 import { decimalsFor, toCount, toFixed, toMany, toMetres, toOrdinal } from "../shared/format.ts";
 import type { PopupWords } from "../shared/popup.ts";
+import { isName, quoted, toNumberCode } from "../shared/python.ts";
 import { type Cloud, type Column, indexOf, isColor, placeOf } from "./cloud.ts";
 import type { Selection } from "./traits.ts";
 
@@ -96,20 +97,36 @@ export type Form = (typeof FORMS)[number];
 export const ABOUT_FORMS =
   "points: with each field by its name; cloud: of a robowidgets Cloud; array: of numbers of shape (N, 3)";
 
+const AXES = ["x", "y", "z"];
+
+/** Whether there is code for a selection in a form: an array of shape (N, 3) has no other fields. */
+export function hasCode(selection: Selection, form: Form): boolean {
+  return form !== "array" || Object.keys(selection).every((name) => AXES.includes(name));
+}
+
 /** The code that selects points within bounds, as Python's `CloudWidget.code` gives it. */
 export function toCode(selection: Selection, form: Form): string {
-  const parts = Object.entries(selection).map(([name, [low, high]]) => {
+  const bands = Object.entries(selection).map(([name, band]) => [name, ...band.map(toNumberCode)] as const);
+  if (form === "cloud") {
+    const plain = bands.filter(([name]) => isName(name)).map(([name, low, high]) => `${name}=(${low}, ${high})`);
+    const others = bands
+      .filter(([name]) => !isName(name))
+      .map(([name, low, high]) => `${quoted(name)}: (${low}, ${high})`);
+    if (others.length) plain.push(`**{${others.join(", ")}}`);
+    return `cloud.points[cloud.inside(${plain.join(", ")})]`;
+  }
+  const parts = bands.map(([name, low, high]) => {
     const field = fieldCode(name, form);
     return `(${field} >= ${low}) & (${field} <= ${high})`;
   });
-  return `${form === "cloud" ? "cloud.points" : "points"}[${parts.join(" & ")}]`;
+  // Bounds leave out what is NaN or infinite; a distance has none where x, y or z is.
+  const unbounded = AXES.filter((axis) => !(axis in selection || "distance" in selection));
+  return `points[${[...parts, ...unbounded.map((axis) => `np.isfinite(${fieldCode(axis, form)})`)].join(" & ")}]`;
 }
 
 function fieldCode(name: string, form: Form): string {
-  const isAxis = ["x", "y", "z"].includes(name);
-  if (form === "array" && isAxis) return `points[:, ${"xyz".indexOf(name)}]`;
-  if (form === "cloud") return isAxis || name === "distance" ? `cloud.${name}` : `cloud.points["${name}"]`;
-  return /^[A-Za-z_]\w*$/.test(name) ? name : `points["${name}"]`;
+  if (form === "array") return `points[:, ${AXES.indexOf(name)}]`;
+  return isName(name) && !["points", "np"].includes(name) ? name : `points[${quoted(name)}]`;
 }
 
 /** Bounds with the digits that a person would write, of what spans so much. */

@@ -1,4 +1,5 @@
 import { asSentence, toClock, toCount, toDegrees, toFixed, toMany } from "../shared/format.ts";
+import { isName, quoted } from "../shared/python.ts";
 import type { Value } from "./frame.ts";
 import { elementsOf, type Field, summaryOf, toNumber } from "./tree.ts";
 
@@ -204,14 +205,13 @@ export function toWhole(field: Field): string {
 
 /** The code that reads a field of a message. */
 export function toCode({ steps }: Field, isKeyed: boolean, message = "message"): string {
-  const toStep = (step: string) => {
-    if (/^\[\d+\]$/.test(step)) return step;
-    // Fields that are shown alone have their path as name.
-    if (/^[\w.[\]]+$/.test(step) && !isKeyed) return `.${step}`;
-    const keys = /[.[]/.test(step) ? step.split(/\.|(?=\[\d+\])/) : [step];
-    return keys.map((key) => (/^\[\d+\]$/.test(key) ? key : `[${JSON.stringify(key)}]`)).join("");
-  };
-  return message + steps.map(toStep).join("");
+  // Fields that are shown alone have their path as name.
+  const keys = steps.flatMap((step) => step.split(/\.|(?=\[\d+\])/));
+  return keys.reduce((code, key) => {
+    if (/^\[\d+\]$/.test(key)) return code + key;
+    if (isKeyed || !/^[A-Za-z_]\w*$/.test(key)) return `${code}[${quoted(key)}]`;
+    return isName(key) ? `${code}.${key}` : `getattr(${code}, ${quoted(key)})`;
+  }, message);
 }
 
 const SPOKEN: Record<string, string> = {

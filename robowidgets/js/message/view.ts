@@ -3,6 +3,7 @@ import { make, makeButton, set, setHidden, setText } from "../shared/dom.ts";
 import { isPlain, on, onAbort } from "../shared/events.ts";
 import { toCount, toFixed } from "../shared/format.ts";
 import { lacksKernel, type Model, onChange, setTraits } from "../shared/model.ts";
+import { quoted } from "../shared/python.ts";
 import { SampleCard } from "../shared/sample_card.ts";
 import type { Stream } from "../shared/stream.ts";
 import type { Moment, Recent } from "../shared/traits.ts";
@@ -394,7 +395,7 @@ export class MessageView {
     const { keyed = false, recorded } = this.#about;
     if (recorded === undefined) return toCode(field, keyed);
     const seconds = Number((this.#stream.shown?.arrived ?? 0).toFixed(6));
-    return toCode(field, keyed, `recording.message_at(${JSON.stringify(recorded)}, ${seconds}).message`);
+    return toCode(field, keyed, `recording.message_at(${quoted(recorded)}, ${seconds}).message`);
   }
 
   async #copyPath(): Promise<void> {

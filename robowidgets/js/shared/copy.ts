@@ -1,4 +1,4 @@
-import { make, makeButton, setHidden, setText } from "./dom.ts";
+import { make, makeButton, set, setHidden, setText } from "./dom.ts";
 import { on } from "./events.ts";
 
 const COPIED_MS = 2000;
@@ -47,6 +47,12 @@ export class CopyCode<F extends string = string> {
     this.field.readOnly = true;
     this.field.hidden = true;
     this.field.ariaLabel = "code to copy";
+  }
+
+  /** Offers only the forms in which there is code now, the first of them where the chosen one has none. */
+  offer(has: (form: F) => boolean): void {
+    for (const option of this.#form.options) set(option, "disabled", !has(option.value as F));
+    if (this.#form.selectedOptions[0]?.disabled) this.#form.selectedIndex = 0;
   }
 
   async copy(): Promise<void> {

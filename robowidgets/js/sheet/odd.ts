@@ -25,3 +25,8 @@ export function toReasons(odd: OddFile[]): string {
   const others = most.length > MOST ? " and others" : "";
   return `and ${odd.length.toLocaleString("en")} more: ${parts.join(", ")}${others}`;
 }
+
+/** A path as a shell takes it, which runs nothing that stands in it. */
+export function toShell(path: string): string {
+  return /[$`!"]/.test(path) ? `'${path.replaceAll("'", "'\\''")}'` : `"${path}"`;
+}

@@ -1,3 +1,4 @@
+import { quoted } from "../shared/python.ts";
 import type { Columns } from "./traits.ts";
 
 /** A moment of a sheet, in words and numbers. */
@@ -162,7 +163,7 @@ export function cutOf(moments: Moment[]): number | null {
 export function toCode({ path, topic, nearest, time, start, held }: Moment): string {
   // Upwards: a time before its sample would have the one before.
   const up = (seconds: number) => String(Math.ceil(seconds * 1000 - 1e-6) / 1000);
-  const opened = `robowidgets.open(${JSON.stringify(path)})`;
+  const opened = `robowidgets.open(${quoted(path)})`;
   if (nearest === null) return `${opened}[${up(start)}:${up(start + Math.max(held, 0.001))}]`;
-  return `${opened}.at(${JSON.stringify(topic.split(", ")[0])}, ${up(time)})`;
+  return `${opened}.at(${quoted(topic.split(", ")[0] as string)}, ${up(time)})`;
 }

@@ -8,7 +8,7 @@ import { NameRow } from "../shared/naming.ts";
 import { offerPng } from "../shared/png.ts";
 import { perAnimationFrame, throttle } from "../shared/schedule.ts";
 import type { Cut } from "./draw.ts";
-import { toReason, toReasons } from "./odd.ts";
+import { toReason, toReasons, toShell } from "./odd.ts";
 import {
   COLUMNS,
   type Column,
@@ -379,7 +379,7 @@ export class SheetView {
     row.title = path;
     const why = make("span", "rw-sheet-why", toReason(file));
     const [word, command] = is_read ? ["Repair a copy", "repair"] : ["Look at it", "doctor"];
-    const line = `robowidgets ${command} ${JSON.stringify(path)}`;
+    const line = `robowidgets ${command} ${toShell(path)}`;
     const onClick = async () => setText(button, (await copyText(line)) ? "Command copied" : line);
     const button = makeButton("rw-sheet-next", `Copy the command: ${line}`, onClick, this.#signal, word);
     button.ariaLabel = null;

@@ -2,13 +2,14 @@ import { sideOf, toAge, toDegrees, toFixed, toMetres, toShortMetres } from "../s
 import { meaningOf } from "../shared/frames/classes.ts";
 import { NO_LIMIT, NO_MEASUREMENT, NOTHING_IN_RANGE, READING, TOO_CLOSE } from "../shared/frames/scan.ts";
 import type { PopupWords } from "../shared/popup.ts";
+import { quoted } from "../shared/python.ts";
 import type { Cone } from "./cones.ts";
 
 const LONGEST_NAME = 14;
 
 /** Code that gives the distance of a sensor, as a program has it. */
 export function toCode(name: string): string {
-  return `sonars[${JSON.stringify(name)}].distance`;
+  return `sonars[${quoted(name)}].distance`;
 }
 
 /** A name that fits a label: without what is in the middle of a long one. */
