@@ -30,7 +30,7 @@ from .messages.map_item import to_map_item
 from .messages.pose import pose_of
 from .poses.path import Path
 from .poses.recent import RecentPoses
-from .poses.transforms import STATIC, Transform, transforms_in
+from .poses.transforms import Transform, transforms_of
 from .samples import HasAge, MapGrid, Pose
 from .samples.age import arrival_of, note_arrival
 from .samples.checks import finite, to_radians
@@ -384,10 +384,10 @@ class PathWidget(DrawsShapes[PathPoint]):
         time_ns = time.monotonic_ns()
         transforms = get(inner, "transforms", None)
         if transforms is not None:
-            found, wrong = _sound(inner, name.rpartition("/")[2] == STATIC, time_ns)
-            self._layers.add_frames(iter(found), seconds)
-            if wrong:
-                raise ValueError(f"{name}: {wrong}")
+            try:
+                self._layers.add_frames(transforms_of(inner, name, time_ns), seconds)
+            except ValueError as error:
+                raise ValueError(f"{name}: {error}") from None
             return
         self._adopt()
         self._layers.put(name, to_map_item(message), seconds, time_ns)
@@ -610,24 +610,6 @@ class PathWidget(DrawsShapes[PathPoint]):
             changed = [name for name, value in values.items() if self._trait_values.get(name) != value]
             self._trait_values.update(values)
             self._unsent.update(changed)
-
-
-def _sound(message: Any, static: bool, time_ns: int) -> tuple[list[Transform], str]:
-    """The transforms in a TFMessage that contain a pose, and what is wrong with one that does not."""
-    found: list[Transform] = []
-    wrong = ""
-    for one in get(message, "transforms"):
-        sound, why = _sound_one(one, static, time_ns)
-        found += sound
-        wrong = why or wrong
-    return found, wrong
-
-
-def _sound_one(stamped: Any, static: bool, time_ns: int) -> tuple[list[Transform], str]:
-    try:
-        return list(transforms_in({"transforms": [stamped]}, static, time_ns)), ""
-    except ValueError as error:
-        return [], str(error)
 
 
 def _part(points: Floats, start: float, end: float) -> Floats:

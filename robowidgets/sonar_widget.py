@@ -169,8 +169,10 @@ class SonarWidget(RobotWidget[Ranges]):
 
     def take_frames(self, message: Any) -> None:
         """Take the newest message of tf, which may say where the sensors are; those in `poses` stay where they are."""
-        with self._newest.lock, suppress(TypeError, ValueError):
-            self._transforms |= {one.child: one for one in transforms_in(unwrap(message), True, 0)}
+        with self._newest.lock:
+            with suppress(ValueError):
+                for one in transforms_in(unwrap(message), True, 0):
+                    self._transforms[one.child] = one
             mounts = mounts_of(self._transforms.values())
             if mounts != self._mounts:
                 self._mounts = mounts

@@ -56,6 +56,21 @@ def tf(parent: str, child: str, at: tuple[float, float, float], seconds: float) 
     return SimpleNamespace(transforms=[one])
 
 
+def tf_of_rosbridge(*joined: tuple[str, str, float | None]) -> dict[str, Any]:
+    """A tf2_msgs/TFMessage as rosbridge sends it, of parents, children and metres between them along x."""
+    turn = {"x": 0.0, "y": 0.0, "z": 0.0, "w": 1.0}
+    return {
+        "transforms": [
+            {
+                "header": {"frame_id": parent, "stamp": {"sec": 1, "nanosec": 0}},
+                "child_frame_id": child,
+                "transform": {"translation": {"x": x, "y": 0.0, "z": 0.0}, "rotation": turn},
+            }
+            for parent, child, x in joined
+        ]
+    }
+
+
 def plan(places: list[tuple[float, float]], seconds: float, frame: str = "map") -> SimpleNamespace:
     poses = [SimpleNamespace(header=header(frame, seconds), pose=pose(x, y, 0.0)) for x, y in places]
     return SimpleNamespace(header=header(frame, seconds), poses=poses)

@@ -16,9 +16,9 @@ from .._core.traits import Flag
 from ..camera import BesidePictures, OnScan, Overlay, PictureView, about_overlay, pose_by_hand
 from ..kinds import SONAR, info_of, kind_of_message, sensor_of
 from ..messages import to_camera_info, to_range, to_scan
-from ..messages.fields import get, unwrap
+from ..messages.fields import unwrap
 from ..poses.live_frames import LiveFrames
-from ..poses.transforms import transforms_in, transforms_of
+from ..poses.transforms import transforms_of
 from ..samples import Image, Pose
 from ..samples.age import arrival_of
 
@@ -135,9 +135,8 @@ class HasOverlay(LargeFrameWidget[Image]):
         frames = self._beside.frames
         if not isinstance(frames, LiveFrames):
             return
-        with self._newest.lock, suppress(TypeError, ValueError, AttributeError):
-            is_tf = get(inner, "transforms", None) is not None
-            for one in transforms_in(inner, False, now) if is_tf else transforms_of(inner, "", now):
+        with self._newest.lock, suppress(ValueError):
+            for one in transforms_of(inner, "", now):
                 frames.add(one)
 
     def topics_beside(self, topics: Mapping[str, str]) -> list[tuple[str, Callable[[Any], object]]]:

@@ -130,12 +130,18 @@ class Layers:
         self._place(layer)
 
     def add_frames(self, transforms: Iterator[Transform], seconds: float) -> None:
-        """Take transforms of tf, and move the layers that show a frame."""
+        """Take transforms of tf, and move the layers that show a frame; what is wrong with one is raised after that."""
         moved: dict[str, Transform] = {}
-        for one in transforms:
-            self.frames.add(one)
-            moved[one.child] = one
-        self._settle()
+        try:
+            for one in transforms:
+                self.frames.add(one)
+                moved[one.child] = one
+        finally:
+            self._settle()
+            self._move(moved, seconds)
+
+    def _move(self, moved: dict[str, Transform], seconds: float) -> None:
+        """Move the layers that show a frame which some transforms moved."""
         for layer in self:
             pair = frames_in(layer.name)
             if pair is None or not (newest := self._newest(pair[1], moved)):

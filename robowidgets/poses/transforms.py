@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator
 from math import hypot, isfinite
 from typing import Any, NamedTuple
 
-from ..messages.fields import as_object, get, stamp_ns
+from ..messages.fields import as_object, describe, get, stamp_ns
 
 TRANSFORMS = ("tf2_msgs/msg/TFMessage", "tf/msg/tfMessage")
 STATIC = "tf_static"
@@ -32,16 +32,16 @@ class Transform(NamedTuple):
 
 
 def transforms_of(message: Any, topic: str, time_ns: int) -> Iterator[Transform]:
-    """The transforms in an Odometry or a TFMessage.
+    """The transforms in an Odometry or a TFMessage, which may be a dictionary.
 
     Raises:
-        ValueError: a pose contains NaN or infinity, or a quaternion of length 0.
+        ValueError: a pose contains NaN, infinity or null, or a quaternion of length 0, or fields are missing. All other
+            transforms of the message come before.
     """
-    if hasattr(message, "transforms"):
+    if get(message, "transforms", None) is not None:
         yield from transforms_in(message, topic.rpartition("/")[2] == STATIC, time_ns)
     else:
-        at = message.pose.pose
-        yield _transform(message, time_ns, at.position, at.orientation, odometry=True)
+        yield _transform(message, time_ns, odometry=True)
 
 
 def transforms_in(message: Any, static: bool, time_ns: int) -> Iterator[Transform]:
@@ -50,20 +50,41 @@ def transforms_in(message: Any, static: bool, time_ns: int) -> Iterator[Transfor
     Raises:
         ValueError: as `transforms_of`.
     """
-    for stamped in get(message, "transforms"):
-        one = as_object(stamped) if isinstance(stamped, Mapping) else stamped
-        at = one.transform
-        yield _transform(one, time_ns, at.translation, at.rotation, static=static)
+    given, wrong = get(message, "transforms", None), None
+    if not isinstance(given, Iterable):
+        raise ValueError(f"expected a message like tf2_msgs/TFMessage, got {describe(message)}")
+    for stamped in given:
+        try:
+            one = _transform(stamped, time_ns, static=static)
+        except ValueError as error:  # noqa: PERF203  # the others count
+            wrong = wrong or error
+        else:
+            yield one
+    if wrong is not None:
+        raise wrong
 
 
-def _transform(stamped: Any, time_ns: int, position: Any, orientation: Any, **flags: bool) -> Transform:
-    parent, child = stamped.header.frame_id, stamped.child_frame_id
-    x, y, z = position.x, position.y, position.z
-    quaternion = orientation.x, orientation.y, orientation.z, orientation.w
-    length = hypot(*quaternion)
-    i, j, k, w = (part / (length or 1.0) for part in quaternion)
-    pose = x, y, z, i, j, k, w
-    if not length or not all(map(isfinite, pose)):
-        raise ValueError(f"{child!r} in {parent!r} is at no pose: {x}, {y}, {z}, a turn of {length}")
-    # ROS 1 wrote the names of frames with a leading slash, or without.
-    return Transform(parent.lstrip("/"), child.lstrip("/"), time_ns, stamp_ns(stamped) or 0, pose, **flags)
+def _transform(stamped: Any, time_ns: int, *, static: bool = False, odometry: bool = False) -> Transform:
+    one = as_object(stamped)
+    try:
+        at = one.pose.pose if odometry else one.transform
+        position, orientation = (at.position, at.orientation) if odometry else (at.translation, at.rotation)
+        parent, child = one.header.frame_id, one.child_frame_id
+        # ROS 1 wrote the names of frames with a leading slash, or without.
+        names = parent.lstrip("/"), child.lstrip("/")
+        x, y, z = position.x, position.y, position.z
+        quaternion = orientation.x, orientation.y, orientation.z, orientation.w
+    except AttributeError:
+        expected = "nav_msgs/Odometry" if odometry else "geometry_msgs/TransformStamped"
+        raise ValueError(f"expected a message like {expected}, got {describe(stamped)}") from None
+    try:
+        length = hypot(*quaternion)
+        i, j, k, w = (part / (length or 1.0) for part in quaternion)
+        pose = x, y, z, i, j, k, w
+        is_pose = length > 0 and all(map(isfinite, pose))
+    except (TypeError, OverflowError):  # null, by which rosbridge sends NaN
+        is_pose = False
+    if not is_pose:
+        turn = ", ".join(map(str, quaternion))
+        raise ValueError(f"{child!r} in {parent!r} is at no pose: {x}, {y}, {z}, with the quaternion {turn}")
+    return Transform(*names, time_ns, stamp_ns(one) or 0, pose, static, odometry)

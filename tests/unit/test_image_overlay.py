@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import json
 from contextlib import closing
+from math import nan
 from pathlib import Path
 from typing import Any
 
@@ -32,7 +34,7 @@ from robowidgets.player._image_frames import ImageFrames
 from robowidgets.poses.frame_tree import Poses
 from robowidgets.samples import Image, Pose
 
-from .. import camera_drive
+from .. import camera_drive, map_scene
 from .recordings import recorded
 
 SECOND = 1_000_000_000
@@ -93,6 +95,29 @@ def test_the_scan_nearest_to_the_picture_by_its_stamp_lies_over_it() -> None:
     assert late.scan is None
     assert late.missing == ("no scan within 1 s of the picture: the nearest is 2.7 s older",)
     widget.close()
+
+
+@pytest.mark.parametrize("wrong", [nan, None])
+def test_a_transform_without_a_pose_hides_no_sensor_beside_it(wrong: float | None) -> None:
+    with closing(ImageWidget()) as image:
+        image.take_frames(map_scene.tf_of_rosbridge(("base_link", "wheel", wrong), ("base_link", "laser", 0.1)))
+        assert image.beside.frames.chain("laser") == ["laser", "base_link"]
+
+
+def test_odometry_joins_frames_as_an_object_and_as_a_dictionary_of_rosbridge() -> None:
+    message = map_scene.odometry(Pose(1.0, 2.0, 0.0), 1.0)
+    as_dictionary = json.loads(json.dumps(message, default=vars))
+    for one in (message, as_dictionary, {"op": "publish", "msg": as_dictionary}):
+        with closing(ImageWidget()) as image:
+            image.take_frames(one)
+            assert image.beside.frames.chain("base_link") == ["base_link", "odom"]
+
+
+def test_a_message_that_joins_no_frames_is_left_out() -> None:
+    with closing(ImageWidget()) as image:
+        for one in ({"data": 1}, {"transforms": [{"child_frame_id": "laser"}]}, {"transforms": 5}, {"pose": None}, 3):
+            image.take_frames(one)
+        assert image.beside.frames.chain("laser") == ["laser"]
 
 
 def test_the_page_is_told_of_each_reading_in_the_picture_by_its_index() -> None:

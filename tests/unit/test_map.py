@@ -375,6 +375,14 @@ class TestFrames:
         (shape,) = path.get_state()["_about"]["shapes"]
         assert (shape["name"], shape["from"]) == ("door", pytest.approx([2.0, 3.0, 0.5]))
 
+    def test_a_transform_with_null_is_told_too_and_a_frame_on_show_moves_with_those_beside_it(self) -> None:
+        path = PathWidget(frame="map")
+        path.put("map->odom")
+        message = scene.tf_of_rosbridge(("map", "camera", None), ("map", "odom", 1.0), ("map", "lens", None))
+        with pytest.raises(ValueError, match=r"/tf: 'camera' in 'map' is at no pose: None, 0.0, 0.0, with the quat"):
+            path.put("/tf", message)
+        assert shown(path)["map->odom"].pose == (1.0, 0.0, 0.0)
+
     def test_a_transform_without_a_pose_is_told_and_the_others_of_its_message_join(self) -> None:
         path = PathWidget(frame="map")
         wrong, right = scene.tf("map", "camera", (nan, 0.0, 0.0), 1.0), scene.tf("map", "odom", (1.0, 0.0, 0.0), 1.0)
@@ -385,9 +393,7 @@ class TestFrames:
 
     def test_dictionaries_of_rosbridge_join_too(self) -> None:
         path = PathWidget(frame="map")
-        one = {"header": {"frame_id": "map", "stamp": {"sec": 1, "nanosec": 0}}, "child_frame_id": "odom"}
-        where = {"translation": {"x": 1.0, "y": 0.0, "z": 0.0}, "rotation": {"x": 0.0, "y": 0.0, "z": 0.0, "w": 1.0}}
-        path.put("/tf", {"transforms": [{**one, "transform": where}]})
+        path.put("/tf", scene.tf_of_rosbridge(("map", "odom", 1.0)))
         path.put("/odom", scene.odometry(Pose(1.0, 0.0, 0.0), 1.0))
         assert shown(path)["/odom"].pose == (2.0, 0.0, 0.0)
 

@@ -16,6 +16,7 @@ from robowidgets._core import newest_sample
 from robowidgets.samples import Pose, age
 from robowidgets.samples.staleness import LIVE
 
+from .. import map_scene as scene
 from .forms import FORMS
 from .waiting import Clock, wait_for
 
@@ -350,6 +351,16 @@ def test_sensors_are_where_tf_has_their_frames_and_the_table_of_a_person_comes_f
     assert rows[6:, 0] == pytest.approx([0.2, 0.0, -pi / 2])
     # The page goes by the table before it goes by the reading.
     assert sonars.get_state()["poses"]["left"][2] == pytest.approx(pi / 2)
+
+
+@pytest.mark.parametrize("wrong", [nan, None])
+def test_a_transform_without_a_pose_leaves_the_sonars_beside_it_where_they_are(
+    sonars: SonarWidget, wrong: float | None
+) -> None:
+    sonars.take_frames(
+        scene.tf_of_rosbridge(("base_link", "front", 0.2), ("base_link", "wheel", wrong), ("base_link", "left", 0.1))
+    )
+    assert sonars._mounts == {"front": (0.2, 0.0, 0.0), "left": (0.1, 0.0, 0.0)}
 
 
 def test_a_laser_names_the_ring_whose_cones_it_shows(sonars: SonarWidget) -> None:

@@ -13,6 +13,8 @@ from robowidgets import Footprint, LaserWidget, PathWidget, Scan, spread, togeth
 from robowidgets.poses.recent import RecentPoses
 from robowidgets.samples import Pose
 
+from .. import map_scene as scene
+
 S = 1_000_000_000
 NAN = float("nan")
 
@@ -82,6 +84,14 @@ class TestTrail:
         laser.trail = 0
         laser.update(scan(1.2, stamp_ns=7 * S))
         assert "pose" not in laser.get_state()["_about"]
+
+    @pytest.mark.parametrize("wrong", [nan, None])
+    def test_a_transform_without_a_pose_leaves_the_scanner_beside_it_where_it_is(self, wrong: float | None) -> None:
+        laser = LaserWidget(trail=5)
+        laser.take_frames(scene.tf_of_rosbridge(("base_link", "wheel", wrong), ("odom", "laser", 0.5)))
+        laser.update(Scan([1.0], 0.0, 0.1, 0.1, 9.0, stamp_ns=S, frame_id="laser"))
+        assert laser.get_state()["_about"]["pose"] == [0.5, 0.0, 0.0]
+        laser.close()
 
     def test_in_a_player_odometry_of_the_recording_places_each_scan(self) -> None:
         with robowidgets.open(robowidgets.SAMPLE) as recording:

@@ -125,6 +125,16 @@ def test_a_transform_that_says_no_pose_is_an_error_that_names_the_frames(turn: t
         list(transforms_of(message(turn, x), "/tf", 7))
 
 
+def test_the_other_transforms_of_a_message_come_before_the_error_of_one() -> None:
+    right, wrong = (message((0.0, 0.0, 0.0, 1.0), x).transforms for x in (1.0, nan))
+    found = []
+    with pytest.raises(ValueError, match=r"is at no pose: nan, 2.0, 0.0, with the quaternion 0.0, 0.0, 0.0, 1.0"):
+        found.extend(transforms_of(SimpleNamespace(transforms=[*wrong, *right, *wrong, *right]), "/tf", 7))
+    assert [told.pose[0] for told in found] == [1.0, 1.0]
+    with pytest.raises(ValueError, match="expected a message like geometry_msgs/TransformStamped, got a dict with the"):
+        list(transforms_of({"transforms": [{"child_frame_id": "laser"}]}, "/tf", 7))
+
+
 def test_odometry_without_a_pose_is_left_out_and_told(tmp_path: Path) -> None:
     def odometry(x: float) -> dict[str, Any]:
         pose = {"position": {"x": x}, "orientation": {"w": 1.0}}
