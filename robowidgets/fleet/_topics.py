@@ -6,7 +6,7 @@ from collections.abc import Collection
 from fnmatch import fnmatchcase
 
 from ..recordings import RecordingData
-from ..recordings.topics import UnknownTopicError, likeliest
+from ..recordings.topics import Topic, UnknownTopicError, likeliest, shown
 
 
 def chosen_of(recording: RecordingData, patterns: Collection[str]) -> list[str]:
@@ -17,7 +17,7 @@ def chosen_of(recording: RecordingData, patterns: Collection[str]) -> list[str]:
     """
     topics = recording.topics
     for pattern in patterns:
-        if not any(fnmatchcase(topic.name, pattern) for topic in topics):
+        if not any(_fits(topic, (pattern,)) for topic in topics):
             there = ", ".join(topic.name for topic in topics if topic.widget) or "none"
             raise UnknownTopicError(
                 f"{recording.path.name} has no topic {pattern!r}: those that a widget shows are {there}"
@@ -25,7 +25,24 @@ def chosen_of(recording: RecordingData, patterns: Collection[str]) -> list[str]:
     chosen = []
     for kind in dict.fromkeys(topic.widget for topic in topics if topic.widget):
         fitting = [topic for topic in topics if topic.widget == kind and topic.count]
-        asked = [topic for topic in fitting if any(fnmatchcase(topic.name, pattern) for pattern in patterns)]
+        asked = [topic for topic in fitting if _fits(topic, patterns)]
         if len(fitting) > 1:
             chosen.append(likeliest(asked or fitting).name)
     return chosen
+
+
+def looked_at(recording: RecordingData, patterns: Collection[str]) -> list[str]:
+    """The topics that a function may read: those that a widget shows, and those that fit one of the patterns.
+
+    One that cannot be read is among them only where it is named in full: then that is an error.
+    """
+    can = shown(recording.topics)
+    asked = [topic for topic in recording.topics if _fits(topic, patterns)]
+    return [
+        *can,
+        *(topic.name for topic in asked if topic.name not in can and (not topic.problem or topic.name in patterns)),
+    ]
+
+
+def _fits(topic: Topic, patterns: Collection[str]) -> bool:
+    return any(fnmatchcase(topic.name, pattern) for pattern in patterns)

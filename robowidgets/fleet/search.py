@@ -13,11 +13,11 @@ from ._engine import LONGEST
 from ._fleet_table import Unread
 from ._gather import FromAll, gather, kept_of
 from ._live import LiveTable
-from ._topics import chosen_of
+from ._topics import chosen_of, looked_at
 from .hits import Hit, Hits
 from .places import PathLike
 
-_FORM = 3
+_FORM = 4
 """Of the results that are kept: another number for another form."""
 
 
@@ -42,7 +42,8 @@ def find(
             rosbag2 folder are one recording.
         topics: names or patterns of topics, such as ``"/front*"``, that are meant where a recording has several of a
             kind. Where none of these fits, it is one that was measured rather than made of others (``/scan_merged``),
-            then the one with most messages, then the one with the shortest name; `Hits.chosen` tells.
+            then the one with most messages, then the one with the shortest name; `Hits.chosen` tells. A function may
+            read the topics that no widget shows, such as ``"/imu"``, where they are named here.
         executor: what runs it: anything with ``submit``, or a client of Dask; None: a process for each core.
         longest: seconds that one recording may take. It is then named as one that was not read.
         keep: whether results are kept in the folder that the environment variable ``ROBOWIDGETS_CACHE`` names, by
@@ -125,7 +126,7 @@ class _Search:
             try:
                 chosen = chosen_of(recording, self._topics)
                 recording.preferred = frozenset(chosen)
-                spans = recording.find(self._wanted)
+                spans = recording.find(self._wanted, looked_at(recording, self._topics) or None)
             except UnknownTopicError as error:
                 return {"problem": str(error)}
             problems = recording.problems

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from .._core.watch import Watch
 from ..kinds import KINDS, sample_names
 from ..messages.decoding import one_line
-from ..recordings.topics import Topic, UnnamedTopicError, check_known, shown
+from ..recordings.topics import Topic, UnknownTopicError, UnnamedTopicError, check_known, shown
 from ..repair import RecordingError
 from ..samples import HasAge
 from ..samples.verdict import Trace, Verdict
@@ -266,9 +266,12 @@ def names_of(function: Callable[..., Any]) -> tuple[str, ...]:
 
 
 def _topics(recording: RecordingData, asked: Any) -> list[Topic]:
-    if asked is None:
-        return list(shown(recording.topics).values())
-    names = [asked] if isinstance(asked, str) else list(asked)
+    """The topics that a function may read; UnknownTopicError without any."""
+    names = shown(recording.topics) if asked is None else [asked] if isinstance(asked, str) else list(asked)
+    if not names:
+        first = next((topic.name for topic in recording.topics), "/imu")
+        why = f"{recording.path.name} has no topic that a widget shows" if asked is None else "topics names none"
+        raise UnknownTopicError(f"{why}: name those that the function reads, as in topics={[first]!r}")
     return [check_known(name, recording.topics, recording.path.name) for name in dict.fromkeys(names)]
 
 
