@@ -98,14 +98,18 @@ class LessonProgress:
         self._now = now
         self._line: Any = HTML()
         self._problem = ""
-        self._read()
+        self._done: tuple[str, ...] = ()
         self._show()
 
     @property
     def done(self) -> tuple[str, ...]:
-        """The names of the tasks that are done, in the order of the lessons."""
-        kept = self._read()
-        return tuple(task for task in TASKS if task in kept and kept[task].done)
+        """The names of the tasks that are done, in the order of the lessons; as last read where that fails now."""
+        try:
+            kept = self._read()
+            self._done = tuple(task for task in TASKS if task in kept and kept[task].done)
+        except OSError as error:
+            self._problem = say("It cannot be kept: {error}", error=error)
+        return self._done
 
     def __repr__(self) -> str:
         line = say("{done} of {all} done", done=len(self.done), all=len(TASKS))
@@ -116,16 +120,26 @@ class LessonProgress:
 
     def keep(self, task: str, answer: str, result: Result) -> None:
         """Keep the result of a check, and show it in the line, which also says what cannot be kept."""
+        self._problem = ""
+        try:
+            self._keep(task, answer, result)
+        except OSError as error:
+            self._problem = say("It cannot be kept: {error}", error=error)
+        self._show()
+
+    def _keep(self, task: str, answer: str, result: Result) -> None:
         kept = self._read()
         before = kept.get(task, Task())
+        # nbgrader copies the student's file beside the notebook that it grades: there only what is graded counts.
+        stays_done = before.done and os.environ.get("NBGRADER_EXECUTION") != "autograde"
         # What one task gives may be the right answer to the one before it.
-        if not result and (before.done or fingerprint(answer) in _GIVEN):
+        if not result and (stays_done or (not before.done and fingerprint(answer) in _GIVEN)):
             return
         now = self._now().isoformat(timespec="seconds")
         answer = answer[:LONGEST_ANSWER]
         kept[task] = Task(
             tries=before.tries + (not before.done and (answer != before.answer or not answer)),
-            done=before.done or bool(result),
+            done=stays_done or bool(result),
             first=before.first or now,
             last=now,
             right=result.right,
@@ -134,29 +148,23 @@ class LessonProgress:
             wrong=result.wrong[0][:LONGEST_TEXT] if result.wrong else "",
             answer=answer,
         )
-        try:
-            write(self._file, kept)
-        except OSError as error:
-            self._problem = say("It cannot be kept: {error}", error=error)
-        self._show()
+        write(self._file, kept)
 
     def report(self, file: Path) -> int:
-        """Write what is kept as a report; returns how many tasks are done."""
+        """Write what is kept as a report; returns how many tasks are done. `OSError` where either file fails."""
         write(file, self._read())
         return len(self.done)
 
     def _read(self) -> dict[str, Task]:
-        if not self._file.exists():
-            return {}
+        """What is kept; `OSError` where that cannot be read now, as on a network that is away: then it stays."""
         try:
             return read(self._file)
-        except (ReportError, OSError) as error:
+        except FileNotFoundError:
+            return {}
+        except ReportError as error:
             aside = self._file.with_suffix(".damaged.json")
+            os.replace(self._file, aside)
             self._problem = say("{error}. It is {aside} now, and a new one begins", error=error, aside=aside.name)
-            try:
-                os.replace(self._file, aside)
-            except OSError as why:
-                self._problem = say("It cannot be kept: {error}", error=why)
             return {}
 
     def _show(self) -> None:
@@ -302,5 +310,10 @@ def _task(file: Path, name: str, row: Any) -> Task:
         value = row.get(field.name, default)
         if type(value) is not type(default) or (isinstance(value, int) and not 0 <= value < 1_000_000):
             raise ReportError(f"{file.name} is damaged at {name}: {field.name} is {value!r:.60}")
-        values[field.name] = value[:LONGEST_ANSWER] if isinstance(value, str) else value
+        values[field.name] = encodable(value[:LONGEST_ANSWER]) if isinstance(value, str) else value
     return replace(empty, **values)
+
+
+def encodable(text: str) -> str:
+    """A text from outside as it can be written: with a code for what no UTF-8 has, as a name in Latin-1 has it."""
+    return text.encode("utf-8", "backslashreplace").decode()

@@ -10,7 +10,7 @@ from html import escape
 from pathlib import Path
 from typing import NamedTuple
 
-from ._progress import FILE, TASKS, ReportError, Task, read
+from ._progress import FILE, TASKS, ReportError, Task, encodable, read
 
 STUCK = 3
 """Different answers that were wrong, from which on a student counts as stuck."""
@@ -118,9 +118,9 @@ def summary(folder: str | os.PathLike[str]) -> ClassSummary:
     """How far a class is, from a folder with the reports of its students, at any depth.
 
     Reports are files that `report` wrote, each with the name of its student, and the ``robowidgets-progress.json`` of
-    notebooks' folders, which belong to the student after whom the first folder is named. One with notebooks and no
-    report is of a student who has answered nothing. A file that is damaged, or none of these, is named in ``problems``.
-    Nothing in them is run.
+    notebooks' folders, which belong to the student of the one report beside it, or after whom the first folder is
+    named. One with notebooks and no report is of a student who has answered nothing. A file that is damaged, or none of
+    these, is named in ``problems``. Nothing in them is run.
 
     Raises:
         NotADirectoryError: there is no such folder.
@@ -135,20 +135,22 @@ def summary(folder: str | os.PathLike[str]) -> ClassSummary:
             found.append((within, read(file)))
         except (ReportError, OSError) as error:
             problems.append(str(error) if within.parent == Path() else f"{within.parent}: {error}")
-    stems = Counter(file.stem for file, _ in found if file.name != FILE)
+    reports = [file for file, _ in found if file.name != FILE]
+    stems, beside = Counter(file.stem for file in reports), Counter(file.parent for file in reports)
+    name_of = {file: file.stem if stems[file.stem] == 1 else file.with_suffix("").as_posix() for file in reports}
+    owner_of = {file.parent: name for file, name in name_of.items() if beside[file.parent] == 1}
     students: dict[str, dict[str, Task]] = {}
     for file, tasks in found:
         above = file.parts[0] if len(file.parts) > 1 else root.resolve().name
-        name = above if file.name == FILE else file.stem if stems[file.stem] == 1 else f"{above}/{file.stem}"
-        of = students.setdefault(name, {})
+        of = students.setdefault(encodable(name_of.get(file) or owner_of.get(file.parent, above)), {})
         for task, row in tasks.items():
             if task not in of or (row.done, row.last) > (of[task].done, of[task].last):
                 of[task] = row
     told = {file.parts[0] for file, _ in found}
     for file in _files(root, "*.ipynb"):
         if len(file.parts) > 1 and file.parts[0] not in told:
-            students.setdefault(file.parts[0], {})
-    return ClassSummary(students, problems)
+            students.setdefault(encodable(file.parts[0]), {})
+    return ClassSummary(students, map(encodable, problems))
 
 
 def _files(root: Path, pattern: str) -> list[Path]:

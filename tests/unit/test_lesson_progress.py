@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import errno
 import json
 import os
 import re
+import sys
 from collections.abc import Iterator
 from itertools import pairwise
 from pathlib import Path
@@ -112,6 +114,39 @@ class TestProgress:
         assert lessons.check(bumper_reflex)
         assert "It cannot be kept: " in repr(progress)
 
+    def test_a_file_that_cannot_be_read_for_a_moment_stays_as_it_is(
+        self, folder: Path, monkeypatch: pytest.MonkeyPatch
+    ) -> None:
+        def away(_file: Path) -> None:
+            raise OSError(errno.ESTALE, "Stale file handle")
+
+        progress = lessons.progress()
+        lessons.check(bumper_reflex)
+        before = read(folder / FILE)
+        with monkeypatch.context() as patched:
+            patched.setattr(_progress, "read", away)
+            lessons.check(bumper_reflex)
+            assert repr(progress).startswith("1 of 12 done. It cannot be kept: ")
+            with pytest.raises(OSError, match="Stale file handle"):
+                lessons.report("ada.json")
+        assert [file.name for file in folder.iterdir()] == [FILE]
+        assert read(folder / FILE) == before
+        lessons.check(bumper_reflex)
+        assert repr(progress) == "1 of 12 done"
+
+    def test_where_nbgrader_grades_what_the_students_file_claims_does_not_count(
+        self, monkeypatch: pytest.MonkeyPatch
+    ) -> None:
+        monkeypatch.setenv("NBGRADER_EXECUTION", "autograde")
+        for cell in ("", next(iter(_progress._GIVEN))):
+            monkeypatch.setattr(_progress, "fingerprint", lambda _cell, cell=cell: cell)
+            write(Path(FILE), {"bumper_reflex": Task(tries=3, done=True)})
+            progress = lessons.progress()
+            wrong(1)
+            assert progress.done == ()
+        lessons.check(bumper_reflex)
+        assert progress.done == ("bumper_reflex",)
+
     def test_a_program_and_a_state_machine_are_two_tasks(self) -> None:
         class Stands:
             def still() -> None:  # type: ignore[misc]
@@ -215,6 +250,45 @@ class TestSummary:
             (folder / name).mkdir()
             write(folder / name / "report.json", {})
         assert list(lessons.summary(folder).students) == ["ada/report", "bo/report"]
+
+    def test_reports_of_the_same_name_below_one_folder_are_of_two_students(self, folder: Path) -> None:
+        for name in ("Ada", "Bo"):
+            (folder / "7a" / name).mkdir(parents=True)
+            write(folder / "7a" / name / "your-name.json", {})
+        assert list(lessons.summary(folder).students) == ["7a/Ada/your-name", "7a/Bo/your-name"]
+
+    def test_a_file_beside_the_one_report_is_of_the_same_student(self, folder: Path) -> None:
+        for name in ("ada", "both"):
+            (folder / name).mkdir()
+            write(folder / name / FILE, {"fits_through": Task(done=True)})
+        for file in ("ada/ada lovelace", "both/bo", "both/cy"):
+            write(folder / f"{file}.json", {"fits_through": Task(done=True), "wall_ahead": Task(tries=1)})
+        found = lessons.summary(folder)
+        assert {name: len(tasks) for name, tasks in found.students.items()} == {
+            "ada lovelace": 2,
+            "bo": 2,
+            "both": 1,
+            "cy": 2,
+        }
+
+    def test_names_and_answers_that_are_no_unicode_are_shown_with_codes(
+        self, folder: Path, capsysbinary: pytest.CaptureFixture[bytes]
+    ) -> None:
+        write(folder / "bo.json", {"fits_through": Task(tries=3, answer="a\ud800", wrong="\udfff")})
+        write(folder / "x.json", {"fits_through": Task(done=True)})
+        if sys.platform == "linux":
+            os.rename(folder / "x.json", os.fsencode(folder) + b"/J\xfcrgen.json")
+            os.mkdir(os.fsencode(folder) + b"/J\xf6rg")
+            Path(os.fsdecode(os.fsencode(folder) + b"/J\xf6rg/lesson.ipynb")).write_text("{}", "utf-8")
+            Path(os.fsdecode(os.fsencode(folder) + b"/J\xf6rg.json")).write_text("torn", "utf-8")
+        assert main(["lessons", "--summary", str(folder)]) == (sys.platform == "linux")
+        page, said = (folder / "summary.html").read_text("utf-8"), capsysbinary.readouterr().out.decode()
+        assert "<pre>a\\ud800</pre>" in page
+        if sys.platform == "linux":
+            for shown in (page, said):
+                assert "J\\udcfcrgen" in shown
+                assert "J\\udcf6rg" in shown
+                assert "J\\udcf6rg.json is damaged: " in shown
 
     def test_a_folder_with_notebooks_alone_is_a_student_who_has_answered_nothing(self, folder: Path) -> None:
         for name in ("ada", "bo", "cy", ".ipynb_checkpoints"):
