@@ -67,6 +67,11 @@ class Master:
         return ""
 
 
+def master_of(node_uri: str) -> str:
+    """The URI of the master of a node."""
+    return str(_call(node_uri, "getMasterUri"))
+
+
 class _Timed(xmlrpc.client.Transport):
     def make_connection(self, host: Any) -> http.client.HTTPConnection:
         connection = super().make_connection(host)

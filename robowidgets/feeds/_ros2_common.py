@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Collection, Iterable, Mapping
 
 from ..messages.twist import TWIST, TWIST_STAMPED
@@ -38,6 +39,17 @@ def checked_domain(name: str, domain: object) -> int:
     if not 0 <= domain <= LAST_DOMAIN:
         raise ValueError(f"{name}: expected 0 to {LAST_DOMAIN}, as in ROS_DOMAIN_ID, got {domain}")
     return domain
+
+
+def domain_of_environment() -> int:
+    """The domain that ``ROS_DOMAIN_ID`` names now; 0 without it. ValueError if it names none."""
+    given = os.environ.get("ROS_DOMAIN_ID", "").strip() or "0"
+    try:
+        return checked_domain("ROS_DOMAIN_ID", int(given, 0))  # the base by its prefix, as rcl has it
+    except ValueError:
+        raise ValueError(
+            f"ROS_DOMAIN_ID: expected a whole number from 0 to {LAST_DOMAIN} in the environment, got {given!r}"
+        ) from None
 
 
 def adverts_of(

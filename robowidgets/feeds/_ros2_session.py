@@ -45,7 +45,7 @@ class Ros2Session:
     call `publish`, `wake` and `ok`; everything else belongs to the thread that made the session.
 
     Args:
-        domain_id: the domain; None: the value of ``ROS_DOMAIN_ID``.
+        domain_id: the domain.
         listener: gets messages and reports.
         is_wanted: returns whether messages of a topic are still wanted.
         matched: topics and types of which a publisher has been matched with a subscriber, also in earlier sessions.
@@ -58,7 +58,7 @@ class Ros2Session:
 
     def __init__(
         self,
-        domain_id: int | None,
+        domain_id: int,
         listener: Listener,
         is_wanted: Callable[[str], bool],
         matched: set[tuple[str, str]],
@@ -96,11 +96,6 @@ class Ros2Session:
     def ok(self) -> bool:
         """Whether it was not shut down."""
         return bool(self._context.ok())
-
-    @property
-    def domain_id(self) -> int:
-        """The number of the domain."""
-        return int(self._context.get_domain_id())
 
     @property
     def age(self) -> float:

@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 import logging
+import os
 import threading
 import time
 from collections.abc import Mapping
+from contextlib import suppress
 from typing import TYPE_CHECKING, Any, NamedTuple
 from urllib.parse import urlsplit
 
 from .._core import in_browser
 from ..messages.channel import Channel
 from ._guard.mark import MARK
-from ._ros1_master import Master, MasterError, SystemState
+from ._ros1_master import Master, MasterError, SystemState, master_of
 from ._ros1_publications import SHUT_DOWN, Publications
 from ._threaded import ThreadedMiddleware
 from .middleware import Advert, FeedError, Listener, Outlet
@@ -41,19 +43,25 @@ class _Subscription(NamedTuple):
 
 
 class Ros1(ThreadedMiddleware):
-    """A `Middleware` on the one node that a process may have, with the master that ROS_MASTER_URI names.
+    """A `Middleware` on the one node that a process may have, with the master that ROS_MASTER_URI names at first.
 
     The node is the program's own if it called `rospy.init_node`, else one of ours; it stays until the process ends.
     Every second a thread requests the state of the master, subscribes and publishes, and registers again with a
     restarted master. Messages come in rospy's threads: as rospy's objects if the Python package of their type is
     installed, else decoded by the definition that their publisher sends.
+
+    Args:
+        name: see `ros1`.
+        master: of a guard, the URI of the master; ROS_MASTER_URI of its process is set to it.
     """
 
-    def __init__(self, name: str = "robowidgets") -> None:
+    def __init__(self, name: str = "robowidgets", master: str = "") -> None:
         super().__init__()
         self._name = name
         self._rospy: Any = None
-        self._master = Master("")
+        if master:
+            os.environ["ROS_MASTER_URI"] = master  # rospy takes it from nowhere else
+        self._master = Master(master or _uri_of_environment())
         self._listener: Listener | None = None
         self._woken = False
         self._connected = False
@@ -70,14 +78,14 @@ class Ros1(ThreadedMiddleware):
     @property
     def outlet(self) -> Outlet:
         """See `HasOutlet`."""
-        return Outlet("ros1", {"name": MARK})
+        return Outlet("ros1", {"name": MARK, "master": self._master.uri})
 
     def open(self, listener: Listener) -> None:
-        """See `Middleware`. FeedError without rospy, or if ROS_MASTER_URI names no master."""
+        """See `Middleware`. FeedError without rospy, or if ROS_MASTER_URI names no master, or not that of the node."""
         if why := in_browser.no_robot("feeds.ros1"):
             raise FeedError(why)
         try:
-            import rosgraph
+            import rosgraph.names
             import roslib.message  # noqa: F401
             import rospy
         except ImportError as error:
@@ -89,14 +97,16 @@ class Ros1(ThreadedMiddleware):
             raise FeedError(SHUT_DOWN)
         if not rosgraph.names.is_legal_base_name(self._name):
             raise FeedError(f"name: expected the name of a node, letters, digits and _, got {self._name!r}")
-        uri = rosgraph.get_master_uri()
+        uri = self._master.uri
         try:
             good = urlsplit(uri).scheme == "http" and urlsplit(uri).hostname and urlsplit(uri).port
         except ValueError:
             good = False
         if not good:
             raise FeedError(f"ROS_MASTER_URI: expected something like http://robot:11311, got {uri!r}")
-        self._rospy, self._master, self._listener = rospy, Master(uri), listener
+        self._rospy, self._listener = rospy, listener
+        with suppress(MasterError):  # the node is busy: it is asked again
+            self._check_master()
         self._publications = Publications(rospy, self._master, listener.on_unheard, self._look_soon)
         logging.getLogger("rospy.internal").addHandler(self._log)
         self._start_thread(f"robowidgets {self.where}", listener)
@@ -187,8 +197,20 @@ class Ros1(ThreadedMiddleware):
         if self._rospy.is_shutdown():
             raise self._rospy.ROSException(SHUT_DOWN)
         with _STARTING:
+            if not self._connected:
+                self._check_master()
             if not self._rospy.core.is_initialized():
                 self._rospy.init_node(self._name, argv=[], anonymous=True, disable_signals=True)
+
+    def _check_master(self) -> None:
+        """FeedError if the node of this process has another master, or would have."""
+        node = self._rospy.get_node_uri()
+        uri = master_of(node) if node else _uri_of_environment()
+        if uri.rstrip("/") != self._master.uri.rstrip("/"):
+            raise FeedError(
+                f"rospy has the master {uri} in this process, and can have no other one: restart the kernel, and set "
+                f"ROS_MASTER_URI to {self._master.uri} before anything else"
+            )
 
     def _step(self, state: SystemState, listener: Listener) -> None:
         self._publications.state = state
@@ -278,6 +300,15 @@ class Ros1(ThreadedMiddleware):
         return self._decoders[key](message._buff)
 
 
+def _uri_of_environment() -> str:
+    """The URI of the master as rospy takes it; empty without rospy."""
+    try:
+        import rosgraph
+    except ImportError:
+        return ""
+    return str(rosgraph.get_master_uri())
+
+
 def _is_live(subscription: _Subscription) -> bool:
     """Whether a publisher is connected; while rospy only tries to connect, it knows no definition."""
     return any(c.md5sum and not c.done for c in subscription.subscriber.impl.connections)
@@ -308,7 +339,8 @@ def ros1(name: str = "robowidgets") -> Feed:
             used instead.
 
     Raises:
-        FeedError: rospy cannot be imported or was shut down, or the name or ROS_MASTER_URI is invalid.
+        FeedError: rospy cannot be imported, was shut down, or has another master in this process; the name or
+            ROS_MASTER_URI is invalid.
 
     Examples:
         >>> from robowidgets import feeds

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import logging
-import os
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from .._core import in_browser
 from .._core.clock import Clock
 from ._guard.mark import MARK
-from ._ros2_common import ALONE, checked_domain, is_alone, no_robot
+from ._ros2_common import ALONE, checked_domain, domain_of_environment, is_alone, no_robot
 from ._ros2_session import Ros2Session, one_line
 from ._threaded import ThreadedMiddleware
 from .middleware import SEND_TIMEOUT, Advert, FeedError, Listener, Outlet
@@ -41,7 +40,7 @@ class Ros2(ThreadedMiddleware):
         clock: what its waits go by, but for those in rclpy.
 
     Raises:
-        TypeError, ValueError: no node, no domain, or both at once.
+        TypeError, ValueError: no node, no domain, also in the environment, or both at once.
         FeedError: the context of the node was shut down.
     """
 
@@ -55,7 +54,10 @@ class Ros2(ThreadedMiddleware):
         if node is not None and domain_id is not None:
             raise TypeError("domain_id: a node has its domain already; give a node or a domain_id, not both")
         super().__init__(clock)
-        self._domain_id = domain_id if node is None else _domain_of(node)
+        # Read here and once: a session or a guard that starts later is to reach the same robot.
+        if domain_id is None:
+            domain_id = domain_of_environment() if node is None else _domain_of(node)
+        self._domain_id = domain_id
         self._name = name
         self._session: Ros2Session | None = None
         self._down = ""
@@ -67,8 +69,7 @@ class Ros2(ThreadedMiddleware):
     @property
     def where(self) -> str:
         """See `Middleware`."""
-        domain = self._domain_id if self._domain_id is not None else os.environ.get("ROS_DOMAIN_ID") or 0
-        return f"ROS 2, domain {domain}"
+        return f"ROS 2, domain {self._domain_id}"
 
     @property
     def outlet(self) -> Outlet:
@@ -171,7 +172,7 @@ class Ros2(ThreadedMiddleware):
         elif self._is_alone:
             if session.age < ALONE:
                 return
-            listener.on_nobody(no_robot(session.domain_id, _RMW, _RANGE))
+            listener.on_nobody(no_robot(self._domain_id, _RMW, _RANGE))
         listener.on_topics(adverts)
 
     def _set_session(self, session: Ros2Session | None, down: str = "") -> None:
@@ -197,10 +198,10 @@ def ros2(node: Any = None, *, domain_id: int | None = None) -> Feed:
 
     Args:
         node: a node of the program. Only its domain is used, so it need not be spun.
-        domain_id: the domain; None: the value of ``ROS_DOMAIN_ID``.
+        domain_id: the domain; None: the value of ``ROS_DOMAIN_ID`` now.
 
     Raises:
-        TypeError, ValueError: no node, no domain, or both at once.
+        TypeError, ValueError: no node, no domain, also in ``ROS_DOMAIN_ID``, or both at once.
         FeedError: rclpy cannot be imported, or was shut down for this node.
     """
     from .feed import Feed  # a guard needs the middleware alone

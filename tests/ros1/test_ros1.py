@@ -500,6 +500,25 @@ def test_a_guard_drives_on_without_a_master_and_is_no_other_publisher(monkeypatc
             master.start()
 
 
+def test_a_feed_keeps_its_master_and_a_second_one_is_refused(feed, monkeypatch, master):
+    first = os.environ["ROS_MASTER_URI"]
+    wait_for(lambda: feed.topics is not None and not feed.status, "the master is reached")
+    monkeypatch.setenv("ROS_MASTER_URI", "http://127.0.0.1:9")
+    second = MODULE.Ros1()
+    where = [one.where for one in (feed.connection.middleware, second)]
+    assert where == [f"ROS 1, {first}", "ROS 1, http://127.0.0.1:9"]
+    masters = [one.outlet.arguments["master"] for one in (feed.connection.middleware, second)]
+    assert masters == [first, "http://127.0.0.1:9"]
+    with pytest.raises(FeedError, match=f"rospy has the master {first} in this process, and can have no other one: "):
+        second.open(Told())
+    monkeypatch.setattr(MODULE, "master_of", lambda _: "http://127.0.0.1:9")  # it was asked too early
+    late = MODULE.Ros1()
+    told = Told()
+    late.open(told)
+    late.close()
+    assert told.connected == 0
+
+
 def test_a_process_that_ends_without_closing_stops_the_robot(publish):
     robot = publish("/end/cmd_vel", "hear")
     script = f"""
@@ -665,6 +684,7 @@ def test_a_master_that_does_not_answer_is_told_of_and_holds_up_nobody(master, mo
     monkeypatch.setattr("robowidgets.feeds._ros1_master.TIMEOUT", 0.2)
     with socket.create_server(("127.0.0.1", 0)) as silent:
         monkeypatch.setenv("ROS_MASTER_URI", f"http://127.0.0.1:{silent.getsockname()[1]}")
+        monkeypatch.setattr(MODULE, "master_of", lambda _: os.environ["ROS_MASTER_URI"])  # as in a process of its own
         with feeds.ros1() as feed:
             wait_for(lambda: "(no answer within 0.2 s)" in feed.status, "the feed says that it does not answer")
             thread = feed.connection.middleware._thread

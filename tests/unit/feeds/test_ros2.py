@@ -853,6 +853,27 @@ def test_wrong_arguments_are_refused_by_name(graph: Graph) -> None:
         Ros2(graph.node(), domain_id=1)
 
 
+def test_the_domain_of_the_environment_is_that_of_the_feed_for_good(
+    graph: Graph, heard: Ears, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("ROS_DOMAIN_ID", "11")
+    red = Ros2()
+    monkeypatch.setenv("ROS_DOMAIN_ID", "0x0c")
+    blue = Ros2()
+    monkeypatch.delenv("ROS_DOMAIN_ID")
+    assert (red.where, blue.where) == ("ROS 2, domain 11", "ROS 2, domain 12")
+    assert [one.outlet.arguments["domain_id"] for one in (red, blue, Ros2())] == [11, 12, 0]
+    red.open(heard)
+    wait_for(lambda: heard.connected, "it is connected")
+    assert graph.contexts[0].domain_id == 11
+    red.close()
+    for wrong in ("red", "233", "011"):  # a zero before makes it octal for rcl
+        monkeypatch.setenv("ROS_DOMAIN_ID", wrong)
+        with pytest.raises(ValueError, match=rf"^ROS_DOMAIN_ID: expected a whole number from 0 to 232 .* '{wrong}'$"):
+            Ros2()
+    assert Ros2(domain_id=3).where == "ROS 2, domain 3"
+
+
 def test_without_rclpy_it_says_what_to_do(monkeypatch: pytest.MonkeyPatch, heard: Ears) -> None:
     monkeypatch.setitem(sys.modules, "rclpy", None)
     with pytest.raises(FeedError, match=r"rclpy cannot be imported here .* feeds\.dds\(\) needs no ROS"):
