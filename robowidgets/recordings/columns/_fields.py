@@ -103,22 +103,17 @@ class Fields(Series[Any]):
         columns = self._columns(self._names)
         return {**super().to_numpy(), **{_as_column(name): column for name, column in columns.items()}}
 
-    def to_pandas(self) -> Any:
-        """A pandas DataFrame: a row for each message, by seconds from the start.
-
-        Each number of an array of fixed length has a column, ``covariance[0]``; other arrays are values of one column.
-
-        Raises:
-            ImportError: pandas is not installed. RecordingError: as `to_numpy`.
-        """
+    def _columns_of_table(self) -> Mapping[str, tables.Column]:
+        """A field of any length is one of lists, also where all messages have the same."""
         columns = self.to_numpy()
+        lists = {}
         for name in self._names:
-            leaf = self._leaves[self._place(name).leaf]
-            if columns[_as_column(name)].ndim == 2 and not leaf.is_fixed:
-                rows = columns[_as_column(name)]
-                columns[_as_column(name)] = np.empty(len(rows), object)
-                columns[_as_column(name)][:] = list(rows)
-        return tables.to_pandas(columns)
+            place = self._place(name)
+            leaf = self._leaves[place.leaf]
+            if _has_lists(leaf, place) and not leaf.is_fixed:
+                dtype = np.dtype(object) if leaf.dtype is None else _dtype(leaf, place)
+                lists[_as_column(name)] = tables.Lists(columns[_as_column(name)], dtype)
+        return {**columns, **lists}
 
     @property
     def _leaves(self) -> Sequence[Leaf]:
@@ -173,8 +168,7 @@ class Fields(Series[Any]):
         is_text = leaf.dtype is None
         dtype = np.dtype(object) if is_text else parts[0][1].dtype if parts else _dtype(leaf, place)
         widths = {len(values[0]) for _, values in parts}
-        is_array = leaf.is_array and not is_text and place.value is None
-        if is_array or None in (place.which or (None,) * len(leaf.arrays)):
+        if _has_lists(leaf, place):
             width = next(iter(widths)) if len(widths) == 1 else 0 if widths or leaf.count is None else leaf.count
             if len(widths) < 2:
                 table = np.empty((len(self), width), dtype)
@@ -208,8 +202,14 @@ def _as_column(name: str) -> str:
     return f"{name}_" if name in tables.TIMES else name
 
 
+def _has_lists(leaf: Leaf, place: FieldPath) -> bool:
+    """Whether a field has several values in each message, rather than one."""
+    is_array = leaf.is_array and leaf.dtype is not None and place.value is None
+    return is_array or None in (place.which or (None,) * len(leaf.arrays))
+
+
 def _dtype(leaf: Leaf, place: FieldPath) -> np.dtype[Any]:
-    """Of the column of numbers of a topic without a message."""
+    """Of the column of numbers of a field."""
     assert leaf.dtype is not None
     if leaf.dtype.names is None:
         return leaf.dtype

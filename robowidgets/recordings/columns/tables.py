@@ -5,12 +5,24 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from importlib import import_module
-from typing import Any
+from itertools import chain
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 TIMES = ("times_ns", "seconds", "stamps_ns")
+
+
+class Lists(NamedTuple):
+    """A column of lists of any length: an array, or a list of texts, for each row, and the type of what is in them."""
+
+    rows: NDArray[Any]
+    dtype: np.dtype[Any]
+
+
+Column = NDArray[Any] | Lists
+"""Numbers, flags and texts; those of an array of objects are texts or None. Masked are those that are missing."""
 
 
 class Columns(ABC):
@@ -23,10 +35,12 @@ class Columns(ABC):
     def to_pandas(self) -> Any:
         """A pandas DataFrame: a row for each time, by seconds from the start.
 
+        Each number of an array of fixed length has a column, ``covariance[0]``; other arrays are values of one column.
+
         Raises:
             ImportError: pandas is not installed.
         """
-        return to_pandas(self.to_numpy())
+        return to_pandas(self._columns_of_table())
 
     def to_polars(self) -> Any:
         """A polars DataFrame: a row for each time, ranges of scans as an array.
@@ -34,7 +48,7 @@ class Columns(ABC):
         Raises:
             ImportError: polars is not installed.
         """
-        return to_polars(self.to_numpy())
+        return to_polars(self._columns_of_table())
 
     def to_arrow(self) -> Any:
         """An Arrow table: a row for each time, ranges of scans as a list of fixed size.
@@ -42,21 +56,29 @@ class Columns(ABC):
         Raises:
             ImportError: pyarrow is not installed.
         """
-        return to_arrow(self.to_numpy())
+        return to_arrow(self._columns_of_table())
+
+    def _columns_of_table(self) -> Mapping[str, Column]:
+        """The columns as the tables have them, whose types must not depend on the values."""
+        return self.to_numpy()
 
 
-def to_pandas(columns: Mapping[str, NDArray[Any]]) -> Any:
+def to_pandas(columns: Mapping[str, Column]) -> Any:
     """A DataFrame by seconds. A two-dimensional column becomes columns of their own: ``covariance[0]`` and so on."""
     pandas = library("pandas", "to_pandas")
     values: dict[str, Any] = {}
     for name, column in columns.items():
         if name in TIMES:
             continue
-        if column.ndim == 2:
+        if isinstance(column, Lists):
+            values[name] = np.empty(len(column.rows), object)
+            values[name][:] = list(column.rows)
+        elif column.ndim == 2:
             values.update({f"{name}[{i}]": one for i, one in enumerate(column.T)})
+        elif column.dtype == object:
+            values[name] = pandas.Series(column, dtype=str).array
         else:
-            dtype = _nullable(column)
-            values[name] = column if dtype is None else pandas.array(column.tolist(), dtype=dtype)
+            values[name] = column if not np.ma.isMaskedArray(column) else _nullable(pandas, column)
     return pandas.DataFrame(values, index=_seconds(pandas, columns))
 
 
@@ -68,60 +90,68 @@ def rays_to_pandas(columns: Mapping[str, NDArray[Any]]) -> Any:
     return pandas.DataFrame(ranges, index=_seconds(pandas, columns), columns=rays)
 
 
-def to_polars(columns: Mapping[str, NDArray[Any]]) -> Any:
+def to_polars(columns: Mapping[str, Column]) -> Any:
     """A DataFrame with all columns; each value of a two-dimensional column is an array."""
     polars = library("polars", "to_polars")
 
-    def series(name: str, column: NDArray[Any]) -> Any:
-        if _nullable(column) == "boolean":
-            return polars.Series(name, column.tolist(), dtype=polars.Boolean)
-        return polars.Series(name, _plain(column))
+    def series(name: str, column: Column) -> Any:
+        if isinstance(column, Lists):
+            if column.dtype == object:
+                return polars.Series(name, list(map(list, column.rows)), dtype=polars.List(polars.String))
+            inner = series(name, np.empty(0, column.dtype)).dtype
+            return polars.Series(name, list(column.rows)).cast(polars.List(inner))
+        if column.dtype == object:
+            return polars.Series(name, column.tolist(), dtype=polars.String)
+        values = polars.Series(name, np.ma.getdata(column))
+        if np.ma.isMaskedArray(column):
+            values = values.set(polars.Series(np.ma.getmaskarray(column)), None)
+        return values
 
     return polars.DataFrame([series(name, column) for name, column in _filled(columns).items()])
 
 
-def to_arrow(columns: Mapping[str, NDArray[Any]]) -> Any:
+def to_arrow(columns: Mapping[str, Column]) -> Any:
     """A table with all columns; each value of a two-dimensional column is a list of fixed size."""
     arrow = library("pyarrow", "to_arrow")
 
-    def array(column: NDArray[Any]) -> Any:
-        if _nullable(column) == "boolean":
-            return arrow.array(column.tolist(), type=arrow.bool_())
-        if column.dtype == object or np.ma.isMaskedArray(column):
-            return arrow.array(_plain(column))
+    def array(column: Column) -> Any:
+        if isinstance(column, Lists):
+            ends = np.cumsum([0, *map(len, column.rows)])
+            fits = ends[-1] <= np.iinfo(np.int32).max
+            lists = arrow.ListArray if fits else arrow.LargeListArray
+            return lists.from_arrays(ends.astype(np.int32 if fits else np.int64), array(_flat(column)))
+        if column.dtype == object:
+            return arrow.array(column.tolist(), arrow.string())
+        if np.ma.isMaskedArray(column):
+            return arrow.array(np.ma.getdata(column), mask=np.ma.getmaskarray(column))
         flat = arrow.array(np.ascontiguousarray(column).reshape(-1))
         return flat if column.ndim == 1 else arrow.FixedSizeListArray.from_arrays(flat, column.shape[1])
 
     return arrow.table({name: array(column) for name, column in _filled(columns).items()})
 
 
-def _seconds(pandas: Any, columns: Mapping[str, NDArray[Any]]) -> Any:
+def _seconds(pandas: Any, columns: Mapping[str, Column]) -> Any:
     return pandas.Index(columns["seconds"], name="seconds")
 
 
-def _nullable(column: NDArray[Any]) -> str | None:
-    """The dtype of pandas for a column of flags or masked integers, of which some may be missing; else None."""
+def _nullable(pandas: Any, column: Any) -> Any:
+    """A column of flags or integers, of which some are missing."""
+    dtype = "boolean" if column.dtype == bool else column.dtype.name.capitalize().replace("Ui", "UI")
+    return pandas.array(column.tolist(), dtype=dtype)
+
+
+def _flat(column: Lists) -> NDArray[Any]:
+    """All values of lists, one after the other."""
     if column.dtype == object:
-        return (
-            "boolean"
-            if column.ndim == 1 and all(value is None or isinstance(value, bool) for value in column)
-            else None
-        )
-    if not np.ma.isMaskedArray(column):
-        return None
-    return "boolean" if column.dtype == bool else column.dtype.name.capitalize().replace("Ui", "UI")
+        return np.fromiter(chain.from_iterable(column.rows), object)
+    if column.rows.ndim == 2:
+        return column.rows.reshape(-1)
+    return np.concatenate([np.empty(0, column.dtype), *column.rows])
 
 
-def _plain(column: NDArray[Any]) -> Any:
-    """A column as it is, or as a list where values are texts, arrays or missing."""
-    if column.dtype == object:
-        return [value.tolist() if isinstance(value, np.ndarray) else value for value in column.tolist()]
-    return column.tolist() if np.ma.isMaskedArray(column) else column
-
-
-def _filled(columns: Mapping[str, NDArray[Any]]) -> dict[str, NDArray[Any]]:
+def _filled(columns: Mapping[str, Column]) -> dict[str, Column]:
     """The columns without the empty ones, such as the intensities of a scanner that sends none."""
-    return {name: column for name, column in columns.items() if column.ndim == 1 or column.shape[1]}
+    return {name: one for name, one in columns.items() if isinstance(one, Lists) or one.ndim == 1 or one.shape[1]}
 
 
 def library(name: str, method: str) -> Any:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from functools import cached_property
 from math import inf
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -14,6 +14,7 @@ from ...samples import Touch, TouchMode, TouchState
 from ...samples.touch_tracker import TouchTracker
 from .chunks import SampleChunk
 from .series import Series
+from .tables import Column
 
 if TYPE_CHECKING:
     from typing_extensions import Self
@@ -85,6 +86,11 @@ class Touches(Series[Touch]):
         """Times, and True, False or None (unknown) for each sensor by its label."""
         values = np.array([state.as_bool for state in sorted(TouchState)], object)
         return {**super().to_numpy(), **dict(zip(self.labels, values[self.states].T, strict=True))}
+
+    def _columns_of_table(self) -> Mapping[str, Column]:
+        """Flags, of which the unknown ones are missing."""
+        flags = (np.ma.masked_array(one == TouchState.TOUCHED, one == TouchState.UNKNOWN) for one in self.states.T)
+        return {**super().to_numpy(), **dict(zip(self.labels, flags, strict=True))}
 
     @cached_property
     def _table(self) -> _Table:

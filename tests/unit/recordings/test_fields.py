@@ -264,8 +264,59 @@ def test_missing_integers_are_missing_in_tables(tmp_path: Path) -> None:
     )[["status[0].level"]]
     pandas = pytest.importorskip("pandas")
     assert fields.to_pandas()["status[0].level"].tolist() == [2, pandas.NA]
-    pytest.importorskip("pyarrow")
-    assert fields.to_arrow()["status[0].level"].to_pylist() == [2, None]
+    arrow = pytest.importorskip("pyarrow")
+    column = fields.to_arrow()["status[0].level"]
+    assert column.to_pylist() == [2, None]
+    assert column.type == arrow.int8()
+    polars = pytest.importorskip("polars")
+    assert fields.to_polars()["status[0].level"].to_list() == [2, None]
+    assert fields.to_polars()["status[0].level"].dtype == polars.Int8
+
+
+LENGTHS = {"none": [], "equal": [2, 2], "several": [2, 0, 3]}
+"""Of the arrays in each message."""
+
+
+def lists_of(folder: Path, lengths: list[int]) -> Fields:
+    messages = [
+        (float(i), "/joints", {"name": ["wheel"] * length, "position": [0.5] * length})
+        for i, length in enumerate(lengths)
+    ]
+    return robowidgets.open(recorded.write(folder, {"/joints": JOINTS}, messages)).fields("/joints")
+
+
+@pytest.mark.parametrize("lengths", LENGTHS.values(), ids=LENGTHS)
+def test_a_column_of_a_table_has_the_type_of_the_field_whatever_the_messages_hold(
+    tmp_path: Path, lengths: list[int]
+) -> None:
+    fields = lists_of(tmp_path / "x", lengths)[["header.frame_id", "name", "position"]]
+    pandas, polars = pytest.importorskip("pandas"), pytest.importorskip("polars")
+    arrow = pytest.importorskip("pyarrow")
+    names = [["wheel"] * length for length in lengths]
+    table = fields.to_arrow()
+    assert table.schema.types[3:] == [arrow.string(), arrow.list_(arrow.string()), arrow.list_(arrow.float64())]
+    assert table["name"].to_pylist() == names
+    assert table["position"].to_pylist() == [[0.5] * length for length in lengths]
+    frame = fields.to_polars()
+    assert frame.dtypes[3:] == [polars.String, polars.List(polars.String), polars.List(polars.Float64)]
+    assert frame["name"].to_list() == names
+    assert frame["position"].to_list() == [[0.5] * length for length in lengths]
+    texts = pandas.Series(["a"]).dtype
+    assert fields.to_pandas().dtypes.tolist() == [texts, object, object]
+    assert [list(one) for one in fields.to_pandas()["name"]] == names
+
+
+def test_arrays_of_any_length_take_as_many_bytes_in_a_table_as_in_the_messages(tmp_path: Path) -> None:
+    topics = {"/bytes": "std_msgs/msg/UInt8MultiArray", "/floats": "std_msgs/msg/Float32MultiArray"}
+    messages = [(float(i), topic, {"data": [i] * (1000 + i)}) for i in range(3) for topic in topics]
+    recording = robowidgets.open(recorded.write(tmp_path / "x", topics, messages))
+    arrow, polars = pytest.importorskip("pyarrow"), pytest.importorskip("polars")
+    kinds = {"/bytes": (arrow.uint8(), polars.UInt8, 1), "/floats": (arrow.float32(), polars.Float32, 4)}
+    for topic, (kind, polars_kind, size) in kinds.items():
+        column = recording.fields(topic).to_arrow()["data"]
+        assert column.type == arrow.list_(kind)
+        assert column.nbytes == pytest.approx(3003 * size, abs=4 * 4)  # and where each begins
+        assert recording.fields(topic).to_polars()["data"].dtype == polars.List(polars_kind)
 
 
 def test_an_array_larger_than_the_memory_is_an_error_that_says_what_to_do(tmp_path: Path) -> None:

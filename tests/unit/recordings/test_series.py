@@ -401,6 +401,10 @@ class TestTables:
         assert touches.to_pandas()["center"].isna().all()
         assert touches.to_polars()["left"].to_list() == [True, False, True, False]
         assert touches.to_arrow()["right"].to_pylist() == [None] * 4
+        for some in (touches, touches[:0]):
+            assert str(some.to_pandas()["left"].dtype) == "boolean"
+            assert str(some.to_polars()["left"].dtype) == "Boolean"
+            assert str(some.to_arrow()["left"].type) == "bool"
 
     @pytest.mark.parametrize(
         ("method", "library"), [("to_pandas", "pandas"), ("to_polars", "polars"), ("to_arrow", "pyarrow")]
