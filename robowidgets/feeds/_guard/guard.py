@@ -63,6 +63,9 @@ class Guard(GuardLink):
         super().__init__(where)
         self.unavailable, self._is_starting = NONE_HERE, not NONE_HERE
         self._outlet = outlet
+        self._environment = dict(
+            os.environ
+        )  # in which the feed was opened: one that is started later is like the first
         self._server = _server()
         self.pid = 0
         self._thread: threading.Thread | None = None
@@ -105,7 +108,14 @@ class Guard(GuardLink):
             # -S: what sitecustomize and .pth files of a user do is not done. In a session of its own an interrupt of a
             # terminal, and a signal to the group of the kernel, does not reach it.
             command = [sys.executable, "-S", "-c", _code(self._server)]
-            process = subprocess.Popen(command, stdin=its.fileno(), stdout=said, stderr=said, start_new_session=True)
+            process = subprocess.Popen(
+                command,
+                stdin=its.fileno(),
+                stdout=said,
+                stderr=said,
+                env=self._environment,
+                start_new_session=True,
+            )
             its.close()
             self.pid = process.pid
             self.listen(ours, "open", *self._outlet)
@@ -134,7 +144,9 @@ def _server() -> int:
 
 def _path() -> list[str]:
     """Where the process finds modules: as here, but not in the folder of a notebook, whose files are the user's."""
-    return [entry for entry in sys.path if entry and Path(entry).absolute() != Path.cwd()]
+    # Python itself passes over what is no text, such as the `Path` of a user.
+    entries = [str(entry) for entry in sys.path if isinstance(entry, str) and entry]
+    return [entry for entry in entries if Path(entry).absolute() != Path.cwd()]
 
 
 def _packages() -> list[tuple[str, str]]:

@@ -459,6 +459,16 @@ def test_a_guard_opens_no_port(robot: Rosbridge, with_guards: ExitStack) -> None
 
 
 @pytest.mark.slow
+def test_a_guard_finds_modules_where_python_does_whatever_else_is_in_the_path(monkeypatch: pytest.MonkeyPatch) -> None:
+    class Text(str):
+        def __repr__(self) -> str:
+            return "Text()"
+
+    paths = ["", "/usr/lib/one", Path("/usr/lib/two"), 1, None, Text("/usr/lib/three"), str(Path.cwd())]
+    monkeypatch.setattr(sys, "path", paths)
+    assert repr(kernel_side._path()) == "['/usr/lib/one', '/usr/lib/three']"
+
+
 def test_a_guard_imports_neither_jupyter_nor_widgets() -> None:
     code = kernel_side._code(0).replace(
         "\nmain(0)\n", "\nfrom robowidgets.feeds import dds, foxglove, ros1, ros2, rosbridge\n"
