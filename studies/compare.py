@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 sys.path.insert(0, str(Path(__file__).parent))
-from study import SUS, TLX, WITH, WITHOUT, Row, read_rows
+from study import SUS, TASKS, TLX, WITH, WITHOUT, Row, read_rows
 
 RESAMPLES = 10_000
 
@@ -71,6 +71,7 @@ def compare(folder: str | Path) -> Comparison:
         ValueError: there are fewer than two of them.
     """
     people: list[list[Row]] = []
+    file_of: dict[int, str] = {}
     problems = []
     for file in sorted(Path(folder).glob("P*.csv")):
         try:
@@ -78,9 +79,13 @@ def compare(folder: str | Path) -> Comparison:
         except (ValueError, OSError) as error:
             problems.append(str(error))
             continue
-        complete = {(row.kind, row.condition) for row in rows}
-        if not complete >= {("sus", WITH), ("sus", WITHOUT)}:
-            problems.append(f"{file.name} is not complete: the participant stopped before the end")
+        problem = _incomplete(rows)
+        if problem:
+            problems.append(f"{file.name} is not complete: {problem}")
+            continue
+        number = rows[0].participant
+        if file_of.setdefault(number, file.name) != file.name:
+            problems.append(f"{file.name} is of participant {number}, as {file_of[number]} is: keep one of them")
         else:
             people.append(rows)
     if len(people) < 2:
@@ -88,26 +93,34 @@ def compare(folder: str | Path) -> Comparison:
     measures = [
         _measure("seconds per task", people, lambda rows: float(np.exp(np.mean(np.log(_times(rows))))), is_ratio=True),
         _measure("tasks solved", people, lambda rows: float(sum(row.right for row in rows if row.kind == "task"))),
-        _measure("TLX, 0 to 100", people, lambda rows: float(np.mean(_values(rows, "tlx", len(TLX))))),
+        _measure("TLX, 0 to 100", people, lambda rows: float(np.mean(_values(rows, "tlx")))),
         _measure("SUS, 0 to 100", people, _sus),
     ]
     return Comparison([rows[0].participant for rows in people], measures, problems)
+
+
+def _incomplete(rows: Sequence[Row]) -> str:
+    """What the rows of one participant lack, or have too often; empty where each step of both forms is there once."""
+    for kind, items in (("task", TASKS), ("tlx", TLX), ("sus", [str(number) for number in range(1, len(SUS) + 1)])):
+        for form in (WITH, WITHOUT):
+            found = [row.item for row in rows if (row.kind, row.condition) == (kind, form)]
+            if sorted(found) != sorted(items):
+                rows_there = ", ".join(found) or "none"
+                return f"expected a row for each {kind} {form} widgets: {', '.join(items)}; got {rows_there}"
+    numbers = {row.participant for row in rows}
+    return f"it has rows of the participants {sorted(numbers)}" if len(numbers) > 1 else ""
 
 
 def _times(rows: Sequence[Row]) -> list[float]:
     return [max(row.seconds, 0.1) for row in rows if row.kind == "task"]
 
 
-def _values(rows: Sequence[Row], kind: str, count: int) -> list[float]:
-    values = [float(row.value) for row in rows if row.kind == kind]
-    if len(values) != count:
-        raise ValueError(f"compare: participant {rows[0].participant} has {len(values)} ratings, not {count}")
-    return values
+def _values(rows: Sequence[Row], kind: str) -> list[float]:
+    return [float(row.value) for row in rows if row.kind == kind]
 
 
 def _sus(rows: Sequence[Row]) -> float:
-    values = _values(rows, "sus", len(SUS))
-    return 2.5 * sum(value - 1 if number % 2 == 0 else 5 - value for number, value in enumerate(values))
+    return 2.5 * sum(value - 1 if number % 2 == 0 else 5 - value for number, value in enumerate(_values(rows, "sus")))
 
 
 def _measure(

@@ -38,6 +38,9 @@ ORDERS = (
 )
 """Which form, and which set of tasks, comes first: every four participants have each order once."""
 
+TASKS = ("index", "distance", "gap", "code")
+"""The four tasks of each form, by name."""
+
 TLX = {
     "mental demand": ("How mentally demanding were the tasks?", "very low", "very high"),
     "physical demand": ("How physically demanding were the tasks?", "very low", "very high"),

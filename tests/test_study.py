@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import random
+import re
 import sys
 import threading
 from collections import Counter
@@ -133,6 +134,30 @@ def test_a_file_is_continued_after_its_last_step_and_a_damaged_one_is_told(tmp_p
         compare.compare(tmp_path)
     with pytest.raises(ValueError, match="expected a number from 1 to 9999, got 0"):
         study.Study(0, tmp_path)
+
+
+def test_a_file_twice_and_one_without_some_rows_are_left_out_with_the_reason(tmp_path: Path) -> None:
+    seconds, like = {study.WITH: 10.0, study.WITHOUT: 20.0}, {study.WITH: 5, study.WITHOUT: 2}
+    for number in range(1, 6):
+        Participant(number, tmp_path).take_part(seconds, like)
+    (tmp_path / "P02 (1).csv").write_bytes((tmp_path / "P02.csv").read_bytes())
+    for name, is_lost in (
+        ("P03.csv", lambda line: ",tlx,1," in line and ",effort," in line),
+        ("P04.csv", lambda line: ",task,2," in line and ",gap," in line),
+        ("P05.csv", lambda line: ",sus,1," in line and ",7," in line),
+    ):
+        lines = (tmp_path / name).read_text("utf-8").splitlines(keepends=True)
+        (tmp_path / name).write_text("".join(line for line in lines if not is_lost(line)), "utf-8")
+    found = compare.compare(tmp_path)
+    assert found.participants == (1, 2)
+    assert [re.split("[,:;] ", problem)[:2] for problem in found.problems] == [
+        ["P02.csv is of participant 2", "as P02 (1).csv is"],
+        ["P03.csv is not complete", "expected a row for each tlx with widgets"],
+        ["P04.csv is not complete", "expected a row for each task with widgets"],
+        ["P05.csv is not complete", "expected a row for each sus with widgets"],
+    ]
+    assert found.problems[2].endswith(": index, distance, gap, code; got index, distance, code")
+    assert found.measures[0].effect == pytest.approx(0.5)
 
 
 def test_wrong_answers_are_told_counted_and_end_with_the_limit_of_time(tmp_path: Path) -> None:
