@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import threading
 from collections.abc import Callable, Iterable
 from contextlib import suppress
@@ -11,12 +12,15 @@ from typing import Any, NamedTuple, Protocol
 
 from .._core.clock import Scheduler
 from .._core.clock import scheduler as threads
+from .._core.log_once import LogOnce
 from .._core.rate import RateMeter
 from ..messages.infrastructure import is_large
 from ._callbacks import FunctionCaller
 from ._links import TopicLink
 from ._subscription import Target
 from .middleware import FeedError
+
+log = logging.getLogger("robowidgets")
 
 PERIOD = 0.5
 """Seconds between two looks."""
@@ -128,6 +132,7 @@ class Listening:
         self._lookers: dict[Callable[[bool], object], _Looker] = {}
         self._heard: dict[str, Heard] = {}
         self._ticks = False
+        self._log = LogOnce(log.error)
 
     def look(self, on_heard: Callable[[bool], object], names: Callable[[], Iterable[str]] | None) -> None:
         """Somebody looks at topics, and has to say so again within `SEEN_FOR`.
@@ -175,16 +180,23 @@ class Listening:
                 del self._lookers[one]
             lookers = dict(self._lookers)
             self._ticks = bool(lookers)
-        with suppress(FeedError):  # it was closed meanwhile, and says so
-            self._hear([name for looker in lookers.values() for name in looker.names()], now)
-        for heard in list(self._heard.values()):
-            heard.measure()
-        for on_heard in gone:
-            on_heard(False)
-        for on_heard in lookers:
-            on_heard(True)
-        if lookers:
-            self._scheduler.call_at(now + PERIOD, self._tick)
+        try:
+            with suppress(FeedError):  # it was closed meanwhile, and says so
+                self._hear([name for looker in lookers.values() for name in looker.names()], now)
+            for heard in list(self._heard.values()):
+                heard.measure()
+            for on_heard in (*gone, *lookers):
+                self._tell(on_heard, on_heard in lookers)
+        finally:
+            if lookers:
+                self._scheduler.call_at(now + PERIOD, self._tick)
+
+    def _tell(self, on_heard: Callable[[bool], object], is_seen: bool) -> None:
+        """Have what was heard shown; a message that one of those who look cannot show holds up no other."""
+        try:
+            on_heard(is_seen)
+        except Exception as error:
+            self._log(f"what topics say could not be shown: {type(error).__name__}: {error}", exc_info=True)
 
     def _hear(self, names: Iterable[str], now: float) -> None:
         """Listen to these topics, and to no others."""

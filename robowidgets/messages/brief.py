@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sized
 from dataclasses import fields, is_dataclass
+from itertools import islice
 from math import isfinite, isnan
-from numbers import Real
+from numbers import Integral, Real
 from typing import Any
 
 import numpy as np
@@ -66,47 +67,58 @@ def brief(value: Any) -> str:
 
 
 def _in_words(fields: Mapping[str, Any]) -> str:
-    """What a message says of which the first numbers say little; empty of any other."""
+    """What a message says of which the first numbers say little; empty of any other.
+
+    Messages of other types have fields of the same names, with values of any type.
+    """
     names = fields.keys()
-    if {"height", "width", "encoding"} <= names:
-        return f"{fields['width']}\N{MULTIPLICATION SIGN}{fields['height']} {fields['encoding']}"
-    if {"height", "width", "distortion_model"} <= names:
-        return f"{fields['width']}\N{MULTIPLICATION SIGN}{fields['height']}"
+    width, height = fields.get("width"), fields.get("height")
+    if isinstance(width, Integral) and isinstance(height, Integral):
+        if "encoding" in names:
+            return f"{_size(fields)} {fields['encoding']}"
+        if "distortion_model" in names:
+            return _size(fields)
+        if "point_step" in names:
+            return f"{int(width) * int(height):,} points"
     if {"info", "data"} <= names and {"width", "height", "resolution"} <= (info := dict(_items(fields["info"]))).keys():
-        return f"{info['width']}\N{MULTIPLICATION SIGN}{info['height']} cells"
+        return f"{_size(info)} cells"
     if {"name", "position", "velocity", "effort"} == names - _SKIPPED and _is_array(fields["name"]):
         return _counted(fields["name"], "joint")
     if {"poses"} == names - _SKIPPED and _is_array(fields["poses"]):
         return _counted(fields["poses"], "pose")
     if {"level", "name", "msg"} <= names:
         return _leaf(str(fields["msg"]))
-    if {"height", "width", "point_step"} <= names:
-        return f"{fields['width'] * fields['height']:,} points"
-    if {"level", "message", "hardware_id"} <= names:
-        return f"{fields['name']}: {_level(fields)} {fields['message']}".strip()
+    if {"level", "name", "message", "hardware_id"} <= names and (level := _level(fields)) is not None:
+        return f"{fields['name']}: {_name_of(level)} {fields['message']}".strip()
     if "status" in names and _is_array(fields["status"]):
         those = [dict(_items(one)) for one in fields["status"]]
-        if those and all("level" in one for one in those):
-            worst = max(those, key=_number_of)
-            return f"{_level(worst)}: {worst.get('name', '')} {worst.get('message', '')}, of {len(those)}"
+        levels = [level for one in those if (level := _level(one)) is not None]
+        if those and len(levels) == len(those):
+            worst = those[levels.index(max(levels))]
+            return f"{_name_of(max(levels))}: {worst.get('name', '')} {worst.get('message', '')}, of {len(those)}"
     if "transforms" in names and _is_array(fields["transforms"]):
         return _counted(fields["transforms"], "frame")
     return ""
+
+
+def _size(fields: Mapping[str, Any]) -> str:
+    return f"{fields['width']}\N{MULTIPLICATION SIGN}{fields['height']}"
 
 
 def _counted(values: Sized, noun: str) -> str:
     return f"{len(values):,} {noun}{'' if len(values) == 1 else 's'}"
 
 
-def _number_of(status: Mapping[str, Any]) -> int:
-    """The level of a status, which ROS 1 and 2 give as a number or a byte."""
-    level = status["level"]
-    return level[0] if isinstance(level, bytes) and level else int(level or 0)
+def _level(status: Mapping[str, Any]) -> int | None:
+    """The level of a status, which ROS 1 and 2 give as a number or a byte; None without one."""
+    level = status.get("level")
+    if isinstance(level, bytes) and level:
+        return level[0]
+    return int(level) if isinstance(level, Integral) else None
 
 
-def _level(status: Mapping[str, Any]) -> str:
-    number = _number_of(status)
-    return _LEVELS[number] if 0 <= number < len(_LEVELS) else f"level {number}"
+def _name_of(level: int) -> str:
+    return _LEVELS[level] if 0 <= level < len(_LEVELS) else f"level {level}"
 
 
 def number(value: Any) -> str:
@@ -128,7 +140,7 @@ def _leaf(value: Any) -> str:
     if isinstance(value, Real):
         return number(value)
     if _is_array(value):
-        items = list(value[: _FEW + 1])
+        items = list(islice(value, _FEW + 1))
         if items and len(items) <= _FEW and all(isinstance(item, Real) for item in items):
             return f"[{', '.join(map(_leaf, items))}]"
         return f"[{len(value):,}]"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from array import array
+from collections import deque
 from dataclasses import dataclass
 from typing import Any
 
@@ -71,6 +72,16 @@ class Slotted:
             "ERROR: arm hot, of 2",
         ),
         ({"level": 1, "name": "arm", "message": "warm", "hardware_id": ""}, "arm: WARN warm"),
+        ({"status": [{"level": "warn", "name": "a", "message": "b"}]}, "[1]"),
+        ({"status": [{"level": None}, {"level": 1}]}, "[2]"),
+        (
+            {"level": "high", "message": "x", "hardware_id": "y", "name": "n"},
+            'level "high", message "x", hardware_id "y", name "n"',
+        ),
+        ({"level": 1, "message": "x", "hardware_id": "y"}, 'level 1, message "x", hardware_id "y"'),
+        ({"height": "10", "width": "a", "point_step": 1}, 'height "10", width "a", point_step 1'),
+        ({"height": 3, "width": None, "point_step": 1}, "height 3, width None, point_step 1"),
+        (deque([1, 2]), "[1, 2]"),
         (Speed((0.2, 0.0, 0.0), (0.0, 0.0, -0.5)), "0.2 m/s, \N{MINUS SIGN}0.5 rad/s"),
         (Speed((1.0, float("nan"), 0.0), (0.0, 0.0, float("nan"))), "1 m/s"),
         (Touch({"left": True, "right": False}), "left"),

@@ -233,3 +233,34 @@ def test_what_was_kept_before_the_robot_was_lost_is_not_passed_on(
     late = MessageWidget()
     feed.connect("/map", late)
     assert late.message is None
+
+
+def test_one_who_looks_and_raises_is_called_again_and_holds_up_no_other(
+    feed: Feed, clock: ManualClock, caplog: pytest.LogCaptureFixture
+) -> None:
+    failed: list[bool] = []
+    told: list[bool] = []
+
+    def fail(is_seen: bool) -> None:
+        failed.append(is_seen)
+        raise ValueError("no number")
+
+    feed.connection.listening.look(fail, lambda: ["/temperature"])
+    feed.connection.listening.look(told.append, lambda: ["/temperature"])
+    clock.advance(2 * PERIOD)
+    assert failed[:2] == told[:2] == [True, True]
+    assert len([one for one in caplog.records if "ValueError: no number" in one.message]) == 1
+
+
+def test_the_topics_to_look_at_are_asked_for_again_after_an_error(feed: Feed, clock: ManualClock) -> None:
+    told: list[bool] = []
+    wanted = iter([ValueError("no names")])
+
+    def names() -> list[str]:
+        for error in wanted:
+            raise error
+        return ["/temperature"]
+
+    feed.connection.listening.look(told.append, names)
+    clock.advance(2 * PERIOD)
+    assert told
