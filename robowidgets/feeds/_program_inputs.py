@@ -51,6 +51,8 @@ class _Latest:
         self._messages: deque[Any] = deque()
         self._times: deque[float] = deque(maxlen=3)
         self._sample: Any = None
+        self._unread = ""
+        """Why the newest message could not be read; empty: it was, or there is none."""
         self._goes_stale = False
         self._gathered: Gathered | None = None
         self._target: Target = connection.attach(topic, self._put)
@@ -65,7 +67,7 @@ class _Latest:
         return self._times[-1]
 
     def read(self, name: str) -> Any:
-        """The newest sample. NotReadyError if there is none, or if it is too old."""
+        """The newest sample. NotReadyError if there is none, if it is too old, or if a newer one cannot be read."""
         with self._lock:
             messages, self._messages = self._messages, deque()
         if messages:
@@ -75,7 +77,7 @@ class _Latest:
         return self._sample if self._gathered is None else self._gathered.take()
 
     def why_not_ready(self, name: str) -> str:
-        """Why there is no sample, or only one that is too old; empty where there is one."""
+        """Why there is no newest sample that can be read, or only one that is too old; empty where there is one."""
         with self._lock:
             times = list(self._times)
         if not times:
@@ -84,17 +86,18 @@ class _Latest:
         step = min((later - earlier for earlier, later in pairwise(times)), default=0.0)
         if self._goes_stale and age > (self._silence or TO_DRIVE_BY).after(step):
             return self._connection.status_of(self.topic) or f"no {name} comes on {self.topic} any more"
-        return ""
+        return self._unread
 
     def _take(self, messages: Sequence[Any]) -> None:
-        """Read messages. NotReadyError if a message cannot be read."""
+        """Read messages, past those that cannot be read."""
         topic = self._connection.topic_of(self.topic)
         for message in messages:
             try:
                 sample = sample_of(message, topic)
             except (TypeError, ValueError) as error:
-                raise NotReadyError(f"a message of {self.topic} cannot be read: {error}") from None
-            self._sample = sample
+                self._unread = f"a message of {self.topic} cannot be read: {error}"
+                continue
+            self._sample, self._unread = sample, ""
             if self.odometer is not None and isinstance(sample, Speed) and sample.pose is not None:
                 self.odometer.add(sample.pose)
             kind = kind_of_sample(sample)

@@ -170,6 +170,26 @@ def test_a_bump_between_two_steps_is_not_lost(robot: Feed, script: Scripted) -> 
     wait_for(lambda: True in got and got[-1] is False, "the touch is seen once, and then the release")
 
 
+def test_no_step_goes_by_what_came_before_a_message_that_cannot_be_read(robot: Feed, script: Scripted) -> None:
+    inputs = FeedInputs(robot.connection, lambda: None)
+    inputs.choose({"scan": None}, None)
+    unread = pytest.raises(NotReadyError, match=r"^a message of /scan cannot be read: angle_increment: ")
+    for _ in range(2):
+        script.listener.on_message("/scan", scan() | {"angle_increment": float("nan")})
+        for _ in range(2):
+            with unread:
+                inputs.take()
+        script.listener.on_message("/scan", scan())
+        assert inputs.take()["scan"].ranges.size
+    inputs.choose({"touch": None}, None)
+    script.listener.on_message("/bumper", {"bumper": 0, "state": 0})
+    inputs.take()
+    for message in ({"bumper": 7, "state": 9}, {"bumper": 1, "state": 1}, {"bumper": 1, "state": 0}):
+        script.listener.on_message("/bumper", message)
+    assert [inputs.take()["touch"].touched["center"] for _ in range(2)] == [True, False]
+    inputs.close()
+
+
 def test_none_keeps_the_speed_and_zero_follows_the_last_scan(
     robot: Feed, script: Scripted, monkeypatch: pytest.MonkeyPatch
 ) -> None:
