@@ -16,6 +16,7 @@ from functools import partial
 from importlib import import_module
 from typing import IO, Any
 
+from .._core.import_path import import_path
 from .offers import MakeOffers
 from .real_time import RealTime
 from .robot import Robot
@@ -151,7 +152,7 @@ class RobotProcess:
     def _start(self) -> tuple[subprocess.Popen[bytes], int]:
         """Start a process; the number of its end of the socket of its guard, or 0."""
         ours, its = socket.socketpair() if self._guard else (None, None)
-        command = [sys.executable, "-c", SERVE.format(path=sys.path)]
+        command = [sys.executable, "-c", SERVE.format(path=import_path())]
         number = its.fileno() if its else 0
         # In a session of its own an interrupt of the kernel does not reach it.
         process = subprocess.Popen(

@@ -15,6 +15,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import NamedTuple
 
+from ..._core.import_path import import_path
 from ..middleware import Outlet
 from .link import GuardLink
 
@@ -144,9 +145,7 @@ def _server() -> int:
 
 def _path() -> list[str]:
     """Where the process finds modules: as here, but not in the folder of a notebook, whose files are the user's."""
-    # Python itself passes over what is no text, such as the `Path` of a user.
-    entries = [str(entry) for entry in sys.path if isinstance(entry, str) and entry]
-    return [entry for entry in entries if Path(entry).absolute() != Path.cwd()]
+    return [entry for entry in import_path() if entry and Path(entry).absolute() != Path.cwd()]
 
 
 def _packages() -> list[tuple[str, str]]:

@@ -16,6 +16,7 @@ from typing import Any
 import pytest
 
 from robowidgets import DriveWidget, feeds
+from robowidgets._core.import_path import import_path
 from robowidgets.behaviors import Drive
 from robowidgets.driving.command_watchdog import HOLD
 from robowidgets.feeds import Driving, FeedError, _driver
@@ -467,6 +468,7 @@ def test_a_guard_finds_modules_where_python_does_whatever_else_is_in_the_path(mo
     paths = ["", "/usr/lib/one", Path("/usr/lib/two"), 1, None, Text("/usr/lib/three"), str(Path.cwd())]
     monkeypatch.setattr(sys, "path", paths)
     assert repr(kernel_side._path()) == "['/usr/lib/one', '/usr/lib/three']"
+    assert repr(import_path()) == f"['', '/usr/lib/one', '/usr/lib/three', {str(Path.cwd())!r}]"
 
 
 def test_a_guard_imports_neither_jupyter_nor_widgets() -> None:
