@@ -17,6 +17,9 @@ _STEPS = 60
 _CLOSE = 1e-6
 """How close, in units of the focal length, an undone distortion comes back to its pixel."""
 
+FISHEYE = ("equidistant", "fisheye")
+"""Names of the distortion model of fisheye lenses, which has 4 numbers."""
+
 _WIDEST = 10.0
 """Tangent of the angle from the axis up to which a lens is looked at: 84 degrees."""
 
@@ -78,7 +81,9 @@ class CameraModel:
         self._distort: Distort = _same
         self._undistort: Distort = _same
         self._widest = np.inf
-        self.bends = bool(not rectified and info.d.any())
+        # An ideal fisheye lens bends what is straight also where all its numbers are 0.
+        is_fisheye = info.distortion_model in FISHEYE and info.d.size == 4
+        self.bends = bool(not rectified and (info.d.any() or is_fisheye))
         if self.bends:
             self._distort, self._widest = _lens(info)
             self._undistort = self._undone
@@ -190,7 +195,7 @@ def _lens(info: CameraInfo) -> tuple[Distort, float]:
             )
 
         return distort, _monotone(lambda radius: radius * along(radius * radius))
-    if name in ("equidistant", "fisheye") and d.size == 4:
+    if name in FISHEYE and d.size == 4:
 
         def bend(radius: Floats) -> Floats:
             theta = np.arctan(radius)

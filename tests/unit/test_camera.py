@@ -127,6 +127,16 @@ def test_a_raw_picture_is_bent_as_opencv_says_and_unbent_again(name: str) -> Non
     assert np.abs(model.project(points) - pixels).max() < 1e-3
 
 
+def test_an_ideal_fisheye_bends_as_one_whose_numbers_are_nearly_0() -> None:
+    ideal, near = (CameraModel(info(d=[d, 0, 0, 0], distortion_model="equidistant")) for d in (0.0, 1e-12))
+    assert ideal.bends
+    points = [[0.5, 0.0, 1.0], [-0.3, 0.4, 1.0], [0.0, 0.0, 1.0]]
+    np.testing.assert_allclose(ideal.project(points), near.project(points), atol=1e-6)
+    assert one(ideal, 0.5, 0.0, 1.0) == pytest.approx([525 * atan2(0.5, 1.0) + 319.5, 239.5])
+    assert not CameraModel(info(d=[0.0] * 5, distortion_model="plumb_bob")).bends
+    assert not CameraModel(info(d=[0.0] * 4, distortion_model="equidistant"), rectified=True).bends
+
+
 def test_a_point_far_beside_the_picture_is_not_bent_back_into_it() -> None:
     # With k1 alone, x (1 + k1 x x) comes back to the middle at x = 1 / sqrt(-k1) = 1.83.
     model = CameraModel(info(d=[-0.3, 0, 0, 0, 0], distortion_model="plumb_bob"))
