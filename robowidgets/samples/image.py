@@ -114,13 +114,21 @@ class Image(HasAge):
         Raises:
             ValueError: it is no depth image.
         """
-        if not self.is_depth:
-            raise ValueError(f"expected a depth image (16UC1 or 32FC1), got {self.encoding}")
+        self._check_depth()
         return frozen(to_depth(self.pixels, self.depth_scale))
 
     def distance(self, row: int, column: int) -> float:
-        """Metres at a pixel of a depth image; NaN where nothing was measured."""
-        return float(to_depth(self.pixels[row : row + 1, column : column + 1], self.depth_scale)[0, 0])
+        """Metres at a pixel of a depth image; NaN where nothing was measured. Below 0, both count from the end.
+
+        Raises:
+            ValueError: it is no depth image. IndexError: it has no such pixel.
+        """
+        self._check_depth()
+        return float(to_depth(np.atleast_1d(self.pixels[row, column]), self.depth_scale)[0])
+
+    def _check_depth(self) -> None:
+        if not self.is_depth:
+            raise ValueError(f"expected a depth image (16UC1 or 32FC1), got {self.encoding}")
 
     def __getitem__(self, where: Any) -> Any:
         return self.pixels[where]

@@ -16,6 +16,7 @@ import pytest
 
 from robowidgets.imaging import HEADER, Form, checked_region, pack, statistics
 from robowidgets.messages import to_image
+from robowidgets.messages.image import layout_of
 from robowidgets.samples import Image
 
 
@@ -109,8 +110,17 @@ class TestImages:
         np.testing.assert_array_equal(image.depth, np.array([[np.nan, 1.5], [65.535, 0.001]], np.float32))
         metres = np.array([[np.nan, np.inf], [-1.0, 2.5]], np.float32)
         np.testing.assert_array_equal(to_image(metres).depth, np.array([[np.nan, np.nan], [np.nan, 2.5]], np.float32))
-        with pytest.raises(ValueError, match=r"expected a depth image .*, got mono8"):
-            _ = to_image(np.zeros((2, 2), np.uint8)).depth
+        assert (image.distance(0, 1), image.distance(-1, -2), image.distance(1, 0)) == (1.5, 65.535, 65.535)
+        with pytest.raises(IndexError, match="index 7 is out of bounds for axis 0 with size 2"):
+            image.distance(7, 0)
+
+    @pytest.mark.parametrize("encoding", ["mono8", "mono16", "rgb8"])
+    def test_a_picture_without_distances_says_so(self, encoding: str) -> None:
+        dtype, channels = layout_of(encoding)
+        image = to_image(np.zeros((2, 2, channels), dtype), encoding)
+        for ask in (lambda: image.depth, lambda: image.distance(0, 1)):
+            with pytest.raises(ValueError, match=rf"expected a depth image .*, got {encoding}"):
+                ask()
 
     @pytest.mark.parametrize(
         ("values", "encoding"),
@@ -165,6 +175,13 @@ class TestCompressed:
         values = np.array([[0, 90], [40, 190]], np.uint16)
         image = to_image(compressed("PNG", values, before, "32FC1; compressedDepth png"))
         np.testing.assert_allclose(image.depth, [[np.nan, 1.0], [2.0, 0.5]])
+
+    def test_an_inverse_depth_of_0_is_nothing(self, recwarn: pytest.WarningsRecorder) -> None:
+        values = np.array([[10, 110]], np.uint16)
+        before = struct.pack("<iff", 0, 100.0, 10.0)
+        image = to_image(compressed("PNG", values, before, "32FC1; compressedDepth png"))
+        np.testing.assert_allclose(image.depth, [[np.nan, 1.0]])
+        assert not recwarn.list
 
     def test_without_pillow_pictures_pass_and_the_rest_says_what_to_install(
         self, monkeypatch: pytest.MonkeyPatch
