@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from math import isfinite
 from typing import Any, ClassVar
 
@@ -14,7 +15,7 @@ from .camera import CameraModel
 from .imaging import checked_region, is_recolored, pack, statistics
 from .imaging.overlay import HasOverlay
 from .imaging.packing import MOST_BYTES
-from .messages import to_camera_info, to_image
+from .messages import to_image
 from .samples import Image
 
 OFTEN = 5.0
@@ -94,6 +95,10 @@ class ImageWidget(HasOverlay):
 
     def __init__(self, **kwargs: Any) -> None:
         self._bad: Image | None = None
+        self._picture_size: tuple[int, int] | None = None
+        self._fitted: tuple[float, ...] | None = None
+        """What `calibrate` made of the camera, unlike what was set by hand."""
+        self._camera_note = ""
         self._last_good = pack(kinds.IMAGE.nothing).data
         super().__init__(**kwargs)
 
@@ -119,21 +124,47 @@ class ImageWidget(HasOverlay):
         except (TypeError, ValueError) as error:
             self._refuse(error)
         else:
+            self._fit_camera_to(image)
             self._show(image)
 
     def calibrate(self, message: Any) -> None:
         """Take fx, fy, cx and cy from a sensor_msgs/CameraInfo, so that pixels of a depth image have x, y and z.
 
+        They are those of the pictures that come, where these are scaled.
+
         Raises:
-            TypeError: no such message. ValueError: the camera is not calibrated.
+            TypeError: no such message. ValueError: the camera is not calibrated, or the picture is another one.
         """
         try:
             super().calibrate(message)
-            # A depth image is rectified where it comes from.
-            model = CameraModel(to_camera_info(message), rectified=True)
-            self.camera = (*map(float, model.focus), *map(float, model.middle))
+            self._fit_camera()
         except (TypeError, ValueError, traitlets.TraitError) as error:
             self._refuse(error)
+
+    def _fit_camera_to(self, image: Image) -> None:
+        """Take the calibration for pictures of the size of one that came."""
+        size = (image.shape[1], image.shape[0])
+        if image is not kinds.IMAGE.nothing and size != self._picture_size:
+            self._picture_size = size
+            with suppress(ValueError):  # the note says so
+                self._fit_camera()
+
+    def _fit_camera(self) -> None:
+        info = self._beside.info
+        if info is None:
+            return
+        self._camera_note = ""
+        try:
+            # A depth image is rectified where it comes from.
+            model = CameraModel(info, rectified=True, size=self._picture_size)
+        except ValueError as error:
+            if info.is_calibrated:
+                self._camera_note = f"Pixels have no x, y and z: {error}."
+            if self.camera == self._fitted:
+                self.camera = None
+            raise
+        self._fitted = (*map(float, model.focus), *map(float, model.middle))
+        self.camera = self._fitted
 
     @property
     def image(self) -> Image | None:
@@ -169,6 +200,7 @@ class ImageWidget(HasOverlay):
         about: dict[str, Any] = {}
         try:
             image = to_image(sample)
+            self._fit_camera_to(image)
             packed = pack(image, self.most_bytes).data
         except (TypeError, ValueError) as error:
             about, image = {"notes": [f"A picture could not be shown: {error}."]}, kinds.IMAGE.nothing
@@ -187,6 +219,7 @@ class ImageWidget(HasOverlay):
         letters = "rgb" if sample.compressed else "".join(sample.channels)
         about |= {"channels": letters} if letters else {}
         about |= {"recolored": True} if is_recolored(sample) else {}
+        about |= {"notes": [self._camera_note]} if self._camera_note and sample.is_depth and self.camera is None else {}
         if sample.step and sample.values is not None:
             each = sample.values.dtype.itemsize * (sample.values.shape[2] if sample.values.ndim == 3 else 1)
             about |= {"row_bytes": sample.step, "pixel_bytes": 2 if letters == "yuv" else each}

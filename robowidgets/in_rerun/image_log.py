@@ -66,7 +66,9 @@ class ImageLog(TopicLog):
             return None
         with suppress(TypeError, ValueError):
             # As Rerun has it: without what bends a raw picture.
-            return CameraModel(to_camera_info(info), rectified=True)
+            first = next((image for _, image in self._images(topic)), None)
+            size = (first.shape[1], first.shape[0]) if first else None
+            return CameraModel(to_camera_info(info), rectified=True, size=size)
         return None
 
     def _placed(self, topic: str) -> CameraModel | None:

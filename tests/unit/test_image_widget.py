@@ -192,6 +192,26 @@ def test_a_calibration_gives_its_four_numbers(widget: ImageWidget) -> None:
         widget.calibrate({"p": 1})
 
 
+def test_a_calibration_is_that_of_the_pictures_that_come_where_these_are_scaled(widget: ImageWidget) -> None:
+    info = {"width": 640, "height": 480, "k": [500, 0, 319.5, 0, 500, 239.5, 0, 0, 1]}
+    widget.calibrate(info)
+    widget.update(np.ones((240, 320), np.float32))
+    assert widget.camera == (250, 250, 159.5, 119.5)
+    widget.calibrate(info)
+    assert widget.camera == (250, 250, 159.5, 119.5)
+    widget.update(np.ones((240, 240), np.float32))
+    assert widget.camera is None
+    (note,) = widget.get_state()["_about"]["notes"]
+    assert note.startswith("Pixels have no x, y and z: camera_info is of another picture: of 640 x 480")
+    with pytest.raises(ValueError, match="camera_info is of another picture"):
+        widget.calibrate(info)
+    widget.camera = (1, 1, 0, 0)
+    assert widget.frame_of(np.ones((300, 240), np.float32))[0].get("notes") is None
+    assert widget.camera == (1, 1, 0, 0)
+    widget.frame_of(np.ones((480, 640), np.float32))
+    assert widget.camera == (500, 500, 319.5, 239.5)
+
+
 @pytest.mark.parametrize(
     ("name", "value", "text"),
     [
