@@ -2,25 +2,29 @@
 
 from __future__ import annotations
 
+from base64 import b64decode
+from math import nan
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from .channel import Channel
 from .decoding import DecodeError, one_line, store_of
-from .fields import reader
+from .fields import MISSING, reader
 
 if TYPE_CHECKING:
     from rosbags.typesys.store import Typestore
 
 _IN_ROS1 = {"sec": "secs", "nanosec": "nsecs"}
+_FLOATS = ("float32", "float64")
 
 
 def encode(encoding: str, message_type: str, message: Any, definition: str = "") -> bytes:
     """The bytes of a message in ``cdr`` or ``ros1``, given as an object or as its fields, of ROS 1 or ROS 2.
 
     Without a definition its type is one that is known. A field that is left out is zero or empty; one that the type
-    does not have, such as ``header.seq``, is not encoded.
+    does not have, such as ``header.seq``, is not encoded. As in rosbridge's JSON, None is NaN, and a text is the base64
+    of bytes.
 
     Raises:
         ValueError: the type is not known, or a value does not fit. The text is one line for a person.
@@ -44,9 +48,9 @@ def _message(store: Typestore, type_name: str, message: Any) -> Any:
     get = reader(message)
     values: dict[str, Any] = {}
     for name, (kind, what) in store.fielddefs[type_name][1]:
-        given = get(name, None)
-        if given is None and name in _IN_ROS1:
-            given = get(_IN_ROS1[name], None)
+        given = get(name, MISSING)
+        if given is MISSING and name in _IN_ROS1:
+            given = get(_IN_ROS1[name], MISSING)
         values[name] = _value(store, kind, what, given)
     return store.types[type_name](**values)
 
@@ -54,6 +58,10 @@ def _message(store: Typestore, type_name: str, message: Any) -> Any:
 def _value(store: Typestore, kind: int, what: Any, given: Any) -> Any:
     from rosbags.interfaces import Nodetype
 
+    if given is None and kind == Nodetype.BASE and what[0] in _FLOATS:
+        return nan
+    if given is MISSING:
+        given = None
     if kind == Nodetype.NAME:
         return _message(store, what, {} if given is None else given)
     if kind == Nodetype.BASE:
@@ -63,6 +71,7 @@ def _value(store: Typestore, kind: int, what: Any, given: Any) -> Any:
     if given is None:
         given = [0 if is_numeric else None] * (count if kind == Nodetype.ARRAY else 0)
     if is_numeric:
-        # rospy has bytes for uint8[].
+        # rospy has bytes for uint8[], and rosbridge a text.
+        given = b64decode(given, validate=True) if isinstance(given, str) else given
         return np.frombuffer(given, np.uint8) if isinstance(given, bytes) else np.asarray(given, name[0])
     return [_value(store, inner, name, item) for item in given]

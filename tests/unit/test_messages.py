@@ -10,6 +10,8 @@ import numpy as np
 import pytest
 
 from robowidgets.messages import to_range, to_scan, to_speed, to_touch
+from robowidgets.messages.channel import Channel
+from robowidgets.messages.decoding import decoder_of
 from robowidgets.messages.encoding import encode
 from robowidgets.messages.fields import describe, frame_id, get, has, stamp_ns, type_name, unwrap
 from robowidgets.messages.twist import TWIST, TWIST_STAMPED, encode_twist
@@ -431,3 +433,17 @@ def test_a_twist_has_the_bytes_that_any_message_has(encoding: str, frame: str) -
     assert encode_twist(encoding, TWIST, fields) == encode(encoding, TWIST, fields)
     assert encode_twist(encoding, TWIST_STAMPED, stamped) == encode(encoding, TWIST_STAMPED, stamped)
     assert encode_twist(encoding, TWIST_STAMPED, {}) == encode(encoding, TWIST_STAMPED, {})
+
+
+def test_what_json_has_for_nan_and_for_bytes_is_that_in_the_bytes_of_a_message() -> None:
+    battery = {"voltage": 12.0, "temperature": None, "present": None, "cell_voltage": [None, 4.0]}
+    kind = "sensor_msgs/msg/BatteryState"
+    read = decoder_of(Channel(0, "", kind, "cdr", "", 0))(encode("cdr", kind, battery))
+    assert (read.voltage, read.current, read.present) == (12.0, 0.0, False)
+    assert np.isnan([read.temperature, read.cell_voltage[0]]).all()
+    kind = "sensor_msgs/msg/CompressedImage"
+    image = {"format": "jpeg", "data": "AP7/"}
+    read = decoder_of(Channel(0, "", kind, "cdr", "", 0))(encode("cdr", kind, image))
+    assert bytes(read.data) == b"\x00\xfe\xff"
+    with pytest.raises(ValueError, match="a message does not fit sensor_msgs/msg/CompressedImage: "):
+        encode("cdr", kind, {"data": "no base64"})
