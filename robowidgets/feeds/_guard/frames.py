@@ -39,6 +39,7 @@ FROM_GUARD: dict[str, tuple[Any, ...]] = {
     "up": (),
     "down": (str, float),
     "unheard": (str, str),
+    "slow": (),
     "done": (int, int, str, str, str, list),
     "stopped": (int, float),
 }
@@ -47,6 +48,7 @@ FROM_GUARD: dict[str, tuple[Any, ...]] = {
 - ``ready``: it is there. ``failed``: it cannot work, and why.
 - ``up``, ``down``: the robot can be reached, or not: why, and seconds until the next attempt.
 - ``unheard``: topic, and why a subscriber does not receive it.
+- ``slow``: the robot took long for one message of a speed, which may have others; each is waited for for a while.
 - ``done``: feed, number, class and text of the error or empty, for whom it was refused, types in which it was sent.
 - ``stopped``: count of its stops, seconds for which the kernel was silent.
 """

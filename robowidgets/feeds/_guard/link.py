@@ -27,7 +27,7 @@ BEAT = 0.1
 """Seconds between two signs of life while a robot moves."""
 
 ANSWER = 0.8
-"""Seconds within which a guard answers; it waits for the robot for half a second at most."""
+"""Seconds within which a guard answers, or says that one message took long; each waits for half a second at most."""
 
 LOOK = 0.1
 """Seconds between two looks whether it has answered."""
@@ -92,6 +92,8 @@ class GuardLink(Observed):
         """Those of the process that is there now, which it has told."""
         self._numbers = itertools.count()
         self._answers: dict[int, _Answer] = {}
+        self._slow = 0
+        """Number of messages that took long."""
         self._moving: set[int] = set()
         """The feeds whose last speed was not zero."""
         self._beat_at, self._worked, self._share = 0.0, 0.0, 0.0
@@ -132,6 +134,7 @@ class GuardLink(Observed):
         with self._lock:
             if not self._is_ready:
                 raise NotConnectedYetError(self.down)
+            moved = feed in self._moving
             if velocity == ZERO:
                 frame = packed("zero", feed, number, topic, there)
             else:
@@ -139,21 +142,19 @@ class GuardLink(Observed):
                 self._moving.add(feed)
             self._answers[number] = answer
             self._write(frame)
-            waited, at = 0.0, time.monotonic()
-            while not answer.is_there and waited < ANSWER:
-                self._changed.wait(LOOK)
-                # Where a look comes late, this process stood still, and the answer may wait to be read.
-                waited, at = waited + min(time.monotonic() - at, 2 * LOOK), time.monotonic()
+            self._await(answer)
             del self._answers[number]
             if not answer.is_there:
                 self._hangs = True
                 self._hang_up()
                 raise TimeoutError(f"the guard that sends speeds has not answered for {ANSWER:g} s")
-            if answer.error is not None:
-                raise answer.error
-            if velocity == ZERO:
+            if answer.error is None:
+                if velocity == ZERO:
+                    self._moving.discard(feed)
+                return answer.sent
+            if isinstance(answer.error, FeedError) and not moved:  # it was not sent
                 self._moving.discard(feed)
-            return answer.sent
+            raise answer.error
 
     def tell_others(self, feed: int, topic: str, velocity: Velocity) -> None:
         """Tell the other feeds what a feed has sent. They do not hear it of the robot: a guard is no other program."""
@@ -217,6 +218,17 @@ class GuardLink(Observed):
 
     # -- within --------------------------------------------------------------------------------------------------------
 
+    def _await(self, answer: _Answer) -> None:
+        """Wait for an answer as long as the guard is at work. Called with the lock held."""
+        waited, at, slow = 0.0, time.monotonic(), self._slow
+        while not answer.is_there and waited < ANSWER:
+            if not self._changed.wait(LOOK):
+                self._beat()  # the thread that hears the guard does so for a robot that moves already
+            # Where a look comes late, this process stood still, and the answer may wait to be read.
+            waited, at = waited + min(time.monotonic() - at, 2 * LOOK), time.monotonic()
+            if slow != self._slow:
+                waited, slow = 0.0, self._slow
+
     def _hear_no_more(self, reason: str) -> None:
         with self._lock:
             self._socket, self._is_ready, self._is_up, self.down = None, False, False, reason
@@ -244,11 +256,11 @@ class GuardLink(Observed):
                 getattr(self, f"_on_{name}")(*parts)
 
     def _beat(self) -> None:
-        now, worked = time.monotonic(), time.process_time()
-        if now - self._beat_at > 4 * BEAT:
-            self._share = (worked - self._worked) / (now - self._beat_at)
-        self._beat_at, self._worked = now, worked
         with self._lock:
+            now, worked = time.monotonic(), time.process_time()
+            if now - self._beat_at > 4 * BEAT:
+                self._share = (worked - self._worked) / (now - self._beat_at)
+            self._beat_at, self._worked = now, worked
             self._write(packed("beat"))
 
     def _write(self, frame: bytes) -> None:
@@ -290,6 +302,11 @@ class GuardLink(Observed):
     def _on_unheard(self, topic: str, reason: str) -> None:
         for call in list(self.on_unheard.values()):
             call(topic, reason)
+
+    def _on_slow(self) -> None:
+        with self._lock:
+            self._slow += 1
+            self._changed.notify_all()
 
     def _on_done(self, _feed: int, number: int, kind: str, text: str, refused: str, moved: list[str]) -> None:
         with self._lock:

@@ -38,6 +38,9 @@ DISCOVERY = ALONE + 0.6
 LAST_ZERO = 10.0
 """Seconds for which it goes on trying to send zero when the kernel is gone."""
 
+SLOW = 0.05
+"""Seconds after which the kernel is told that one message took long, so that it waits for the next one, too."""
+
 ALIVE = 1.0
 """Seconds between two looks whether the kernel is there."""
 
@@ -171,7 +174,12 @@ class Guarding:
         if self._middleware is None or self._up_at is None:
             raise NotConnectedYetError("the guard that sends speeds has not reached the robot yet")
         with self._publishing:
-            self._middleware.publish(topic, message_type, message)
+            began = self._clock.now()
+            try:
+                self._middleware.publish(topic, message_type, message)
+            finally:
+                if self._clock.now() - began > SLOW:
+                    self._tell("slow")
 
     def why_too_early(self, topic: str, adverts: Sequence[Advert]) -> str:
         """Why a subscriber that the kernel knows of would miss a speed; empty if none would."""

@@ -5,10 +5,14 @@ from __future__ import annotations
 import ctypes
 import os
 import signal
+import socket
 import subprocess
 import sys
-from collections.abc import Iterator
-from contextlib import ExitStack, suppress
+import threading
+import time
+from collections.abc import Iterator, Sequence
+from concurrent.futures import Future
+from contextlib import ExitStack, closing, suppress
 from itertools import groupby
 from pathlib import Path
 from typing import Any
@@ -18,11 +22,13 @@ import pytest
 from robowidgets import DriveWidget, feeds
 from robowidgets._core.import_path import import_path
 from robowidgets.behaviors import Drive
-from robowidgets.driving.command_watchdog import HOLD
+from robowidgets.driving.command_watchdog import HOLD, ZERO, Velocity
 from robowidgets.feeds import Driving, FeedError, _driver
 from robowidgets.feeds._guard import guard as kernel_side
+from robowidgets.feeds._guard import link
 from robowidgets.feeds._guard.frames import FROM_GUARD, LARGEST, TO_GUARD, DamagedError, Unpacker, packed
 from robowidgets.feeds._guard.process import GRACE, LAST_ZERO, SILENCE, Guarding
+from robowidgets.feeds.middleware import SEND_TIMEOUT
 
 from ..clocks import ManualClock
 from ..waiting import threads_named, wait_for
@@ -198,6 +204,129 @@ def test_the_end_gives_up_a_robot_that_cannot_be_reached(guarded: Guarded) -> No
     guarded.clock.beside(guarded.guarding.finish)
     guarded.clock.advance(LAST_ZERO + 1.0)
     assert guarded.robot.closed == 1
+
+
+def test_a_robot_that_takes_long_for_each_of_several_messages_is_told_as_slow(guarded: Guarded) -> None:
+    guarded.drive(hold=60.0)
+    other = [["/cmd_vel", "geometry_msgs/msg/TwistStamped", False, True]]
+    publish = guarded.robot.publish
+
+    def publish_slowly(*what: Any) -> None:
+        guarded.clock.sleep(SEND_TIMEOUT)
+        publish(*what)
+
+    guarded.robot.publish = publish_slowly  # type: ignore[method-assign]
+    guarded.told.clear()
+    guarded.guarding.take("zero", [1, 7, "/cmd_vel", [*TOPIC, *other]])
+    guarded.clock.advance(1.9 * SEND_TIMEOUT)
+    assert guarded.told == [("slow",)]
+    guarded.clock.advance(0.1 * SEND_TIMEOUT)
+    assert [told[0] for told in guarded.told] == ["slow", "slow", "done"]
+
+
+# -- the kernel's side -------------------------------------------------------------------------------------------------
+
+
+class Played:
+    """A guard that a test plays: what the kernel sends it, and what it says."""
+
+    def __init__(self) -> None:
+        self._ours, its = socket.socketpair()
+        self.link = link.GuardLink("the robot")
+        self._frames = Unpacker(TO_GUARD)
+        self._heard: list[tuple[str, Sequence[Any]]] = []
+        self._listening = threading.Thread(target=self.link.listen, args=(its, "open", "a robot", {}), daemon=True)
+        self._listening.start()
+        assert self.hear("open")
+        self.say("ready")
+        wait_for(lambda: self.link.is_there, "it is ready")
+
+    def hear(self, name: str) -> Sequence[Any]:
+        """Wait for a message of a name; its parts."""
+        while True:
+            while self._heard:
+                came, parts = self._heard.pop(0)
+                if came == name:
+                    return parts
+            data = self._ours.recv(1 << 16)
+            assert data, f"it hung up before {name} came"
+            self._heard += self._frames.take(data)
+
+    def say(self, name: str, *parts: Any) -> None:
+        self._ours.sendall(packed(name, *parts))
+
+    def answer(self, to: Sequence[Any], kind: str = "", text: str = "") -> None:
+        feed, number, *_ = to
+        self.say("done", feed, number, kind, text, "", [])
+
+    def asked(self, feed: int, velocity: Velocity) -> Future[Any]:
+        """Have a feed ask for a speed, in a thread of its own; what becomes of it."""
+        future: Future[Any] = Future()
+
+        def send() -> None:
+            try:
+                future.set_result(self.link.send(feed, "/cmd_vel", velocity, time.monotonic() + 60.0, [CMD_VEL]))
+            except Exception as error:
+                future.set_exception(error)
+
+        threading.Thread(target=send, daemon=True).start()
+        return future
+
+    def close(self) -> None:
+        self.link.close()
+        self._listening.join()
+        self._ours.close()
+
+
+@pytest.fixture
+def played() -> Iterator[Played]:
+    with closing(Played()) as guard:
+        yield guard
+
+
+def test_a_guard_hears_of_the_kernel_while_it_sends_the_first_speed(played: Played) -> None:
+    asked = played.asked(1, Velocity(0.3))
+    drive = played.hear("drive")
+    for _ in range(3):
+        played.hear("beat")
+    played.answer(drive)
+    assert asked.result(120).refused == ""
+
+
+def test_a_guard_that_waits_for_a_slow_robot_again_and_again_is_at_work(
+    played: Played, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(link, "LOOK", 0.001)
+    monkeypatch.setattr(link, "ANSWER", 0.1)
+    asked = played.asked(1, ZERO)
+    zero = played.hear("zero")
+    for number in range(300):
+        played.hear("beat")
+        if number % 10 == 0:
+            played.say("slow")
+    played.answer(zero)
+    assert asked.result(120).refused == ""
+    assert played.link.ends == 0
+
+
+def test_a_guard_that_says_nothing_is_ended(played: Played, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(link, "ANSWER", 0.1)
+    asked = played.asked(1, ZERO)
+    with pytest.raises(TimeoutError, match=r"the guard that sends speeds has not answered for 0\.1 s"):
+        asked.result(120)
+    wait_for(lambda: played.link.ends == 1, "it is ended")
+
+
+def test_a_feed_drives_beside_another_one_unless_its_first_speed_is_refused(played: Played) -> None:
+    for refused, drives in ((True, False), (False, True), (True, True)):
+        asked = played.asked(1, Velocity(0.3))
+        played.answer(played.hear("drive"), *(("FeedError", "/cmd_vel is no topic of speeds") if refused else ()))
+        assert bool(asked.exception(120)) == refused
+        assert played.link.is_driven_beside(2) == drives
+    asked = played.asked(1, ZERO)
+    played.answer(played.hear("zero"))
+    asked.result(120)
+    assert not played.link.is_driven_beside(2)
 
 
 # -- the process -------------------------------------------------------------------------------------------------------
