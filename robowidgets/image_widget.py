@@ -161,7 +161,7 @@ class ImageWidget(HasOverlay):
             if info.is_calibrated:
                 self._camera_note = f"Pixels have no x, y and z: {error}."
             if self.camera == self._fitted:
-                self.camera = None
+                self.set_trait("camera", None)
             raise
         self._fitted = (*map(float, model.focus), *map(float, model.middle))
         self.camera = self._fitted

@@ -209,9 +209,7 @@ def _of_compressed_depth(data: bytes, named: str, how: str, common: dict[str, An
         return Image(values, "16UC1", **common, depth_scale=MILLIMETRES)
     _, quantum, offset = _DEPTH_CONFIG.unpack_from(data)
     metres = np.full(values.shape, np.nan, np.float32)
-    with np.errstate(
-        divide="ignore", invalid="ignore"
-    ):  # of a value equal to the offset: it is infinite, which is nothing
+    with np.errstate(divide="ignore", invalid="ignore"):  # a value equal to the offset is infinitely far: nothing
         np.divide(np.float32(quantum), values - np.float32(offset), out=metres, where=values > 0)
     return Image(metres, "32FC1", **common, depth_scale=METRES)
 
