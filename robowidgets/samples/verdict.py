@@ -43,7 +43,10 @@ UNKNOWN = Verdict(None)
 
 
 class _Comparison(NamedTuple):
-    """A distance of a scan that was compared to a limit."""
+    """A distance of a scan that was compared to a limit.
+
+    ``between`` are the ids of the two distances where the limit is another one, else the id of the distance alone.
+    """
 
     scan: Scan
     sector: Asked
@@ -51,6 +54,7 @@ class _Comparison(NamedTuple):
     relation: str
     limit: float
     holds: bool
+    between: frozenset[int]
 
     @property
     def is_known(self) -> bool:
@@ -143,6 +147,8 @@ class Trace:
         """What was compared, distances and other numbers, in that order."""
         self._rays: list[Ray] = []
         self._sectors: list[tuple[Scan, Asked]] = []
+        self._distances: list[_Distance] = []
+        """Those that were given: as long as they are kept, no two have the same id."""
         self._parts: list[tuple[Scan, Any]] = []
         """The scans, with the indices that gave all of their ranges or a part of them."""
         self._of_parts: dict[tuple[int, int], Scan] = {}
@@ -178,19 +184,21 @@ class Trace:
         def compare(relation: str, limit: Any) -> bool:
             # As a plain number: Python would ask another such distance first, which would note it the other way round.
             outcome: Any
+            between = frozenset(id(one) for one in (noted, limit) if isinstance(one, _Distance))
             limit = float(limit) if isinstance(limit, _Distance) else plain(limit)
             try:
                 outcome = OPERATORS[relation](distance, limit)
             except TypeError:
                 outcome = NotImplemented  # Python then raises the error itself, on the line that compares.
             if isinstance(outcome, (bool, np.bool_)):
-                comparison = _Comparison(scan, sector, distance, relation, float(limit), bool(outcome))
+                comparison = _Comparison(scan, sector, distance, relation, float(limit), bool(outcome), between)
                 self._comparisons.append(comparison)
                 self._all.append(comparison)
             result: bool = outcome
             return result
 
         vars(noted)["_note"] = compare
+        self._distances.append(noted)
         return noted
 
     def saw(self, ray: Ray | None) -> Ray | None:
@@ -238,14 +246,30 @@ class Trace:
     @property
     def text(self) -> str:
         """What was compared, as `Verdict.text`."""
-        decisive = [comparison for comparison in self._all if comparison.holds] or self._all
+        choices = self._choices
+        conditions = [comparison for comparison in self._all if id(comparison) not in choices]
+        decisive = [comparison for comparison in conditions if comparison.holds] or conditions
         texts = [comparison.text for comparison in decisive if comparison.is_known]
         return " · ".join([*dict.fromkeys(texts)][:_MOST_TEXTS])
 
     @property
     def _decisive(self) -> list[_Comparison]:
         """The comparisons that held; all of them where none did, as in ``not distance > limit``."""
-        return [comparison for comparison in self._comparisons if comparison.holds] or self._comparisons
+        choices = self._choices
+        conditions = [comparison for comparison in self._comparisons if id(comparison) not in choices]
+        return [comparison for comparison in conditions if comparison.holds] or conditions
+
+    @property
+    def _choices(self) -> set[int]:
+        """The ids of comparisons that are no conditions: by them min, max or sorted chose what met a limit."""
+        choices: set[int] = set()
+        limited: frozenset[int] = frozenset().union(*(c.between for c in self._comparisons if len(c.between) == 1))
+        left = [c for c in self._comparisons if len(c.between) == 2]
+        while found := [c for c in left if c.between & limited]:
+            choices.update(map(id, found))
+            limited = limited.union(*(c.between for c in found))
+            left = [c for c in left if id(c) not in choices]
+        return choices
 
     def _marked(self, result: Any) -> NDArray[np.intp]:
         if _is_mask(result):

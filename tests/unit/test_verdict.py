@@ -27,6 +27,7 @@ def scan(*ranges: float) -> Scan:
 
 
 SEEN = scan(0.3, 1.0, 0.4, 0.45, INF)
+RIGHT, AHEAD, LEFT = (-0.4, -0.2), (0.0, 0.0), (0.2, 0.4)
 
 
 class TestFunction:
@@ -47,6 +48,28 @@ class TestFunction:
         assert judged(lambda s: s.distance(near) < 0.1 or s.distance(far) < 0.5, SEEN).rays.tolist() == [3]
         assert judged(lambda s: not s.distance(near) > 0.5, SEEN).rays.tolist() == [0]
         assert judged(lambda s: s.distance(near) < 0.5 and s.distance(far) > 0.4, SEEN).rays.tolist() == [0, 3, 4]
+
+    @pytest.mark.parametrize(
+        ("function", "rays", "text"),
+        [
+            (lambda s: min(s.distance(LEFT), s.distance(RIGHT)) < 0.4, [0], "0.30 < 0.40 m"),
+            (lambda s: min(s.distance(RIGHT), s.distance(LEFT)) < 0.4, [0], "0.30 < 0.40 m"),
+            (lambda s: max(s.distance(LEFT), s.distance(RIGHT)) > 0.4, [3, 4], "0.45 > 0.40 m"),
+            (lambda s: sorted(map(s.distance, (LEFT, RIGHT, AHEAD)))[0] < 0.4, [0], "0.30 < 0.40 m"),
+            (lambda s: sorted(map(s.distance, (LEFT, RIGHT, AHEAD)))[1] < 0.5, [2], "0.40 < 0.50 m"),
+            (lambda s: s.distance(RIGHT) < s.distance(LEFT), [0], "0.30 < 0.45 m"),
+            (
+                lambda s: s.distance(RIGHT) < s.distance(LEFT) and s.distance(AHEAD) < 0.5,
+                [0, 2],
+                "0.30 < 0.45 m · 0.40 < 0.50 m",
+            ),
+        ],
+    )
+    def test_by_what_a_distance_is_chosen_that_is_compared_to_a_limit_is_no_condition(
+        self, function: Any, rays: list[int], text: str
+    ) -> None:
+        verdict = judged(function, SEEN)
+        assert (verdict.value, verdict.rays.tolist(), verdict.text) == (True, rays, text)
 
     @pytest.mark.parametrize(
         ("function", "rays"),
