@@ -350,4 +350,4 @@ def _array(name: str, values: ArrayLike, kind: type[Any], dimensions: int) -> ND
         raise TypeError(f"{name}: expected an array of {what}, got {array.dtype}")
     if array.ndim != dimensions:
         raise ValueError(f"{name}: expected an array of {dimensions} dimensions, got shape {array.shape}")
-    return array.astype(kind, copy=False)
+    return array.astype(kind)  # a copy: the caller may go on with its own

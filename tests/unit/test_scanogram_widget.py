@@ -38,6 +38,15 @@ def test_it_sends_all_scans_ahead(scanogram: ScanogramWidget) -> None:
     assert facts["duration"] == pytest.approx(5.0)
 
 
+def test_it_shows_what_it_was_given_also_when_the_arrays_are_used_again(scanogram: ScanogramWidget) -> None:
+    given = scans(count=2_000, rays=100)
+    arrays = {"times_ns": given["times_ns"], "ranges": given["ranges"].astype(np.float32)}
+    scanogram.update(**{**given, **arrays})
+    arrays["ranges"][:], arrays["times_ns"][:] = 1.0, 0
+    assert np.unique(scanogram._picture.levels.scans.read(0, 2_000)).tolist() == [5.0]
+    assert scanogram._picture.levels.scans.times_ns[-1] == 7 * SECOND + 1_999 * SECOND // 10
+
+
 @pytest.mark.parametrize(
     ("changed", "error", "text"),
     [
