@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import base64
-import binascii
 from collections import deque
 from collections.abc import Collection, Mapping, Sequence
+from contextlib import suppress
 from functools import lru_cache
 from itertools import islice
 from math import isfinite
@@ -16,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..messages.any_message import get_any, names_in, time_in, value_at
+from ..messages.byte_fields import byte, bytes_in
 from ..messages.fields import MISSING
 from ..plotting.units import unit_of
 
@@ -167,10 +167,9 @@ class _Reader:
         """Add a field with its value."""
         node: TreeNode = {"name": name}
         ros_type = known.type if known else ""
-        if known and not known.is_array and isinstance(value, bytes) and len(value) == 1:  # a byte in rclpy
-            value = value[0]
-        if known and known.is_array and isinstance(value, str) and _ROS_BYTES.get(ros_type, ros_type) == "uint8":
-            value = _from_base64(value)
+        if known and isinstance(value, (str, bytes)) and _ROS_BYTES.get(ros_type, ros_type) == "uint8":
+            with suppress(ValueError):  # a text stays one
+                value = bytes_in(name, value) if known.is_array else byte(name, value)
         kind = type(value)
         # The common ones first: to ask an abstract class takes long.
         if kind is bool or kind is np.bool_:
@@ -289,14 +288,6 @@ def _type_of(value: Any) -> str:
 def _cut(text: str) -> Any:
     """A text, or its beginning with its length."""
     return text if len(text) <= _LONGEST else [text[:_LONGEST], len(text)]
-
-
-def _from_base64(text: str) -> Any:
-    """The bytes that rosbridge sends as text; the text, where it is none."""
-    try:
-        return base64.b64decode(text, validate=True)
-    except (binascii.Error, ValueError):
-        return text
 
 
 def _numbers_in(value: Any, known: FieldType | None) -> NDArray[Any] | None:

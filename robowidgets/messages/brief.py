@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from ..samples import Range, Scan, Speed, Touch
+from .byte_fields import byte
 
 MOST = 60
 """Characters of a line."""
@@ -112,9 +113,10 @@ def _counted(values: Sized, noun: str) -> str:
 def _level(status: Mapping[str, Any]) -> int | None:
     """The level of a status, which ROS 1 and 2 give as a number or a byte; None without one."""
     level = status.get("level")
-    if isinstance(level, bytes) and level:
-        return level[0]
-    return int(level) if isinstance(level, Integral) else None
+    try:
+        return byte("level", level) if isinstance(level, (Integral, bytes, str)) else None
+    except ValueError:
+        return None
 
 
 def _name_of(level: int) -> str:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import base64
-import binascii
 from collections.abc import Sequence
 from typing import Any
 
@@ -11,8 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..samples import Cloud, Problem
-from ..samples.checks import frozen, number
+from ..samples.checks import number
 from ..samples.cloud import AXES, check_count
+from .byte_fields import byte_array, owned
 from .fields import MISSING, describe, frame_id, get, has, stamp_ns, unwrap
 
 CLOUD_TYPES = frozenset({"sensor_msgs/msg/PointCloud2", "sensor_msgs/msg/PointCloud"})
@@ -71,7 +70,7 @@ def _of_array(given: Any) -> Cloud:
         if array.ndim not in (1, 2):
             raise ValueError(f"points: expected a structured array of shape (N,) or (H, W), got {array.shape}")
         rows = array.shape[0] if array.ndim == 2 and array.size else 1
-        return Cloud(_owned(array).reshape(-1), rows)
+        return Cloud(owned(array).reshape(-1), rows)
     if not array.size and array.ndim < 2:
         array = array.reshape(0, 3)
     if array.ndim not in (2, 3) or array.shape[-1] != 3:
@@ -95,7 +94,7 @@ def _of_bytes(message: Any) -> Cloud:
         )
     height, width, step, row_step = (_count(message, name) for name in ("height", "width", "point_step", "row_step"))
     check_count(height * width)
-    data = _bytes(get(message, "data"))
+    data = byte_array("data", get(message, "data"))
     kind, problems = _kind(get(message, "fields"), step, bool(get(message, "is_bigendian")))
     odd = list(problems)
     if height > 1 and row_step < width * step:
@@ -205,31 +204,3 @@ def _count(message: Any, name: str) -> int:
     if not (0 <= value < _MOST_BYTES and value == int(value)):
         raise ValueError(f"{name}: expected a whole number, 0 or more, got {value!r}")
     return int(value)
-
-
-def _bytes(data: Any) -> NDArray[np.uint8]:
-    """The bytes of a message, as a view where nobody can change them; JSON has them as text."""
-    if isinstance(data, str):
-        try:
-            data = base64.b64decode(data, validate=True)
-        except (binascii.Error, ValueError):
-            raise ValueError("data: expected bytes, or text in base64, got other text") from None
-    if isinstance(data, bytes):
-        return np.frombuffer(data, np.uint8)
-    if isinstance(data, np.ndarray) and data.dtype == np.uint8 and data.ndim == 1:
-        return _owned(data)
-    try:
-        return frozen(np.array(data if isinstance(data, (list, tuple)) else memoryview(data), np.uint8).reshape(-1))
-    except (TypeError, ValueError, OverflowError):
-        raise TypeError(f"data: expected bytes, got {describe(data)}") from None
-
-
-def _owned(array: NDArray[Any]) -> NDArray[Any]:
-    """An array that nobody else changes: itself where its memory is read-only, else a copy."""
-    base: Any = array
-    while isinstance(base, np.ndarray):
-        if base.flags.writeable:
-            return frozen(array.copy())
-        base = base.base
-    is_safe = base is None or isinstance(base, bytes) or (isinstance(base, memoryview) and base.readonly)
-    return np.ascontiguousarray(array) if is_safe else frozen(array.copy())

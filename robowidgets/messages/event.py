@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import reprlib
-from base64 import b64decode
 from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
 from ..samples import TouchState
 from ..samples.event import Event, Level
 from ..samples.touch_tracker import TouchTracker
+from .byte_fields import byte
 from .fields import describe, get, has, stamp_ns, unwrap
 from .touch import TOUCH_TYPES, to_touch
 
@@ -130,9 +129,9 @@ class EventReader:
         level, stamp = get(message, "level"), stamp_ns(message)
         # ROS 1 names the topics of the node, and has a header; its levels are bits.
         if has(message, "topics"):
-            found = _ROS1_LEVELS.get(_whole("level", level), Level.INFO)
+            found = _ROS1_LEVELS.get(byte("level", level), Level.INFO)
         else:
-            found = Level.at_most(_whole("level", level))
+            found = Level.at_most(byte("level", level))
             stamp = stamp_ns({"header": {"stamp": get(message, "stamp", None)}})
         return [Event(str(get(message, "msg")), found, str(get(message, "name")), self._topic, stamp)]
 
@@ -144,7 +143,7 @@ class EventReader:
         return found
 
     def _status(self, status: Any, stamp: int | None = None) -> list[Event]:
-        name, code = str(get(status, "name")), _whole("level", get(status, "level"))
+        name, code = str(get(status, "name")), byte("level", get(status, "level"))
         said = str(get(status, "message"))
         level = _STATUS_LEVELS.get(code, Level.ERROR)
         word = _STATUS_WORDS.get(code, "")
@@ -182,14 +181,3 @@ def touch_text(sensor: str, state: TouchState) -> str:
     """What is said of a sensor that was touched or released."""
     words = "touched" if state is TouchState.TOUCHED else "released"
     return words if sensor == "touch" else f"{sensor} {words}"
-
-
-def _whole(name: str, value: Any) -> int:
-    """A level; rclpy has a byte as bytes, and rosbridge those in base64."""
-    try:
-        inner = b64decode(value, validate=True) if isinstance(value, str) and not value.isdecimal() else value
-        if isinstance(inner, (bytes, bytearray, list)):
-            (inner,) = inner
-        return int(inner)
-    except (TypeError, ValueError, OverflowError):
-        raise ValueError(f"{name}: expected a whole number, got {reprlib.repr(value)}") from None

@@ -5,14 +5,13 @@ from __future__ import annotations
 import io
 import re
 import struct
-from base64 import b64decode
-from binascii import Error as Base64Error
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..samples.image import BAYER, CHANNELS, Image
+from .byte_fields import byte_array
 from .fields import describe, frame_id, get, has, stamp_ns, unwrap
 
 IMAGE_TYPES = frozenset({"sensor_msgs/msg/Image", "sensor_msgs/msg/CompressedImage"})
@@ -99,7 +98,7 @@ def _of_rows(message: Any, encoding: str) -> NDArray[Any]:
     rows, columns, step = (_whole(name, get(message, name)) for name in ("height", "width", "step"))
     if not rows * columns:
         raise ValueError(f"the picture is empty: height {rows}, width {columns}")
-    data = _bytes_of(get(message, "data"))
+    data = byte_array("data", get(message, "data"))
     needed = columns * channels * dtype.itemsize
     if step < needed:
         raise ValueError(
@@ -175,7 +174,7 @@ def _of_array(array: NDArray[Any], encoding: str) -> Image:
 
 def _of_compressed(message: Any) -> Image:
     said = str(get(message, "format"))
-    data = _bytes_of(get(message, "data")).tobytes()
+    data = byte_array("data", get(message, "data")).tobytes()
     common: dict[str, Any] = {"stamp_ns": stamp_ns(message), "frame_id": frame_id(message)}
     named, _, how = (part.strip() for part in said.partition(";"))
     if not data:
@@ -260,28 +259,6 @@ def _jpeg_size(data: bytes) -> tuple[int, int]:
 
 
 # -- fields ------------------------------------------------------------------------------------------------------------
-
-
-def _bytes_of(data: Any) -> NDArray[np.uint8]:
-    """The bytes of an array of uint8, which rosbridge sends as base64 or as numbers."""
-    if isinstance(data, str):
-        try:
-            data = b64decode(data, validate=True)
-        except (Base64Error, ValueError):
-            raise ValueError("data: expected bytes in base64, got another text") from None
-    if isinstance(data, (bytes, bytearray, memoryview)) or hasattr(data, "buffer_info"):
-        return np.frombuffer(data, np.uint8)
-    try:
-        array = np.asarray(data)
-        if array.dtype == np.uint8 and array.ndim == 1:
-            return array
-        if array.ndim != 1 or (
-            array.size and (array.dtype.kind not in "iu" or not 0 <= array.min() <= array.max() < 256)
-        ):
-            raise TypeError
-        return array.astype(np.uint8)
-    except (TypeError, ValueError):
-        raise TypeError(f"data: expected bytes, got {repr(data)[:60]}") from None
 
 
 def _whole(name: str, value: Any) -> int:

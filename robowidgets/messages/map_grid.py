@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from ..samples import MapGrid, Pose, yaw_of
 from ..samples.checks import finite
+from .byte_fields import bytes_in
 from .fields import frame_id, get, has, stamp_ns, unwrap
 
 _MODES = ("trinary", "scale", "raw")
@@ -46,7 +47,7 @@ def to_map_grid(message: Any) -> MapGrid:
     width, height = (
         get(message, f"{about}.{name}") for name in (("size_x", "size_y") if is_cost else ("width", "height"))
     )
-    resolution, data = get(message, f"{about}.resolution"), get(message, "data")
+    resolution, data = get(message, f"{about}.resolution"), bytes_in("map: data", get(message, "data"))
     try:
         values = np.frombuffer(data, np.uint8) if isinstance(data, (bytes, bytearray)) else np.asarray(data, np.int16)
     except (TypeError, ValueError, OverflowError):

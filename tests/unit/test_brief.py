@@ -82,6 +82,7 @@ class Slotted:
         ({"height": "10", "width": "a", "point_step": 1}, 'height "10", width "a", point_step 1'),
         ({"height": 3, "width": None, "point_step": 1}, "height 3, width None, point_step 1"),
         (deque([1, 2]), "[1, 2]"),
+        ({"level": "Ag==", "name": "arm", "message": "hot", "hardware_id": ""}, "arm: ERROR hot"),
         (Speed((0.2, 0.0, 0.0), (0.0, 0.0, -0.5)), "0.2 m/s, \N{MINUS SIGN}0.5 rad/s"),
         (Speed((1.0, float("nan"), 0.0), (0.0, 0.0, float("nan"))), "1 m/s"),
         (Touch({"left": True, "right": False}), "left"),

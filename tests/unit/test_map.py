@@ -160,6 +160,10 @@ class TestGrids:
         metadata = {"size_x": 2, "size_y": 1, "resolution": 0.1, "origin": {"position": {"x": 0.0, "y": 0.0}}}
         grid = to_map_grid({"header": {"frame_id": "odom"}, "metadata": metadata, "data": [254, 255]})
         assert (grid.values.tolist(), grid.most) == ([[254, -1]], 254)
+        of_rosbridge = to_map_grid({"header": {"frame_id": "odom"}, "metadata": metadata, "data": "/v8="})
+        assert of_rosbridge.values.tolist() == [[254, -1]]
+        with pytest.raises(ValueError, match="map: data: expected bytes, or text in base64, got other text"):
+            to_map_grid({"header": {"frame_id": "odom"}, "metadata": metadata, "data": "%"})
 
     def test_cells_that_do_not_fit_are_refused(self) -> None:
         with pytest.raises(ValueError, match="expected 3 x 2 cells, as its info says, got 2"):

@@ -180,6 +180,13 @@ class TestAMessage:
         assert got.values["level"] == 2
         assert got.nodes["level"]["names"]["2"] == "ERROR"
 
+    @pytest.mark.parametrize(("level", "number"), [("Ag==", 2), (2, 2), ("much", "much")])
+    def test_of_rosbridge_has_its_single_bytes_as_numbers_with_names(self, level: Any, number: Any) -> None:
+        status = {"level": level, "name": "lidar", "message": "", "hardware_id": "", "values": []}
+        got = sent(status, type="diagnostic_msgs/msg/DiagnosticStatus")
+        assert got.values["level"] == number
+        assert got.nodes["level"].get("names", {}).get("2") == ("ERROR" if number == 2 else None)
+
     def test_of_rospy_is_read_by_the_definition_that_it_carries(self) -> None:
         class Gauge:
             __slots__ = ("header", "level", "mode")

@@ -84,6 +84,19 @@ class TestImages:
             made.data = data
             np.testing.assert_array_equal(to_image(made).pixels, RAMP[..., :3])
 
+    def test_a_picture_stays_as_it_came_when_the_memory_of_its_message_is_used_again(self) -> None:
+        made = message(RAMP[..., :3].astype(np.uint8), "rgb8")
+        forms: list[Any] = [
+            bytearray(made.data),
+            array.array("B", made.data),
+            np.frombuffer(made.data, np.uint8).copy(),
+        ]
+        for data in forms:
+            made.data = data
+            image = to_image(made)
+            data[0], data[1] = 255 - data[0], 255 - data[1]
+            np.testing.assert_array_equal(image.pixels, RAMP[..., :3])
+
     def test_yuv_has_its_values_and_is_shown_in_colors(self) -> None:
         gray, red = (128, 235, 128, 16), (90, 81, 240, 81)
         for encoding, order in (("yuv422", [0, 1, 2, 3]), ("yuv422_yuy2", [1, 0, 3, 2])):
@@ -207,7 +220,7 @@ class TestRefused:
             ({"height": 0}, ValueError, "the picture is empty: height 0, width 8"),
             ({"width": -1}, ValueError, "width: expected a whole number, 0 or more, got -1"),
             ({"width": None}, TypeError, "width: expected a whole number, got None"),
-            ({"data": "%%"}, ValueError, "data: expected bytes in base64"),
+            ({"data": "%%"}, ValueError, "data: expected bytes, or text in base64"),
             ({"data": [300] * 144}, TypeError, "data: expected bytes, got"),
         ],
     )
