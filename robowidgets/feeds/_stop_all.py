@@ -8,6 +8,7 @@ from typing import Any
 
 from .._core.clock import Scheduler, Ticket
 from .._core.clock import scheduler as threads
+from ..behaviors.program import RUNNING
 from .feed import Feed
 from .middleware import FeedError
 
@@ -24,7 +25,8 @@ class StopAll:
     """One Stop for several robots. A notebook shows it as a button, with a line for each robot.
 
     It sends zero to all of them at once, and again five times a second until it is released. Each robot has a thread of
-    its own: one that cannot be reached holds up no other. Until then its feeds refuse to drive.
+    its own: one that cannot be reached holds up no other. Until then its feeds refuse to drive, and their programs are
+    paused, which they stay.
 
     Who else sends speeds to a robot goes on sending them. The robot stands for sure where zeros come first there, as
     those of a topic of their own with the greatest priority of a twist_mux.
@@ -87,7 +89,11 @@ class StopAll:
         return self.problems
 
     def release(self) -> None:
-        """Send no more zeros, and let the feeds drive again. No robot moves by that alone."""
+        """Send no more zeros, and let the feeds drive again, but for those that were stopped before.
+
+        No program of these feeds goes on by that alone: somebody runs it. Whoever else sends speeds all the time moves
+        the robot again, such as a program in another notebook.
+        """
         for robot in self._robots.values():
             robot.let_go()
 
@@ -128,6 +134,8 @@ class _Standstill:
         self._show = show
         self._scheduler = scheduler
         self._ticket: Ticket | None = None
+        self._was_stopped = False
+        """Whether stop was latched before."""
 
     @property
     def holds(self) -> bool:
@@ -143,7 +151,7 @@ class _Standstill:
 
     def hold(self) -> None:
         if self._ticket is None:
-            self.answered = False
+            self.answered, self._was_stopped = False, self._feed.stopped
             self._ticket = self._scheduler.start(self._turn, "robowidgets-standstill")
         else:
             self._ticket.wake()
@@ -152,12 +160,20 @@ class _Standstill:
         ticket, self._ticket = self._ticket, None
         if ticket is not None:
             ticket.leave()
-            self._feed.stopped = False
+            self._pause()  # one that was started since the last zero, too
+            if not self._was_stopped:
+                self._feed.stopped = False
             self.tell("")
 
     def tell(self, problem: str) -> None:
         self.problem = problem
         self._show()
+
+    def _pause(self) -> None:
+        """Pause the program of the feed: it would drive as soon as it may again."""
+        program = self._feed.programs.current
+        if program is not None and program.mode == RUNNING:
+            program.pause("paused, because all robots were stopped")
 
     def _turn(self) -> float:
         problem = others = ""
@@ -167,6 +183,7 @@ class _Standstill:
             try:
                 if not self._feed.stopped:
                     self._feed.stopped = True
+                self._pause()
                 self._feed.stop()
             except (FeedError, OSError) as error:
                 problem = str(error)

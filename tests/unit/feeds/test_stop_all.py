@@ -11,6 +11,7 @@ from typing import Any
 import pytest
 
 from robowidgets import feeds
+from robowidgets.behaviors import Drive
 from robowidgets.feeds import Feed
 
 from ..waiting import wait_for
@@ -86,6 +87,27 @@ class TestStopAll:
         stop.click()
         assert script.speeds[-1] == (0.0, 0.0)
         everybody.release()
+
+    def test_a_program_stays_paused_after_the_release_and_a_latch_that_was_there_stays(self, opened: ExitStack) -> None:
+        red, script = scripted(opened)
+        blue, _ = scripted(opened)
+        blue.stopped = True
+        everybody = feeds.StopAll({"red": red, "blue": blue})
+
+        @red.program
+        def go() -> Drive:
+            return Drive(0.2)
+
+        wait_for(lambda: (0.2, 0.0) in script.speeds, "it drives")
+        everybody.stop(60)
+        assert (go.mode, go.note) == ("paused", "paused, because all robots were stopped")
+        go.run()  # while all are stopped
+        everybody.release()
+        assert (go.mode, red.stopped, blue.stopped) == ("paused", False, True)
+        assert script.speeds[-1] == (0.0, 0.0)
+        sent = len(script.speeds)
+        go.run()
+        wait_for(lambda: (0.2, 0.0) in script.speeds[sent:], "it drives again when somebody runs it")
 
     def test_it_takes_feeds_with_names(self) -> None:
         with pytest.raises(TypeError, match=r"expected feeds by name, as StopAll\(\{'red': robot\}\), got \[1\]"):
