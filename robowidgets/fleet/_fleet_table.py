@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import os
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from datetime import datetime, timedelta, timezone
 from pathlib import Path
 from typing import Any, ClassVar, NamedTuple
@@ -13,7 +13,7 @@ from typing import Any, ClassVar, NamedTuple
 from .._core.output_file import checked_output, whole_file
 from .._core.tables import Table
 from .._core.text import listed, many
-from ..recordings.columns.tables import library
+from ..recordings.columns.tables import RowType, frame_of, library
 from ..recordings.times import has_date
 
 SHOWN = 20
@@ -46,8 +46,8 @@ class FleetTable(ABC):
         note: a line for a person.
     """
 
-    _types: ClassVar[Mapping[str, Callable[[Any], Any]]]
-    """The columns with their types: of pyarrow, what makes each."""
+    _types: ClassVar[Mapping[str, RowType]]
+    """The columns with their types."""
 
     def __init__(
         self, files: Sequence[str], unread: Sequence[Unread] = (), until: int | None = None, note: str = ""
@@ -76,13 +76,7 @@ class FleetTable(ABC):
         Raises:
             ImportError: pandas is not installed.
         """
-        pandas = library("pandas", "to_pandas")
-        return pandas.DataFrame(
-            {
-                name: pandas.array(values, dtype="Int64") if self._types[name] is whole else values
-                for name, values in self._columns().items()
-            }
-        )
+        return frame_of(self._columns(), self._types)
 
     def to_polars(self) -> Any:
         """A polars DataFrame; ImportError if polars or pyarrow is not installed."""
@@ -147,36 +141,6 @@ def not_read(unread: Sequence[Unread]) -> Iterator[str]:
         reasons.setdefault(problem.replace(file, "").replace(name, "").strip(": "), []).append(name)
     for reason, names in sorted(reasons.items(), key=lambda one: -len(one[1])):
         yield f"not read: {listed(names)}: {reason}"
-
-
-def text(arrow: Any) -> Any:
-    """The type of texts."""
-    return arrow.string()
-
-
-def texts(arrow: Any) -> Any:
-    """The type of lists of texts."""
-    return arrow.list_(arrow.string())
-
-
-def number(arrow: Any) -> Any:
-    """The type of numbers."""
-    return arrow.float64()
-
-
-def short_number(arrow: Any) -> Any:
-    """The type of numbers that were measured with few digits."""
-    return arrow.float32()
-
-
-def whole(arrow: Any) -> Any:
-    """The type of whole numbers, of which some may be missing."""
-    return arrow.int64()
-
-
-def date(arrow: Any) -> Any:
-    """The type of dates with time."""
-    return arrow.timestamp("us", tz="UTC")
 
 
 def short(files: Sequence[str]) -> dict[str, str]:

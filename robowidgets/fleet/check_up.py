@@ -11,9 +11,10 @@ from .._core.progress import without_bars
 from .._core.tables import Table
 from .._core.text import listed, many
 from ..recording import open as open_recording
+from ..recordings.columns.tables import date, text
 from ..samples import Problem
 from ._engine import LONGEST
-from ._fleet_table import FleetTable, date, date_of, text
+from ._fleet_table import FleetTable, date_of
 from ._gather import gather, kept_of
 from .places import PathLike
 

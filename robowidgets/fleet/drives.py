@@ -17,7 +17,7 @@ from .._core.tables import Table
 from .._core.text import many
 from ..kinds import LASER, SPEED, TOUCH
 from ..recording import open as open_recording
-from ..recordings.columns.tables import library
+from ..recordings.columns.tables import RowType, date, library, number, short_number, text, whole
 from ..recordings.remote import is_url
 from ..recordings.times import has_date
 from ..repair import RecordingError, natural
@@ -25,7 +25,7 @@ from ..search.base import Condition, condition
 from ..search.instant import Instant
 from ..search.seconds import NEAREST, NUMBERS, SECOND, SecondRows, Texts, seconds_of
 from ._engine import LONGEST
-from ._fleet_table import Unread, date, not_read, number, short_number, text, whole
+from ._fleet_table import Unread, not_read
 from ._gather import FromAll, gather, identity_or_none
 from ._kept import states_of
 from ._topics import chosen_of
@@ -35,7 +35,7 @@ from .search import hits_of, search
 
 _FORM = 1
 _TEXTS = ("touched", "sensors", *(kind.sample_name for kind in (LASER, SPEED, TOUCH)))
-_COLUMNS: dict[str, Callable[[Any], Any]] = {
+_COLUMNS: dict[str, RowType] = {
     **dict.fromkeys(("file", "state", "problem"), text),
     "start_ns": whole,
     "second": whole,

@@ -14,9 +14,10 @@ from .._core.output_file import checked_output
 from .._core.tables import Table
 from .._core.text import as_date, listed, many
 from ..export.html import MAX_SIZE, SUFFIXES
+from ..recordings.columns.tables import date, number, text, texts, whole
 from ..search.base import Condition
 from ..search.spans import cell, more_heads
-from ._fleet_table import SHOWN, FleetTable, date, number, short, text, texts, whole
+from ._fleet_table import SHOWN, FleetTable, short
 from ._hit import Hit as Hit
 
 if TYPE_CHECKING:

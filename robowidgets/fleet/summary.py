@@ -14,13 +14,14 @@ from .._core.text import as_date, many
 from ..kinds import LASER, SPEED, TOUCH
 from ..recording import Recording
 from ..recording import open as open_recording
+from ..recordings.columns.tables import date, number, text, whole
 from ..recordings.times import has_date
 from ..samples.checks import shortest
 from ..samples.distances import ray_distances
 from ..samples.staleness import RECORDED
 from ..search import conditions
 from ._engine import LONGEST
-from ._fleet_table import SHOWN, FleetTable, date, date_of, number, short, text, whole
+from ._fleet_table import SHOWN, FleetTable, date_of, short
 from ._gather import gather, kept_of
 from ._topics import chosen_of
 from .places import PathLike

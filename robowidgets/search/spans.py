@@ -7,10 +7,16 @@ from typing import Any, overload
 
 from .._core.tables import Table
 from .._core.text import degrees_of, often
-from ..recordings.columns.tables import library
+from ..recordings.columns.tables import frame_of, number, texts, whole
 from ..recordings.span import Span
 
 _SHOWN = 20
+_TYPES = {
+    **dict.fromkeys(("start", "end", "seconds", "nearest", "angle", "value"), number),
+    **dict.fromkeys(("start_ns", "end_ns", "index", "nearest_ns", "value_ns"), whole),
+    "silent": texts,
+}
+"""The columns of a DataFrame with their types."""
 
 
 class Spans(Sequence[Span]):
@@ -60,7 +66,7 @@ class Spans(Sequence[Span]):
         Raises:
             ImportError: pandas is not installed.
         """
-        return library("pandas", "to_pandas").DataFrame(list(self), columns=list(Span._fields))
+        return frame_of({name: [getattr(span, name) for span in self] for name in Span._fields}, _TYPES)
 
     def __len__(self) -> int:
         return len(self._spans)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 from importlib import import_module
 from itertools import chain
 from typing import Any, NamedTuple
@@ -20,6 +20,9 @@ class Lists(NamedTuple):
     rows: NDArray[Any]
     dtype: np.dtype[Any]
 
+
+RowType = Callable[[Any], Any]
+"""The type of a column of a table that is made of rows, by the function here that makes it of pyarrow."""
 
 Column = NDArray[Any] | Lists
 """Numbers, flags and texts; those of an array of objects are texts or None. Masked are those that are missing."""
@@ -128,6 +131,51 @@ def to_arrow(columns: Mapping[str, Column]) -> Any:
         return flat if column.ndim == 1 else arrow.FixedSizeListArray.from_arrays(flat, column.shape[1])
 
     return arrow.table({name: array(column) for name, column in _filled(columns).items()})
+
+
+def frame_of(columns: Mapping[str, Sequence[Any]], types: Mapping[str, RowType]) -> Any:
+    """A DataFrame of columns of Python values, None where one is missing; the types do not depend on the values."""
+    pandas = library("pandas", "to_pandas")
+    dtypes: dict[RowType, Any] = {
+        text: str,
+        number: "float64",
+        short_number: "float32",
+        whole: "Int64",
+        date: "datetime64[us, UTC]",
+    }
+    return pandas.DataFrame(
+        {name: pandas.Series(values, dtype=dtypes.get(types[name], object)) for name, values in columns.items()}
+    )
+
+
+def text(arrow: Any) -> Any:
+    """The type of texts."""
+    return arrow.string()
+
+
+def texts(arrow: Any) -> Any:
+    """The type of lists of texts."""
+    return arrow.list_(arrow.string())
+
+
+def number(arrow: Any) -> Any:
+    """The type of numbers."""
+    return arrow.float64()
+
+
+def short_number(arrow: Any) -> Any:
+    """The type of numbers that were measured with few digits."""
+    return arrow.float32()
+
+
+def whole(arrow: Any) -> Any:
+    """The type of whole numbers, of which some may be missing."""
+    return arrow.int64()
+
+
+def date(arrow: Any) -> Any:
+    """The type of dates with time."""
+    return arrow.timestamp("us", tz="UTC")
 
 
 def _seconds(pandas: Any, columns: Mapping[str, Column]) -> Any:

@@ -258,6 +258,17 @@ def test_the_table_has_the_same_rows_for_every_library(runs: Path, tmp_path: Pat
     assert lines[-1] == {"file": str(runs / "broken.bag"), "problem": hits.unread[0].problem}
 
 
+def test_pandas_has_the_same_types_whatever_was_found(runs: Path) -> None:
+    every = find(NEAR, runs / "run_2.mcap", executor=Here()).to_pandas()
+    some = find(NEAR, runs, executor=Here()).to_pandas()
+    none = find(conditions.nearest_below(0.001), runs / "run_2.mcap", executor=Here()).to_pandas()
+    unread = find(NEAR, runs / "broken.bag", executor=Here()).to_pandas()
+    assert every.dtypes.to_dict() == some.dtypes.to_dict() == none.dtypes.to_dict() == unread.dtypes.to_dict()
+    assert len(none) == 0 < len(unread) < len(some)
+    assert none["date"].dt.year.tolist() == []
+    assert str(some["date"].dtype) == "datetime64[us, UTC]"
+
+
 def test_printed_it_names_files_without_their_common_folder_and_what_was_not_read(runs: Path) -> None:
     text = repr(find(NEAR, runs, executor=Here()))
     assert text.startswith("nearest below 0.3 m: ")

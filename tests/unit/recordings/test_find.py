@@ -408,6 +408,16 @@ class TestSpans:
         with pytest.raises(ImportError, match="pip install pandas"):
             self.FEW.to_pandas()
 
+    def test_have_the_same_types_in_pandas_whatever_was_met(self) -> None:
+        pytest.importorskip("pandas")
+        at_ns = 1_700_000_000_000_000_001
+        plain = Span(0, 1, 1, at_ns, at_ns)
+        met = plain._replace(nearest=0.2, index=3, angle=0.1, nearest_ns=at_ns, value=0.1, value_ns=at_ns)
+        none, some, every = (Spans("x", spans).to_pandas() for spans in ([], [plain, met], [met]))
+        assert none.dtypes.tolist() == some.dtypes.tolist() == every.dtypes.tolist()
+        assert some["nearest_ns"].dropna().tolist() == [at_ns]
+        assert some["index"].dropna().tolist() == [3]
+
 
 def test_a_span_tells_the_number_farthest_beyond_the_limit_and_when_or_the_first_of_equal_ones() -> None:
     with robowidgets.open(robowidgets.SAMPLE) as recording:
