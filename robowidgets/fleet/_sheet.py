@@ -5,7 +5,7 @@ from __future__ import annotations
 import threading
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import ipywidgets
 
@@ -13,7 +13,7 @@ from .._core.cells import close_all, take_the_place
 from .._core.text import many
 from ..player.player import Player
 from ..recording import open as open_recording
-from ..recordings.labels import SHORTEST, Label, LabelFile
+from ..recordings.labels import SHORTEST, Label, LabelFile, LabelledSpan
 from ..recordings.remote import is_url
 from ..recordings.times import has_date
 from ..search.base import Condition
@@ -21,6 +21,8 @@ from ..sheet_widget import SheetFile, SheetWidget
 from ._fleet_table import Unread, short
 from ._hit import Hit
 from ._picture_sender import PictureSender
+
+_Named = TypeVar("_Named", Label, LabelledSpan)
 
 _SAME = 1e-6
 """Seconds by which two times of one moment differ at most."""
@@ -166,7 +168,7 @@ class Sheet(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
 
     def _read_labels(self, _change: Any = None) -> None:
         """Show the names that spans of hits have beside their recordings by now."""
-        of_folder: dict[Path, dict[str, list[Label]]] = {}
+        of_folder: dict[Path, dict[str, list[LabelledSpan]]] = {}
         labels = {}
         for number, hit in enumerate(self._hits):
             if is_url(hit.file):
@@ -201,7 +203,7 @@ class Sheet(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
         self._sender.start_anew()
 
 
-def _label_of(hit: Hit, labels: Sequence[Label]) -> Label | None:
+def _label_of(hit: Hit, labels: Sequence[_Named]) -> _Named | None:
     """The name of the span of a hit that was given last; None: it has none."""
     end = max(hit.end, hit.start + SHORTEST)
     same = [one for one in labels if abs(one.start - hit.start) < _SAME and abs(one.end - end) < _SAME]

@@ -21,7 +21,6 @@ from ..samples import Problem
 from ..samples.checks import not_negative
 from ..samples.event import Event, holds, to_level, to_words
 from ..samples.state_span import StateSpan
-from ..samples.time_span import time_span
 from ._info import heading, table_of
 from ._sample_reader import Messages
 from .columns._clock_problems import TopicClock, about_clocks, clock_of
@@ -33,7 +32,7 @@ from .columns.speeds import Speeds
 from .columns.touches import Touches
 from .events import Events, RecordedEvent, has_events
 from .files import open_source
-from .labels import Label, LabelFile, to_name
+from .labels import Label, LabelFile, LabelledSpan, labelled_span, with_clock
 from .odometry import places_of
 from .program_log import PROGRAM, STATES, ProgramVersion, spans_of, version_of
 from .remote import fetch, held, is_url, without_secrets
@@ -75,8 +74,7 @@ class RecordingData:
     def __init__(self, path: str | os.PathLike[str]) -> None:
         if not isinstance(path, (str, bytes, os.PathLike)):
             raise TypeError(f"path: expected the path of a recording, as text or as a pathlib.Path, got {path!r}")
-        # Absolute, because the working directory may have changed when a player opens the file again.
-        self._file = fetch(path) if is_url(path) else held(Path(os.fsdecode(path)).expanduser().absolute())
+        self._file = fetch(path) if is_url(path) else held(Path(os.fsdecode(path)).expanduser())
         self._path, self._url = self._file.path, self._file.url
         try:
             self._messages = Messages(open_source(self._path))
@@ -413,7 +411,7 @@ class RecordingData:
         self._label_problems = [
             Problem(line, "the others are read; mend the line, or take it out") for line in problems
         ]
-        return tuple(found.get(self.path.name, ()))
+        return tuple(with_clock(one, self.start_ns or 0) for one in found.get(self.path.name, ()))
 
     def label(self, name: str, start: float, end: float) -> Label:
         """Give a span a name. It is kept in ``labels.jsonl`` beside the recording, a line of JSON for each.
@@ -426,13 +424,10 @@ class RecordingData:
         Raises:
             TypeError, ValueError: no name, or no span. RecordingError: the labels cannot be written there.
         """
-        named = to_name(name)
-        first, last = time_span("label", (start, end))
-        start_ns = self.start_ns or 0
-        marked = Label(named, first, last, start_ns + round(first * 1e9), start_ns + round(last * 1e9))
+        span = labelled_span(name, start, end)
         with self._writing_labels("kept") as file:
-            file.add(self.path.name, marked)
-        return marked
+            file.add(self.path.name, span)
+        return with_clock(span, self.start_ns or 0)
 
     def remove_label(self, label: Label) -> None:
         """Take a name from a span. The file says so in a line of its own, so that the earlier line is not lost.
@@ -446,7 +441,7 @@ class RecordingData:
         if label not in self.labels:
             raise ValueError(f"label: {self.path.name} has no {label!r}")
         with self._writing_labels("taken away") as file:
-            file.remove(self.path.name, label)
+            file.remove(self.path.name, LabelledSpan(*label[:3]))
 
     @contextmanager
     def _writing_labels(self, done: str) -> Iterator[LabelFile]:

@@ -16,7 +16,18 @@ MOST_TEXT = 200
 SHORTEST = 1e-3
 """Seconds of a span with a name, at least, where a person names a moment."""
 
+LONGEST = 1e9
+"""Seconds from the start of a recording, at most: a time beyond has no nanoseconds by its clock."""
+
 _REMOVED = "removed"
+
+
+class LabelledSpan(NamedTuple):
+    """A name, and start and end in seconds from the start of the recording: what a line of the file holds."""
+
+    label: str
+    start: float
+    end: float
 
 
 class Label(NamedTuple):
@@ -29,6 +40,20 @@ class Label(NamedTuple):
     end_ns: int
 
 
+def labelled_span(name: Any, start: Any, end: Any) -> LabelledSpan:
+    """A span with a name; TypeError or ValueError if it is none."""
+    named = to_name(name)
+    first, last = time_span("label", (start, end))
+    if last > LONGEST:
+        raise ValueError(f"label: expected an end of at most {LONGEST:g} s, got {end!r}")
+    return LabelledSpan(named, first, last)
+
+
+def with_clock(span: LabelledSpan, start_ns: int) -> Label:
+    """A label of a recording that starts at a time by its clock."""
+    return Label(*span, start_ns + round(span.start * 1e9), start_ns + round(span.end * 1e9))
+
+
 class LabelFile:
     """The labels of the recordings of a folder. A line that was cut, or is of no use, stays, and is told.
 
@@ -39,9 +64,9 @@ class LabelFile:
     def __init__(self, folder: Path) -> None:
         self.path = folder / FILE
 
-    def read(self) -> tuple[dict[str, list[Label]], list[str]]:
+    def read(self) -> tuple[dict[str, list[LabelledSpan]], list[str]]:
         """The labels of each recording by time, those of equal spans and names once, and lines on what is wrong."""
-        found: dict[str, dict[Label, None]] = {}
+        found: dict[str, dict[LabelledSpan, None]] = {}
         problems = []
         try:
             lines = self.path.read_bytes().splitlines()
@@ -54,21 +79,20 @@ class LabelFile:
                 continue
             try:
                 one = json.loads(line)
-                start, end = time_span("label", [one["start"], one["end"]])
-                label = Label(to_name(one["label"]), start, end, int(one["start_ns"]), int(one["end_ns"]))
+                label = labelled_span(one["label"], one["start"], one["end"])
                 there = found.setdefault(str(one["file"]), {})
                 there.pop(label, None)
                 if not one.get(_REMOVED):
                     there[label] = None
-            except (ValueError, KeyError, TypeError, AttributeError):
+            except (ValueError, KeyError, TypeError, AttributeError, OverflowError):
                 problems.append(f"labels: line {number} of {self.path.name} is no label")
-        return {name: sorted(labels, key=lambda one: one.start_ns) for name, labels in found.items()}, problems
+        return {name: sorted(labels, key=lambda one: one.start) for name, labels in found.items()}, problems
 
-    def add(self, file: str, label: Label) -> None:
+    def add(self, file: str, label: LabelledSpan) -> None:
         """Add a label of a recording; OSError if the file cannot be written."""
         self._write({"file": file, **label._asdict()})
 
-    def remove(self, file: str, label: Label) -> None:
+    def remove(self, file: str, label: LabelledSpan) -> None:
         """Take a label of a recording away; OSError if the file cannot be written."""
         self._write({"file": file, **label._asdict(), _REMOVED: True})
 

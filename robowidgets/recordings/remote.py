@@ -85,7 +85,13 @@ class Fetched:
 
 
 def held(path: Path) -> Fetched:
-    """A path of this machine; if it is that of a copy, it stays until this is closed."""
+    """The recording at a path of this machine; if that is of a copy, the copy stays until this is closed."""
+    # Absolute, because the working directory may have changed when a player opens the file again.
+    path = path.absolute()
+    if ".." in path.parts:
+        path = path.resolve()  # not by its text alone: a part before it may be a link
+    if path.name == METADATA:
+        path = path.parent
     copy = holding(path)
     return Fetched(path) if copy is None else Fetched(path, (copy.folder / _FROM).read_text(encoding="utf-8"), copy)
 

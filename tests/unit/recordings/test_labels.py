@@ -14,6 +14,8 @@ from robowidgets import RecordingError, conditions
 from robowidgets.fleet import find
 from robowidgets.recordings.labels import FILE
 
+from . import recorded
+
 
 @pytest.fixture
 def drive(tmp_path: Path) -> Path:
@@ -81,6 +83,55 @@ def test_a_damaged_line_is_told_and_stays_and_the_others_are_read(drive: Path) -
         assert [one.label for one in recording.labels] == ["door", "wall"]
         assert sum("no label" in line and FILE in line for line in recording.problems) == 7
     assert file.read_bytes().startswith(cut)
+
+
+def test_a_line_that_a_person_edited_says_the_same_to_labels_and_to_a_search(drive: Path) -> None:
+    file = drive.parent / FILE
+    with robowidgets.open(drive) as recording:
+        recording.label("door", 1.0, 2.0)
+        file.write_text(file.read_text().replace("1.0", "3.0").replace("2.0", "4.0"))
+        (door,) = recording.labels
+        assert door[:3] == ("door", 3.0, 4.0)
+        assert recording.start_ns is not None
+        assert (door.start_ns - recording.start_ns, door.end_ns - recording.start_ns) == (3 * 10**9, 4 * 10**9)
+        assert [span[:2] for span in recording.find(conditions.label("door"))] == [(3.0, 4.0)]
+        recording.remove_label(door)
+        assert recording.labels == ()
+
+
+@pytest.mark.parametrize("end", ["1e999", "1e300", "1" + 400 * "0"])
+def test_a_time_without_nanoseconds_is_none_of_a_label(drive: Path, end: str) -> None:
+    (drive.parent / FILE).write_text(f'{{"file": "drive.mcap", "label": "door", "start": 1, "end": {end}}}\n')
+    with robowidgets.open(drive) as recording:
+        assert recording.labels == ()
+        assert any("line 1" in line and "no label" in line for line in recording.problems)
+        with pytest.raises(ValueError, match="at most 1e"):
+            recording.label("door", 1.0, 1e300)
+
+
+def test_labels_are_those_of_the_recording_however_its_path_is_written(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    speeds = [(float(second), "/speed", {"linear": {"x": 1.0}}) for second in (0, 9)]
+    run = recorded.write(tmp_path / "run", {"/speed": "geometry_msgs/msg/Twist"}, speeds)
+    (run / "inside").mkdir()
+    monkeypatch.chdir(run)
+    for number, path in enumerate((run / "metadata.yaml", Path("inside/.."), Path(".")), start=1):
+        with robowidgets.open(path) as recording:
+            assert recording.path == run
+            recording.label(f"door {number}", number, number + 0.5)
+            assert len(recording.labels) == number
+        for named in (path, run, tmp_path):
+            assert [hit.start for hit in find(conditions.label(f"door {number}"), named)] == [number]
+    assert (tmp_path / FILE).exists()
+
+
+def test_a_folder_above_a_link_is_the_one_of_its_target(tmp_path: Path) -> None:
+    (tmp_path / "disk" / "day").mkdir(parents=True)
+    copy(robowidgets.SAMPLE, tmp_path / "disk" / "drive.mcap")
+    (tmp_path / "today").symlink_to(tmp_path / "disk" / "day", target_is_directory=True)
+    with robowidgets.open(tmp_path / "today" / ".." / "drive.mcap") as recording:
+        assert recording.path == tmp_path / "disk" / "drive.mcap"
 
 
 def test_what_is_no_label_is_refused(drive: Path) -> None:
