@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 from .._core.cache_folder import cache_folder
 from ..messages.decoding import one_line
 from ..recordings import remote
-from ..repair import RecordingError, find_files
+from ..repair import RecordingError, files_beside, find_files
 
 _AT_ONCE = 16
 """How many servers' answers are waited for at once."""
@@ -62,6 +62,7 @@ def _state_of(path: Path | str) -> RecordingState:
         if isinstance(path, str):
             return RecordingState(remote.state_of(path))
         files = [path, path / "metadata.yaml", *find_files(path)] if path.is_dir() else [path]
+        files += [beside for file in files for beside in files_beside(file)]
         stats = [(file.name, file.stat()) for file in files if file.exists()]
     except OSError as error:
         return RecordingState(None, f"cannot be read: {error.strerror or error}")

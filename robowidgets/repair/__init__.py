@@ -7,7 +7,7 @@ whatever lengths it claims. `Source.problems` lists the repairs; `write.write` w
 from ._carmen import is_carmen
 from ._clock import JITTER_NS, LEAP_NS, REAL_FROM_NS, RESET_NS, Arrivals, has_clock_step, joined
 from ._open import find_files, is_being_written, natural, open_repaired
-from ._sqlite import is_cut
+from ._sqlite import files_beside, is_cut
 from .source import Message, RecordingError, Source
 
 __all__ = [
@@ -19,6 +19,7 @@ __all__ = [
     "Message",
     "RecordingError",
     "Source",
+    "files_beside",
     "find_files",
     "has_clock_step",
     "is_being_written",

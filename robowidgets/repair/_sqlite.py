@@ -61,6 +61,12 @@ def walk_sqlite(path: Path) -> Walk:
         return walk
 
 
+def files_beside(path: Path) -> list[Path]:
+    """The files of a recorder beside a database (``-wal``, ``-journal``) that are read with it."""
+    beside = [path.with_name(path.name + ending) for ending in ("-wal", "-journal")]
+    return [file for file in beside if file.is_file() and file.stat().st_size]
+
+
 def _walk_rows(path: Path, connection: sqlite3.Connection, damage: Damage) -> Walk:
     rows, times, topics = array("q"), array("q"), array("q")
     with Progress(None, f"Reading {path.name}") as bar:
@@ -103,8 +109,7 @@ def _connect(path: Path, stack: ExitStack) -> tuple[sqlite3.Connection, Damage]:
         RecordingError: the file cannot be opened or copied, or is no database.
         sqlite3.Error: sqlite cannot open it.
     """
-    beside = [path.with_name(path.name + ending) for ending in ("-wal", "-journal")]
-    beside = [file for file in beside if file.is_file() and file.stat().st_size]
+    beside = files_beside(path)
     if beside:
         damage = Damage(unfinished=True)
         opened = _copy(path, beside, stack)
