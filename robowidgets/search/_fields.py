@@ -178,8 +178,11 @@ class FieldCondition(Condition):
         if isinstance(self._limit, str):
             is_missing = is_missing | np.array([value is None for value in values], bool)
         elif values.dtype.kind == "f":
+            values = values.astype(np.float64)  # as `judge` compares: 0.7 in 32 bits is less than 0.7
             is_missing = is_missing | np.isnan(values)
         size = np.abs(values) if self._is_size and values.dtype.kind != "b" else values
+        if size.dtype.kind == "i" and self._is_size:
+            size = size.view(f"u{size.itemsize}")  # the size of the least integer is no integer of this type
         holds = OPERATORS[self._relation](size, self._limit)
         return np.where(is_missing, UNKNOWN, np.where(np.asarray(holds, bool), YES, NO)).astype(np.int8)
 

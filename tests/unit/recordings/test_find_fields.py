@@ -175,3 +175,29 @@ def test_the_command_takes_comparisons(
     assert (code == 2) == (said.err.count("\n") == 1)
     if line is not None:
         assert line in said.out.splitlines()
+
+
+@pytest.mark.parametrize(
+    ("name", "values", "condition"),
+    [
+        ("Int8", [0, -128, 100, 101], abs(field("/raw.data")) > 100),
+        ("Int16", [0, -32768, 32767, 29999], abs(field("/raw.data")) > 30000),
+        ("Int32", [0, -(2**31), 5], abs(field("/raw.data")) >= 2**31),
+        ("Int64", [0, -(2**63), 2**63 - 1], abs(field("/raw.data")) == 2**63),
+        ("UInt8", [0, 255], abs(field("/raw.data")) > 30),
+        ("Float32", [0.7, 0.6, 0.8], field("/raw.data") >= 0.7),
+        ("Float32", [0.1, 0.125], field("/raw.data") == 0.1),
+        ("Float32", [0.7, -0.7, -0.8], abs(field("/raw.data")) >= 0.7),
+    ],
+)
+def test_a_recording_is_judged_as_each_message_is(
+    tmp_path: Path, name: str, values: list[float], condition: Condition
+) -> None:
+    messages = [(float(i), "/raw", {"data": value}) for i, value in enumerate(values)]
+    with robowidgets.open(recorded.write(tmp_path / "x", {"/raw": f"std_msgs/msg/{name}"}, messages)) as recording:
+        judged = [condition.judge({"/raw": one.message}).value for one in recording.messages("/raw")]
+        spans = recording.find(condition)
+        in_recording = [
+            any(span.start <= i < span.end or span.start == i for span in spans) for i in range(len(values))
+        ]
+    assert in_recording == judged
