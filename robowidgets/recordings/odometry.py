@@ -14,8 +14,10 @@ from .topics import Topic, UnknownTopicError, named
 
 
 def odometry(topics: Iterable[Topic]) -> str | None:
-    """The topic of odometry, of several the first by name; None without one."""
-    return min((topic.name for topic in topics if topic.widget and topic.type in ODOMETRY_TYPES), default=None)
+    """The topic of odometry, of several with messages the first by name; None without one."""
+    there = (topic for topic in topics if topic.widget and topic.type in ODOMETRY_TYPES)
+    first = min(there, key=lambda topic: (not topic.count, topic.name), default=None)
+    return first.name if first else None
 
 
 def places_of(recording: ReadableRecording) -> Places:

@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from robowidgets import compare
 from robowidgets.player.player import Player
 from robowidgets.poses.places import Places
 from robowidgets.recording import open
@@ -199,3 +200,14 @@ def test_real_scans_of_a_second_round_are_like_those_of_the_first(
         there = [difference(*times) for times in zip(first.seconds[same], seconds[same], strict=True)]
         later = [difference(*times) for times in zip(first.seconds[same], seconds[same] - 10, strict=True)]
         assert np.median(there) < most < np.median(later) / 4
+
+
+def test_a_topic_of_odometry_without_a_message_is_not_the_one_that_counts(tmp_path: Path) -> None:
+    topics = dict.fromkeys(("/camera/odom", "/odom"), "nav_msgs/msg/Odometry")
+    way = [
+        (i / 10, "/odom", {"pose": {"pose": {"position": {"x": i / 10}, "orientation": {"w": 1.0}}}}) for i in range(20)
+    ]
+    path = recorded.write(tmp_path / "run", topics, way)
+    with open(path) as recording:
+        assert recording.seconds_near((0.5, 0.0, 0.0)) == pytest.approx(0.5)
+    assert compare(path, path).map is not None
