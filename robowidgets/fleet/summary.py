@@ -7,11 +7,13 @@ from math import inf, isfinite
 from typing import Any, ClassVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from .._core.progress import without_bars
 from .._core.tables import Table
 from .._core.text import as_date, many
 from ..kinds import LASER, SPEED, TOUCH
+from ..poses.path import is_jump
 from ..recording import Recording
 from ..recording import open as open_recording
 from ..recordings.columns.tables import date, number, text, whole
@@ -26,7 +28,7 @@ from ._gather import gather, kept_of
 from ._topics import chosen_of
 from .places import PathLike
 
-_FORM = 1
+_FORM = 2
 _STANDING = 0.01
 """m/s below which a robot stands."""
 
@@ -163,7 +165,10 @@ class _Summary:
 
 
 def _driven(recording: Recording, is_told: bool) -> dict[str, Any]:
-    """Metres driven, by odometry or else by speeds, and how often it stopped; None where no speeds were measured."""
+    """Metres driven, by odometry or else by speeds, and how often it stopped; None where no speeds were measured.
+
+    A step of the odometry that no robot drives, as where it was set back, counts nothing.
+    """
     speeds = recording.speeds() if is_told else None
     if speeds is None or next(one for one in recording.topics if one.name == speeds.topic).commanded:
         return {"driven": None, "stops": None}
@@ -173,11 +178,22 @@ def _driven(recording: Recording, is_told: bool) -> dict[str, Any]:
     if not np.isfinite(steps).any():
         is_silent = seconds > RECORDED.after(float(np.median(seconds)) if len(seconds) else 0.0)
         steps = np.where(is_silent, 0.0, fast[:-1] * seconds)
+    else:
+        usual = np.maximum(seconds, np.median(seconds))  # late messages arrive at once
+        steps = np.where(is_jump(steps, usual, _speeds(steps, usual, fast)) & (usual > 0), 0.0, steps)
     moves = fast > _STANDING
     return {
         "driven": float(np.nansum(steps)),
         "stops": int(np.count_nonzero(moves[:-1] & ~moves[1:])),
     }
+
+
+def _speeds(steps: NDArray[Any], seconds: NDArray[Any], told: NDArray[Any]) -> Any:
+    """How fast a robot was about each step: as it told, or as in both of the steps beside, if that is faster."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        beside = np.pad(steps / seconds, 1, constant_values=np.nan)
+    went = np.fmin(beside[:-2], beside[2:])
+    return np.fmax(np.fmax(told[:-1], told[1:]), np.nan_to_num(went, posinf=0.0))
 
 
 def _nearest(recording: Recording, is_told: bool) -> dict[str, Any]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from math import hypot, isfinite
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -79,7 +80,7 @@ class Path:
             return False
         _, x, y, _, _ = self._points[-1]
         seconds, metres = max(0.0, clock - before), hypot(pose.x - x, pose.y - y)
-        jumps = metres > LEAST_JUMP + seconds * (2 * self._speed + SPEEDUP)
+        jumps = bool(is_jump(metres, seconds, self._speed))
         self._speed = metres / seconds if seconds and not jumps else 0.0
         return jumps
 
@@ -87,6 +88,11 @@ class Path:
     def points(self) -> NDArray[np.float64]:
         """Seconds, x and y in metres, yaw in radians, and metres of the way so far, of each point, shape (N, 5)."""
         return np.array(self._points, np.float64).reshape(-1, 5)
+
+
+def is_jump(metres: Any, seconds: Any, speed: Any) -> Any:
+    """Whether poses lie farther apart than a robot of a speed can drive in a time, as where odometry was set back."""
+    return metres > LEAST_JUMP + seconds * (2 * speed + SPEEDUP)
 
 
 def _is_gap(start: tuple[float, ...], end: tuple[float, ...]) -> bool:

@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Iterable
 from pathlib import Path
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 import robowidgets
 from robowidgets.command import main
 from robowidgets.fleet import Summary, doctor, summary
 
+from ..recordings import recorded
 from .executors import Here
 
 
@@ -73,3 +76,41 @@ def test_the_commands_take_several_recordings(runs: Path, capsys: pytest.Capture
     assert capsys.readouterr().out.startswith("3 recordings")
     assert main(["info", str(runs / "run_2.mcap"), str(runs / "run_2.mcap")]) == 0
     assert "/scan" in capsys.readouterr().out
+
+
+def drive(folder: Path, ways: Iterable[float], speed: float, hz: float = 10.0) -> Path:
+    """A recording of odometry with these places, all of them told with one speed."""
+    messages = [
+        (
+            i / hz,
+            "/odom",
+            {
+                "pose": {"pose": {"position": {"x": x}, "orientation": {"w": 1.0}}},
+                "twist": {"twist": {"linear": {"x": speed}}},
+            },
+        )
+        for i, x in enumerate(ways)
+    ]
+    return recorded.write(folder, {"/odom": "nav_msgs/msg/Odometry"}, messages)
+
+
+SLOW = np.arange(100) * 0.01
+FAST = np.arange(100) * 1.5
+
+
+@pytest.mark.parametrize(
+    ("ways", "speed", "driven"),
+    [
+        (np.where(np.arange(100) < 50, SLOW, 30 + SLOW), 0.1, 0.98),
+        (np.where(np.arange(100) == 50, 30, SLOW), 0.1, 0.97),
+        (np.where(np.arange(100) < 1, -30, SLOW), 0.1, 0.98),
+        (FAST, 15.0, 148.5),
+        (FAST, 0.0, 148.5),  # many drivers leave the speed out
+        (np.where(np.arange(100) < 50, FAST, FAST - 70), 15.0, 147.0),
+    ],
+)
+def test_a_jump_of_the_odometry_is_not_driven(
+    tmp_path: Path, ways: NDArray[np.float64], speed: float, driven: float
+) -> None:
+    (row,) = summary(drive(tmp_path / "run", ways.tolist(), speed)).to_arrow().to_pylist()
+    assert row["driven"] == pytest.approx(driven)
