@@ -18,9 +18,9 @@ from uuid import uuid4
 from .._core.progress import Progress
 from .._core.text import listed, many, megabytes
 from ..messages.decoding import one_line
-from ..repair import RecordingError
+from ..repair import SUFFIX, RecordingError
 from ._copies import Copy, find, holding, make
-from .files import METADATA, SUFFIX, counts_up
+from .files import METADATA, counts_up
 
 _URL = re.compile(r"[A-Za-z][A-Za-z0-9+.-]+(://|::)")
 _SECRETS = re.compile(r"(?<=://)[^/@]*@|(?<=.)\?.*")

@@ -25,6 +25,8 @@ _WALKS: dict[str, Callable[[Path], Walk]] = {
 }
 _MAGICS = {b"#ROS": ".bag", _sqlite.MAGIC: ".db3", _mcap.MAGIC: ".mcap"}
 _ZSTD_SUFFIXES = (".zstd", ".zst")
+SUFFIX = re.compile(r"(?<=.)\.(bag|db3|mcap)(\.active|\.zstd?)?$", re.IGNORECASE)
+"""Of the names of recordings. A recorder that was killed leaves a bag as ``drive.bag.active``."""
 _BLOCK = 1 << 20
 _MOST_UNPACKED = 1 << 30
 _MOST_RATIO = 256
@@ -53,7 +55,8 @@ def open_repaired(paths: Sequence[Path], problems: Sequence[str] = ()) -> Indexe
 
 def find_files(folder: Path) -> list[Path]:
     """The recordings in a folder, with numbers in numerical order: ``drive_2.db3`` before ``drive_10.db3``."""
-    return sorted((path for path in folder.iterdir() if _is_recording(path)), key=lambda path: natural(path.name))
+    found = (path for path in folder.iterdir() if SUFFIX.search(path.name) and path.is_file())
+    return sorted(found, key=lambda path: natural(path.name))
 
 
 def is_being_written(path: Path) -> bool:
@@ -97,7 +100,8 @@ def _walk_file(path: Path) -> Walk:
         head = file.read(HEAD)
     if head.startswith(ZSTD_MAGIC):
         return _walk_packed(path)
-    suffix = next((suffix for magic, suffix in _MAGICS.items() if head.startswith(magic)), path.suffix)
+    own = path.suffix.lower()
+    suffix = next((suffix for magic, suffix in _MAGICS.items() if head.startswith(magic)), own)
     if suffix in _WALKS:
         return _WALKS[suffix](path)
     if suffix in (*_ZSTD_SUFFIXES, ".active"):
@@ -110,7 +114,7 @@ def _walk_packed(path: Path) -> Walk:
     try:
         with ExitStack() as stack:
             folder = stack.enter_context(TemporaryDirectory(prefix="robowidgets-"))
-            name = path.name.removesuffix(path.suffix) if path.suffix in _ZSTD_SUFFIXES else path.name
+            name = path.stem if path.suffix.lower() in _ZSTD_SUFFIXES else path.name
             copy = Path(folder, name)
             limit = max(_MOST_UNPACKED, _MOST_RATIO * path.stat().st_size)
             with path.open("rb") as packed, copy.open("wb") as unpacked:
@@ -128,11 +132,6 @@ def _walk_packed(path: Path) -> Walk:
     if not whole and not damage_lines(walk.damage, 0, 0):
         walk.problems += ("its zstd data is damaged or cut off: read what comes before",)
     return walk
-
-
-def _is_recording(path: Path) -> bool:
-    name = path.with_suffix("") if path.suffix in _ZSTD_SUFFIXES else path
-    return name.suffix in _WALKS and path.is_file()
 
 
 def natural(name: str) -> list[tuple[bool, int, str]]:

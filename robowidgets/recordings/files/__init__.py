@@ -12,6 +12,7 @@ from ..._core.text import listed, many
 from ...repair import (
     LEAP_NS,
     RESET_NS,
+    SUFFIX,
     RecordingError,
     Source,
     find_files,
@@ -30,8 +31,8 @@ _OPENERS = {
     b"SQLite format 3\0": _rosbags.open_sqlite,
 }
 METADATA = "metadata.yaml"
-SUFFIX = re.compile(r"\.(bag|db3|mcap)(\.zstd?)?$")
 _NUMBER = re.compile(r"\d+")
+_HEAD = re.compile(r"^rosbag2_bagfile_information:", re.MULTILINE)
 _NAMED = re.compile(r"^\s*-\s+(?:path:\s+)?['\"]?([^'\"\n]*\.(?:db3|mcap)(?:\.zstd)?)['\"]?\s*$", re.MULTILINE)
 _COUNT = re.compile(r"^  message_count:\s*(\d+)", re.MULTILINE)
 _START = re.compile(r"^  starting_time:\s*\n\s+nanoseconds_since_epoch:\s*(\d+)", re.MULTILINE)
@@ -124,7 +125,7 @@ def _open_folder(path: Path) -> Source:
 
 def is_one_recording(folder: Path) -> bool:
     """Whether a folder is one recording: it has metadata of rosbag2, or several files, all of them parts of one."""
-    if (folder / METADATA).exists():
+    if _metadata(folder)[0] is not None:
         return True
     files = find_files(folder)
     return len(files) > 1 and _are_parts(files)
@@ -193,12 +194,17 @@ def _disagreement(metadata: str, source: Source) -> list[str]:
 
 
 def _metadata(path: Path) -> tuple[str | None, list[str]]:
-    """The text of the metadata, None without a file, and a line when it is of no use."""
+    """The text of the metadata of rosbag2, and a line when a file of this name is of no use.
+
+    The text is None without such a file, and where it is one of another kind, as of a collection of recordings.
+    """
     try:
         text = (path / METADATA).read_text(errors="replace")
     except FileNotFoundError:
         return None, []
     except OSError as error:
         return "", [f"{METADATA} cannot be read ({error.strerror or error}): read the files without it"]
-    is_known = _NAMED.search(text) or _COUNT.search(text)
-    return text, [] if is_known else [f"{METADATA} is no metadata of rosbag2, or damaged: read the files without it"]
+    if _NAMED.search(text) or _COUNT.search(text):
+        return text, []
+    problems = [f"{METADATA} is no metadata of rosbag2, or damaged: read the files without it"]
+    return None if text.strip("\0 \r\n") and not _HEAD.search(text) else text, problems

@@ -11,6 +11,8 @@ import pytest
 import robowidgets
 from robowidgets.fleet.places import NamedPath, places_of
 
+from ..recordings.written import messages, write_bag
+
 DATA = Path(os.environ.get("ROBOWIDGETS_DATA", Path(__file__).parents[4] / "shared" / "data"))
 
 
@@ -62,3 +64,32 @@ def test_the_parts_of_a_recording_are_one(tmp_path: Path) -> None:
 def test_no_path_is_refused(given: list[object], error: type[Exception]) -> None:
     with pytest.raises(error, match="expected"):
         places_of(given)  # type: ignore[arg-type]
+
+
+def test_a_folder_names_bags_of_killed_recorders_and_those_in_capital_letters(tmp_path: Path) -> None:
+    names = ["DRIVE.BAG", "drive_1.bag", "drive_2.bag.active", "drive_3.mcap.zst"]
+    for name in [*names, "drive.bag.txt", ".bag", "drive.active"]:
+        (tmp_path / name).write_bytes(b"#ROSBAG V2.0\n")
+    assert [place.path.name for place in places_of([tmp_path])] == names
+
+
+def test_the_last_part_of_a_bag_may_be_that_of_a_killed_recorder(tmp_path: Path) -> None:
+    held = messages(60)
+    write_bag(tmp_path / "drive_0.bag", held[:30])
+    write_bag(tmp_path / "drive_1.bag.active", held[30:])
+    assert places_of([tmp_path]) == [NamedPath(tmp_path)]
+    with robowidgets.open(tmp_path) as recording:
+        assert sum(topic.count for topic in recording.topics) == 60
+
+
+def test_metadata_of_another_kind_make_no_recording_of_a_folder(tmp_path: Path) -> None:
+    later = [(topic, time_ns + 30_000 * 10**9, data) for topic, time_ns, data in messages(30)]
+    (tmp_path / "deeper").mkdir()
+    for path, held in (("morning.bag", messages(30)), ("evening.bag", later), ("deeper/noon.bag", messages(30))):
+        write_bag(tmp_path / path, held)
+    (tmp_path / "metadata.yaml").write_text("license: CC-BY-4.0\nauthors: [somebody]\n")
+    assert [place.path.name for place in places_of([tmp_path])] == ["evening.bag", "morning.bag", "noon.bag"]
+    with pytest.raises(
+        robowidgets.RecordingError, match=r"2 recordings in this folder: open one of them: evening\.bag"
+    ):
+        robowidgets.open(tmp_path)
