@@ -46,6 +46,20 @@ path
 """
 """Its floor is exactly that of the grid, 8 m wide: half of it is occupied on the upper right."""
 
+GROWING = """
+import numpy as np
+from robowidgets import MapGrid, PathWidget
+from robowidgets.samples import Pose
+path = PathWidget(title="Map")
+path.has_rate = False
+def show(side, cell):
+    corner = Pose(-side / 40, -side / 40, 0.0)
+    path.put("/map", MapGrid(np.full((side, side), cell, np.uint8), 0.05, corner, frame_id="map"))
+show(200, 0)
+path
+"""
+"""A map that grows to all sides, too large to come with each frame: free at first."""
+
 
 def fact(card: Locator, name: str) -> Locator:
     """What the list says of a layer."""
@@ -107,6 +121,33 @@ def test_hovering_names_the_cell_as_a_program_finds_it_and_a_click_takes_a_layer
     expect(popup).to_be_hidden()
     nb.python("path.hidden = []")
     expect(fact(card, "/map")).to_contain_text("80 × 40 cells")
+
+
+def test_a_large_grid_is_drawn_as_it_was_while_frozen_and_when_stepping_back(
+    plain_page: Callable[..., PlainPage],
+) -> None:
+    nb = plain_page([GROWING])
+    nb.resize(1030)
+    card = nb.widget(0).locator(".rw-card")
+    expect(fact(card, "/map")).to_contain_text("200 × 200 cells")
+    picture, popup = card.locator(".rw-picture"), card.locator(".rw-popup")
+    box = picture.bounding_box()
+    assert box
+    nb.page.mouse.move(box["x"] + (box["width"] - 270) / 2, box["y"] + 12 + (box["height"] - 40) / 2)
+    expect(popup).to_contain_text("free")
+    picture.focus()
+    nb.page.keyboard.press(" ")
+    expect(card).to_have_class(re.compile("rw-frozen"))
+    nb.python("show(240, 100)")
+    expect(card).to_contain_text("1 since")
+    expect(fact(card, "/map")).to_contain_text("200 × 200 cells")
+    expect(popup).to_contain_text("free")
+    nb.page.keyboard.press(".")
+    expect(fact(card, "/map")).to_contain_text("240 × 240 cells")
+    expect(popup).to_contain_text("occupied")
+    nb.page.keyboard.press(",")
+    expect(fact(card, "/map")).to_contain_text("200 × 200 cells")
+    expect(popup).to_contain_text("free")
 
 
 def test_it_is_moved_zoomed_measured_and_read_while_a_cell_runs(plain_page: Callable[..., PlainPage]) -> None:
