@@ -90,7 +90,7 @@ def page_of(player: PagedPlayer, wanted: Wanted, scanogram: bool | None = None) 
         time = player.bar.time if wanted.time is None else wanted.time
         models = _models(player, recording, picture, (start, end), seconds, time)
         root = ipywidgets.VBox(player.arranged(picture, OneScreen()))
-        stack.callback(_close_boxes, root)
+        stack.callback(_close_boxes, root, player.left_out)
         for name in player._dom_classes:
             root.add_class(name)
         yield Page(
@@ -281,10 +281,10 @@ def _line(seconds: float, topic: str, sample: Any) -> str:
     return f"{seconds:.3f} s  {topic}  {sample!r}" + (f"  ranges: {some} ..." if some else "")
 
 
-def _close_boxes(box: ipywidgets.Box) -> None:
-    """Close boxes, and leave what is in them."""
+def _close_boxes(box: ipywidgets.Box, left_out: Sequence[Any]) -> None:
+    """Close boxes, and leave the widgets in them, of which those that the page leaves out may be boxes, too."""
     for child in box.children:
-        if hasattr(child, "children"):
-            _close_boxes(child)
+        if hasattr(child, "children") and child not in left_out:
+            _close_boxes(child, left_out)
     box.layout.close()
     box.close()

@@ -252,3 +252,12 @@ def test_made_anew_it_does_not_know_the_old_one(widget: RerunWidget, viewer: Vie
     other.time = 5.0
     assert widget.time == 0
     other.close()
+
+
+def test_a_page_of_the_player_leaves_the_viewer_on_show(player: Player) -> None:
+    assert player.rerun is not None
+    player.html_size(start=1, end=2)
+    assert player.rerun.comm is not None
+    assert player.rerun._viewer.comm is not None
+    player.time = 3.0
+    assert player.rerun.time == 3.0
