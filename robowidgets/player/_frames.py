@@ -239,10 +239,10 @@ class SonarFrames(SampleFrames):
 
 
 class SpeedFrames(SampleFrames):
-    """A `Track` of measured and commanded speeds; see `SampleFrames`."""
+    """A `Track` of measured and commanded speeds, without peaks: a player goes to any time, in no order."""
 
     def _frame(self, seconds: float, sample: Any, commanded: Any = None) -> TimedFrame:
-        _, frame = self._widget.frame_of(Reading(commanded=commanded).moved(sample))
+        _, frame = self._widget.frame_of(Reading(sample, commanded))
         return TimedFrame(seconds, {"frame_id": sample.frame_id}, _header(sample) + frame)
 
 

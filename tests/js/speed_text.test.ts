@@ -1,7 +1,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { decodeSpeeds, type Speeds } from "../../robowidgets/js/shared/frames/speeds.ts";
-import { type AxisFacts, decimalsFor, toFacts, toFastest } from "../../robowidgets/js/speed/facts.ts";
+import { type AxisFacts, decimalsFor, hasPeaks, toFacts, toFastest } from "../../robowidgets/js/speed/facts.ts";
 import {
   describeAxis,
   stateWords,
@@ -214,6 +214,12 @@ test("peaks are there only when they are to be marked", () => {
   const more = { measured: NONE, least: [1, 1, 1, 1, 1, 1], greatest: [2, 2, 2, 2, 2, 2] };
   assert.equal(axisFacts(0, more).peaks, null);
   assert.deepEqual(axisFacts(0, more, { marksPeaks: true }).peaks, [1, 2]);
+});
+
+test("peaks are known once a speed was measured, and never in a player, whose frames have none", () => {
+  assert.equal(hasPeaks(null), false);
+  assert.equal(hasPeaks(speeds({ measured: [1, 0, 0, 0, 0, 0], least: NONE, greatest: NONE })), false);
+  assert.equal(hasPeaks(speeds({ measured: NONE, least: [NaN, NaN, NaN, NaN, NaN, 0] })), true);
 });
 
 test("what is steered shows its angle, and alone nothing that it does not say", () => {

@@ -55,6 +55,11 @@ export function toFastest(speeds: Speeds | null, planar: boolean, before: Fastes
   return fastest;
 }
 
+/** Whether peaks are known: not before the first speed, and not in a player. */
+export function hasPeaks(speeds: Speeds | null): boolean {
+  return speeds?.least.some((value) => !Number.isNaN(value)) ?? false;
+}
+
 /** What the groups show. */
 export function toFacts(speeds: Speeds | null, { limits, planar, marksPeaks, fastest }: Settings): GroupFacts[] {
   const every = groupsOf(layoutOf(speeds));

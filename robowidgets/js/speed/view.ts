@@ -9,7 +9,7 @@ import type { Stream } from "../shared/stream.ts";
 import { TimeLinesView } from "../shared/time_lines_view.ts";
 import { groupsOf, type Layout, layoutOf } from "./axes.ts";
 import type { Column } from "./column.ts";
-import { type AxisFacts, type Fastest, type GroupFacts, toFacts, toFastest } from "./facts.ts";
+import { type AxisFacts, type Fastest, type GroupFacts, hasPeaks, toFacts, toFastest } from "./facts.ts";
 import { watchGestures } from "./gestures.ts";
 import { GroupView } from "./group.ts";
 import { Legend } from "./legend.ts";
@@ -135,6 +135,7 @@ export class SpeedView {
   #draw(): void {
     const [model, speeds] = [this.#model, this.#stream.shown];
     const planar = model.get("planar");
+    const marksPeaks = model.get("hold_peaks") && hasPeaks(speeds);
     // Hide the old peaks at once; Python sends new ones when it has handled the reset.
     const isReset = !this.#stream.paused && speeds?.resets !== model.get("_resets");
     if (!isReset && speeds && this.#resets !== speeds.resets) {
@@ -149,14 +150,14 @@ export class SpeedView {
         axes: model.get("limits"),
       },
       planar,
-      marksPeaks: model.get("hold_peaks") && !isReset,
+      marksPeaks: marksPeaks && !isReset,
       fastest: this.#fastest,
     });
     const shown = groups.flatMap(({ axes }) => axes);
     const hidden = groups.flatMap((group) => group.hidden);
     this.#layOut(planar, layoutOf(speeds));
     const hasLimits = shown.some(({ limits }) => limits);
-    this.#drawCard(speeds, hasLimits, summarize(shown, hidden));
+    this.#drawCard(speeds, hasLimits, marksPeaks, summarize(shown, hidden));
     const clearance = toClearance(this.#track.height);
     for (const [g, view] of this.#groups.entries()) {
       const facts = groups[g];
@@ -193,7 +194,7 @@ export class SpeedView {
     if (first) this.#track.of(first.track);
   }
 
-  #drawCard(speeds: Speeds | null, hasLimits: boolean, summary: string): void {
+  #drawCard(speeds: Speeds | null, hasLimits: boolean, marksPeaks: boolean, summary: string): void {
     const model = this.#model;
     const bars = model.get("bars");
     const isCommanded = bars === "commanded";
@@ -203,11 +204,11 @@ export class SpeedView {
     this.#board.style.paddingTop = `${this.#card.noticeHeight}px`;
     set(this.#planar, "ariaPressed", String(model.get("planar")));
     setHidden(this.#planar, this.#layout === "car");
-    setHidden(this.#reset, !model.get("hold_peaks"));
+    setHidden(this.#reset, !marksPeaks);
     setHidden(this.#empty, speeds !== null);
     setText(this.#empty, this.#card.waiting("speed"));
     this.#board.classList.toggle("rw-commanded", Boolean(speeds?.commanded));
-    this.#legend.update(bars, Boolean(speeds?.commanded), hasLimits, model.get("hold_peaks"), summary);
+    this.#legend.update(bars, Boolean(speeds?.commanded), hasLimits, marksPeaks, summary);
   }
 
   #drawPopup(shown: AxisFacts[]): void {

@@ -8,6 +8,7 @@ import struct
 from collections.abc import Iterator
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from robowidgets import LaserWidget, PathWidget, SpeedWidget
@@ -85,6 +86,13 @@ def test_each_segment_begins_with_what_holds_and_goes_on_in_order(player: Player
             assert all(start <= later for later in seconds[1:])
             assert seconds == sorted(seconds)
             assert seconds[-1] < start + 1
+
+
+def test_frames_of_speeds_have_no_peaks_which_would_be_those_of_one_moment(player: Player) -> None:
+    (view,) = (view for view in player.views if isinstance(view.widget, SpeedWidget))
+    readings = [view.widget._unpack(timed.frame) for timed in view.track.frames(0.0, 2.0)]
+    assert any(reading.measured for reading in readings)
+    assert np.isnan([(*reading.least, *reading.greatest) for reading in readings]).all()
 
 
 def test_a_page_reads_times_and_frames_by_a_table_before_them() -> None:
