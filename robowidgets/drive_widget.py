@@ -66,7 +66,7 @@ class DriveWidget(DrivingWidget):
         header: whether the header is shown.
 
     Raises:
-        TypeError: an unknown keyword; ``send`` is no function.
+        TypeError: an unknown keyword; ``send`` is no function, or a coroutine function.
         traitlets.TraitError: a limit that is not a finite number above 0; ``lateral_limit``, though ``send`` has no
             parameter ``lateral``.
 
@@ -92,6 +92,7 @@ class DriveWidget(DrivingWidget):
     def __init__(self, *, send: Callable[..., Any] | None = None, **kwargs: Any) -> None:
         if send is not None and not callable(send):
             raise TypeError(f"send: expected a function of linear and angular speed, got {send!r}")
+        _check_plain("send", send)
         self._lease = PressLease()
         self._driving = ""
         """The press of this pad that drove the robot last."""
@@ -249,7 +250,18 @@ def _drive_of(robot: Any) -> Callable[..., Any]:
             f"connect(): expected a feed, or something with drive(linear, angular), got {robot!r}; "
             "a function goes to DriveWidget(send=...)"
         )
+    _check_plain("connect(): drive", drive)
     return drive
+
+
+def _check_plain(name: str, drive: Any) -> None:
+    """TypeError for a coroutine function: its call alone moves nothing."""
+    if inspect.iscoroutinefunction(drive) or inspect.iscoroutinefunction(getattr(drive, "__call__", None)):  # noqa: B004
+        of = getattr(drive, "__name__", type(drive).__name__)
+        raise TypeError(
+            f"{name}: expected a plain function, got the coroutine function {of}, whose call alone sends nothing; give "
+            f"one that runs it to its end: lambda linear, angular: asyncio.run({of}(linear, angular))"
+        )
 
 
 def _takes_lateral(drive: Callable[..., Any]) -> bool:

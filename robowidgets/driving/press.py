@@ -66,6 +66,7 @@ class Tokens:
     def issue(self) -> int:
         """A new token."""
         with self._lock:
+            self._forget_old()
             self._last += 1
             self._issued[self._last] = self._clock()
             return self._last
@@ -73,9 +74,12 @@ class Tokens:
     def is_fresh(self, token: int) -> bool:
         """Whether a token was issued within the lifetime."""
         with self._lock:
-            oldest = self._clock() - self._lifetime
-            self._issued = {token: at for token, at in self._issued.items() if at > oldest}
+            self._forget_old()
             return token in self._issued
+
+    def _forget_old(self) -> None:
+        oldest = self._clock() - self._lifetime
+        self._issued = {token: at for token, at in self._issued.items() if at > oldest}
 
 
 class PressLease:

@@ -563,6 +563,15 @@ class TestStop:
         assert pad.hear("allow", "view", token=token) == {"refused": "view"}
         assert pad.stopped is True
 
+    def test_tokens_that_no_page_returns_are_forgotten(self) -> None:
+        now = [100.0]
+        tokens = Tokens(ALLOW_LIFETIME, lambda: now[0])
+        for _ in range(1000):
+            last = tokens.issue()
+            now[0] += 1.0
+        assert len(tokens._issued) < 10
+        assert tokens.is_fresh(last)
+
     def test_it_is_set_and_released_by_code(self, pad: Pad) -> None:
         token = pad.hold(forward=1)
         pad.stopped = True
@@ -676,6 +685,28 @@ class TestProgram:
     def test_a_send_that_is_no_function_is_refused(self) -> None:
         with pytest.raises(TypeError, match=r"^send: expected a function of linear and angular speed, got 3$"):
             DriveWidget(send=3)
+
+    def test_a_coroutine_function_is_refused_with_what_to_do(self, pad: Pad) -> None:
+        async def move(*speeds: float) -> None:
+            raise AssertionError(speeds)
+
+        class Base:
+            drive = staticmethod(move)
+
+        class Called:
+            async def __call__(self, *speeds: float) -> None:
+                raise AssertionError(speeds)
+
+        words = (
+            r": expected a plain function, got the coroutine function {}, whose call alone sends nothing; give one "
+            r"that runs it to its end: lambda linear, angular: asyncio.run\({}\(linear, angular\)\)$"
+        )
+        with pytest.raises(TypeError, match="^send" + words.format("move", "move")):
+            DriveWidget(send=move)
+        with pytest.raises(TypeError, match="^send" + words.format("Called", "Called")):
+            DriveWidget(send=Called())
+        with pytest.raises(TypeError, match=r"^connect\(\): drive" + words.format("move", "move")):
+            pad.connect(Base())
 
     def test_an_unknown_keyword_is_refused_with_those_there_are(self) -> None:
         with pytest.raises(TypeError) as refusal:
