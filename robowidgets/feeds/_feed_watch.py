@@ -20,7 +20,7 @@ from .._core.user_function import name_of
 from .._core.watch import Watch
 from ..behaviors.robot import DRIVEN, ODOMETRY, TURNED, NotReadyError
 from ..kinds import KINDS, topic_and_field
-from ..samples.staleness import LIVE, is_steady, usual_step
+from ..samples.staleness import LIVE, STEPS, is_steady, usual_step
 from ..search.base import Condition, FunctionCondition, condition
 from ..search.instant import NoSampleYetError
 from ._program_inputs import FeedInputs
@@ -30,9 +30,6 @@ if TYPE_CHECKING:
     from ._connection import Connection
 
 log = logging.getLogger("robowidgets")
-
-_STEPS = 20
-"""Messages by whose times a topic counts as steady."""
 
 
 class FeedWatch(Watch):
@@ -211,7 +208,7 @@ class _Newest:
     def __init__(self, connection: Connection, topic: str, wake: Callable[[], None]) -> None:
         self._connection, self._topic, self._wake = connection, topic, wake
         self.message: Any = None
-        self._times: deque[float] = deque(maxlen=_STEPS)
+        self._times: deque[float] = deque(maxlen=STEPS)
         self._target = connection.attach(topic, self._put)
 
     def close(self) -> None:

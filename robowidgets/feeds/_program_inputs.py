@@ -9,6 +9,8 @@ from collections.abc import Callable, Mapping, Sequence
 from itertools import chain, pairwise
 from typing import Any
 
+import numpy as np
+
 from ..behaviors.odometer import Odometer
 from ..behaviors.robot import ODOMETRY, POSE, NotReadyError
 from ..kinds import (
@@ -23,7 +25,7 @@ from ..kinds import (
     sensor_of,
 )
 from ..samples import Speed
-from ..samples.staleness import TO_DRIVE_BY, SilenceRule
+from ..samples.staleness import STEPS, TO_DRIVE_BY, TO_DRIVE_BY_NAMED, SilenceRule, is_steady
 from ._links import TopicLink
 from ._probes import Probes
 from ._subscription import Target
@@ -49,11 +51,12 @@ class _Latest:
         self._connection, self.topic, self._on_message, self._silence = connection, topic, on_message, silence
         self._lock = threading.Lock()
         self._messages: deque[Any] = deque()
-        self._times: deque[float] = deque(maxlen=3)
+        self._times: deque[float] = deque(maxlen=STEPS)
         self._sample: Any = None
         self._unread = ""
         """Why the newest message could not be read; empty: it was, or there is none."""
-        self._goes_stale = False
+        self._kind: Kind | None = None
+        """That of its samples; None: there is no widget for them, so nobody knows what its silence means."""
         self._gathered: Gathered | None = None
         self._target: Target = connection.attach(topic, self._put)
 
@@ -82,9 +85,10 @@ class _Latest:
             times = list(self._times)
         if not times:
             return self._connection.status_of(self.topic) or f"waiting for {self.topic}"
-        age = time.monotonic() - times[-1]
-        step = min((later - earlier for earlier, later in pairwise(times)), default=0.0)
-        if self._goes_stale and age > (self._silence or TO_DRIVE_BY).after(step):
+        rule = TO_DRIVE_BY if self._kind else TO_DRIVE_BY_NAMED
+        step = min((later - earlier for earlier, later in pairwise(times[-3:])), default=0.0)
+        is_silent = time.monotonic() - times[-1] > (self._silence or rule).after(step)
+        if is_silent and (self._kind.goes_stale if self._kind else is_steady(np.array(times))):
             return self._connection.status_of(self.topic) or f"no {name} comes on {self.topic} any more"
         return self._unread
 
@@ -100,8 +104,7 @@ class _Latest:
             self._sample, self._unread = sample, ""
             if self.odometer is not None and isinstance(sample, Speed) and sample.pose is not None:
                 self.odometer.add(sample.pose)
-            kind = kind_of_sample(sample)
-            self._goes_stale = kind is not None and kind.goes_stale
+            self._kind = kind = kind_of_sample(sample)
             if kind is not None and kind.gathered is not None:
                 self._gathered = self._gathered or kind.gathered()
                 self._gathered.add(sample)

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from .._core.cells import CellNote, name_in_cells
 from .._core.clock import Clock, scheduler
+from .._core.inform import inform
 from .._core.tables import Table
 from .._core.watch import Watch
 from .._core.watching import check_watch_name, default_name
@@ -343,6 +344,12 @@ class Feed:
         self, function: Callable[..., Any], rate: float | None, on: str | None, topics: dict[str, str]
     ) -> Program:
         program = self.connection.install(function, rate, on, topics)
+        steps, hold = program.version.rate, self.driving.hold
+        if on is None and steps * hold <= 1:
+            inform(
+                f"program {program.name}: a step each {1 / steps:.3g} s, but a speed holds for {hold:.3g} s, so the "
+                f"robot stands before the next one; choose a rate above {1 / hold:.3g}"
+            )
         self._program_note.print(
             lambda: (
                 f"{self.where}: {program.name} drives from now on, also after this cell; "

@@ -38,6 +38,9 @@ LIVE = SilenceRule(3, 1.0, 10.0)
 TO_DRIVE_BY = SilenceRule(2, 0.4, 2.0)
 """Of what a program drives by: the robot is stopped."""
 
+TO_DRIVE_BY_NAMED = TO_DRIVE_BY._replace(longest=inf)
+"""Of a steady topic without a widget that a program names. It may be slow, as the state of a battery is."""
+
 LISTED = SilenceRule(3, 3.0)
 """Of a row in the list of a robot's topics: its rate is none."""
 
@@ -91,12 +94,23 @@ def usual_step(times: NDArray[np.float64] | NDArray[np.int64]) -> float:
 
 
 def is_steady(times: NDArray[np.float64] | NDArray[np.int64]) -> bool:
-    """Whether messages come at a steady pace, as those of a sensor do: then a silence says that one is missing."""
+    """Whether messages come at a steady pace, as those of a sensor do: then a silence says that one is missing.
+
+    A few may come so by chance, such as two that somebody sent by hand.
+    """
     import numpy as np
 
+    if len(times) < _LEAST:
+        return False
     ahead, usual = np.diff(times), usual_step(times)
     return bool(usual and np.count_nonzero(np.abs(ahead - usual) <= _STEADY * usual) >= _SHARE * len(ahead))
 
 
 _STEADY, _SHARE = 0.25, 0.5
 """A topic is steady if this share of its steps differs from the usual one by no more than this part of it."""
+
+_LEAST = 10
+"""The number of messages from which on a topic may count as steady."""
+
+STEPS = 20
+"""Number of the newest messages of a running robot by whose times a topic counts as steady."""

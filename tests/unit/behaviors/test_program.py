@@ -13,6 +13,7 @@ from collections.abc import Iterator
 from contextlib import suppress
 from functools import partial
 from math import cos, hypot, inf, pi, sin
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -29,6 +30,7 @@ from robowidgets.feeds._program_inputs import FeedInputs
 from robowidgets.samples import Scan, Speed, Touch
 from robowidgets.samples.staleness import SilenceRule
 
+from ..clocks import ManualClock
 from ..feeds.scripted import CMD_VEL, IMU, ODOM, SCAN, Scripted, scan, twist
 from ..waiting import wait_for
 
@@ -187,6 +189,39 @@ def test_no_step_goes_by_what_came_before_a_message_that_cannot_be_read(robot: F
     for message in ({"bumper": 7, "state": 9}, {"bumper": 1, "state": 1}, {"bumper": 1, "state": 0}):
         script.listener.on_message("/bumper", message)
     assert [inputs.take()["touch"].touched["center"] for _ in range(2)] == [True, False]
+    inputs.close()
+
+
+@pytest.mark.parametrize(
+    ("pauses", "until"),
+    [
+        ([0.1] * 9, 0.4),
+        ([0.1] * 8, inf),
+        ([0.3] * 9, 0.6),
+        ([5.0] * 9, 10.0),
+        ([0.1, 4, 0.7, 2, 30, 0.2] * 3, inf),
+        ([], inf),
+    ],
+    ids=["10 Hz", "too few", "slow", "very slow", "events", "one"],
+)
+def test_a_message_that_a_program_names_is_too_old_where_they_came_at_a_steady_pace(
+    robot: Feed, script: Scripted, monkeypatch: pytest.MonkeyPatch, pauses: list[float], until: float
+) -> None:
+    clock = ManualClock()
+    monkeypatch.setattr("robowidgets.feeds._program_inputs.time", SimpleNamespace(monotonic=clock.now))
+    inputs = FeedInputs(robot.connection, lambda: None)
+    inputs.choose({"imu": "/imu"}, None)
+    for pause in [0.0, *pauses]:
+        clock.set(clock.now() + pause)
+        script.listener.on_message("/imu", {"orientation": {"z": 0.5}})
+    last = clock.now()
+    clock.set(last + min(until, 1000.0) - 0.01)
+    assert inputs.take()["imu"] == {"orientation": {"z": 0.5}}
+    assert inputs.why_not_ready() == ""
+    if until < inf:
+        clock.set(last + until + 0.01)
+        with pytest.raises(NotReadyError, match=r"^no imu comes on /imu any more$"):
+            inputs.take()
     inputs.close()
 
 
@@ -600,6 +635,32 @@ def test_without_odometry_it_says_what_is_missing() -> None:
             return Drive()
 
         wait_for(lambda: go.waiting == "waiting for a topic with odometry", "it says so")
+
+
+@pytest.mark.parametrize(
+    ("rate", "hold", "words"),
+    [
+        (
+            1,
+            0.5,
+            "a step each 1 s, but a speed holds for 0.5 s, so the robot stands before the next one; "
+            "choose a rate above 2",
+        ),
+        (2, 0.5, "a step each 0.5 s, "),
+        (2.1, 0.5, ""),
+        (1, 1.5, ""),
+    ],
+)
+def test_a_program_whose_speeds_end_before_its_next_step_says_so(
+    robot: Feed, caplog: pytest.LogCaptureFixture, rate: float, hold: float, words: str
+) -> None:
+    robot.driving = feeds.Driving(hold=hold)
+    with caplog.at_level(logging.INFO, "robowidgets"):
+        robot.program(lambda: Drive(), rate=rate).pause()
+        robot.program(lambda: Drive(), on="/scan").pause()
+    said = [record.message for record in caplog.records if "a step each" in record.message]
+    assert len(said) == bool(words)
+    assert not words or words in said[0]
 
 
 def test_restart_begins_with_an_empty_state_at_time_zero_in_the_initial_state(robot: Feed) -> None:
