@@ -89,7 +89,8 @@ def as_numbers(image: Image) -> NDArray[Any]:
     values = image.pixels
     form, _, _ = _form_of(image, values)
     if image.encoding.startswith(BAYER):
-        return _shown(image, values, 2, form).repeat(2, axis=0).repeat(2, axis=1)
+        rows, columns = image.shape
+        return _shown(image, values, 2, form).repeat(2, axis=0).repeat(2, axis=1)[:rows, :columns]
     return np.ascontiguousarray(_shown(image, values, 1, form))
 
 
@@ -169,12 +170,11 @@ def _of_yuv(part: NDArray[np.uint8]) -> NDArray[np.uint8]:
 
 def _of_mosaic(values: NDArray[Any], pattern: str, every: int) -> NDArray[np.uint8]:
     """One color for each block of 2 x 2 pixels, of which each measured one: red, green, blue and green again."""
-    rows, columns = (size - size % 2 for size in values.shape)
-    if not rows * columns:
-        return np.dstack([_to_bytes(values)] * 3)
+    # Past an odd number of rows or columns, blocks are full with those before the last.
+    values = np.pad(values, [(0, size % 2) for size in values.shape], "reflect")
     corner = {"r": [], "g": [], "b": []}  # type: dict[str, list[NDArray[Any]]]
     for number, letter in enumerate(pattern):
-        corner[letter].append(values[number // 2 : rows : every, number % 2 : columns : every])
+        corner[letter].append(values[number // 2 :: every, number % 2 :: every])
     green = (corner["g"][0].astype(np.uint32) + corner["g"][1]) // 2
     return np.dstack([_to_bytes(one) for one in (corner["r"][0], green.astype(values.dtype), corner["b"][0])])
 

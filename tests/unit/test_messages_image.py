@@ -14,7 +14,7 @@ import numpy as np
 import PIL.Image
 import pytest
 
-from robowidgets.imaging import HEADER, Form, checked_region, pack, statistics
+from robowidgets.imaging import HEADER, Form, as_numbers, checked_region, pack, statistics
 from robowidgets.messages import to_image
 from robowidgets.messages.image import layout_of
 from robowidgets.samples import Image
@@ -116,6 +116,18 @@ class TestImages:
         assert packed.every == 2
         shown = np.frombuffer(packed.data[HEADER.size :], np.uint8).reshape(3, 4, 3)
         assert (shown == [200, 100, 50]).all()
+
+    @pytest.mark.parametrize("shape", [(5, 7), (1, 4), (3, 1), (1, 1)])
+    def test_a_mosaic_of_odd_size_has_colors_up_to_its_edge(self, shape: tuple[int, int]) -> None:
+        values = np.tile(np.array([[200, 100], [100, 50]], np.uint8), (3, 4))[: shape[0], : shape[1]]
+        image = to_image(values, "bayer_rggb8")
+        packed = pack(image)
+        rows, columns = ((size + 1) // 2 for size in shape)
+        shown = np.frombuffer(packed.data[HEADER.size :], np.uint8).reshape(rows, columns, 3)
+        assert (shown[:, :, 0] == 200).all()
+        if min(shape) > 1:
+            assert (shown == [200, 100, 50]).all()
+        assert as_numbers(image).shape == (*shape, 3)
 
     def test_distances_are_metres_and_nothing_is_none(self) -> None:
         millimetres = np.array([[0, 1500], [65535, 1]], np.uint16)
