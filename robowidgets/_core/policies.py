@@ -5,7 +5,8 @@ The words mean the same for all of them, here, in messages and in the documentat
 - It is *late* when it has not returned for some seconds. That is shown, with the line at which it is.
 - It is *left* when nobody waits for it any more: it was *replaced*, removed or closed, or, of a program, it was late.
   It may finish, but its thread is abandoned, so it may not drive, and what it returns is not taken.
-- It is *ended* when it has not returned some seconds after it was left: SystemExit is raised in its thread.
+- It is *ended* when it has not returned some seconds after it was left: SystemExit is raised in its thread, and again
+  where a ``try`` takes it.
 - What it *raised*, be it SystemExit, is shown with its line, and ends no thread of ours.
 """
 

@@ -21,6 +21,9 @@ log = logging.getLogger("robowidgets")
 LINGER = 2.0
 """Seconds without anything to do after which the thread of a runner ends; the next wake starts another one."""
 
+_ENDS = 20
+"""How often a function that was left is ended at most, once a look: a bare ``except:`` in it may take one."""
+
 _ROUNDING = 1e-6
 """Seconds by which a sum of times may differ from the time that is meant."""
 
@@ -58,9 +61,9 @@ class _Counted(NamedTuple):
 class _LeftThread(NamedTuple):
     thread: UserThread
     until: float
-    """The time of looks at which it is forgotten."""
-    ends: bool
-    """Whether it is ended then."""
+    """The time of looks at which it is ended, or forgotten."""
+    ends: int
+    """How often it is still to be ended."""
 
 
 class Runner:
@@ -170,7 +173,7 @@ class Runner:
                 return None
             if self._policy.grace < inf:
                 until = self._count().seen + self._policy.grace
-                self._left.append(_LeftThread(left, until, is_in_function and not by_itself))
+                self._left.append(_LeftThread(left, until, _ENDS if is_in_function and not by_itself else 0))
                 self._begin_looks()
             return left if is_in_function else None
 
@@ -286,6 +289,7 @@ class Runner:
             for one in over:
                 if one.ends and one.thread.is_alive():
                     one.thread.end()
+                    self._left.append(one._replace(until=seen + policy.look, ends=one.ends - 1))
             busy = policy.late if self._began is None else seen - self._began
             due = [policy.look, *(one.until - seen for one in self._left)]
             if busy < policy.late - _ROUNDING:

@@ -7,7 +7,7 @@ import sys
 import threading
 import traceback
 from collections.abc import Callable
-from contextlib import suppress
+from functools import partial
 from types import FrameType
 from typing import Any
 
@@ -53,13 +53,19 @@ class UserThread(threading.Thread):
         self.is_abandoned = False
         self._ending = threading.Lock()
         self._is_over = False
+        self._ends = 0
+        self._taken: list[bool] = []
+        """One for each end that a handler took."""
 
     def run(self) -> None:
         """See `threading.Thread`."""
+        ident = threading.get_ident()
         try:
-            with suppress(SystemExit):  # of `end`: it may come when what it was to end is over
-                super().run()
+            super().run()
+        except SystemExit:  # of `end`: it may come when what it was to end is over
+            pass
         finally:
+            _raise_in(ident, _NOTHING)  # the other one of two may be still to come
             with self._ending:
                 self._is_over = True
 
@@ -68,11 +74,38 @@ class UserThread(threading.Thread):
         self.is_abandoned = True
 
     def end(self) -> None:
-        """Raise SystemExit in it: that ends a loop, though not one call that waits for something outside Python."""
+        """Raise SystemExit in it: that ends a loop, though not one call that waits for something outside Python.
+
+        Called again when a handler has taken the last one, as a bare ``except:`` does, it raises two: the other one as
+        soon as a handler takes the first.
+        """
         with self._ending:  # another thread may get the identifier of one that is over
-            if not self._is_over and self.ident is not None:
-                ident, error = ctypes.c_ulong(self.ident), ctypes.py_object(SystemExit)
-                ctypes.pythonapi.PyThreadState_SetAsyncExc(ident, error)
+            if self._is_over or self.ident is None or len(self._taken) < self._ends:
+                return
+            error = _told_to(self._taken.append, True)
+            # In a browser errors are raised between two lines of the user's alone: so some come outside of a `try`.
+            if self._ends and sys.platform != "emscripten":
+                error = _told_to(_raise_in, self.ident, error)
+            self._ends += 1
+            ctypes.pythonapi.PyThreadState_SetAsyncExc(ctypes.c_ulong(self.ident), ctypes.py_object(error))
+
+
+_NOTHING: Any = ctypes.py_object()
+
+if sys.platform == "emscripten":
+
+    def _raise_in(ident: int, error: Any) -> None:
+        """Never two: none is still to come."""
+else:
+    _raise_in: Any = ctypes.PYFUNCTYPE(None, ctypes.c_ulong, ctypes.py_object)(
+        ("PyThreadState_SetAsyncExc", ctypes.pythonapi)
+    )
+    """Raises an error in a thread, without a step of Python, after which one that is still to come would come."""
+
+
+def _told_to(call: Callable[..., None], *args: Any) -> type[SystemExit]:
+    """A SystemExit that calls a function when a handler gets it; one in C, as no Python is to run then."""
+    return type("SystemExit", (SystemExit,), {"__init__": staticmethod(partial(call, *args))})
 
 
 def is_abandoned() -> bool:

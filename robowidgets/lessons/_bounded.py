@@ -21,6 +21,10 @@ CASE_S = 10.0
 computer that is busy, which is no fault of the answer."""
 
 
+_ENDS = 20
+"""How often a call is ended at most: a ``try`` in it may take one."""
+
+
 class WrongError(Exception):
     """What is wrong with an answer, in words for the person who wrote it, and what to do, if that is not in them.
 
@@ -107,8 +111,7 @@ class Bounded:
         if not is_over:
             at_work = getattr(function, "current", function)  # of a state machine: the function of the user
             line = line_of(at_work, frames_of(thread)).removeprefix(", ")
-            thread.end()  # it would take the processor from all others
-            thread.join(ANSWER.grace)
+            self._end(thread)
             where = f"{line}: " if line else ""
             raise BrokenError(
                 "{where}a step has not returned for half a second, and was abandoned. A step returns at once: it does "
@@ -124,6 +127,14 @@ class Bounded:
                 together=together,
                 each=least,
             )
+
+    def _end(self, thread: UserThread) -> None:
+        """End a thread, which would take the processor from all others; again where a bare ``except:`` took the end."""
+        for _ in range(_ENDS):
+            thread.end()
+            thread.join(ANSWER.grace / _ENDS)
+            if not thread.is_alive():
+                return
 
     def _take_print(self, text: str) -> bool:
         self.prints.add(text, 0.0)

@@ -70,6 +70,18 @@ class TestWrongAnswers:
         assert "a step has not returned for half a second, and was abandoned. A step returns at once: " in line
         wait_for(lambda: all(t.name != "lesson" for t in threading.enumerate()), "no thread is left at work")
 
+    def test_a_loop_that_catches_all_errors_is_ended_too(self) -> None:
+        def forever(scan: Scan) -> float:
+            while True:
+                try:  # noqa: SIM105
+                    scan.distance("left")
+                except:  # noqa: E722, PERF203
+                    pass
+
+        (line,) = check("nearest_on_the_left", forever).wrong
+        assert "a step has not returned for half a second, and was abandoned. A step returns at once: " in line
+        wait_for(lambda: all(t.name != "lesson" for t in threading.enumerate()), "no thread is left at work")
+
     @pytest.mark.parametrize("name", NAMES)
     @pytest.mark.parametrize("answer", ["0.4", [], {}, np.zeros(3), object()])
     def test_what_is_no_answer_is_told_once_with_what_was_expected(self, name: str, answer: Any) -> None:

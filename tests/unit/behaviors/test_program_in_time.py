@@ -156,7 +156,7 @@ def test_it_is_abandoned_first_then_the_robot_gets_zero_and_0_5_s_later_it_is_en
     bench.clock.advance(STEP.late + STEP.grace + 1.0, HUNG)
     assert bench.halts == [[True]]
     assert bench.heard[-1] == (1000.55, 0.0)
-    assert bench.ends == [1001.05]
+    assert bench.ends[0] == 1001.05
 
 
 def test_time_in_which_the_process_stood_still_counts_a_tenth_of_a_second(bench: Bench) -> None:
@@ -187,7 +187,7 @@ def test_nor_is_a_step_ended_for_the_time_in_which_the_process_stood_still(bench
     bench.clock.stand_still(3600.0, HUNG)
     assert not bench.ends
     bench.clock.advance(0.1, HUNG)
-    assert bench.ends == [4600.5]
+    assert bench.ends[0] == 4600.5
 
 
 def test_an_interrupt_sends_zero_while_another_thread_holds_the_lock_and_it_pauses_at_the_next_look(
@@ -323,6 +323,24 @@ def test_a_step_that_catches_even_its_end_moves_nothing_and_holds_up_no_later_ve
     assert {speed for _, speed in bench.heard[since:]} <= {0.0, 0.2}
 
 
+def test_a_step_that_catches_all_errors_is_ended_too_once_the_robot_has_zero(bench: Bench) -> None:
+    def forever() -> None:
+        while True:
+            try:  # noqa: SIM105
+                bench.gate.is_set()
+            except:  # noqa: E722, PERF203
+                pass
+
+    bench.drive_then(forever)
+    bench.clock.advance(0.1, HUNG)
+    wait_for(lambda: bench.program.steps == 2, "it loops")
+    bench.clock.advance(STEP.late, HUNG)
+    assert bench.halts == [[True]]
+    bench.clock.advance(STEP.grace - STEP.look, HUNG)
+    wait_for(lambda: bench.clock.advance(STEP.look, HUNG) or not threads_named(WORKER), "it is ended")
+    assert bench.heard[-1] == (1000.55, 0.0)
+
+
 def test_a_thread_that_a_step_starts_is_no_step_but_the_steps_go_on(bench: Bench) -> None:
     threads: list[threading.Thread] = []
 
@@ -407,7 +425,7 @@ def test_no_thread_stays_after_a_pause_and_the_looks_end_with_the_last_one(bench
     bench.drive_then_hang()
     bench.program.pause()
     bench.clock.advance(STEP.grace, HUNG)
-    bench.clock.advance(STEP.look, HUNG)
+    bench.clock.advance(20 * STEP.look, HUNG)  # in which it is ended again
     assert threads_named("robowidgets-monitor") == 0
     bench.gate.set()
     wait_for(lambda: not threads_named(WORKER), "the step returns")
