@@ -96,12 +96,15 @@ class Png:
         return Saving(target, written)
 
     def _on_answer(self, _widget: Any, content: dict[str, Any], _buffers: Any) -> None:
-        # Several pages may answer; the first one counts.
-        asked = self._asked.pop(content.get("png", 0), None)
-        if asked is None:
+        # Several pages may answer; the first picture counts.
+        number = content.get("png", 0)
+        if number not in self._asked:
             return
-        path, written = asked
+        path, written = self._asked[number]
         try:
+            if "error" in content:
+                raise OSError(f"the page could not draw the picture: {content['error']}")
+            del self._asked[number]
             _write(path, content.get("url", ""))
         except OSError as error:
             self._fail(path, written, error)
@@ -123,6 +126,8 @@ class Png:
             self._wait()
             return
         for path, written in list(self._asked.values()):
+            if written.done():  # a page has said why
+                continue
             error = (
                 f"no page that shows this widget has answered for {PATIENCE:g} s; have it in view and call save_png() "
                 "again. If a cell is still awaiting something, the kernel may hear the page only when it ends"

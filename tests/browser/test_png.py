@@ -172,3 +172,12 @@ def test_the_method_writes_the_file_when_the_page_answers(notebook: Callable[...
     nb.run(nb.append("await laser.save_png('awaited.png')"))
     expect(card.locator(".rw-notice").first).to_be_hidden()
     assert "unseen.png was not written: no page that shows this widget has answered" in nb.run(nb.append(UNSEEN))
+
+
+def test_python_hears_why_a_page_cannot_draw(plain_page: Callable[..., PlainPage], tmp_path: Path) -> None:
+    nb = plain_page([SETUP + "laser.update(**fan())", "laser"])
+    expect(nb.widget(1).locator("canvas").first).to_be_visible()
+    nb.page.evaluate("() => { HTMLCanvasElement.prototype.toDataURL = () => { throw new Error('no memory') } }")
+    nb.python(f"saving = laser.save_png({str(tmp_path / 'a.png')!r})")
+    said = "repr(saving).endswith('could not draw the picture: Error: no memory>')"
+    eventually(lambda: nb.python(said), "True")

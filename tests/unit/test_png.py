@@ -46,6 +46,10 @@ class Page:
         """Answer a question, the last one if not told which."""
         self._widget._handle_custom_msg({"png": self.asked[-1] if number is None else number, "url": url}, [])
 
+    def fail(self, error: str) -> None:
+        """Say that the picture of the last question could not be drawn."""
+        self._widget._handle_custom_msg({"png": self.asked[-1], "error": error}, [])
+
     def on_msg(self, callback: object) -> None:
         pass
 
@@ -136,6 +140,27 @@ class TestAwaiting:
 
         with pytest.raises(OSError, match=r"a\.png was not written: the page could not draw the picture; it answered"):
             run(save())
+
+    def test_it_raises_the_error_of_the_page(self, widget: Drawn, page: Page, tmp_path: Path) -> None:
+        async def save() -> None:
+            saving = widget.save_png(tmp_path / "a.png")
+            page.fail("EncodingError: too large")
+            await saving
+
+        with pytest.raises(OSError, match=r"could not draw the picture: EncodingError: too large"):
+            run(save())
+
+    def test_a_page_that_cannot_draw_hinders_no_other_and_was_no_silence(
+        self, widget: Drawn, page: Page, tmp_path: Path
+    ) -> None:
+        saving = widget.save_png(tmp_path / "a.png")
+        page.fail("EncodingError: too large")
+        widget._png._on_silence()
+        assert repr(saving) == f"<{tmp_path / 'a.png'} was not written: the page could not draw the picture: " + (
+            "EncodingError: too large>"
+        )
+        page.answer()
+        assert (tmp_path / "a.png").read_bytes() == PICTURE
 
     def test_who_gives_up_waiting_still_gets_the_file(self, widget: Drawn, page: Page, tmp_path: Path) -> None:
         async def save() -> None:

@@ -10,7 +10,7 @@ const FORBIDDEN = /[^\P{C}\p{Cf}\p{Co}\n]/gu;
 
 /** Offers the card as a PNG: to a person by a button, and to Python, whose requests carry a number. */
 export function offerPng(card: Card, model: Model<NamedTraits>, signal: AbortSignal): void {
-  const take = () => {
+  const take = async () => {
     const ratio = Math.max(2, devicePixelRatio);
     card.drawNow(ratio);
     const png = toPng(card, model.get("_style"), ratio);
@@ -37,7 +37,12 @@ export function offerPng(card: Card, model: Model<NamedTraits>, signal: AbortSig
 
   const onAsked = async ({ png }: { png?: number }) => {
     // A view that is scrolled away may have no size. Python reports an error when no view answers.
-    if (png && card.root.offsetWidth) model.send({ png, url: await take() });
+    if (!png || !card.root.offsetWidth) return;
+    const answer = await take().then(
+      (url) => ({ url }),
+      (error) => ({ error: String(error) }),
+    );
+    model.send({ png, ...answer });
   };
   onMessage(model, onAsked, signal);
 }
