@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import struct
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any, ClassVar
 
 import numpy as np
@@ -290,12 +290,12 @@ class LaserWidget(
             columns = [ranges, intensities if intensities.size else none, np.where(numbers < 0, none, numbers)]
         return b"".join([head, *[column.astype(_FLOAT, copy=False).data for column in columns]])
 
-    def _unpack(self, frame: bytes) -> Scan:
+    def _unpack(self, frame: bytes, about: Mapping[str, Any] | None = None) -> Scan:
         _, _, stamp_ns, arrived = FRAME_HEADER.unpack_from(frame)
         angle_min, angle_increment, range_min, range_max, count = _GEOMETRY.unpack_from(frame, FRAME_HEADER.size)
         values = np.frombuffer(frame, _FLOAT, offset=FRAME_HEADER.size + _GEOMETRY.size)
         ranges, intensities, numbers = (values[i * int(count) : (i + 1) * int(count)] for i in range(3))
-        texts = self._frozen_about
+        texts = self._frozen_about if about is None else about
         sources = None
         if numbers.size:
             made_of, code = texts.get("made_of", ("", ""))

@@ -88,11 +88,14 @@ class FreezableWidget(NamedWidget):
 
     @traitlets.observe("_frozen_frame")
     def _after_frozen_frame(self, _change: Any) -> None:
-        self._frozen_about = self._about
-        if self._frozen_frame and not self.driven_by_player:
-            number, *_ = FRAME_HEADER.unpack_from(self._frozen_frame)
-            texts = (about for first, about in reversed(self._abouts) if first <= number)
-            self._frozen_about = next(texts, self._about)
+        self._frozen_about = self._about_of(self._frozen_frame)
+
+    def _about_of(self, frame: bytes) -> dict[str, Any]:
+        """The texts on the sample of a frame that was sent."""
+        if not frame or self.driven_by_player:
+            return self._about
+        number, *_ = FRAME_HEADER.unpack_from(frame)
+        return next((about for first, about in reversed(self._abouts) if first <= number), self._about)
 
 
 def freeze_together(widgets: Iterable[GroupedWidget]) -> str:

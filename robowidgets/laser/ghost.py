@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 import traitlets
@@ -22,6 +23,7 @@ class HasGhost(RobotWidget[Scan]):
     _ghost_of = traitlets.Unicode(help="The model of another laser widget; empty: none.").tag(sync=True)
 
     _ghost_widget: HasGhost | None = None
+    _ghost_scan: Scan | None = None
 
     @property
     def ghost(self) -> Any:
@@ -37,7 +39,7 @@ class HasGhost(RobotWidget[Scan]):
             return self._ghost_widget
         if self._ghost_ago:
             return self._ghost_ago
-        return self._unpack(self._ghost) if self._ghost else None
+        return self._ghost_scan
 
     @ghost.setter
     def ghost(self, value: Any) -> None:
@@ -62,6 +64,16 @@ class HasGhost(RobotWidget[Scan]):
         with self.hold_trait_notifications():
             self._ghost, self._ghost_ago = frame, ago
             self._ghost_of = "" if other is None else other.model_id
+        self._ghost_scan = value if frame else None
+
+    @traitlets.observe("_ghost")
+    def _after_ghost(self, _change: Any) -> None:
+        frame = self._ghost
+        self._ghost_scan = self._unpack(frame, self._about_of(frame)) if frame else None
+
+    def _unpack(self, frame: bytes, about: Mapping[str, Any] | None = None) -> Scan:
+        """See `RobotWidget`; with the texts on the sample, None: those of the frozen one."""
+        raise NotImplementedError
 
     def _frame_to_keep(self, scan: Scan) -> bytes:
         """A frame of a scan; with the number of the newest one if it is that, so that the page knows its age."""

@@ -15,8 +15,15 @@ from robowidgets.samples.distances import indices_at
 INF, NAN = float("inf"), float("nan")
 
 
-def scan(*ranges: float, angle_min: float = -0.2, increment: float = 0.1) -> Scan:
-    return Scan(np.array(ranges), angle_min=angle_min, angle_increment=increment, range_min=0.1, range_max=10.0)
+def scan(*ranges: float, angle_min: float = -0.2, increment: float = 0.1, frame_id: str = "") -> Scan:
+    return Scan(
+        np.array(ranges),
+        angle_min=angle_min,
+        angle_increment=increment,
+        range_min=0.1,
+        range_max=10.0,
+        frame_id=frame_id,
+    )
 
 
 class TestDifference:
@@ -79,6 +86,19 @@ class TestGhost:
         assert laser.get_state()["_ghost"] != b"", "a saved notebook has it"
         laser.ghost = None
         assert laser.ghost is None
+        laser.close()
+
+    def test_a_scan_keeps_its_frame_whoever_pins_it(self) -> None:
+        laser = LaserWidget()
+        laser.update(scan(1.0, 2.0, frame_id="first"))
+        laser.get_state()
+        by_page = laser._frame
+        laser.update(scan(3.0, 3.0, frame_id="second"))
+        laser.get_state()
+        laser.ghost = laser.scan
+        assert laser.ghost.frame_id == "second"
+        laser._ghost = by_page
+        assert (laser.ghost.frame_id, laser.ghost.ranges.tolist()) == ("first", [1, 2])
         laser.close()
 
     def test_some_scans_ago_and_another_widget(self) -> None:
