@@ -58,6 +58,10 @@ class Clock(Protocol):
         """The time in seconds."""
         ...
 
+    def slept(self) -> float:
+        """The seconds for which the computer slept since it was started, while the time stood still."""
+        ...
+
     def sleep(self, seconds: float) -> None:
         """Return after some seconds."""
 
@@ -100,11 +104,28 @@ class Scheduler(Protocol):
         """Call a function of ours, which must not wait, at a time."""
 
 
+def _never_sleeps() -> int | None:
+    # On macOS this CLOCK_MONOTONIC goes on, but `time.monotonic` does not.
+    number: int = getattr(time, "CLOCK_BOOTTIME", getattr(time, "CLOCK_MONOTONIC", -1))
+    with suppress(AttributeError, OSError):
+        time.clock_gettime(number)
+        return number
+    return None
+
+
+_NEVER_SLEEPS = _never_sleeps()
+"""The number of the clock of the system that goes on while the computer sleeps; None: it has none."""
+
+
 class RealClock:
     """The monotonic clock of the computer."""
 
     now = staticmethod(time.monotonic)
     sleep = staticmethod(time.sleep)
+
+    def slept(self) -> float:
+        """See `Clock`."""
+        return 0.0 if _NEVER_SLEEPS is None else time.clock_gettime(_NEVER_SLEEPS) - time.monotonic()
 
     def signal(self) -> Signal:
         """See `Clock`."""

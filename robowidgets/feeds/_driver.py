@@ -8,9 +8,10 @@ import threading
 from collections.abc import Sequence
 from dataclasses import replace
 
+from ..behaviors.step_clock import STALL
 from ..driving.command_watchdog import PROGRAM, ZERO, CommandWatchdog, RefusedError, Request, Velocity
 from ..driving.stop_all import stop_at_end
-from ..samples.staleness import PAGE_SILENCE
+from ..samples.staleness import PAGE_SILENCE, TO_DRIVE_BY
 from ._driving import USUAL, DriveStatus, Driving, heard_speeds, unheard
 from ._guard.guard import OFF, guard_for, release
 from ._guard.link import HasGuard
@@ -23,6 +24,9 @@ CONNECT_TIMEOUT = 2.0
 
 START_TIMEOUT = 30.0
 """Seconds for which the first `drive` waits for the guard to start."""
+
+AFTER_SLEEP = TO_DRIVE_BY.longest
+"""Seconds for which no speed is sent after the computer slept: by then what came before is too old to drive by."""
 
 RETRY_PAUSE = 0.05
 """Seconds between two such attempts."""
@@ -57,6 +61,8 @@ class Driver:
         self._connected_by: float | None = None
         """The time by which a subscriber should have connected; None before the first `drive` on the topic."""
         self._page_at = float("-inf")
+        self._asked_at = self._woke_at = float("-inf")
+        self._slept = self._clock.slept()
         self._by_hand = False
         self._number, self._is_prepared = next(_numbers), False
         self._outlet = middleware.outlet if isinstance(middleware, HasOutlet) and not OFF else None
@@ -260,6 +266,11 @@ class Driver:
                 raise FeedError(f"cannot drive: {elsewhere}")
             self._connection.list_driven(self.topic)
         with self._changing:
+            if self._has_just_slept() and velocity != ZERO:
+                raise FeedError(
+                    "cannot drive: the computer has slept, and a speed may go by what came before; drive again in "
+                    f"{AFTER_SLEEP:g} s"
+                )
             is_page_gone = self._clock.now() - self._page_at > PAGE_SILENCE
             if velocity != ZERO and self._driving.needs_page and is_page_gone:
                 raise FeedError(
@@ -270,6 +281,14 @@ class Driver:
                 return self.watchdog.drive(velocity, self._driving.hold, driver, stops)
             except RefusedError as error:
                 raise FeedError(f"cannot drive: {error}") from None
+
+    def _has_just_slept(self) -> bool:
+        """Whether who drives has gone on after a sleep of the computer. Its samples are no older by the usual clock."""
+        now, slept = self._clock.now(), self._clock.slept()
+        if slept - self._slept > STALL and now - self._asked_at < AFTER_SLEEP:
+            self._woke_at = now
+        self._asked_at, self._slept = now, slept
+        return now - self._woke_at < AFTER_SLEEP
 
     @property
     def _is_reached_by_guard(self) -> bool:

@@ -24,6 +24,8 @@ class ManualClock:
 
     def __init__(self, start: float = 1000.0) -> None:
         self._now = start
+        self.asleep = 0.0
+        """Seconds for which the computer slept, while the time stood still."""
         self._lock = threading.RLock()
         self._rests = threading.Condition(self._lock)
         self._waits: list[tuple[float, int, Any, threading.Thread]] = []
@@ -32,6 +34,9 @@ class ManualClock:
 
     def now(self) -> float:
         return self._now
+
+    def slept(self) -> float:
+        return self.asleep
 
     def sleep(self, seconds: float) -> None:
         self.signal().wait_until(self._now + seconds)

@@ -14,6 +14,7 @@ from robowidgets._core.clock import Clock, scheduler
 from robowidgets.behaviors import Drive
 from robowidgets.driving.command_watchdog import RefusedError, Velocity
 from robowidgets.feeds import Advert, Driving, Feed, FeedError
+from robowidgets.feeds._driver import AFTER_SLEEP
 from robowidgets.feeds._guard.link import GuardLink
 from robowidgets.feeds.middleware import NotConnectedYetError
 
@@ -558,6 +559,26 @@ def test_a_speed_is_not_tried_again_after_a_stop(driven: Driven, monkeypatch: py
     stop.join()
     wait_for(lambda: script.speeds, "zero is sent")
     assert set(script.speeds) == {(0.0, 0.0)}
+
+
+def test_who_drives_on_after_the_computer_slept_is_refused_until_what_came_before_is_too_old(
+    driven: Driven, clock: ManualClock
+) -> None:
+    feed, script = driven(CMD_VEL, clock=clock)
+    feed.drive(0.0)
+    clock.advance(0.1)
+    clock.asleep += 3600.0
+    for _ in range(2):
+        assert words_of(feed).startswith("cannot drive: the computer has slept, and a speed may go by what came before")
+        feed.drive(0.0)
+        clock.advance(0.9)
+    assert {speed for speed, _ in script.speeds} == {0.0}
+    clock.advance(0.2)
+    feed.drive(0.2)
+    clock.advance(AFTER_SLEEP)
+    clock.asleep += 3600.0
+    feed.drive(0.3)  # nobody drove before the sleep
+    assert [speed for speed, _ in script.speeds if speed] == [0.2, 0.3]
 
 
 class Guarded(Scripted):
