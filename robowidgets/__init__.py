@@ -51,7 +51,7 @@ from .speed_widget import SpeedWidget
 from .touch_widget import TouchWidget
 
 if TYPE_CHECKING:
-    from . import feeds, lessons, simulator
+    from . import feeds, fleet, lessons, simulator
     from ._compare import compare as compare
     from ._plot import plot as plot
     from .camera import CameraModel as CameraModel
@@ -122,6 +122,7 @@ __all__ = [
     "drives",
     "feeds",
     "find",
+    "fleet",
     "index",
     "lessons",
     "load_map",
@@ -156,7 +157,7 @@ _LATER = {
 
 def __getattr__(name: str) -> Any:
     """Feeds, lessons, recordings and the simulator are imported when first used: a widget needs none of them."""
-    if name in ("feeds", "lessons", "simulator"):
+    if name in ("feeds", "fleet", "lessons", "simulator"):
         return import_module(f".{name}", __name__)
     if name == "conditions":
         return import_module(".search.conditions", __name__)

@@ -60,6 +60,24 @@ def run(source, where, shows):
 """
 
 
+_NAME = re.compile(r"(?<![\w/.])robowidgets(?:\.[A-Za-z_]\w*)+(?![\w:])")
+_EACH_NAME = """
+import os, sys
+import robowidgets
+
+for name in sys.argv[1:]:
+    if child := os.fork():
+        os.waitpid(child, 0)
+        continue
+    try:
+        eval(name)
+    except AttributeError as error:
+        print(f"{name}: {error}", flush=True)
+    os._exit(0)
+"""
+"""Looks at each name where nothing but robowidgets is imported: a name that is looked at may import others."""
+
+
 class Block(NamedTuple):
     """A fenced block: its language, its text and the line on which the text begins, from 1."""
 
@@ -111,6 +129,14 @@ def test_the_python_of_a_page_runs_from_top_to_bottom(file: Path, tmp_path: Path
     script.write_text("\n".join(run), encoding="utf-8")
     ended = subprocess.run([sys.executable, script], cwd=tmp_path, capture_output=True, text=True, check=False)
     assert ended.returncode == 0, ended.stderr
+
+
+def test_every_name_of_a_page_is_there_with_robowidgets_alone() -> None:
+    pages = [ROOT / "README.md", *ROOT.glob("docs/**/*.md"), *ROOT.glob("notebooks/**/*.ipynb")]
+    names = sorted({name for page in pages for name in _NAME.findall(page.read_text(encoding="utf-8"))})
+    assert "robowidgets.fleet.doctor" in names
+    ended = subprocess.run([sys.executable, "-c", _EACH_NAME, *names], capture_output=True, text=True, check=False)
+    assert (ended.stdout, ended.stderr) == ("", "")
 
 
 @every_file
