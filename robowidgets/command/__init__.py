@@ -16,7 +16,7 @@ from ..recordings.remote import is_url
 from . import _lab, _lessons, _notebooks
 from ._error import CommandError
 from ._export import add_export, export
-from ._find import add_find, add_topics, find, readable
+from ._find import INTERRUPTED, add_find, add_topics, find, readable
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -34,7 +34,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         _warn(f"robowidgets: {error}")
         return int(arguments.failed)
     except KeyboardInterrupt:
-        return 130
+        return INTERRUPTED
 
 
 def _open_tour(arguments: argparse.Namespace) -> None:
@@ -48,12 +48,10 @@ def _open_recording(arguments: argparse.Namespace) -> None:
     _in_lab(lambda folder: _notebooks.write_for(file, folder), arguments)
 
 
-def _print_info(arguments: argparse.Namespace) -> None:
+def _print_info(arguments: argparse.Namespace) -> int:
     file = fleet.the_only(arguments.files)
     if file is None:
-        found = fleet.summary(*arguments.files)
-        _say(found.to_json() if arguments.json else str(found))
-        return
+        return _print_many(fleet.summary(*arguments.files), arguments)
     with robowidgets.open(file) as recording:
         facts = {
             "path": recording.url or str(recording.path),
@@ -67,6 +65,17 @@ def _print_info(arguments: argparse.Namespace) -> None:
 
 def _print_spans(arguments: argparse.Namespace) -> int:
     text, code = find(arguments, _warn)
+    return 0
+
+
+def _print_many(found: fleet.Summary | fleet.CheckUp, arguments: argparse.Namespace) -> int:
+    """Print the table of many recordings; CommandError if none of them could be read."""
+    if len(found.unread) == len(found.files):
+        for one in found.unread:
+            _warn(f"! {one.file}: {one.problem}")
+        raise CommandError("none of these recordings could be read")
+    _say(found.to_json() if arguments.json else str(found))
+    return 0 if found.is_complete else INTERRUPTED
     _say(text)
     return code
 
@@ -75,8 +84,7 @@ def _print_report(arguments: argparse.Namespace) -> int:
     file = fleet.the_only(arguments.files)
     if file is None:
         found = fleet.doctor(*arguments.files)
-        _say(found.to_json() if arguments.json else str(found))
-        return 1 if found.kinds or found.unread else 0
+        return _print_many(found, arguments) or (1 if found.kinds or found.unread else 0)
     with robowidgets.open(file) as recording:
         report = recording.doctor()
     _say(json.dumps(report.to_dict(), indent=2) if arguments.json else str(report))

@@ -71,7 +71,7 @@ class CheckUp(FleetTable):
         bad = [Path(file).name for file, one in self._found.items() if one["problems"]]
         head = f"{many(len(self._found), 'recording')}, {len(bad):,} with problems"
         rows = [(f"{kind.recordings:,}", kind.since, str(Problem(kind.text, kind.remedy))) for kind in kinds]
-        notes = [f"  {listed(bad, 10)}"] if bad else ["no problems found"]
+        notes = [f"  {listed(bad, 10)}"] if bad else ["no problems found"] * bool(self._found)
         heads = ("recordings", "since", "problem")
         return Table(head, heads, rows, right=(0,), notes=notes, problems=list(self._complaints()))
 

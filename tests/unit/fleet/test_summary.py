@@ -68,6 +68,21 @@ def test_problems_that_differ_by_their_numbers_are_one_kind(runs: Path) -> None:
     assert "2 with problems" in repr(found)
 
 
+@pytest.mark.parametrize(("command", "code"), [("info", 1), ("doctor", 2)])
+def test_a_command_that_could_read_none_of_several_says_why_of_each_and_fails(
+    command: str, code: int, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    files = [str(tmp_path / name) for name in ("a.mcap", "b.mcap")]
+    assert main([command, *files]) == code
+    said = capsys.readouterr()
+    assert said.out == ""
+    assert said.err.splitlines() == [
+        *(f"! {file}: no such file or folder" for file in files),
+        "robowidgets: none of these recordings could be read",
+    ]
+    assert "no problems found" not in repr(doctor(*files))
+
+
 @pytest.mark.slow
 def test_the_commands_take_several_recordings(runs: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["info", str(runs), "--json"]) == 0
