@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import os
 import re
+import sys
 from collections.abc import Collection, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import BinaryIO
 
@@ -42,7 +43,8 @@ def whole_file(path: Path) -> Iterator[BinaryIO]:
         OSError: it cannot be written, for example because the disk is full.
     """
     for left in _left_behind(path):
-        left.unlink(missing_ok=True)
+        with suppress(PermissionError):  # of another user, or, on Windows, still written to
+            left.unlink(missing_ok=True)
     part = path.with_name(f"{path.name}.{os.getpid()}.part")
     try:
         with part.open("wb") as file:
@@ -55,14 +57,16 @@ def whole_file(path: Path) -> Iterator[BinaryIO]:
 
 
 def _left_behind(path: Path) -> list[Path]:
-    """The parts of a file whose processes run no more."""
+    """The parts of a file whose processes run no more; on Windows, which removes no open file, all parts."""
     name = re.compile(re.escape(path.name) + r"\.(\d+)\.part")
     found = ((name.fullmatch(entry.name), entry) for entry in path.parent.iterdir())
     return [entry for match, entry in found if match and not _runs(int(match[1]))]
 
 
 def _runs(process: int) -> bool:
-    """Whether there is a process of this number."""
+    """Whether there is a process of this number; False on Windows, where signal 0 is Ctrl-C for all in the console."""
+    if sys.platform == "win32":
+        return False
     try:
         os.kill(process, 0)
     except ProcessLookupError:

@@ -44,6 +44,28 @@ def test_what_other_processes_write_stays_and_so_do_other_files(tmp_path: Path) 
     assert sorted(entry.name for entry in tmp_path.iterdir()) == sorted([*others, "drive.html"])
 
 
+def test_on_windows_no_process_gets_a_signal_and_a_part_that_is_open_stays(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def kill(process: int, number: int) -> None:
+        raise AssertionError(f"signal {number} for process {process}")
+
+    def unlink(file: Path, missing_ok: bool = False) -> None:
+        if file.name == "drive.html.7.part":
+            raise PermissionError(13, "The process cannot access the file because it is being used by another process")
+        removed(file, missing_ok)
+
+    removed = Path.unlink
+    monkeypatch.setattr(sys, "platform", "win32")
+    monkeypatch.setattr(os, "kill", kill)
+    monkeypatch.setattr(Path, "unlink", unlink)
+    for process in (7, 8):
+        (tmp_path / f"drive.html.{process}.part").touch()
+    with whole_file(tmp_path / "drive.html") as file:
+        file.write(b"whole")
+    assert sorted(entry.name for entry in tmp_path.iterdir()) == ["drive.html", "drive.html.7.part"]
+
+
 def test_a_link_to_itself_is_a_name_like_others(tmp_path: Path) -> None:
     path = tmp_path / "loop.html"
     path.symlink_to(path)
