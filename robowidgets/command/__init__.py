@@ -7,6 +7,7 @@ import json
 import os
 import sys
 from collections.abc import Callable, Sequence
+from io import TextIOWrapper
 from pathlib import Path
 
 import robowidgets
@@ -27,6 +28,9 @@ def main(argv: Sequence[str] | None = None) -> int:
         ``find`` is as grep: 1 when nothing was found, 2 when it could not look. ``doctor`` is as diff: 1 when it found
         problems, 2 when it could not look. Arguments that make no sense exit with 2.
     """
+    if isinstance(sys.stdout, TextIOWrapper) and sys.stdout.errors == "strict":
+        # Of a file on Windows, such as that of `> class.txt`, the encoding has not all characters.
+        sys.stdout.reconfigure(errors="replace")
     arguments = _parser().parse_args(readable(sys.argv[1:] if argv is None else argv))
     try:
         return int(arguments.do(arguments) or 0)

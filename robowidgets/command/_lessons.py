@@ -58,8 +58,8 @@ def print_assignments(arguments: argparse.Namespace, say: Callable[[str], None])
 def print_summary(arguments: argparse.Namespace, say: Callable[[str], None]) -> int:
     """Print how far a class is, and write it as a page; returns 1 when a file could not be read."""
     found = lessons.summary(arguments.folder)
-    say(str(found))
     page = arguments.folder / PAGE
     found.to_html(page)
     say(f"\nAs a page, with the answers of those who are stuck: {page}")
     return 1 if found.problems else 0
+    say(str(found))

@@ -6,6 +6,7 @@ import errno
 import json
 import os
 import re
+import subprocess
 import sys
 from collections.abc import Iterator
 from itertools import pairwise
@@ -289,6 +290,20 @@ class TestSummary:
                 assert "J\\udcfcrgen" in shown
                 assert "J\\udcf6rg" in shown
                 assert "J\\udcf6rg.json is damaged: " in shown
+
+    def test_the_table_goes_into_a_file_whose_encoding_lacks_the_marks_and_the_page_has_them(
+        self, folder: Path
+    ) -> None:
+        self.hand_in(folder)
+        done = subprocess.run(
+            [sys.executable, "-m", "robowidgets", "lessons", "--summary", str(folder)],
+            env={**os.environ, "PYTHONIOENCODING": "cp1252", "PYTHONPATH": os.pathsep.join(sys.path)},
+            capture_output=True,
+            check=False,
+        )
+        assert (done.returncode, done.stderr) == (1, b"")
+        assert "?  done;" in done.stdout.decode("cp1252")
+        assert "✓" in (folder / "summary.html").read_text("utf-8")
 
     def test_a_folder_with_notebooks_alone_is_a_student_who_has_answered_nothing(self, folder: Path) -> None:
         for name in ("ada", "bo", "cy", ".ipynb_checkpoints"):
