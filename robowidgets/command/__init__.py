@@ -65,10 +65,6 @@ def _print_info(arguments: argparse.Namespace) -> int:
             "problems": list(recording.problems),
         }
         _say(json.dumps(facts, indent=2) if arguments.json else recording.info())
-
-
-def _print_spans(arguments: argparse.Namespace) -> int:
-    text, code = find(arguments, _warn)
     return 0
 
 
@@ -80,6 +76,10 @@ def _print_many(found: fleet.Summary | fleet.CheckUp, arguments: argparse.Namesp
         raise CommandError("none of these recordings could be read")
     _say(found.to_json() if arguments.json else str(found))
     return 0 if found.is_complete else INTERRUPTED
+
+
+def _print_spans(arguments: argparse.Namespace) -> int:
+    text, code = find(arguments, _warn)
     _say(text)
     return code
 
@@ -122,7 +122,14 @@ def _do_lessons(arguments: argparse.Namespace) -> int:
         _lessons.print_assignments(arguments, _say)
         return 0
     language = _lessons.language_of(arguments)
-    _in_lab(lambda f: _notebooks.copy_shipped(f, _notebooks.LESSON, language), arguments, runs_cells=False)
+
+    def copy(folder: Path) -> Path:
+        if arguments.language:
+            for there, other in _notebooks.in_others(folder, language):
+                _say(f"{there} is there already in {other!r}, and stays as it is; name another folder for {language!r}")
+        return _notebooks.copy_shipped(folder, _notebooks.LESSON, language)
+
+    _in_lab(copy, arguments, runs_cells=False)
     return 0
 
 

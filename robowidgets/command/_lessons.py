@@ -24,7 +24,8 @@ def add_lessons(parser: argparse.ArgumentParser) -> None:
         help=f"folder for the lessons (default: {_notebooks.LESSONS_FOLDER}); what is there already stays as it is",
     )
     parser.add_argument(
-        "--language", default=lessons.ENGLISH, help=f"of the lessons and their checks: {', '.join(lessons.languages())}"
+        "--language",
+        help=f"of the lessons and their checks: {', '.join(lessons.languages())} (default: {lessons.ENGLISH})",
     )
     instead = parser.add_mutually_exclusive_group()
     instead.add_argument(
@@ -42,11 +43,12 @@ def add_lessons(parser: argparse.ArgumentParser) -> None:
 
 def language_of(arguments: argparse.Namespace) -> str:
     """The language that is asked for; CommandError if no lesson is written in it."""
-    if arguments.language not in lessons.languages():
+    language = lessons.ENGLISH if arguments.language is None else str(arguments.language)
+    if language not in lessons.languages():
         raise CommandError(
-            f"--language: no lesson is written in {arguments.language!r}; there are {', '.join(lessons.languages())}"
+            f"--language: no lesson is written in {language!r}; there are {', '.join(lessons.languages())}"
         )
-    return str(arguments.language)
+    return language
 
 
 def print_assignments(arguments: argparse.Namespace, say: Callable[[str], None]) -> None:
@@ -60,6 +62,6 @@ def print_summary(arguments: argparse.Namespace, say: Callable[[str], None]) -> 
     found = lessons.summary(arguments.folder)
     page = arguments.folder / PAGE
     found.to_html(page)
+    say(str(found))
     say(f"\nAs a page, with the answers of those who are stuck: {page}")
     return 1 if found.problems else 0
-    say(str(found))

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import re
 import shutil
+from collections.abc import Iterator
 from itertools import chain, count
 from pathlib import Path
 from typing import Any
@@ -17,6 +18,8 @@ TOUR = "tour.ipynb"
 LESSON = "from_picture_to_code.ipynb"
 FOLDER = "robowidgets-notebooks"
 LESSONS_FOLDER = "robowidgets-lessons"
+_SPEAKS = re.compile(r'\blessons\.progress\((?:\\"(\w+)\\")?\)')
+"""The line of a lesson that says its language, in JSON."""
 
 
 def shipped() -> Path:
@@ -49,6 +52,15 @@ def copy_shipped(folder: Path, first: str = TOUR, language: str = ENGLISH) -> Pa
         if not (folder / notebook.name).exists():
             shutil.copyfile(shipped_in(notebook.name, language), folder / notebook.name)
     return folder / first
+
+
+def in_others(folder: Path, language: str) -> Iterator[tuple[Path, str]]:
+    """The lessons in a folder that are in another language than this, each with its own."""
+    for shipped_one in sorted(shipped().glob("*.ipynb")):
+        notebook = folder / shipped_one.name
+        found = _SPEAKS.search(notebook.read_text(encoding="utf-8", errors="replace")) if notebook.is_file() else None
+        if found and (found[1] or ENGLISH) != language:
+            yield notebook, found[1] or ENGLISH
 
 
 def write_for(recording: Path | str, folder: Path) -> Path:

@@ -325,8 +325,19 @@ def test_the_command_puts_the_lessons_into_a_folder_and_runs_no_cell(
     opened: list[object] = []
     monkeypatch.setattr(_lab, "run", lambda notebook, *_, runs_cells: opened.append((notebook, runs_cells)))
     assert main(["lessons", "mine"]) == 0
-    assert opened == [(folder / "mine" / "from_picture_to_code.ipynb", False)]
+    notebook = folder / "mine" / "from_picture_to_code.ipynb"
+    assert opened == [(notebook, False)]
     assert (folder / "mine" / "from_code_to_behavior.ipynb").exists()
+    capsys.readouterr()
+    assert main(["lessons", "mine", "--language", "en"]) == 0
+    assert "is there already" not in capsys.readouterr().out
+    assert main(["lessons", "mine", "--language", "de"]) == 0
+    said = capsys.readouterr().out
+    assert f"{notebook} is there already in 'en', and stays as it is; name another folder for 'de'\n" in said
+    assert said.count("is there already") == 3
+    assert main(["lessons", "meine", "--language", "de"]) == 0
+    assert main(["lessons", "meine"]) == 0
+    assert "is there already" not in capsys.readouterr().out
     assert main(["lessons", "--language", "xx"]) == 1
     assert "no lesson is written in 'xx'; there are de, en" in capsys.readouterr().err
 
