@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from functools import partial
 from html import escape
 from typing import Any
 
@@ -133,13 +134,15 @@ class _Standstill:
         self._feed = feed
         self._show = show
         self._scheduler = scheduler
+        self._hold: object = None
+        """Another object each time that it is held; None while it is not."""
         self._ticket: Ticket | None = None
         self._was_stopped = False
         """Whether stop was latched before."""
 
     @property
     def holds(self) -> bool:
-        return self._ticket is not None
+        return self._hold is not None
 
     @property
     def status(self) -> str:
@@ -150,16 +153,18 @@ class _Standstill:
         return "is sent zero" if self.answered else "is being stopped"
 
     def hold(self) -> None:
-        if self._ticket is None:
+        if self._hold is None:
             self.answered, self._was_stopped = False, self._feed.stopped
-            self._ticket = self._scheduler.start(self._turn, "robowidgets-standstill")
-        else:
+            hold = self._hold = object()
+            self._ticket = self._scheduler.start(partial(self._turn, hold), "robowidgets-standstill")
+        elif self._ticket is not None:
             self._ticket.wake()
 
     def let_go(self) -> None:
-        ticket, self._ticket = self._ticket, None
-        if ticket is not None:
-            ticket.leave()
+        hold, self._hold = self._hold, None
+        if hold is not None:
+            if self._ticket is not None:
+                self._ticket.leave()
             self._pause()  # one that was started since the last zero, too
             if not self._was_stopped:
                 self._feed.stopped = False
@@ -175,20 +180,24 @@ class _Standstill:
         if program is not None and program.mode == RUNNING:
             program.pause("paused, because all robots were stopped")
 
-    def _turn(self) -> float:
+    def _turn(self, hold: object) -> float:
         problem = others = ""
         if self._feed.connection.is_closed:
             problem = "cannot stop: its feed is closed; open it again"
         else:
             try:
                 if not self._feed.stopped:
-                    self._feed.stopped = True
+                    try:
+                        self._feed.stopped = True
+                    finally:
+                        if self._hold is None and not self._was_stopped:  # it was let go meanwhile
+                            self._feed.stopped = False
                 self._pause()
                 self._feed.stop()
             except (FeedError, OSError) as error:
                 problem = str(error)
             others = self._feed.drive_status
-        if self._ticket is not None:
+        if self._hold is hold:
             self.answered = True
             self.tell(problem or (f"is sent zero, but {others}" if others else ""))
         return self._scheduler.clock.now() + REPEAT

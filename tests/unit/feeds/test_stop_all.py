@@ -14,7 +14,7 @@ from robowidgets import feeds
 from robowidgets.behaviors import Drive
 from robowidgets.feeds import Feed
 
-from ..waiting import wait_for
+from ..waiting import threads_named, wait_for
 from .scripted import CMD_VEL, Scripted
 
 
@@ -108,6 +108,33 @@ class TestStopAll:
         sent = len(script.speeds)
         go.run()
         wait_for(lambda: (0.2, 0.0) in script.speeds[sent:], "it drives again when somebody runs it")
+
+    def test_a_feed_that_is_released_while_it_is_being_stopped_may_drive(
+        self, opened: ExitStack, monkeypatch: pytest.MonkeyPatch
+    ) -> None:
+        red, script = scripted(opened)
+        everybody = feeds.StopAll({"red": red})
+        there, go = threading.Event(), threading.Event()
+
+        real: Any = vars(Feed)["stopped"]
+
+        def stopped(feed: Feed) -> bool:
+            is_stopped: bool = real.fget(feed)
+            if threading.current_thread().name == "robowidgets-standstill":
+                there.set()
+                go.wait(240)
+            return is_stopped
+
+        with monkeypatch.context() as patched:
+            patched.setattr(Feed, "stopped", property(stopped, real.fset))
+            everybody.stop(timeout=0)
+            assert there.wait(240)
+            everybody.release()
+            go.set()
+            wait_for(lambda: not threads_named("robowidgets-standstill"), "its turn is over")
+        assert (red.stopped, repr(everybody)) == (False, "red: is not stopped from here")
+        red.drive(0.2)
+        assert script.speeds[-1] == (0.2, 0.0)
 
     def test_it_takes_feeds_with_names(self) -> None:
         with pytest.raises(TypeError, match=r"expected feeds by name, as StopAll\(\{'red': robot\}\), got \[1\]"):
