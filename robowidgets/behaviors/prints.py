@@ -27,3 +27,8 @@ class Prints:
         *whole, rest = (self._rest + text).split("\n")
         self._rest = rest[:LONGEST]
         self.lines.extend((seconds, line[:LONGEST]) for line in whole)
+
+    def end_line(self, seconds: float) -> None:
+        """Keep what was printed of a line that has no end yet."""
+        if self._rest:
+            self.add("\n", seconds)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from functools import wraps
 from math import inf
 from typing import Any
@@ -89,6 +89,7 @@ class Bounded:
                     raised.append(error)
                 finally:
                     release_prints()
+                    self.prints.end_line(0.0)
 
             self._run(UserThread(run, "lesson"), function)
             if raised:
@@ -155,7 +156,7 @@ def number(answer: Any, what: str) -> float:
         if isinstance(answer, (str, bytes, bool)):
             raise TypeError
         return float(answer)
-    except (TypeError, ValueError):
+    except Exception:  # 10**400, and whatever an object of the answer's own raises
         raise BrokenError(
             "it returned {answer}: expected a number, the {what}", answer=_short(answer), what=what
         ) from None
@@ -166,7 +167,7 @@ def yes_or_no(answer: Any) -> bool:
     try:
         if answer in (True, False):
             return bool(answer)
-    except (TypeError, ValueError):  # an array has no truth of its own
+    except Exception:  # an array has no truth of its own
         pass
     raise BrokenError("it returned {answer}: expected True or False", answer=_short(answer))
 
@@ -174,8 +175,10 @@ def yes_or_no(answer: Any) -> bool:
 def pair(answer: Any, what: str) -> tuple[float, float]:
     """An answer as two floats; BrokenError where it is no pair."""
     try:
+        if isinstance(answer, Iterator):  # one with yield, of which nothing has run yet
+            raise TypeError
         first, second = answer
-    except (TypeError, ValueError):
+    except Exception:
         raise BrokenError(
             "it returned {answer}: expected two numbers, {what}", answer=_short(answer), what=what
         ) from None
@@ -189,5 +192,8 @@ def beyond(value: float, low: float = -inf, high: float = inf, least: int = 2) -
 
 
 def _short(answer: Any) -> str:
-    text = repr(answer)
+    try:
+        text = repr(answer)
+    except Exception:  # also of 10**5000
+        text = f"an object of {type(answer).__name__}"
     return f"{text[:60]}…" if len(text) > 60 else text

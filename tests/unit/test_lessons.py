@@ -89,6 +89,23 @@ class TestWrongAnswers:
         assert "it returned " in line
         assert "expected " in line
 
+    def test_what_raises_only_when_it_is_looked_at_is_told_too(self) -> None:
+        class Odd:
+            def __repr__(self) -> str:
+                raise KeyError
+
+            __iter__ = __float__ = __eq__ = __repr__  # type: ignore[assignment]
+
+        def yields(_touch: Touch) -> Any:
+            yield 1 / 0
+
+        for answer in (Odd(), 10**400, 10**5000):
+            for name in NAMES:
+                (line,) = check(name, lambda _sample, answer=answer: answer).wrong
+                assert "it returned " in line
+                assert "expected " in line
+        assert "it returned <generator object " in check("bumper_reflex", yields).wrong[0]
+
     def test_a_misspelt_name_is_told_with_the_right_one(self) -> None:
         (line,) = check("nearest_on_the_left", lambda scan: scan.distence("left")).wrong
         assert line.endswith("AttributeError: 'Scan' object has no attribute 'distence'; did you mean 'distance'?")
@@ -454,3 +471,11 @@ class TestResult:
         assert repr(result).endswith("\nIt printed last:\n  <2>\n  <3>\n  <4>")
         assert result._repr_html_().endswith("<div>It printed last:</div><pre>&lt;2&gt;\n&lt;3&gt;\n&lt;4&gt;</pre>")
         assert capsys.readouterr().out == ""
+
+    def test_what_a_function_prints_without_an_end_of_its_line_is_shown_too(self) -> None:
+        def answer(touch: Touch) -> tuple[float, float]:
+            for name in touch.touched:
+                print(name, end=" ")  # noqa: T201
+            return 0.0, 0.0
+
+        assert check("bumper_reflex", answer).prints == ("left center right ",) * 3
