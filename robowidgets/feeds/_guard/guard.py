@@ -102,6 +102,10 @@ class Guard(GuardLink):
             if reason and not self._is_closed:
                 self._say(log.error, f"{reason}; another one is started")
 
+    def _hear_no_more(self, reason: str) -> None:
+        self._is_starting = not self._is_closed  # another one: from now on, so that a drive waits for it
+        super()._hear_no_more(reason)
+
     def _guard_once(self) -> str:
         """Run a process until it ends; returns why, empty where it should."""
         ours, its = socket.socketpair()

@@ -436,6 +436,28 @@ def test_a_guard_that_dies_is_told_the_kernel_sends_zero_and_another_one_drives(
 
 
 @pytest.mark.slow
+def test_a_drive_waits_for_the_guard_that_follows_one_that_has_died(
+    robot: Rosbridge, with_guards: ExitStack, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    feed, guard = opened(with_guards, robot)
+    seen, go_on = threading.Event(), threading.Event()
+
+    def hold(*_: object) -> None:
+        seen.set()
+        assert go_on.wait(120)
+
+    monkeypatch.setattr(guard, "_say", hold)
+    feed.drive(0.3)
+    os.kill(guard.pid, signal.SIGKILL)
+    assert seen.wait(120)
+    assert (guard.pid, guard.is_starting) == (0, True)
+    go_on.set()
+    feed.drive(0.2)
+    assert guard.pid != 0
+    wait_for_speeds(robot, 0.3, 0.0, 0.2)
+
+
+@pytest.mark.slow
 def test_a_guard_that_stands_still_is_ended_and_the_kernel_sends_zero_which_other_feeds_show(
     robot: Rosbridge, with_guards: ExitStack
 ) -> None:
