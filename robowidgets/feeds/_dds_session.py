@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Iterable, Mapping
+from contextlib import suppress
 from typing import Any, NamedTuple
 from uuid import UUID
 
@@ -21,7 +22,18 @@ from ..messages.decoding import Decode, DecodeError
 from ._dds_domain import configured
 from ._dds_types import NODES, dds_topic, decoder, definition_of, opaque, ros_topic, ros_type, struct, type_hash
 from ._guard.mark import MARK
-from ._ros2_common import ALONE, adverts_of, is_alone, not_coming, not_received, queue_depth, speed_types
+from ._ros2_common import (
+    ALONE,
+    adverts_of,
+    is_alone,
+    nobody_left,
+    not_coming,
+    not_received,
+    queue_depth,
+    speed_types,
+    unconfirmed,
+)
+from ._zeros import Zeros
 from .middleware import EVENTS, MOST_UNREAD, Advert, FeedError, Listener
 
 _MANY = 1000
@@ -35,6 +47,12 @@ _MATCHING = 0.3
 _SETTLING = 0.05
 """Seconds for which it waits after that. The subscriber must discover our writer, too, and DDS does not report when it
 has. A best-effort subscriber would lose the message, a reliable one would get it 0.1 s later."""
+
+_CONFIRMING = 0.3
+"""Seconds within which a reliable subscriber confirms zero."""
+
+_OURS = b"reader=robowidgets;"
+"""What our readers carry, of which those of a kernel match the writers of its guard: they are no robot."""
 
 _POLICIES = {
     2: "durability",
@@ -103,7 +121,7 @@ class DdsSession:
         self._listener, self._no_robot = listener, no_robot
         self._alone_until: float | None = self._clock.now() + ALONE
         """The time from which it is said that no robot is there; None once one was there."""
-        self._domain = configured(domain, interface)
+        self._domain = configured(domain, interface, alone=bool(mark))
         self._participant = DomainParticipant(domain)
         self._own = self._participant.guid
         self._waitset = WaitSet(self._participant)
@@ -122,6 +140,7 @@ class DdsSession:
         self._followed: tuple[set[str], frozenset[str]] | None = None
         self._writing = threading.Lock()
         self._writers: dict[tuple[str, str], Any] = {}
+        self._zeros = Zeros(self._clock)
         self._changed = True
         self._topics: list[Advert] = []
         self._is_told = False
@@ -157,6 +176,7 @@ class DdsSession:
             self._is_told = False
         self._report_topics()
         self._report_unheard()
+        self._repeat_zeros()
 
     def _report_topics(self) -> None:
         """Report the topics if they changed; none at all only when there was time to discover some."""
@@ -223,11 +243,14 @@ class DdsSession:
         """The readers, without the one for the names of nodes."""
         return [wish for wish in self._readers if wish.topic != NODES]
 
-    def publish(self, topic: str, type_name: str, raw: bytes) -> None:
+    def publish(self, topic: str, type_name: str, raw: bytes, *, is_zero: bool) -> None:
         """Write a message, in any thread; the first one on a topic waits a moment until subscribers match.
+
+        Zero waits until each reliable subscriber has confirmed it. It takes about as long as its way there and back.
 
         Raises:
             FeedError: Cyclone DDS refuses it.
+            TimeoutError: it is a zero that a subscriber has not confirmed, or that nobody receives any more.
         """
         with self._writing:
             try:
@@ -237,6 +260,37 @@ class DdsSession:
                 writer.write(writer.data_type(raw))
             except (DDSException, DecodeError) as error:
                 raise FeedError(f"cannot publish on {topic}: {error}") from None
+            subscribers = len(self._subscribers(topic))
+            if not is_zero:
+                self._zeros.note_speed(topic, subscribers)
+                return
+            self._zeros.note_zero(topic, type_name, raw, subscribers)
+            if not self._is_confirmed(writer):
+                raise TimeoutError(unconfirmed(topic))
+            if self._zeros.is_unheard(topic, subscribers):
+                raise TimeoutError(nobody_left(topic))
+
+    def _is_confirmed(self, writer: Any) -> bool:
+        """Whether each reliable subscriber confirms what was written, within `_CONFIRMING`."""
+        try:
+            return bool(writer.wait_for_acks(duration(seconds=_CONFIRMING)))
+        except (AttributeError, DDSException):  # at the end of the time, cyclonedds asks the wrong class for its code
+            return False
+
+    def _repeat_zeros(self) -> None:
+        """Write the zeros again that subscribers may have missed; at the next look where a message is written now."""
+        if not self._writing.acquire(blocking=False):
+            return
+        try:
+            for topic in self._zeros.topics():
+                there = self._subscribers(topic)
+                due = self._zeros.due(topic, len(there), all_confirm=all(map(_is_reliable, there)))
+                for kind, raw in due.items():
+                    writer = self._writers[topic, kind]
+                    with suppress(DDSException):  # the next zero that is asked for tells it
+                        writer.write(writer.data_type(raw))
+        finally:
+            self._writing.release()
 
     def _take(self, builtin: Any, known: dict[UUID, Endpoint]) -> None:
         while samples := builtin.take(N=_MANY):
@@ -254,7 +308,7 @@ class DdsSession:
         try:
             decode = decoder(wish.type, wish.definition)
             kind = struct(wish.type, wish.definition) if wish.described else opaque(wish.type)
-            user_data = Policy.Userdata(type_hash(wish.type, wish.definition))
+            user_data = Policy.Userdata(type_hash(wish.type, wish.definition) + _OURS)
         except DecodeError:
             self._listener.on_trouble(
                 wish.topic,
@@ -309,8 +363,16 @@ class DdsSession:
 
     def _matched(self, writer: Any) -> set[UUID]:
         """The GUIDs of the subscribers that match a writer, without ours."""
+        return {one.key for one in self._matches(writer)}
+
+    def _matches(self, writer: Any) -> list[Any]:
         there = map(writer.get_matched_subscription_data, writer.get_matched_subscriptions())
-        return {one.key for one in there if one is not None and one.participant_key != self._own}
+        return [one for one in there if one is not None and one.participant_key != self._own]
+
+    def _subscribers(self, topic: str) -> list[Any]:
+        """Those of other programs that match our writers of a topic."""
+        writers = [writer for (name, _), writer in list(self._writers.items()) if name == topic]
+        return [one for writer in writers for one in self._matches(writer) if _OURS not in _user_data(one)]
 
     def _report_unheard(self) -> None:
         reasons: dict[str, str] = {}
@@ -347,8 +409,15 @@ def _policy(status: Any) -> str:
 def _endpoint(topic: str, kind: str, sample: Any) -> Endpoint:
     qos = sample.qos
     latched = qos[Policy.Durability] in _LATCHED and isinstance(qos[Policy.Reliability], Policy.Reliability.Reliable)
-    user_data = qos[Policy.Userdata].data if Policy.Userdata in qos else b""
-    return Endpoint(topic, kind, latched, user_data, sample.type_id)
+    return Endpoint(topic, kind, latched, _user_data(sample), sample.type_id)
+
+
+def _user_data(endpoint: Any) -> bytes:
+    return bytes(endpoint.qos[Policy.Userdata].data) if Policy.Userdata in endpoint.qos else b""
+
+
+def _is_reliable(endpoint: Any) -> bool:
+    return isinstance(endpoint.qos[Policy.Reliability], Policy.Reliability.Reliable)
 
 
 def _node_names(entities: Any) -> dict[bytes, str]:

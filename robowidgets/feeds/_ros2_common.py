@@ -103,3 +103,13 @@ def not_coming(topic: str, policy: str) -> str:
 def not_received(topic: str, policy: str) -> str:
     """Text for a subscriber that does not receive our messages."""
     return f"a subscriber of {topic} {_EXPECTS.get(policy, f'disagrees on {policy}')}, so it receives nothing"
+
+
+def unconfirmed(topic: str) -> str:
+    """Text for a zero that may be under way."""
+    return f"a subscriber of {topic} has not confirmed zero: it may not be reached"
+
+
+def nobody_left(topic: str) -> str:
+    """Text for a zero that nobody receives."""
+    return f"nobody listens to {topic} any more: who was driven may not be reached, and has got no zero"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import secrets
 import threading
 from collections.abc import Callable, Iterable, Mapping
@@ -11,8 +12,9 @@ from typing import Any, NamedTuple
 
 from .._core.clock import Clock
 from ._guard.mark import MARK
-from ._ros2_common import adverts_of, not_coming, not_received, queue_depth, speed_types
-from ._twist import fill
+from ._ros2_common import adverts_of, nobody_left, not_coming, not_received, queue_depth, speed_types
+from ._twist import fill, is_zero
+from ._zeros import Zeros
 from .middleware import MOST_UNREAD, SEND_TIMEOUT, Advert, Listener, NotConnectedYetError
 
 
@@ -33,6 +35,9 @@ _MATCH_LAG = 0.05
 """Seconds after which a subscriber has matched a new publisher, too; a best-effort one misses what comes before."""
 
 _ACK_POLL = 0.02
+
+_OURS = re.compile(r"robowidgets_\d+_[0-9a-f]{6}")
+"""The names of our nodes. Those of a kernel may subscribe to what its guard publishes: they are no robot."""
 
 _UNKNOWN = ("_NODE_NAME_UNKNOWN_", "_CREATED_BY_BARE_DDS_APP_")
 """Names of an unknown node, and of a program that has none."""
@@ -81,6 +86,9 @@ class Ros2Session:
         self._unmatched: set[tuple[str, str]] = set()
         self._missed: set[tuple[str, str]] = set()
         """Topics and types with a message that was not published, because its subscriber is not discovered again."""
+        self._zeros = Zeros(self._clock)
+        self._counts: dict[str, int] = {}
+        """For each topic, the number of its subscribers at the last look, without those of ours."""
         self._publishing = threading.Lock()
         self._unheard: set[str] = set()
         rclpy.init(args=[], context=self._context, domain_id=domain_id, signal_handler_options=SignalHandlerOptions.NO)
@@ -126,6 +134,7 @@ class Ros2Session:
         self._offers.clear()
         offered: dict[tuple[str, str], set[str]] = {}
         wanted: dict[tuple[str, str], set[str]] = {}
+        heard: dict[str, list[Any]] = {}
         for topic, _ in self._node.get_topic_names_and_types():
             try:
                 offers = self._others(self._node.get_publishers_info_by_topic(topic))
@@ -137,6 +146,7 @@ class Ros2Session:
                 offered.setdefault((topic, info.topic_type), set()).add(_full_name(info))
             for info in self._others(wants):
                 wanted.setdefault((topic, info.topic_type), set()).add(_full_name(info))
+            heard[topic] = [info for info in self._others(wants) if not _OURS.fullmatch(info.node_name)]
             if topic in self._unheard and self._all_matched(topic, wants):
                 self._unheard.discard(topic)
                 self._listener.on_unheard(topic, "")
@@ -146,6 +156,7 @@ class Ros2Session:
             if any((topic, kind) not in self._publishers for kind in types):
                 with self._publishing:
                     self._create_publishers(topic, types)
+        self._repeat_zeros(heard)
         return adverts_of(offered, wanted)
 
     def follow(self, topics: frozenset[str], each: frozenset[str]) -> None:
@@ -162,6 +173,7 @@ class Ros2Session:
 
         Raises:
             NotConnectedYetError: a subscriber of an earlier session has not been discovered again.
+            TimeoutError: it is a zero that nobody receives any more.
             Exception: rclpy does not publish, for example because the session was shut down.
         """
         key = (topic, message_type)
@@ -182,6 +194,31 @@ class Ros2Session:
             if found:
                 self._clock.sleep(_MATCH_LAG)
             self._publishers[key].publish(fill(message_class(message_type)(), message))
+            subscribers = self._counts.get(topic, 0)
+            if not is_zero(message):
+                self._zeros.note_speed(topic, subscribers)
+                return
+            self._zeros.note_zero(topic, message_type, message, subscribers)
+            if self._zeros.is_unheard(topic, subscribers):
+                raise TimeoutError(nobody_left(topic))
+
+    def _repeat_zeros(self, heard: Mapping[str, list[Any]]) -> None:
+        """Publish the zeros again that subscribers may have missed; at the next look where one publishes now.
+
+        Args:
+            heard: the subscribers of each topic.
+        """
+        self._counts = {topic: len(there) for topic, there in heard.items()}
+        if not self._publishing.acquire(blocking=False):
+            return
+        try:
+            for topic in self._zeros.topics():
+                there = heard.get(topic, [])
+                due = self._zeros.due(topic, len(there), all_confirm=all(map(_is_reliable, there)))
+                for kind, zero in due.items():
+                    self._publishers[topic, kind].publish(fill(message_class(kind)(), zero))
+        finally:
+            self._publishing.release()
 
     def close(self) -> None:
         """Wait a moment until every subscriber has what was published, perhaps a zero; then end everything."""
@@ -343,6 +380,12 @@ def message_class(message_type: str) -> Any:
 def one_line(error: Exception) -> str:
     """The text of an error in one line, or its class if it has none."""
     return " ".join(str(error).split()) or type(error).__name__
+
+
+def _is_reliable(info: Any) -> bool:
+    from rclpy.qos import ReliabilityPolicy
+
+    return bool(info.qos_profile.reliability == ReliabilityPolicy.RELIABLE)
 
 
 def _full_name(info: Any) -> str:

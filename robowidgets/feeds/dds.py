@@ -14,6 +14,7 @@ from ..messages.twist import TWIST_STAMPED, encode_twist
 from ._guard.mark import MARK
 from ._ros2_common import checked_domain, no_robot
 from ._threaded import ThreadedMiddleware
+from ._twist import is_zero
 from .middleware import FeedError, Listener, Outlet
 
 if TYPE_CHECKING:
@@ -72,7 +73,7 @@ class Dds(ThreadedMiddleware):
             session = self._session
         if session is None:
             raise FeedError(f"{self.where} is not connected")
-        session.publish(topic, message_type, raw)
+        session.publish(topic, message_type, raw, is_zero=is_zero(message))
 
     def _wake(self) -> None:
         if self._session is not None:

@@ -97,7 +97,7 @@ class Ros2(ThreadedMiddleware):
             session = self._await_session(until)
             try:
                 return session.publish(topic, message_type, message, until)
-            except FeedError:
+            except (FeedError, TimeoutError):
                 raise
             except Exception as error:  # rclpy has a class of its own for each reason
                 if session.ok():

@@ -259,6 +259,10 @@ class Robot:
         for held in (self.writers, self.readers):
             held.pop((topic, kind), None)
 
+    def end(self) -> None:
+        """Leave the domain."""
+        self.participant.__del__()
+
     def name(self, topic: str, kind: str, namespace: str, name: str) -> None:
         """Say which node publishes a topic, and has all readers that are kept, as ROS 2 does."""
         own, key = (Gid(list(one.guid.bytes)) for one in (self.participant, self.writer(topic, kind)))

@@ -28,7 +28,7 @@ pytest.importorskip("cyclonedds", reason="cyclonedds is not installed: pip insta
 from cyclonedds.core import DDSException
 
 from robowidgets import EventsWidget
-from robowidgets.feeds import Driving, Feed, _dds_session, _threaded
+from robowidgets.feeds import Driving, Feed, _dds_session, _threaded, _zeros
 from robowidgets.feeds._dds_types import decoder, opaque, ros_topic, ros_type
 from robowidgets.feeds.dds import Dds
 from robowidgets.feeds.middleware import Advert, FeedError
@@ -335,11 +335,11 @@ def test_publishing_without_a_connection_raises(dds: Dds, heard: Ears) -> None:
 def test_a_message_that_dds_does_not_take_is_told(heard: Ears) -> None:
     session = _dds_session.DdsSession(DOMAIN, heard)
     raw = encode("cdr", TWIST, {})
-    session.publish("/cmd_vel", TWIST, raw)
+    session.publish("/cmd_vel", TWIST, raw, is_zero=True)
     writer = session._writers["/cmd_vel", TWIST]
     writer._delete(writer._ref)
     with pytest.raises(FeedError, match=r"cannot publish on /cmd_vel: \[DDS_RETCODE_"):
-        session.publish("/cmd_vel", TWIST, raw)
+        session.publish("/cmd_vel", TWIST, raw, is_zero=True)
 
 
 def test_a_subscriber_that_does_not_keep_up_delays_nothing(dds: Dds, heard: Ears, robot: Robot) -> None:
@@ -347,7 +347,8 @@ def test_a_subscriber_that_does_not_keep_up_delays_nothing(dds: Dds, heard: Ears
     wait_for(lambda: heard.topics, "the topic is known")
     robot.freeze()
     for _ in range(5):  # one that waited for it would be an error
-        dds.publish("/cmd_vel", STAMPED, {"header": {"frame_id": "x" * 1_000_000}})
+        twist = {"linear": {"x": 0.25}}
+        dds.publish("/cmd_vel", STAMPED, {"header": {"frame_id": "x" * 1_000_000}, "twist": twist})
 
 
 def test_a_speed_is_sent_while_a_message_is_handed_on(dds: Dds, heard: Ears, robot: Robot) -> None:
@@ -471,6 +472,51 @@ def test_a_zero_right_before_closing_arrives(heard: Ears, robot: Robot) -> None:
             pass
 
 
+def test_a_zero_that_a_subscriber_has_confirmed_is_not_sent_again(dds: Dds, heard: Ears, robot: Robot) -> None:
+    robot.hear("/cmd_vel", "Twist")
+    wait_for(lambda: heard.topics, "the topic is known")
+    session = dds._session
+    assert session is not None
+    dds.publish("/cmd_vel", TWIST, {"linear": {"x": 0.5}})
+    dds.publish("/cmd_vel", TWIST, {"linear": {"x": 0.0}})
+    with session._writing:
+        zeros = session._zeros._topics["/cmd_vel"]
+        zeros.since -= 100.0
+    wait_for(lambda: zeros.repeats == len(_zeros.AGAIN), "it was looked at")
+    dds.publish("/cmd_vel", TWIST, {"linear": {"x": 0.25}})
+    assert [robot.heard()["linear"]["x"] for _ in range(3)] == [0.5, 0.0, 0.25]
+
+
+def test_a_best_effort_subscriber_gets_zero_some_more_times(dds: Dds, heard: Ears, robot: Robot) -> None:
+    robot.hear("/cmd_vel", "Twist", False)
+    wait_for(lambda: heard.topics, "the topic is known")
+    session = dds._session
+    assert session is not None
+    dds.publish("/cmd_vel", TWIST, {"linear": {"x": 0.5}})
+    dds.publish("/cmd_vel", TWIST, {"linear": {"x": 0.0}})
+    assert [robot.heard()["linear"]["x"] for _ in range(2)] == [0.5, 0.0]
+    with session._writing:
+        session._zeros._topics["/cmd_vel"].since -= 100.0
+    assert robot.heard()["linear"]["x"] == 0.0
+
+
+@pytest.mark.parametrize("reliable", [True, False])
+def test_a_robot_that_comes_back_gets_the_zero_that_was_sent_meanwhile(
+    dds: Dds, heard: Ears, robot: Robot, start: Callable[[], Robot], reliable: bool
+) -> None:
+    robot.hear("/cmd_vel", "Twist", reliable)
+    wait_for(lambda: heard.topics, "the topic is known")
+    dds.publish("/cmd_vel", TWIST, {"linear": {"x": 0.5}})
+    assert robot.heard()["linear"]["x"] == 0.5
+    robot.do("end")
+    wait_for(lambda: heard.topics == [], "it is gone")
+    with pytest.raises(TimeoutError, match="nobody listens to /cmd_vel any more: who was driven may not be reached"):
+        dds.publish("/cmd_vel", TWIST, {"linear": {"x": 0.0}})
+    again = start()
+    again.hear("/cmd_vel", "Twist", reliable)
+    assert again.heard()["linear"]["x"] == 0.0
+
+
 def test_closing_does_not_wait_for_a_robot_that_does_nothing_any_more(
     dds: Dds, heard: Ears, robot: Robot, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -479,7 +525,8 @@ def test_closing_does_not_wait_for_a_robot_that_does_nothing_any_more(
     dds.publish("/cmd_vel", TWIST, {"linear": {"x": 0.5}})
     robot.heard()
     robot.freeze()
-    dds.publish("/cmd_vel", TWIST, {"linear": {"x": 0.0}})
+    with pytest.raises(TimeoutError, match="a subscriber of /cmd_vel has not confirmed zero: it may not be reached"):
+        dds.publish("/cmd_vel", TWIST, {"linear": {"x": 0.0}})
     monkeypatch.setattr(_threaded, "CLOSE_TIMEOUT", 1000.0)
     dds.close()
     assert dds._thread is not None
@@ -559,7 +606,7 @@ def test_a_range_of_any_distribution_is_read(
     assert (message.range, getattr(message, "variance", None)) == (1.5, 0.25 if kind == "Range" else None)
     assert heard.said == []
     robot.do("subscribers", "/sonar", kind)
-    assert robot.heard() == [HASHES[kind]]
+    assert robot.heard() == [f"{HASHES[kind]}reader=robowidgets;"]
 
 
 def test_a_range_of_a_publisher_that_does_not_describe_it_is_read_by_the_definition_that_fits() -> None:
@@ -577,7 +624,7 @@ def test_our_readers_say_the_hash_of_their_type_as_ros_expects(dds: Dds, heard: 
     publish_until(robot, lambda: heard.messages, "a scan came", "/scan", "LaserScan", [1.0], 0.5)
     robot.do("subscribers", "/scan", "LaserScan")
     scan = "typehash=RIHS01_64c191398013af96509d518dac71d5164f9382553fce5c1f8cca5be7924bd828;"
-    assert robot.heard() == [scan]
+    assert robot.heard() == [f"{scan}reader=robowidgets;"]
 
 
 def test_a_publisher_is_told_by_the_name_of_its_node(dds: Dds, heard: Ears, robot: Robot) -> None:

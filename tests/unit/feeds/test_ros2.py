@@ -782,6 +782,42 @@ def test_a_speed_with_which_the_robot_was_found_again_owes_no_earlier_zero(
     assert heard.connected == connected, "else zero would follow the speed"
 
 
+@pytest.mark.parametrize("reliability", list(ReliabilityPolicy)[1:3])
+def test_a_robot_that_comes_back_gets_the_zero_that_was_sent_meanwhile(
+    ros2: Ros2, graph: Graph, heard: Ears, reliability: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(sys.modules[Ros2.__module__], "LOOK", 0.05)
+    qos = QoSProfile(depth=10, reliability=reliability)
+    with Robot(graph, qos=qos) as robot:
+        wait_for(lambda: heard.topics, "the robot is known")
+        ros2.publish("/cmd_vel", TWIST, FORWARD)
+        wait_for(lambda: robot.speeds == [0.25], "it drives")
+        robot.node.destroy_node()
+        wait_for(lambda: not heard.topics, "it is gone")
+    with pytest.raises(TimeoutError, match="nobody listens to /cmd_vel any more: who was driven may not be reached"):
+        ros2.publish("/cmd_vel", TWIST, ZERO)
+    with Robot(graph, qos=qos) as again:
+        wait_for(lambda: again.speeds == [0.0], "it gets zero")
+
+
+def test_a_best_effort_robot_gets_zero_some_more_times_unless_a_speed_follows(
+    ros2: Ros2, graph: Graph, heard: Ears, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(sys.modules[Ros2.__module__], "LOOK", 0.05)
+    with Robot(graph, qos=QoSProfile(depth=10, reliability=ReliabilityPolicy.BEST_EFFORT)) as robot:
+        wait_for(lambda: heard.topics, "the robot is known")
+        ros2.publish("/cmd_vel", TWIST, FORWARD)
+        ros2.publish("/cmd_vel", TWIST, ZERO)
+        session = ros2._session
+        assert session is not None
+        with session._publishing:
+            zeros = session._zeros._topics["/cmd_vel"]
+            zeros.since -= 100.0
+        wait_for(lambda: robot.speeds == [0.25, 0.0, 0.0], "zero comes again")
+        ros2.publish("/cmd_vel", TWIST, FORWARD)
+        assert not session._zeros._topics["/cmd_vel"].zeros
+
+
 def test_a_robot_that_was_found_late_is_known_to_have_listened(ros2: Ros2, graph: Graph, robot: Robot) -> None:
     graph.discovery = SEND_TIMEOUT + 0.2
     ros2.publish("/cmd_vel", TWIST, FORWARD)

@@ -1,0 +1,67 @@
+"""Which zeros are published again, and when."""
+
+from __future__ import annotations
+
+import pytest
+
+from robowidgets.driving.command_watchdog import RECENT
+from robowidgets.feeds._zeros import AGAIN, LOOK, Zeros
+
+from ..clocks import ManualClock
+
+
+class Sent:
+    """A topic with subscribers, on which a speed and a zero were published, and when zero is due again."""
+
+    def __init__(self, subscribers: int = 1) -> None:
+        self.clock = ManualClock(0.0)
+        self.zeros = Zeros(self.clock)
+        self.zeros.note_speed("/cmd_vel", subscribers)
+        self.zeros.note_zero("/cmd_vel", "Twist", "zero", subscribers)
+
+    def due(self, seconds: float, subscribers: int = 1, *, all_confirm: bool = False) -> list[float]:
+        """Look for some seconds; the times at which zero was due."""
+        times = []
+        end = self.clock.now() + seconds
+        while self.clock.now() < end:
+            self.clock.advance(LOOK)
+            for topic in self.zeros.topics():
+                if found := self.zeros.due(topic, subscribers, all_confirm=all_confirm):
+                    assert found == {"Twist": "zero"}
+                    times.append(round(self.clock.now()))
+        return times
+
+
+def test_zero_is_due_again_some_times_where_nobody_confirms_it() -> None:
+    assert Sent().due(100.0) == list(AGAIN)
+    assert Sent().due(100.0, all_confirm=True) == []
+
+
+def test_zero_is_due_again_when_a_subscriber_comes_however_late() -> None:
+    sent = Sent()
+    assert sent.due(1000.0, 0, all_confirm=True) == []
+    assert sent.due(100.0, 1, all_confirm=True) == [1000]
+    assert sent.due(100.0, 2) == [1100, *(1100 + pause for pause in AGAIN)]
+
+
+def test_a_speed_that_follows_ends_it() -> None:
+    sent = Sent()
+    assert sent.due(1.5) == [1]
+    sent.zeros.note_speed("/cmd_vel", 1)
+    assert sent.due(100.0, 2) == []
+
+
+def test_a_zero_without_a_speed_before_it_is_not_due_again() -> None:
+    zeros = Zeros(ManualClock())
+    zeros.note_zero("/cmd_vel", "Twist", "zero", 1)
+    assert zeros.topics() == []
+
+
+@pytest.mark.parametrize("heard", [True, False])
+def test_a_zero_is_unheard_for_a_while_when_nobody_is_left_of_those_who_heard_a_speed(heard: bool) -> None:
+    sent = Sent(int(heard))
+    assert not sent.zeros.is_unheard("/cmd_vel", 1)
+    assert sent.zeros.is_unheard("/cmd_vel", 0) == heard
+    sent.clock.advance(RECENT)
+    assert not sent.zeros.is_unheard("/cmd_vel", 0)
+    assert not sent.zeros.is_unheard("/another", 0)
