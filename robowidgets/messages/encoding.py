@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from base64 import b64decode
 from math import nan
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from .byte_fields import bytes_in
 from .channel import Channel
 from .decoding import DecodeError, one_line, store_of
 from .fields import MISSING, reader
@@ -72,6 +72,6 @@ def _value(store: Typestore, kind: int, what: Any, given: Any) -> Any:
         given = [0 if is_numeric else None] * (count if kind == Nodetype.ARRAY else 0)
     if is_numeric:
         # rospy has bytes for uint8[], and rosbridge a text.
-        given = b64decode(given, validate=True) if isinstance(given, str) else given
+        given = bytes_in("an array", given)
         return np.frombuffer(given, np.uint8) if isinstance(given, bytes) else np.asarray(given, name[0])
     return [_value(store, inner, name, item) for item in given]
