@@ -49,7 +49,7 @@ NO_RECORDINGS = (
 )
 NO_DATABASES = (
     "{name}: a database cannot be opened in a browser, whose Python has no SQLite: expected .mcap or .bag. "
-    "`robowidgets repair {name}` makes an .mcap of it on a computer"
+    "`robowidgets repair {quoted}` makes an .mcap of it on a computer"
 )
 
 

@@ -7,6 +7,7 @@ from array import array
 from collections.abc import Iterator
 from contextlib import ExitStack, suppress
 from pathlib import Path
+from shlex import quote
 from tempfile import TemporaryDirectory
 from threading import Lock
 from typing import NamedTuple
@@ -46,7 +47,7 @@ def walk_sqlite(path: Path) -> Walk:
     Source: the tables topics, messages and (since ROS 2 Iron) message_definitions of rosbag2_storage_sqlite3.
     """
     if sqlite3 is None:
-        raise RecordingError(NO_DATABASES.format(name=path.name))
+        raise RecordingError(NO_DATABASES.format(name=path.name, quoted=quote(path.name)))
     with ExitStack() as stack:
         try:
             connection, damage = _connect(path, stack)
@@ -55,7 +56,7 @@ def walk_sqlite(path: Path) -> Walk:
         except sqlite3.Error as error:
             raise RecordingError(
                 f"{path.name}: the database cannot be read ({error}): expected a rosbag2 .db3; "
-                f"'sqlite3 {path.name} .recover' may save some of it"
+                f"`sqlite3 {quote(path.name)} .recover` may save some of it"
             ) from None
         walk.close = stack.pop_all().close
         return walk
@@ -90,7 +91,7 @@ def _walk_rows(path: Path, connection: sqlite3.Connection, damage: Damage) -> Wa
             raise RecordingError(f"{path.name}: is closed, or has changed since it was opened; open it again")
         return message.data
 
-    hint = f", try 'sqlite3 {path.name} .recover'"
+    hint = f", try `sqlite3 {quote(path.name)} .recover`"
     return Walk(path.name, path.stat().st_size, channels, times, topics, read, connection.close, damage, hint=hint)
 
 

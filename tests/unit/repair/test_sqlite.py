@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 import sqlite3
 from collections.abc import Iterator
 from contextlib import closing
@@ -303,9 +304,18 @@ def test_a_table_that_is_lost_is_named_with_a_way_out(tmp_path: Path) -> None:
     path = write_old(tmp_path / "x.db3", messages(500))
     path.write_bytes(path.read_bytes()[: 2 * 4096])
     with pytest.raises(
-        RecordingError, match=r"^x\.db3: was cut off before its first message .*'sqlite3 x\.db3 \.recover'"
+        RecordingError, match=r"^x\.db3: was cut off before its first message .*`sqlite3 x\.db3 \.recover`"
     ):
         open_repaired([path])
+
+
+def test_a_command_that_is_told_runs_nothing_of_the_name_of_a_file(tmp_path: Path) -> None:
+    path = write_old(tmp_path / "it's $(x) `y`.db3", messages(500))
+    path.write_bytes(path.read_bytes()[: 2 * 4096])
+    with pytest.raises(RecordingError) as raised:
+        open_repaired([path])
+    told = str(raised.value).partition("try `")[2].partition(".recover`")[0]
+    assert shlex.split(told) == ["sqlite3", path.name]
 
 
 def test_a_database_whose_first_page_is_lost_is_named_with_a_way_out(tmp_path: Path) -> None:
@@ -313,7 +323,7 @@ def test_a_database_whose_first_page_is_lost_is_named_with_a_way_out(tmp_path: P
     raw = path.read_bytes()
     path.write_bytes(raw[:100] + b"\xff" * 3996 + raw[4096:])
     with pytest.raises(
-        RecordingError, match=r"^x\.db3: the database cannot be read .*'sqlite3 x\.db3 \.recover' may save"
+        RecordingError, match=r"^x\.db3: the database cannot be read .*`sqlite3 x\.db3 \.recover` may save"
     ):
         open_repaired([path])
 
