@@ -8,7 +8,7 @@ import traitlets
 
 from ._core.front_end import FrontEndWidget, bundle
 from ._core.platform_fixes import route_by_message
-from ._core.time_traits import Marks, Seconds, States, TimeSpan
+from ._core.time_traits import Marks, PlaybackSpeed, Seconds, States, TimeSpan
 from ._core.traits import Flag
 
 
@@ -30,7 +30,7 @@ class PlayerWidget(FrontEndWidget):
     time = Seconds(help="Seconds from the start, on show now. Python and the view write it.").tag(sync=True)
     duration = traitlets.Float(0.0, min=0.0, help="Seconds of the recording.").tag(sync=True)
     playing = Flag(False, help="Whether it plays. Python and the view write it.").tag(sync=True)
-    speed = traitlets.Float(1.0, min=0.1, max=10.0, help="Seconds of the recording in one on the wall.").tag(sync=True)
+    speed = PlaybackSpeed(1.0, help="Seconds of the recording in one on the wall.").tag(sync=True)
     loop = Flag(False, help="Whether it begins again at the end; of the selection, if there is one.").tag(sync=True)
     selection = TimeSpan(help="What is looped: (start, end) in seconds from the start, or None.").tag(sync=True)
     marks = Marks(help="What is marked on the slider: (start, end, text), in seconds from the start.").tag(sync=True)

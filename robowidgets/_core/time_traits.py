@@ -10,6 +10,9 @@ import traitlets
 
 from ..samples.time_span import time_span
 
+SLOWEST, FASTEST = 0.1, 10.0
+"""Seconds of a recording per second, at least and at most."""
+
 
 class TimeSpan(traitlets.TraitType[Any, Any]):
     """None, or (start, end) in seconds from the start, 0 <= start < end; a span of `Recording.find` is accepted, too.
@@ -43,6 +46,19 @@ class Seconds(traitlets.TraitType[Any, Any]):
         if isinstance(value, bool) or not isinstance(value, Real) or not isfinite(value):
             raise traitlets.TraitError(f"{self.name}: expected seconds from the start, got {value!r}")
         return min(max(0.0, float(value)), float(obj.duration))
+
+
+class PlaybackSpeed(traitlets.Float[Any, Any]):
+    """Seconds of a recording per second, 0.1 to 10."""
+
+    def validate(self, obj: Any, value: Any) -> float:
+        """The speed; TraitError if the value is none, as NaN, which no bound refuses."""
+        speed: float = super().validate(obj, value)
+        if not SLOWEST <= speed <= FASTEST:
+            raise traitlets.TraitError(
+                f"{self.name}: expected {SLOWEST:g} to {FASTEST:g} seconds of the recording per second, got {value!r}"
+            )
+        return speed
 
 
 class Marks(traitlets.TraitType[Any, Any]):

@@ -20,7 +20,7 @@ from .._core.cells import close_all, take_the_place
 from .._core.freezing import freeze_together
 from .._core.output_file import checked_output
 from .._core.sample_widget import SampleWidget
-from .._core.time_traits import Marks, Seconds, TimeSpan
+from .._core.time_traits import Marks, PlaybackSpeed, Seconds, TimeSpan
 from .._core.traits import Flag
 from .._layout import WIDE, OneScreen, columns
 from .._widget_choice import (
@@ -100,7 +100,7 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
 
     time = Seconds(help="Seconds from the start of the recording, on show now. Settable.")
     playing = Flag(False, help="Whether it plays. Settable.")
-    speed = traitlets.Float(1.0, min=0.1, max=10.0, help="Seconds of the recording per second. Settable.")
+    speed = PlaybackSpeed(1.0, help="Seconds of the recording per second. Settable.")
     loop = Flag(False, help="Whether it starts again at the end, or at the end of the selection. Settable.")
     selection = TimeSpan(help="The span that is looped: (start, end) in seconds from the start, or None. Settable.")
     marks = Marks(help="Marks on slider and scanogram: (start, end, text), in seconds. Touches, errors; settable.")

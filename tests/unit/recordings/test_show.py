@@ -312,7 +312,8 @@ def test_what_was_found_is_marked(player: Player) -> None:
 @pytest.mark.parametrize(
     ("name", "value", "error"),
     [
-        ("speed", 0.01, "speed"),
+        ("speed", 0.01, r"speed: expected 0\.1 to 10 seconds of the recording per second, got 0\.01"),
+        ("speed", nan, r"speed: expected 0\.1 to 10 seconds of the recording per second, got nan"),
         ("selection", (3, 2), r"selection: expected None or \(start, end\) in seconds"),
         ("marks", [(1, 2)], r"marks: expected \(start, end, text\), seconds in order; got \(1, 2\)"),
         ("marks", [(2, 1, "x")], r"marks: expected \(start, end, text\), seconds in order; got \(2, 1, 'x'\)"),
