@@ -75,7 +75,8 @@ class Log:
 
     def steps(self, stream: Any) -> Iterator[None]:
         """Log the whole recording, one piece at each step, the large pieces last."""
-        stream.send_recording_name(self.recording.path.name)
+        name = self.recording.path.name.encode("utf-8", "replace")  # the names of files may be no UTF-8
+        stream.send_recording_name(name.decode())
         scanners, others = (
             [frame for part in self._parts if part.stands_apart is apart for frame in part.frames()]
             for apart in (False, True)

@@ -99,7 +99,8 @@ class LabelFile:
     def _write(self, line: dict[str, Any]) -> None:
         # One write at the end of the file: another program may write to it, too, or have been cut off in a line.
         with self.path.open("ab", buffering=0) as file:
-            file.write(f"\n{json.dumps(line, ensure_ascii=False)}\n".encode())
+            # A name that is no UTF-8 is written as JSON escapes it.
+            file.write(f"\n{json.dumps(line, ensure_ascii=False)}\n".encode("utf-8", "backslashreplace"))
 
 
 def to_name(value: Any) -> str:

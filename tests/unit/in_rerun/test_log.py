@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import os
 import resource
+import sys
 from collections.abc import Iterator
 from itertools import islice, pairwise
 from pathlib import Path
@@ -174,6 +176,14 @@ def test_scans_of_several_ray_counts_keep_their_indices(tmp_path: Path, data: Pa
     read = Read(tmp_path / "odd.rrd")
     (entity,) = (entity for entity in read.entities if entity.startswith("/world/scans/"))
     assert sorted(len(row[1] or ()) for row in read.rows(entity, "recording_time", "Points3D:positions")) == counts
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="names of files are texts there")
+def test_a_recording_whose_name_is_no_utf_8_is_written(tmp_path: Path) -> None:
+    odd = tmp_path / os.fsdecode(b"Fahrt_\xfcber.mcap")
+    odd.write_bytes(robowidgets.SAMPLE.read_bytes())
+    with robowidgets.open(odd) as recording:
+        assert recording.to_rerun(tmp_path / "a.rrd", "/odom").stat().st_size > 0
 
 
 def test_only_a_file_for_rerun_is_replaced(recording: Recording, tmp_path: Path) -> None:
