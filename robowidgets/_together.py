@@ -22,7 +22,7 @@ def together(*widgets: RobotWidget[Any]) -> ipywidgets.Box:
         *widgets: laser, speed and touch widgets.
 
     Raises:
-        TypeError: something is no widget that can be frozen, or there is none.
+        TypeError: something is no widget that can be frozen, or there is none. RuntimeError: one is closed.
 
     Examples:
         >>> from robowidgets import LaserWidget, SpeedWidget, together
@@ -40,5 +40,7 @@ def together(*widgets: RobotWidget[Any]) -> ipywidgets.Box:
             )
     if not widgets:
         raise TypeError("together: expected the widgets to freeze together, as in together(laser, speed)")
+    for widget in widgets:
+        widget.check_open("together()")
     freeze_together(widgets)
     return Together(widgets)

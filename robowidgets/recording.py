@@ -216,7 +216,7 @@ class Recording(RecordingData):
             UnknownTopicError: the recording has no such topic, or no widget shows it.
             ValueError: the stretch is not in the recording, or the page would be too large; the text says what would
                 make it smaller.
-            TypeError: a time is no number. OSError: the file cannot be written.
+            TypeError: a time is no number, or a title no text. OSError: the file cannot be written.
 
         Examples:
             >>> recording.to_html("bump.html", start=10, end=20, note="It turns too late.")  # doctest: +SKIP

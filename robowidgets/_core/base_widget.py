@@ -68,6 +68,11 @@ class NamedWidget(FrontEndWidget):
         super().close()
         self._closed = True
 
+    def check_open(self, call: str) -> None:
+        """RuntimeError, which begins with the call, if the widget is closed: the page knows it no more."""
+        if self.comm is None:
+            raise RuntimeError(f"{call}: this widget is closed; show a new one")
+
     def __repr__(self) -> str:
         if self._closed:
             return "this widget is closed: make a new one"

@@ -51,6 +51,9 @@ class DrawnWidget(Protocol):
 
     comm: Any
 
+    def check_open(self, call: str) -> None:
+        """RuntimeError, which begins with the call, if it is closed."""
+
     def send(self, content: dict[str, Any]) -> None:
         """Send a message to the pages that show it."""
 
@@ -79,8 +82,7 @@ class Png:
         """See `RobotWidget.save_png`."""
         target = checked_output("save_png", path, (".png",))
         widget = self._widget
-        if widget.comm is None:
-            raise RuntimeError("save_png(): this widget is closed; show a new one")
+        widget.check_open("save_png()")
         if isinstance(widget.comm, DummyComm):
             raise RuntimeError("save_png() needs a notebook: a page that shows the widget draws the picture")
         number = next(self._numbers)

@@ -215,7 +215,8 @@ class RobotWidget(PacedWidget, Generic[S]):
             The path of the file.
 
         Raises:
-            TypeError: no path. ValueError: a name that does not end in .html. OSError: the file cannot be written.
+            TypeError: no path, or no text. ValueError: a name that does not end in .html. OSError: the file cannot be
+                written. RuntimeError: the widget is closed.
 
         Examples:
             >>> laser.to_html("wall.html", note="The reading that it stopped for.")  # doctest: +SKIP

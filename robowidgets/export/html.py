@@ -6,8 +6,9 @@ import base64
 import hashlib
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from html import escape
+from numbers import Real
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from .._core.front_end import STATIC, built_file
 from .._core.output_file import whole_file
@@ -152,7 +153,7 @@ class Page(NamedTuple):
 <section class="rw-page-text"><p class="rw-page-why">{_NO_SCRIPT}</p><pre>{escape(chr(10).join(heading.lines))}</pre>\
 </section>
 <footer class="rw-page-end"><div class="rw-page-data"></div><span>{_MADE}</span></footer>
-""".encode()
+""".encode("utf-8", "replace")  # the names of files may be no UTF-8
         yield _part("program", packed)
         yield _part("page", self.state)
         for segment in segments:
@@ -165,6 +166,15 @@ class Page(NamedTuple):
                 f"{path.name} would take {about}{megabytes(size)}, and at most {megabytes(max_size)} are allowed: "
                 f"{self.advice}, or allow more (max_size={-(-2 * size // 10**6) * 10**6:_})"
             )
+
+
+def check_texts(title: Any, note: Any, max_size: Any = None) -> None:
+    """TypeError for a title or a note that is no text, or a size that is no number. None is none."""
+    for name, value in (("title", title), ("note", note)):
+        if not isinstance(value, str | None):
+            raise TypeError(f"to_html(): expected {name} as a text, got {value!r}")
+    if max_size is not None and (isinstance(max_size, bool) or not isinstance(max_size, Real)):
+        raise TypeError(f"to_html(): expected max_size in bytes, such as 50_000_000, or None, got {max_size!r}")
 
 
 def static(name: str) -> str:

@@ -16,7 +16,7 @@ from .._core.cells import close_all
 from .._core.text import as_date, many
 from .._core.timed_frame import FRAME_HEADER, TimedFrame
 from ..player_widget import PlayerWidget
-from .html import Heading, Page
+from .html import Heading, Page, check_texts
 from .models import Models, shown
 from .segments import segment
 
@@ -28,6 +28,8 @@ _WIDTH = "760px"
 
 def write(widget: Any, path: Path, title: str, note: str) -> Path:
     """See `RobotWidget.to_html`."""
+    widget.check_open("to_html()")
+    check_texts(title, note)
     sent = widget.sent_frames()
     start, end = (sent[0].seconds, sent[-1].seconds) if sent else (0.0, 0.0)
     began = time.time() - time.monotonic() + start

@@ -8,7 +8,7 @@ from pathlib import Path
 from .._core.cells import close_all
 from .._core.progress import Progress, without_bars
 from .._core.text import many, megabytes
-from ..export.html import Heading, Page, PageAssets
+from ..export.html import Heading, Page, PageAssets, check_texts
 from ..export.models import Models, shown
 from ..player.player import Player
 from ..recording import open as open_recording
@@ -32,6 +32,7 @@ def write(
     max_size: int | None,
 ) -> Path:
     """See `Hits.to_html`."""
+    check_texts(title, note, max_size)
     around = not_negative("around", around, "seconds")
     if not hits:
         raise ValueError(f"{target.name}: nothing was found, so there is nothing to play")

@@ -117,9 +117,10 @@ class HasFootprint(FreezableWidget):
         self.footprint = self._footprint
 
     def _model_of(self, kind: str, widget: Any) -> str:
-        """The model of a widget, or of the only one of its kind in this view; empty for none."""
+        """The model of a widget, or of the only one of its kind in this view; empty for none, or a closed one."""
         found = [one for one in self._group if one.sample_name == kind] if widget is None else [widget]
-        return found[0].model_id if len(found) == 1 else ""
+        still_open = [one for one in found if one.comm is not None]
+        return still_open[0].model_id if len(still_open) == 1 else ""
 
 
 def _numbers(name: str, values: Any, form: str) -> tuple[float, ...]:

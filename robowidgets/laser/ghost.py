@@ -33,7 +33,8 @@ class HasGhost(RobotWidget[Scan]):
         on show. Another laser widget is the scan that it shows. None: no ghost. The view pins scans, too.
 
         Raises:
-            TypeError: it is none of these. ValueError: a number below 1, or the widget itself.
+            TypeError: it is none of these. ValueError: a number below 1, or the widget itself. RuntimeError: the widget
+                is closed.
         """
         if self._ghost_of:
             return self._ghost_widget
@@ -49,6 +50,7 @@ class HasGhost(RobotWidget[Scan]):
         elif isinstance(value, HasGhost):
             if value is self:
                 raise ValueError("ghost: expected another laser widget, got this one")
+            value.check_open("ghost")
             other = value
         elif isinstance(value, int) and not isinstance(value, bool):
             if value < 1:

@@ -73,8 +73,10 @@ def page_of(player: PagedPlayer, wanted: Wanted, scanogram: bool | None = None) 
 
     Raises:
         ValueError: a stretch that is not in the recording. TypeError: no number. RecordingError: it holds nothing that
-            a widget shows.
+            a widget shows, or the player is closed.
     """
+    if player.bar.comm is None:
+        raise RecordingError(f"{player.recording.path.name}: this player is closed; show the recording again")
     if not player.views:
         raise RecordingError(f"{player.recording.path.name}: no topic for a page: no widget shows any")
     with ExitStack() as stack:

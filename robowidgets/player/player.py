@@ -33,7 +33,7 @@ from .._widget_choice import (
     of_topic,
     wishes,
 )
-from ..export.html import MAX_SIZE, SUFFIXES, Page
+from ..export.html import MAX_SIZE, SUFFIXES, Page, check_texts
 from ..in_rerun.widget import RerunWidget
 from ..kinds import LASER, TOUCH, asked_of_fields, asked_of_type, load
 from ..message_widget import MessageWidget
@@ -252,6 +252,7 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
         takes a moment. Arguments and errors are those of `Recording.to_html`.
         """
         target = checked_output("to_html", path, SUFFIXES)
+        check_texts(title, note, max_size)
         with page_of(self, Wanted(start, end, title, note, every), scanogram) as page:
             return page.write(target, max_size)
 

@@ -130,6 +130,10 @@ class TestGhost:
         assert laser.ghost == 5
         with pytest.raises(ValueError, match="another laser widget, got this one"):
             laser.ghost = laser
+        other = LaserWidget()
+        other.close()
+        with pytest.raises(RuntimeError, match="ghost: this widget is closed; show a new one"):
+            laser.ghost = other
         laser.close()
 
     def test_the_player_of_a_recording_keeps_no_earlier_scans(self) -> None:

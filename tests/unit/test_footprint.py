@@ -46,6 +46,14 @@ def test_a_footprint_takes_the_widgets_of_a_view_that_is_made_later() -> None:
     assert plain._robot == {}
 
 
+def test_a_closed_widget_is_none_of_a_footprint() -> None:
+    laser, speed, touch = LaserWidget(), SpeedWidget(), TouchWidget()
+    together(laser, speed, touch)
+    speed.close()
+    laser.footprint = Footprint(radius=0.2)
+    assert (laser._robot["speed"], laser._robot["touch"]) == ("", touch.model_id)
+
+
 @pytest.mark.parametrize(
     ("fields", "error", "text"),
     [

@@ -6,10 +6,12 @@ import errno
 import json
 import os
 import re
+import sys
 import zlib
 from base64 import b85decode
 from contextlib import closing
 from pathlib import Path
+from shutil import copy
 from typing import Any
 
 import numpy as np
@@ -154,6 +156,13 @@ def test_a_large_page_is_written_only_when_asked_and_the_text_says_what_makes_it
         ({"start": "1"}, TypeError, "start: expected seconds from the start of the recording, got '1'"),
         ({"every": 0}, ValueError, "every: expected 1 for all scans"),
         ({"topics": ["/sacn"]}, UnknownTopicError, "no topic '/sacn'"),
+        ({"title": 5}, TypeError, r"to_html\(\): expected title as a text, got 5"),
+        ({"note": ["x"]}, TypeError, r"to_html\(\): expected note as a text, got \['x'\]"),
+        (
+            {"max_size": "a"},
+            TypeError,
+            r"to_html\(\): expected max_size in bytes, such as 50_000_000, or None, got 'a'",
+        ),
         ({"topics": "/scan"}, TypeError, r"topics: expected a list of names, got '/scan'"),
     ],
 )
@@ -164,6 +173,25 @@ def test_what_makes_no_sense_is_refused_in_a_line(
         recording.to_html(tmp_path / "a.html", **wanted)
     assert "\n" not in str(raised.value)
     assert list(tmp_path.iterdir()) == []
+
+
+def test_a_closed_player_says_so(path: Path, tmp_path: Path) -> None:
+    with robowidgets.open(path) as recording:
+        player = recording.show(scanogram=False)
+    player.close()
+    with pytest.raises(RecordingError, match="this player is closed; show the recording again"):
+        player.to_html(tmp_path / "a.html")
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="names of files are texts there")
+def test_a_recording_whose_name_is_no_utf_8_is_written_and_labelled(tmp_path: Path) -> None:
+    odd = tmp_path / os.fsdecode(b"Fahrt_\xfcber.mcap")
+    copy(robowidgets.SAMPLE, odd)
+    with robowidgets.open(odd) as recording:
+        page = recording.to_html(tmp_path / "a.html", start=1, end=2).read_text(encoding="utf-8")
+        recording.label("door", 1, 2)
+        assert [label[:3] for label in recording.labels] == [("door", 1.0, 2.0)]
+    assert "<h1>Fahrt_?ber.mcap</h1>" in page
 
 
 def test_a_file_that_cannot_be_written_is_refused_before_any_work(path: Path, tmp_path: Path) -> None:

@@ -51,6 +51,15 @@ def test_without_a_history_a_page_has_the_newest_sample(tmp_path: Path) -> None:
         touch.to_html(tmp_path / "a.png")
 
 
+def test_a_closed_widget_and_a_title_that_is_no_text_are_refused(tmp_path: Path) -> None:
+    laser = LaserWidget()
+    with pytest.raises(TypeError, match=r"to_html\(\): expected title as a text, got 5"):
+        laser.to_html(tmp_path / "a.html", title=5)
+    laser.close()
+    with pytest.raises(RuntimeError, match=r"to_html\(\): this widget is closed; show a new one"):
+        laser.to_html(tmp_path / "a.html")
+
+
 def test_the_history_that_is_kept_is_that_of_the_page(monkeypatch: pytest.MonkeyPatch) -> None:
     frames = SentFrames()
     for i in range(100):

@@ -28,6 +28,13 @@ def test_what_a_program_freezes_freezes_all_at_what_they_show() -> None:
     assert shown == {laser, speed, touch}
 
 
+def test_a_closed_widget_is_in_no_group() -> None:
+    laser, speed = LaserWidget(), SpeedWidget()
+    speed.close()
+    with pytest.raises(RuntimeError, match=r"together\(\): this widget is closed; show a new one"):
+        together(laser, speed)
+
+
 def test_what_a_page_freezes_is_left_to_the_page_which_knows_the_moment() -> None:
     laser, speed = LaserWidget(), SpeedWidget()
     together(laser, speed)
