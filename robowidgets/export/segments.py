@@ -91,7 +91,9 @@ def _pack_column(values: NDArray[np.float64]) -> tuple[int, bytes]:
     for scale in _SCALES:
         with np.errstate(invalid="ignore", over="ignore"):
             whole = np.rint(values * scale)
-        if np.all(np.abs(whole) < _EXACT) and np.array_equal((whole / scale).view("<u8"), values.view("<u8")):
+        if np.all(np.abs(whole) < _EXACT) and np.array_equal(
+            (whole.astype(np.int64) / scale).view("<u8"), values.view("<u8")
+        ):
             return scale, planes(folded_changes(whole.astype(np.int64)))
     return 0, planes(values)
 

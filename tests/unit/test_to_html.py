@@ -20,6 +20,7 @@ import pytest
 import robowidgets
 from robowidgets._core import output_file
 from robowidgets.export import html
+from robowidgets.export.segments import _pack_column
 from robowidgets.recordings import UnknownTopicError
 from robowidgets.recordings.files import open_source
 from robowidgets.repair import RecordingError, Source
@@ -102,6 +103,11 @@ def test_real_recordings_take_what_was_promised(tmp_path: Path, data: Path) -> N
         with closing(open_source(file)) as source:
             mcap = write(Part(source, topics), tmp_path / "a.mcap").size
         assert size <= 0.6 * mcap + 170_000, name
+
+
+def test_numbers_keep_the_sign_of_zero() -> None:
+    assert _pack_column(np.array([0.0, 0.5]))[0] == 10**6
+    assert _pack_column(np.array([-0.0, 0.5]))[0] == 0, "the bits are packed as they are"
 
 
 @pytest.mark.slow
