@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 from abc import ABC, abstractmethod
 from collections.abc import Iterator, Mapping, Sequence
 from datetime import datetime, timedelta, timezone
@@ -137,10 +138,15 @@ def not_read(unread: Sequence[Unread]) -> Iterator[str]:
     """Lines on recordings that could not be read, one for each reason, those of most recordings first."""
     reasons: dict[str, list[str]] = {}
     for file, problem in unread:
-        name = Path(file).name
-        reasons.setdefault(problem.replace(file, "").replace(name, "").strip(": "), []).append(name)
+        reasons.setdefault(without_name(problem, file), []).append(Path(file).name)
     for reason, names in sorted(reasons.items(), key=lambda one: -len(one[1])):
         yield f"not read: {listed(names)}: {reason}"
+
+
+def without_name(problem: str, file: str) -> str:
+    """A problem without the name of its recording, so that it reads alike for others: of `scan`, not /scan."""
+    name = re.escape(Path(file).name)
+    return re.sub(rf"{re.escape(file)}|(?<![\w/.-]){name}(?!\.?[\w/-])", "", problem).strip(": ")
 
 
 def short(files: Sequence[str]) -> dict[str, str]:

@@ -14,7 +14,7 @@ from ..recording import open as open_recording
 from ..recordings.columns.tables import date, text
 from ..samples import Problem
 from ._engine import LONGEST
-from ._fleet_table import FleetTable, date_of
+from ._fleet_table import FleetTable, date_of, without_name
 from ._gather import gather, kept_of
 from .places import PathLike
 
@@ -51,7 +51,7 @@ class CheckUp(FleetTable):
         groups: dict[str, dict[str, tuple[str, str]]] = {}
         for file, one in self._found.items():
             for problem, remedy in one["problems"]:
-                alike = _NUMBERS.sub("…", problem.replace(Path(file).name, ""))
+                alike = _NUMBERS.sub("…", without_name(problem, file))
                 groups.setdefault(alike, {}).setdefault(file, (problem, remedy))
         kinds = []
         for alike, files in groups.items():

@@ -21,6 +21,7 @@ from robowidgets import conditions
 from robowidgets.command import main
 from robowidgets.fleet import find
 from robowidgets.fleet._engine import Done, each
+from robowidgets.fleet._fleet_table import Unread, not_read
 from robowidgets.fleet.hits import Hit, Hits
 
 from . import executors
@@ -267,6 +268,12 @@ def test_pandas_has_the_same_types_whatever_was_found(runs: Path) -> None:
     assert len(none) == 0 < len(unread) < len(some)
     assert none["date"].dt.year.tolist() == []
     assert str(some["date"].dtype) == "datetime64[us, UTC]"
+
+
+def test_a_reason_loses_the_name_of_its_recording_and_no_other_word() -> None:
+    problem = "{}: no /scan in {}. A scanner was lost"
+    unread = [Unread(f"/runs/{name}", problem.format(f"/runs/{name}", name)) for name in ("scan", "a", "b.bag")]
+    assert list(not_read(unread)) == ["not read: scan, a, b.bag: no /scan in . A scanner was lost"]
 
 
 def test_printed_it_names_files_without_their_common_folder_and_what_was_not_read(runs: Path) -> None:
