@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 import struct
 from pathlib import Path
+from shlex import quote
 
 from ..messages.channel import Channel
 from ._byte_range import ByteRange, find
@@ -68,7 +69,7 @@ class _Reader(RecordReader):
         if version := _VERSION.match(head):
             raise RecordingError(
                 f"{name}: a bag of format {version[1].decode()}: only ROS 1 bags of format 2.0 can be read; "
-                f"with ROS 1 installed, 'rosbag filter {name} new.bag True' writes it as 2.0"
+                f"with ROS 1 installed, `rosbag filter {quote(name)} new.bag True` writes it as 2.0"
             )
         raise foreign(name, "a ROS 1 bag of format 2.0", head)
 
@@ -127,7 +128,7 @@ class _Reader(RecordReader):
         if encryptor := record.fields.get("encryptor"):
             raise RecordingError(
                 f"{self.file.name}: the bag is encrypted ({_text(encryptor)}): expected a plain one; "
-                f"decrypt it with 'rosbag decrypt {self.file.name}'"
+                f"decrypt it with `rosbag decrypt {quote(self.file.name)}`"
             )
         index_pos = _uint(record.fields["index_pos"])
         self.damage.unfinished = index_pos == 0

@@ -113,6 +113,7 @@ test("files that were not read whole are told by reason, those of most files fir
 
 test("a path that is copied for a shell runs nothing", () => {
   assert.equal(toShell("/runs/my run.mcap"), '"/runs/my run.mcap"');
+  assert.equal(toShell("/runs/`id`.mcap"), "'/runs/`id`.mcap'");
   assert.equal(toShell("C:\\runs\\a.bag"), '"C:\\runs\\a.bag"');
   assert.equal(toShell("/runs/$(id)'s.mcap"), "'/runs/$(id)'\\''s.mcap'");
 });

@@ -178,16 +178,16 @@ def test_an_older_format_is_named_with_a_way_out(tmp_path: Path) -> None:
         open_repaired([path])
     assert str(error.value) == (
         "old.bag: a bag of format 1.2: only ROS 1 bags of format 2.0 can be read; "
-        "with ROS 1 installed, 'rosbag filter old.bag new.bag True' writes it as 2.0"
+        "with ROS 1 installed, `rosbag filter old.bag new.bag True` writes it as 2.0"
     )
 
 
 def test_an_encrypted_bag_is_named_with_a_way_out(tmp_path: Path) -> None:
     fields = [b"op=\x03", b"index_pos=" + bytes(8), b"encryptor=rosbag/AesCbcEncryptor"]
     header = b"".join(struct.pack("<I", len(field)) + field for field in fields)
-    path = tmp_path / "secret.bag"
+    path = tmp_path / "my secret.bag"
     path.write_bytes(b"#ROSBAG V2.0\n" + struct.pack("<I", len(header)) + header + bytes(4))
-    with pytest.raises(RecordingError, match=r"encrypted \(rosbag/AesCbcEncryptor\).*'rosbag decrypt secret.bag'"):
+    with pytest.raises(RecordingError, match=r"encrypted \(rosbag/AesCbcEncryptor\).*`rosbag decrypt 'my secret.bag'`"):
         open_repaired([path])
 
 
