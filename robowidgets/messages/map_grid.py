@@ -47,7 +47,9 @@ def to_map_grid(message: Any) -> MapGrid:
     width, height = (
         get(message, f"{about}.{name}") for name in (("size_x", "size_y") if is_cost else ("width", "height"))
     )
-    resolution, data = get(message, f"{about}.resolution"), bytes_in("map: data", get(message, "data"))
+    resolution, data = get(message, f"{about}.resolution"), get(message, "data")
+    if is_cost:  # of bytes; those of an OccupancyGrid have a sign, and rosbridge sends them as numbers
+        data = bytes_in("map: data", data)
     try:
         values = np.frombuffer(data, np.uint8) if isinstance(data, (bytes, bytearray)) else np.asarray(data, np.int16)
     except (TypeError, ValueError, OverflowError):

@@ -267,12 +267,16 @@ def names_of(function: Callable[..., Any]) -> tuple[str, ...]:
 
 def _topics(recording: RecordingData, asked: Any) -> list[Topic]:
     """The topics that a function may read; UnknownTopicError without any."""
-    names = shown(recording.topics) if asked is None else [asked] if isinstance(asked, str) else list(asked)
+    there = shown(recording.topics)
+    names = there if asked is None else [asked] if isinstance(asked, str) else list(asked)
     if not names:
         first = next((topic.name for topic in recording.topics), "/imu")
         why = f"{recording.path.name} has no topic that a widget shows" if asked is None else "topics names none"
         raise UnknownTopicError(f"{why}: name those that the function reads, as in topics={[first]!r}")
-    return [check_known(name, recording.topics, recording.path.name) for name in dict.fromkeys(names)]
+    # Of a topic with messages of two types, those that are shown.
+    return [
+        there.get(name) or check_known(name, recording.topics, recording.path.name) for name in dict.fromkeys(names)
+    ]
 
 
 def _code(value: bool | None) -> int:

@@ -61,7 +61,9 @@ def test_a_type_without_a_message_is_not_the_first(tmp_path: Path) -> None:
 
 def test_a_topic_is_searched_by_the_type_that_is_shown(tmp_path: Path) -> None:
     with robowidgets.open(write(tmp_path / "x", TEXT, TWIST)) as recording:
-        assert [span[:2] for span in recording.find(lambda moment: moment.speed.linear[0] > 0)] == [(0, 2)]
+        for topics in (None, "/data"):
+            found = recording.find(lambda moment: moment.speed.linear[0] > 0, topics)
+            assert [span[:2] for span in found] == [(0, 2)]
         assert [span[:2] for span in recording.find(conditions.gap(0.5, topic="/data"))] == [
             (0, 1),
             (pytest.approx(1), 2),
