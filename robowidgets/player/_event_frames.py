@@ -19,6 +19,7 @@ from ..recordings.events import mark_text
 from ..recordings.program_log import PROGRAM, STATES
 from ..samples.event import Level
 from ..samples.event_log import EventLog, EventRow, shortened, thinned
+from ._frames import BEFORE
 from ._touch_marks import Mark, joined
 
 LONGEST = 2.0
@@ -50,8 +51,9 @@ class EventFrames:
     def frames(self, start: float, end: float) -> Iterator[TimedFrame]:
         """See `Track`."""
         first, stop = bisect_right(self._times, start), bisect_right(self._times, end)
-        for seconds in (start, *self._times[first:stop]):
-            about, frame = self._widget.frame_at(seconds)
+        before = self._times[first - 1] if first else BEFORE
+        for seconds in (before, *self._times[first:stop]):
+            about, frame = self._widget.frame_at(max(seconds, start))
             yield TimedFrame(seconds, about, FRAME_HEADER.pack(0.0, nan, 0, 0.0) + frame)
 
     def seek(self, seconds: float) -> None:

@@ -52,6 +52,9 @@ LONGEST_PATH = 2.0
 LOOKED_AT = 20
 """Samples of a topic from which its usual rate is found."""
 
+NEW = "new"
+"""In the texts on a frame, the roles whose samples came with it: none, where no message did. Missing: all of them."""
+
 TOGETHER = 0.01
 """Seconds within which what the sensors of a ring measure is shown in one frame: they often measure at once."""
 
@@ -136,6 +139,7 @@ class SampleFrames:
     def __init__(self, recording: RecordingData, choice: WidgetChoice, widget: SampleWidget) -> None:
         self._recording, self._choice, self._widget = recording, choice, widget
         self._nothing = choice.shown.nothing
+        self._roles = {name: role.name for role, name in choice.parts}
         goes_with = choice.parts[len(choice.own) :]
         shows = [(choice.own, widget.update), *(((name,), getattr(widget, role.take)) for role, name in goes_with)]
         self._seeks = [self._seek(topics, show) for topics, show in shows]
@@ -144,14 +148,15 @@ class SampleFrames:
         """See `Track`."""
         topics = self._choice.topics
         now = {name: self._recording.at(name, start) for name in topics}
-        seconds, began = max(moment.seconds if moment else BEFORE for moment in now.values()), -inf
+        seconds, newest = max((moment.seconds if moment else BEFORE, name) for name, moment in now.items())
+        began = -inf
         for moment in self._recording.samples(topics, start, end):
             if not self._choice.role.each or moment.seconds - began >= TOGETHER:
-                yield self._shown(seconds, now)
+                yield self._shown(seconds, now, newest)
                 began = moment.seconds
             now[moment.topic] = moment
-            seconds = moment.seconds
-        yield self._shown(seconds, now)
+            seconds, newest = moment.seconds, moment.topic
+        yield self._shown(seconds, now, newest)
 
     def seek(self, seconds: float) -> None:
         """See `Track`."""
@@ -181,11 +186,12 @@ class SampleFrames:
         came = {sensor_of(name): moment.seconds if (moment := now[name]) else -inf for name in topics}
         return each({sensor_of(name): sample for name, sample in samples.items()}, came)
 
-    def _shown(self, seconds: float, now: Mapping[str, Moment | None]) -> TimedFrame:
-        """The frame of the last moment of each topic."""
+    def _shown(self, seconds: float, now: Mapping[str, Moment | None], newest: str) -> TimedFrame:
+        """The frame of the last moment of each topic; where they have several roles, it says whose sample is new."""
         own = self._choice.own
         others = {role.name: self._sample((name,), now) for role, name in self._choice.parts[len(own) :]}
-        return self._frame(seconds, self._sample(own, now), **others)
+        timed = self._frame(seconds, self._sample(own, now), **others)
+        return timed._replace(about=timed.about | {NEW: [self._roles[newest]]}) if others else timed
 
     def _frame(self, seconds: float, sample: Any) -> TimedFrame:
         about, frame = self._widget.frame_of(sample)
@@ -272,18 +278,22 @@ class TouchFrames:
         moments: list[Moment | None] = [*self._recording.samples(self._topic, start, end), None]
         tracker = self._history.at(self._time_ns(start) - 1)
         seconds, end = start, max(end, start + _LEAST)  # so that there is a frame
+        unchanged: dict[str, Any] = {NEW: []}
+        came = unchanged
         for moment in moments:
-            until = end if moment is None else moment.seconds
-            while seconds < until:
+            until = end if moment is None else max(moment.seconds, seconds)
+            while seconds < until or came is not unchanged:
                 now_ns = self._time_ns(seconds)
                 newest = tracker.newest or Touch({})
                 frame = _header(newest) + pack_states(tracker, now_ns)
-                yield TimedFrame(seconds, {**about_touch(newest), "still": True}, frame)
+                yield TimedFrame(seconds, {**about_touch(newest), "still": True, **came}, frame)
+                came = unchanged
                 change_ns = tracker.next_change_ns(now_ns)
                 change = until if change_ns is None else (change_ns - self._start_ns) / 1e9
                 seconds = min(seconds + TICK, max(change, seconds + _LEAST), until)
             if moment is not None and isinstance(moment.sample, Touch):
                 tracker.apply(moment.sample, moment.time_ns)
+                came = {}
 
     def seek(self, seconds: float) -> None:
         """See `Track`."""

@@ -28,7 +28,7 @@ from ..recordings import RecordingData
 from ..recordings.topics import Moment, TimedMessage
 from ..samples import Pose
 from ..samples.map_item import SENSED, MapItem
-from ._frames import BEFORE, PathFrames, Track
+from ._frames import BEFORE, NEW, PathFrames, Track
 
 LONGEST = 3.0
 """Seconds for which the transforms, and then each layer, are read before the map is shown."""
@@ -261,18 +261,19 @@ class MapFrames:
         seconds, time_ns = max(((one.seconds, one.time_ns) for one in now.values() if one), default=nothing)
         if whole.base:
             seconds, time_ns = start, self._time_ns(start)
-        began = seconds
+        # That of the start has the place of the robot by then, though no message came.
+        began, came = seconds, not whole.base
         each = [self._recording.messages(name, start, end) for name in self._topics]
         if whole.base:
             each.append(self._ticks(start, end))
         for moment in merge(*each, key=lambda moment: moment.time_ns):
             if moment.seconds - began >= TOGETHER or seconds < 0:
-                yield self._shown(now, seconds, time_ns)
+                yield self._shown(now, seconds, time_ns, came)
                 began = moment.seconds
             if moment.topic and (told := whole.told_by(moment.topic, moment)):
                 now[moment.topic] = told
-            seconds, time_ns = moment.seconds, moment.time_ns
-        yield self._shown(now, seconds, time_ns)
+            seconds, time_ns, came = moment.seconds, moment.time_ns, True
+        yield self._shown(now, seconds, time_ns, came)
 
     def seek(self, seconds: float) -> None:
         """See `Track`."""
@@ -295,10 +296,11 @@ class MapFrames:
     def _time_ns(self, seconds: float) -> int:
         return (self._recording.start_ns or 0) + round(seconds * 1e9)
 
-    def _shown(self, now: dict[str, _Told | None], seconds: float, time_ns: int) -> TimedFrame:
+    def _shown(self, now: dict[str, _Told | None], seconds: float, time_ns: int, came: bool) -> TimedFrame:
         about, point = self._point(now, seconds, time_ns)
         drawn, frame = self._widget.frame_of(point)
-        return TimedFrame(seconds, {**drawn, **about}, FRAME_HEADER.pack(0.0, nan, 0, 0.0) + frame)
+        news: dict[str, Any] = {} if came else {NEW: []}
+        return TimedFrame(seconds, {**drawn, **about, **news}, FRAME_HEADER.pack(0.0, nan, 0, 0.0) + frame)
 
     def _point(self, now: dict[str, _Told | None], seconds: float, time_ns: int) -> tuple[dict[str, Any], PathPoint]:
         placed, missing = self._whole.place(now, seconds, time_ns)

@@ -13,6 +13,7 @@ from ..plot_widget import MOST_LINES, PlotWidget
 from ..recordings import RecordingData
 from ..recordings.field_lines import choices, field_lines
 from ..samples.state_span import rows_of
+from ._frames import BEFORE
 
 _FRAME = FRAME_HEADER.pack(0.0, nan, 0, 0.0)
 
@@ -38,9 +39,9 @@ class PlotFrames:
 
     def frames(self, start: float, end: float) -> Iterator[TimedFrame]:
         """See `Track`."""
-        first, stop = np.searchsorted(self._times, (start, end), "left")
-        yield TimedFrame(start, {}, _FRAME)
-        yield from (TimedFrame(seconds, {}, _FRAME) for seconds in self._times[first:stop].tolist() if seconds > start)
+        first, stop = np.searchsorted(self._times, start, "right"), np.searchsorted(self._times, end, "left")
+        before = self._times[first - 1] if first else BEFORE
+        yield from (TimedFrame(seconds, {}, _FRAME) for seconds in (float(before), *self._times[first:stop].tolist()))
 
     def seek(self, seconds: float) -> None:
         """See `Track`: the page shows the time in its lines."""

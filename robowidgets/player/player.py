@@ -555,10 +555,11 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
                 return
             choice = self.views[0].choice
             if direction > 0:
-                later = moments_of(self.recording, choice, (choice.topic,), seconds)
+                later = moments_of(self.recording, choice, choice.asked, seconds)
                 found = next((m for m in later if m.seconds > seconds), None)
             else:
-                found = moment_at(self.recording, choice, choice.topic, seconds - _TINY)
+                last = (moment_at(self.recording, choice, topic, seconds - _TINY) for topic in choice.asked)
+                found = max((m for m in last if m), key=lambda m: m.time_ns, default=None)
         if found:
             self.bar.send({"seek": found.seconds, "step": [seconds, direction]})
 

@@ -69,6 +69,28 @@ test("steps go from frame to frame, past segments with none, and say where somet
   assert.equal(segments.neighbour(0, 3.25, 1, 3.5), 3.25);
 });
 
+test("steps go from message to message, past frames with which none came", () => {
+  const abouts = [{}, { new: [] }, { new: ["commanded"] }];
+  const framed = (...frames: [time: number, about: number][]) => ({
+    frames: decodeFrames(packed(...frames.map(([time, about]): [number, number, number[]] => [time, about, FRAME]))),
+    abouts,
+  });
+  const segments = new Segments(1);
+  segments.put(0, [framed([0, 1], [0.1, 1], [0.25, 0], [0.35, 1])]);
+  segments.put(1, [framed([1, 1], [1.1, 1])]);
+  segments.put(2, [framed([2, 0], [2.1, 1], [2.5, 2])]);
+  const walk = (time: number, direction: -1 | 1) => {
+    const steps = [time];
+    for (const from of steps) {
+      const to = segments.neighbour(0, from, direction, 2.9);
+      if (to !== null && to !== from) steps.push(to);
+    }
+    return steps.slice(1);
+  };
+  assert.deepEqual(walk(0, 1), [0.25, 2, 2.5]);
+  assert.deepEqual(walk(2.9, -1), [2.5, 2, 0.25]);
+});
+
 test("the last frames up to a time are told across segments, each once, as far back as segments are here", () => {
   const segments = new Segments(1);
   segments.put(1, [track(0.5, 1, 1.5)]);

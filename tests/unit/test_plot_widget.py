@@ -518,9 +518,22 @@ def test_a_player_has_the_fields_in_one_plot_that_follows_its_time() -> None:
     assert plot.model_id in player.bar._followers
     (view,) = (view for view in player.views if view.widget is plot)
     times = [timed.seconds for timed in view.track.frames(10.0, 11.0)]
-    assert times[0] == 10.0
+    before = [max(plot[name][0][plot[name][0] <= 10.0]) for name in plot.names]
+    assert times[0] == max(before), "the last value holds until the next"
     assert 20 <= len(times) <= 42
     assert times == sorted(times)
+    player.close()
+
+
+def test_a_player_of_fields_steps_from_value_to_value() -> None:
+    with robowidgets.open(robowidgets.SAMPLE) as recording:
+        player = recording.show("/bumper.bumper")
+    values = sorted({moment.seconds for moment in player.recording.samples("/bumper")})
+    (view,) = player.views
+    assert values[0] > 12
+    assert [timed.seconds for timed in view.track.frames(8.0, 9.0)] == [-1.0], "there is no value yet"
+    later = [timed.seconds for i in range(int(values[0]), 59) for timed in view.track.frames(i, i + 1)]
+    assert sorted({*later}) == pytest.approx([-1.0, *values])
     player.close()
 
 

@@ -1,4 +1,5 @@
 import { firstWhere } from "../shared/search.ts";
+import type { About } from "../shared/traits.ts";
 
 /** A frame that one widget shows from a time on. */
 export interface TimedFrame {
@@ -19,6 +20,15 @@ export interface Track {
 export interface Shown {
   track: Track;
   frame: TimedFrame;
+}
+
+/**
+ * Whether a frame has a new sample, by the texts on it.
+ * @param role of the sample; without one, any counts
+ */
+export function isNew(about: About = {}, role?: string): boolean {
+  if (!about.new) return true;
+  return role ? about.new.includes(role) : about.new.length > 0;
 }
 
 const ROW = 3;
@@ -94,15 +104,16 @@ export class Segments {
   }
 
   /**
-   * The time of the next frame of one widget, or of the one before.
+   * The time of the next sample of one widget, or of the one before: of frames that have a new one.
    * @returns null where the segment that must hold it is not here
    */
   neighbour(of: number, time: number, direction: -1 | 1, duration: number): number | null {
     for (let index = this.indexOf(time); index >= 0 && index * this.#seconds <= duration; index += direction) {
-      const frames = this.#tracks.get(index)?.[of]?.frames;
-      if (!frames) return null;
+      const track = this.#tracks.get(index)?.[of];
+      if (!track) return null;
       const start = index * this.#seconds;
-      const times = frames.map((frame) => frame.time).filter((t) => t >= start);
+      const frames = track.frames.filter(({ time, about }) => time >= start && isNew(track.abouts[about]));
+      const times = frames.map((frame) => frame.time);
       const found = direction > 0 ? times.find((t) => t > time) : times.filter((t) => t < time).at(-1);
       if (found !== undefined) return found;
     }

@@ -80,6 +80,8 @@ export interface About {
   missing?: Record<string, string>;
   /** Sequence number of the sample that the lamps tell of. */
   judged?: number;
+  /** Of a recording, the roles whose samples came with the frame: none, where no message did. Missing: all of them. */
+  new?: string[];
 }
 
 /** A place in metres, x forward and y to the left; or the index of a ray, for its reading. */

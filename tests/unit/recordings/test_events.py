@@ -168,7 +168,8 @@ class TestThePlayer:
     def test_has_a_frame_at_each_event_and_the_last_event_for_programs(self, recording: Recording) -> None:
         player = recording.show("/rosout")
         (view,) = player.views
-        assert [timed.seconds for timed in view.track.frames(2.2, 9.0)] == [2.2, 2.5, 3.0, 8.0]
+        assert [timed.seconds for timed in view.track.frames(2.2, 9.0)] == [2.0, 2.5, 3.0, 8.0]
+        assert [timed.seconds for timed in view.track.frames(0.5, 1.5)] == [0.0]
         player.seek(4.0)
         assert view.widget.wait(timeout=0).text == "released"
         player.close()

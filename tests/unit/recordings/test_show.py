@@ -349,6 +349,17 @@ def test_a_step_that_the_page_cannot_take_goes_to_the_next_scan_or_the_one_befor
     assert sent == [{"seek": scans[i], "step": step} for i, step in zip((5, 3, 4), steps, strict=True)]
 
 
+def test_a_step_that_the_page_cannot_take_goes_to_a_message_of_any_topic_of_the_widget(
+    path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    sent: list[dict] = []
+    with shown(path, "/bumper.state", "/cmd_vel.linear.x") as player:
+        monkeypatch.setattr(player.bar, "send", lambda content, _buffers=None: sent.append(content))
+        for step in ([3.0, 1], [8.0, 1], [8.0, -1]):
+            player.bar._handle_custom_msg({"step": step}, [])
+    assert [content["seek"] for content in sent if "step" in content] == pytest.approx([5.0, 8.1, 7.9])
+
+
 def test_scans_and_speeds_grow_old_and_touches_hold(player: Player) -> None:
     assert player.bar._pauses == [2.0, 2.0, 0.0, 2.0]
 
