@@ -180,6 +180,14 @@ def test_the_samples_are_saved_exactly(offline: Callable[..., Page], file: Path)
     ranges = np.array([row[first : first + scans.ranges.shape[1]] for row in rows], np.float32)
     assert np.array_equal(ranges.view(np.uint32), np.asarray(scans.ranges).view(np.uint32))
     assert [float(row[0]) for row in rows] == pytest.approx(scans.seconds)
+    for topic in ("/odom", "/cmd_vel", "/bumper"):
+        with page.expect_download() as saved:
+            page.get_by_role("button", name=f"{topic} as CSV").click()
+        assert saved.value.suggested_filename == f"sample-{topic[1:]}.csv"
+        _, *rows = csv.reader(Path(saved.value.path()).read_text(encoding="utf-8").splitlines())
+        with robowidgets.open(SAMPLE) as recording:
+            moments = [(one.seconds, one.sample.stamp_ns or 0) for one in recording[10.25:20].samples(topic)]
+        assert [(float(row[0]), int(row[1])) for row in rows] == moments, "a row for each message"
     with page.expect_download() as saved:
         page.locator(".rw-laser").get_by_role("button", name="Save as PNG").click()
     assert Path(saved.value.path()).read_bytes().startswith(b"\x89PNG")

@@ -7,7 +7,7 @@ import { PageModel } from "../../robowidgets/js/export/model.ts";
 import { readPart } from "../../robowidgets/js/export/parts.ts";
 import { Taker } from "../../robowidgets/js/export/taker.ts";
 import { unpackTracks } from "../../robowidgets/js/export/tracks.ts";
-import { decodeFrames } from "../../robowidgets/js/player/segments.ts";
+import { decodeFrames, type TimedFrame } from "../../robowidgets/js/player/segments.ts";
 import { frameOf, readsOf, vectors } from "./vectors.ts";
 
 const NAMES = Object.keys(vectors.frames).filter((name) => name.startsWith("packed_"));
@@ -51,14 +51,18 @@ function toBase85(bytes: Uint8Array): string {
 }
 
 /** An element of a page with a packed segment, as Python writes it. */
-async function partOf(number: number, times: number[], size = 8): Promise<HTMLElement> {
-  const table = [times, times.map(() => 0), times.map((_, i) => size * (i + 1))];
+async function partOf(
+  number: number,
+  times: number[],
+  { size = 8, abouts = [{}] as object[], of = times.map(() => 0) } = {},
+): Promise<HTMLElement> {
+  const table = [times, of, times.map((_, i) => size * (i + 1))];
   const sorted = table.flatMap((column) => {
     const rows = column.map((value) => new Uint8Array(new Float64Array([value]).buffer));
     return Array.from({ length: 8 }, (_, place) => rows.map((row) => row[place] as number)).flat();
   });
   const count = times.length;
-  const tracks = [{ count, bytes: size * count, abouts: [{}], table: [0, 1, 2] }];
+  const tracks = [{ count, bytes: size * count, abouts, table: [0, 1, 2] }];
   const text = new TextEncoder().encode(
     JSON.stringify({ segment: number, columns: table.map(() => [count, 0]), tracks }),
   );
@@ -83,8 +87,21 @@ test("the frames of a segment are without the one before it, with which each seg
   await assert.rejects(segments.read(3), /segment 3 is not in this page/);
 });
 
+test("samples are the frames with which a message came, of a role where there are several", async () => {
+  const abouts = [{ new: ["measured"] }, { new: ["commanded"] }, { new: [] }];
+  const segments = new Segments(
+    [await partOf(0, [-1, 1, 2, 3], { abouts, of: [0, 0, 1, 2] }), await partOf(1, [10, 11], { abouts, of: [2, 0] })],
+    10,
+    0,
+  );
+  const times = async (role?: string) => (await segments.samplesOf(0, role)).map((frame) => frame.time);
+  assert.deepEqual(await times("measured"), [1, 11]);
+  assert.deepEqual(await times("commanded"), [2]);
+  assert.deepEqual(await times(), [1, 2, 11]);
+});
+
 test("a player gets the segment on show first, then the nearest, and forgets the farthest when there are too many", async () => {
-  const parts = await Promise.all([0, 1, 2, 3].map((number) => partOf(number, [number], 1000)));
+  const parts = await Promise.all([0, 1, 2, 3].map((number) => partOf(number, [number], { size: 1000 })));
   const player = new PageModel({ time: 1.5, _segment: 1 }, new Map());
   const given: [number, number[]][] = [];
   player.on("msg:custom", (message) => {
@@ -126,9 +143,41 @@ test("samples as CSV are exact, and a name is no formula of a spreadsheet", () =
   assert.deepEqual(second?.slice(at + 30, at + 35), ["nan", "inf", "-inf", "0", "65"]);
   assert.equal(lines.length, 3);
 
+  const commanded = toCsv("speed_widget", [speedOf(7n, 8n)], [], "commanded")
+    .trimEnd()
+    .split("\n");
+  assert.deepEqual(
+    commanded.map((line) => line.split(",").slice(0, 3)),
+    [
+      ["seconds", "stamp_ns", "commanded_linear_x"],
+      ["2.5", "8", "0.25"],
+    ],
+  );
+  const measured = toCsv("speed_widget", [speedOf(7n, 8n)], [], "measured")
+    .trimEnd()
+    .split("\n");
+  assert.deepEqual(
+    measured.map((line) => line.split(",").slice(0, 3)),
+    [
+      ["seconds", "stamp_ns", "measured_linear_x"],
+      ["2.5", "7", "0.5"],
+    ],
+  );
+
   const touches = toCsv("touch_widget", decodeFrames(trackOf("packed_touches")));
   assert.deepEqual(touches.split("\n").slice(0, 2), ["seconds,stamp_ns,left", "0,0,free"]);
 });
+
+/** A frame of a measured and a commanded speed, with their stamps. */
+function speedOf(stamp: bigint, ofCommand: bigint): TimedFrame {
+  const bytes = new DataView(new ArrayBuffer(32 + 8 * 30));
+  bytes.setBigInt64(16, stamp, true);
+  bytes.setFloat64(32, 3, true);
+  bytes.setBigInt64(48, ofCommand, true);
+  bytes.setFloat64(64, 0.5, true);
+  bytes.setFloat64(112, 0.25, true);
+  return { time: 2.5, about: 0, bytes };
+}
 
 function trackOf(name: string): DataView {
   const bytes = Buffer.from(readsOf(name).track, "base64");

@@ -6,15 +6,17 @@ import { decodeSpeeds, STEERING } from "../shared/frames/speeds.ts";
 import { decodeTouch } from "../shared/frames/touch.ts";
 
 const AXES = ["linear_x", "linear_y", "linear_z", "angular_x", "angular_y", "angular_z"];
+/** Bytes of a frame before the stamp of its sample, and of a speed before that of its command. */
 const STAMP_AT = 16;
+const COMMAND_STAMP_AT = 48;
 
 type Table = { head: string[]; rows: (string | number)[][] };
 
 /** By widget, the values of its frames; those of others are not known here. */
-const TABLES: Record<string, (frames: DataView[], layers: LayerAbout[]) => Table> = {
+const TABLES: Record<string, (frames: DataView[], layers: LayerAbout[], role?: string) => Table> = {
   laser_widget: toScans,
   path_widget: toPoses,
-  speed_widget: toSpeeds,
+  speed_widget: (frames, _, role) => toSpeeds(frames, role),
   touch_widget: toTouches,
 };
 
@@ -25,13 +27,15 @@ export function hasTable(widget: string): boolean {
 /**
  * Samples of a topic as CSV, with seconds from the start of the recording and the stamp in ns (0: none).
  * @param layers those of a map
+ * @param role that of the samples, where frames have some in several
  */
-export function toCsv(widget: string, frames: TimedFrame[], layers: LayerAbout[] = []): string {
+export function toCsv(widget: string, frames: TimedFrame[], layers: LayerAbout[] = [], role?: string): string {
+  const stampAt = role === "commanded" ? COMMAND_STAMP_AT : STAMP_AT;
   const bytes = frames.map((frame) => frame.bytes);
-  const { head, rows } = TABLES[widget]?.(bytes, layers) ?? { head: [], rows: [] };
+  const { head, rows } = TABLES[widget]?.(bytes, layers, role) ?? { head: [], rows: [] };
   const lines = rows.map((row, i) => {
     const { time, bytes } = frames[i] as TimedFrame;
-    return [String(time), String(bytes.getBigInt64(STAMP_AT, true)), ...row].join();
+    return [String(time), String(bytes.getBigInt64(stampAt, true)), ...row].join();
   });
   return `${[["seconds", "stamp_ns", ...head].map(quoted).join(), ...lines].join("\n")}\n`;
 }
@@ -66,10 +70,10 @@ function toPoses(frames: DataView[], layers: LayerAbout[]): Table {
   return { head: placed.flatMap(({ name }) => ["seconds", "x", "y", "yaw"].map((part) => `${name} ${part}`)), rows };
 }
 
-function toSpeeds(frames: DataView[]): Table {
+function toSpeeds(frames: DataView[], role?: string): Table {
   const speeds = frames.map(decodeSpeeds);
   const has = { measured: speeds.some((s) => s.measured), commanded: speeds.some((s) => s.commanded) };
-  const kinds = (["measured", "commanded"] as const).filter((kind) => has[kind]);
+  const kinds = (["measured", "commanded"] as const).filter((kind) => has[kind] && kind === (role ?? kind));
   const isSteered = speeds.some((speed) => kinds.some((kind) => !Number.isNaN(speed[kind]?.[STEERING] ?? NaN)));
   const axes = isSteered ? [...AXES, "steering"] : AXES;
   return {

@@ -1,4 +1,4 @@
-import { decodeFrames, type TimedFrame } from "../player/segments.ts";
+import { decodeFrames, isNew, type TimedFrame } from "../player/segments.ts";
 import type { SegmentMessage } from "../player/traits.ts";
 import type { PageModel } from "./model.ts";
 import { readPart } from "./parts.ts";
@@ -39,6 +39,17 @@ export class Segments {
     const [held, ...frames] = bytes ? decodeFrames(bytes) : [];
     const begin = Math.max(this.#begin, segment * this.#seconds);
     return held && held.time >= begin && held.time !== frames[0]?.time ? [held, ...frames] : frames;
+  }
+
+  /** The frames of a track of all segments with which a new sample came; see `isNew`. */
+  async samplesOf(track: number, role?: string): Promise<TimedFrame[]> {
+    const frames: TimedFrame[] = [];
+    for (const number of this.numbers) {
+      const message = await this.read(number);
+      const abouts = message.abouts[track];
+      frames.push(...this.framesOf(message, track).filter(({ about }) => isNew(abouts?.[about], role)));
+    }
+    return frames;
   }
 
   /** Calls back with each segment that is read. */

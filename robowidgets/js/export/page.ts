@@ -148,20 +148,31 @@ function offerData({ models, name }: PageFacts, player: PageModel, segments: Seg
   for (const [track, id] of targets.entries()) {
     const found = models.find((model) => model.id === id);
     if (!place || !found || !hasTable(found.widget)) continue;
-    // Odometry has a file for its speeds and one for its poses.
-    const topic = `${found.state.title}${found.widget === "path_widget" ? " path" : ""}`;
-    const button = make("button", "rw-page-save", `${topic} as CSV`);
-    button.type = "button";
-    button.addEventListener("click", async () => {
-      const frames = [];
-      for (const number of segments.numbers) frames.push(...segments.framesOf(await segments.read(number), track));
-      save(
-        `${name}-${topic.split(/[/ ]/).filter(Boolean).join("-")}.csv`,
-        toCsv(found.widget, frames, (found.state._map as MapAbout | undefined)?.layers),
-      );
-    });
-    place.append(button);
+    for (const [topic, role] of topicsOf(found.widget, found.state)) {
+      const button = make("button", "rw-page-save", `${topic} as CSV`);
+      button.type = "button";
+      button.addEventListener("click", async () => {
+        const frames = await segments.samplesOf(track, role);
+        const layers = (found.state._map as MapAbout | undefined)?.layers;
+        const file = `${name}-${topic.split(/[/ ]/).filter(Boolean).join("-")}.csv`;
+        save(file, toCsv(found.widget, frames, layers, role));
+      });
+      place.append(button);
+    }
   }
+}
+
+/** What a widget shows that has a file of its own, by the name of its topic, and its role where there are several. */
+function topicsOf(widget: string, { title, command_title }: Record<string, unknown>): [topic: string, role?: string][] {
+  const [measured, commanded] = [`${title}`, `${command_title ?? ""}`];
+  if (widget === "speed_widget" && commanded) {
+    return [
+      [measured, "measured"],
+      [commanded, "commanded"],
+    ];
+  }
+  // Odometry has a file for its speeds and one for its poses.
+  return [[widget === "path_widget" ? `${measured} path` : measured]];
 }
 
 function save(name: string, text: string): void {
