@@ -102,7 +102,7 @@ def to_polars(columns: Mapping[str, Column]) -> Any:
             if column.dtype == object:
                 return polars.Series(name, list(map(list, column.rows)), dtype=polars.List(polars.String))
             inner = series(name, np.empty(0, column.dtype)).dtype
-            return polars.Series(name, list(column.rows)).cast(polars.List(inner))
+            return polars.Series(name, list(map(polars.Series, column.rows)), dtype=polars.List(inner))
         if column.dtype == object:
             return polars.Series(name, column.tolist(), dtype=polars.String)
         values = polars.Series(name, np.ma.getdata(column))
