@@ -21,6 +21,8 @@ class _Topic:
     """The time of the last speed."""
     was_heard: bool = False
     """Whether a subscriber was there for a speed."""
+    driven: int = 0
+    """Number of subscribers at the last speed."""
     zeros: dict[str, Any] = field(default_factory=dict)
     """By their types, the zeros after it; none while the robot moves."""
     since: float = 0.0
@@ -34,8 +36,8 @@ class Zeros:
     """The last zero of each topic on which speeds were published, until a speed follows.
 
     A network takes a zero for a subscriber that it does not reach for a while, and forgets it. So zero is due again
-    when a subscriber comes, and some times for one that does not confirm what it receives. The caller serializes the
-    calls.
+    when a subscriber comes, and some times for one that does not confirm what it receives; no more when for a while
+    none of them was missing, because others may drive then. The caller serializes the calls.
     """
 
     def __init__(self, clock: Clock) -> None:
@@ -47,6 +49,7 @@ class Zeros:
         """Note that a speed was published on a topic that has so many subscribers."""
         there = self._topics.setdefault(topic, _Topic())
         there.moved_at, there.was_heard = self._clock.now(), there.was_heard or subscribers > 0
+        there.driven = subscribers
         there.zeros.clear()
 
     def note_zero(self, topic: str, kind: str, zero: Any, subscribers: int) -> None:
@@ -88,4 +91,7 @@ class Zeros:
         while there.repeats < len(AGAIN) and now >= there.since + AGAIN[there.repeats]:
             there.repeats += 1
             is_due = is_due or not all_confirm
-        return dict(there.zeros) if is_due else {}
+        zeros = dict(there.zeros) if is_due else {}
+        if now - there.since > RECENT and subscribers >= there.driven:
+            there.zeros.clear()
+        return zeros

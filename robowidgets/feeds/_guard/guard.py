@@ -64,9 +64,8 @@ class Guard(GuardLink):
         super().__init__(where)
         self.unavailable, self._is_starting = NONE_HERE, not NONE_HERE
         self._outlet = outlet
-        self._environment = dict(
-            os.environ
-        )  # in which the feed was opened: one that is started later is like the first
+        # That in which the feed was opened: a process that is started later is like the first.
+        self._environment = dict(os.environ)
         self._server = _server()
         self.pid = 0
         self._thread: threading.Thread | None = None

@@ -40,8 +40,14 @@ def test_zero_is_due_again_some_times_where_nobody_confirms_it() -> None:
 def test_zero_is_due_again_when_a_subscriber_comes_however_late() -> None:
     sent = Sent()
     assert sent.due(1000.0, 0, all_confirm=True) == []
-    assert sent.due(100.0, 1, all_confirm=True) == [1000]
-    assert sent.due(100.0, 2) == [1100, *(1100 + pause for pause in AGAIN)]
+    assert sent.due(20.0, 1, all_confirm=True) == [1000]
+    assert sent.due(60.0, 2) == [1020, *(1020 + pause for pause in AGAIN)]
+
+
+def test_zero_is_not_due_again_when_for_a_while_nobody_was_missing() -> None:
+    sent = Sent()
+    assert sent.due(RECENT + 1, all_confirm=True) == []
+    assert sent.due(100.0, 2) == []
 
 
 def test_a_speed_that_follows_ends_it() -> None:
