@@ -41,7 +41,7 @@ def pad_of(nb: Notebook | PlainPage, cell: int = 0) -> Locator:
 UNHURRIED = """
 import robowidgets.driving.command_watchdog as watchdog, robowidgets.driving.press as press
 watchdog.HOLD = press.HOLD = 10
-watchdog.CommandWatchdog.drive.__defaults__ = (10, watchdog.PROGRAM)
+watchdog.CommandWatchdog.drive.__defaults__ = (10, *watchdog.CommandWatchdog.drive.__defaults__[1:])
 """
 
 
