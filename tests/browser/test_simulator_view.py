@@ -174,6 +174,11 @@ def test_what_is_moved_stays_there_until_a_busy_kernel_answers(plain_page: Calla
         expect(footer).to_contain_text("x \u22121.00 y \u22121.00 m")
         assert nb._namespace["robot"].pose[:2] == (0, 0)
     wait_for(lambda: house.is_at("robot.pose[:2]", -1.0, -1.0), "it is moved once the kernel is free")
+    with nb.busy():
+        house.drag((-1.0, -1.0), (-2.99, 0.5))
+        expect(footer).to_contain_text("x \u22122.99 y 0.50 m")
+        nb.page.mouse.move(*house.at(1.0, -0.5))
+        expect(footer).to_contain_text("x 1.00 y \u22120.50 m")
 
 
 def test_a_view_says_when_its_robot_moves_no_more(plain_page: Callable[..., PlainPage]) -> None:

@@ -188,8 +188,9 @@ export class SimulatorView implements Member {
     const { paused } = this;
     this.#card.updateSilence(paused ? FROZEN : words, !paused && words !== "");
     this.#card.root.classList.toggle("rw-frozen", paused);
-    if (!scene) return;
-    const bounds = boundsOf([this.#walls, this.#drops], this.#drag ? (this.#scene as Scene) : scene);
+    if (!scene || !this.#scene) return;
+    // As Python has it: what a person moves, or has moved where there is no room, must not move all else meanwhile.
+    const bounds = boundsOf([this.#walls, this.#drops], this.#scene);
     const { picture, theme, noticeHeight: top } = this.#card;
     const [wide, high] = [bounds.east - bounds.west, bounds.north - bounds.south];
     picture.style.aspectRatio = `${50 * wide + 2 * MARGIN} / ${50 * high + MARGIN + BELOW}`;
