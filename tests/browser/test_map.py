@@ -97,6 +97,13 @@ def test_layers_are_drawn_in_one_frame_and_the_list_says_what_each_is_and_which_
     shoot(card, f"map-{theme}-480-layers")
 
 
+def middle_of(picture: Locator) -> tuple[float, float]:
+    """The middle of what is drawn beside the list of layers."""
+    box = picture.bounding_box()
+    assert box
+    return box["x"] + (box["width"] - 270) / 2, box["y"] + 12 + (box["height"] - 40) / 2
+
+
 def test_hovering_names_the_cell_as_a_program_finds_it_and_a_click_takes_a_layer_off(
     plain_page: Callable[..., PlainPage],
 ) -> None:
@@ -105,9 +112,7 @@ def test_hovering_names_the_cell_as_a_program_finds_it_and_a_click_takes_a_layer
     card = nb.widget(0).locator(".rw-card")
     expect(fact(card, "/map")).to_contain_text("80 × 40 cells of 0.10 m")
     picture, popup = card.locator(".rw-picture"), card.locator(".rw-popup")
-    box = picture.bounding_box()
-    assert box
-    middle = (box["x"] + (box["width"] - 270) / 2, box["y"] + 12 + (box["height"] - 40) / 2)
+    middle = middle_of(picture)
     nb.page.mouse.move(middle[0] + 100, middle[1] - 60)
     expect(popup.locator(".rw-popup-expression")).to_have_text(re.compile(r"grid\[2\d, 5\d\]"))
     expect(popup).to_contain_text("occupied")
@@ -131,9 +136,7 @@ def test_a_large_grid_is_drawn_as_it_was_while_frozen_and_when_stepping_back(
     card = nb.widget(0).locator(".rw-card")
     expect(fact(card, "/map")).to_contain_text("200 × 200 cells")
     picture, popup = card.locator(".rw-picture"), card.locator(".rw-popup")
-    box = picture.bounding_box()
-    assert box
-    nb.page.mouse.move(box["x"] + (box["width"] - 270) / 2, box["y"] + 12 + (box["height"] - 40) / 2)
+    nb.page.mouse.move(*middle_of(picture))
     expect(popup).to_contain_text("free")
     picture.focus()
     nb.page.keyboard.press(" ")

@@ -143,26 +143,21 @@ test("samples as CSV are exact, and a name is no formula of a spreadsheet", () =
   assert.deepEqual(second?.slice(at + 30, at + 35), ["nan", "inf", "-inf", "0", "65"]);
   assert.equal(lines.length, 3);
 
-  const commanded = toCsv("speed_widget", [speedOf(7n, 8n)], [], "commanded")
-    .trimEnd()
-    .split("\n");
-  assert.deepEqual(
-    commanded.map((line) => line.split(",").slice(0, 3)),
-    [
-      ["seconds", "stamp_ns", "commanded_linear_x"],
-      ["2.5", "8", "0.25"],
-    ],
-  );
-  const measured = toCsv("speed_widget", [speedOf(7n, 8n)], [], "measured")
-    .trimEnd()
-    .split("\n");
-  assert.deepEqual(
-    measured.map((line) => line.split(",").slice(0, 3)),
-    [
-      ["seconds", "stamp_ns", "measured_linear_x"],
-      ["2.5", "7", "0.5"],
-    ],
-  );
+  for (const [role, stamp, linear] of [
+    ["commanded", "8", "0.25"],
+    ["measured", "7", "0.5"],
+  ] as const) {
+    const speeds = toCsv("speed_widget", [speedOf(7n, 8n)], [], role)
+      .trimEnd()
+      .split("\n");
+    assert.deepEqual(
+      speeds.map((line) => line.split(",").slice(0, 3)),
+      [
+        ["seconds", "stamp_ns", `${role}_linear_x`],
+        ["2.5", stamp, linear],
+      ],
+    );
+  }
 
   const touches = toCsv("touch_widget", decodeFrames(trackOf("packed_touches")));
   assert.deepEqual(touches.split("\n").slice(0, 2), ["seconds,stamp_ns,left", "0,0,free"]);

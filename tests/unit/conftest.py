@@ -15,6 +15,7 @@ os.environ.setdefault("ROBOWIDGETS_GUARD", "off")
 
 from robowidgets._core import pacer as _pacer
 from robowidgets._core.pacer import Pacer
+from robowidgets.messages import definitions
 
 KEPT = {"robowidgets-pacer", "robowidgets-rerun", "robowidgets-timer"}
 """Threads that a process has once, to its end."""
@@ -37,6 +38,15 @@ def pacer() -> Iterator[Pacer]:
     with pacer._turn:
         for sender in {*pacer._due, *pacer._timers}:
             pacer.forget(sender)
+
+
+@pytest.fixture
+def no_added_definitions(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+    """Only our own definitions of messages are known; those that the test adds are forgotten with it."""
+    monkeypatch.setattr(definitions, "_added", {})
+    monkeypatch.delenv("AMENT_PREFIX_PATH", raising=False)
+    yield
+    definitions.add({})  # so that what was found is looked for anew
 
 
 @pytest.fixture(autouse=True)

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import sqlite3
-from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -15,34 +13,21 @@ from robowidgets.messages import add_definitions, definitions
 
 from ..recordings import recorded
 
+pytestmark = pytest.mark.usefixtures("no_added_definitions")
 STATUS = "MSG: my_msgs/Status\nfloat32 charge\n"
 LOW = conditions.field("/status.charge") < 0.25
-
-
-@pytest.fixture(autouse=True)
-def forget_what_was_added(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
-    monkeypatch.setattr(definitions, "_added", {})
-    monkeypatch.delenv("AMENT_PREFIX_PATH", raising=False)
-    yield
-    definitions.add({})  # so that what was found is looked for anew
 
 
 @pytest.fixture
 def unknown(tmp_path: Path) -> Path:
     """A folder with two databases as ROS 2 Humble writes them: the definitions of the messages are not in them."""
-    add_definitions(STATUS)
     for name in ("a", "b"):
+        add_definitions(STATUS)
         messages = [(i / 10, "/status", {"charge": i / 10}) for i in range(10)]
         folder = recorded.write(
             tmp_path / "runs" / name, {"/status": "my_msgs/msg/Status"}, messages, StoragePlugin.SQLITE3
         )
-        (database,) = folder.glob("*.db3")
-        connection = sqlite3.connect(database)
-        with connection:
-            connection.execute("DROP TABLE message_definitions")
-        connection.close()
-    definitions._added.clear()
-    definitions.add({})
+        recorded.forget_definitions(folder)
     return tmp_path / "runs"
 
 

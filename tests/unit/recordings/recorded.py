@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import sqlite3
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
 from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin, Writer
 
+from robowidgets.messages import definitions
 from robowidgets.messages.channel import Channel
 from robowidgets.messages.decoding import store_of
 from robowidgets.messages.encoding import encode
@@ -39,6 +41,22 @@ def write(
             raw = message if isinstance(message, bytes) else encode("cdr", topics[topic], message)
             writer.write(connections[topic], START_NS + round(seconds * 1e9), raw)
     return folder
+
+
+def forget_definitions(folder: Path) -> Path:
+    """Take the definitions of its messages out of a database, as ROS 2 Humble writes it, and those that were added.
+
+    Returns:
+        The database.
+    """
+    (database,) = folder.glob("*.db3")
+    connection = sqlite3.connect(database)
+    with connection:
+        connection.execute("DROP TABLE message_definitions")
+    connection.close()
+    definitions._added.clear()
+    definitions.add({})  # so that what was found is looked for anew
+    return database
 
 
 def stamped(time_ns: int, frame_id: str = "") -> dict[str, Any]:

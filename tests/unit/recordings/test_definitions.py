@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import sqlite3
-from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
 
@@ -22,6 +20,7 @@ from robowidgets.messages.touch import TOUCH_TYPES
 
 from . import recorded
 
+pytestmark = pytest.mark.usefixtures("no_added_definitions")
 FOLDER = Path(known.__file__).parent
 PACKAGES = (*(file.stem for file in FOLDER.glob("*.txt") if file.stem != "NOTICE"), *SAME_AS)
 
@@ -123,14 +122,6 @@ def test_a_package_that_is_not_here_has_none() -> None:
     assert definitions("NOTICE") == {}
 
 
-@pytest.fixture(autouse=True)
-def forget_what_was_added(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
-    monkeypatch.setattr(known, "_added", {})
-    monkeypatch.delenv("AMENT_PREFIX_PATH", raising=False)
-    yield
-    known.add({})  # so that what was found is looked for anew
-
-
 STATUS = "MSG: my_msgs/Status\nstd_msgs/Header header\nfloat32 charge\nPart[] parts\n"
 PART = "MSG: my_msgs/Part\nstring name\n"
 
@@ -140,14 +131,7 @@ def unknown_recording(folder: Path) -> Path:
     add_definitions(STATUS + PART)
     message = {"header": recorded.stamped(7), "charge": 0.5, "parts": [{"name": "arm"}]}
     path = recorded.write(folder, {"/status": "my_msgs/msg/Status"}, [(0, "/status", message)], StoragePlugin.SQLITE3)
-    (database,) = path.glob("*.db3")
-    connection = sqlite3.connect(database)
-    with connection:
-        connection.execute("DROP TABLE IF EXISTS message_definitions")
-    connection.close()
-    known._added.clear()
-    known.add({})
-    return database
+    return recorded.forget_definitions(path)
 
 
 def test_a_topic_without_a_definition_says_why_and_what_to_do(tmp_path: Path) -> None:
