@@ -111,6 +111,17 @@ window.driver = (() => {
       return answer;
     },
 
+    // As after a lost connection; until all that the kernel's widgets are has come again.
+    async reconnect(path) {
+      const { rendermime } = panelOf(path).content;
+      const renderer = rendermime.createRenderer("application/vnd.jupyter.widget-view+json");
+      const { restored } = await renderer._manager.promise;
+      const isThere = new Promise((done) => restored.connect(done));
+      await kernelOf(path).reconnect();
+      await isThere;
+      renderer.dispose();
+    },
+
     restart: (path) => panelOf(path).sessionContext.restartKernel(),
 
     interrupt: (path) => kernelOf(path).interrupt(),

@@ -160,6 +160,10 @@ class Notebook:
         self._ask("restart", self.path)
         self._until("ready", self.path)
 
+    def reconnect(self) -> None:
+        """Connect to the kernel anew, as after a lost connection, and wait until its widgets are as it has them."""
+        self._ask("reconnect", self.path)
+
     def reload(self) -> None:
         """Save the notebook and load the page anew; the kernel lives on."""
         self.save()

@@ -514,6 +514,10 @@ def test_a_first_look_is_there_though_the_kernel_is_busy_at_once(notebook: Open)
 def test_while_a_cell_runs_it_plays_steps_points_seeks_and_keeps_a_name(notebook: Open, tmp_path: Path) -> None:
     nb = opened(notebook, Path(copy(robowidgets.SAMPLE, tmp_path)), width=1280, height=720)
     wait_for(lambda: nb.python("len(player._prefetcher._sent) == 59") == "True", "all segments were sent", 120)
+    to_time(nb, 29.0)
+    nb.reconnect()
+    assert now(nb) == 29.0, "it stays where it is when the connection was lost"
+    to_time(nb, 0.0)
     busy = nb.append(BUSY)
     nb.start(busy)
     shown = nb.output(1)

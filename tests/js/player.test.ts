@@ -521,13 +521,16 @@ test("another widget shows the time, is followed where a person points, and let 
   assert.equal(fake.listening, 0);
 });
 
-test("what a busy kernel repeats of an earlier click on another widget moves nothing", async () => {
-  const { follower, playback, end } = await play();
+test("what the kernel repeats of another widget moves nothing: a click, or all that it has after a lost connection", async () => {
+  const { fake, follower, playback, end } = await play();
   const send = (time: number) => {
     Object.assign(follower, { _state_lock: { time } });
     follower.receive({ time });
     Object.assign(follower, { _state_lock: null });
   };
+  playback.seek(2);
+  send(0);
+  assert.deepEqual([playback.time, follower.get("time"), fake.get("time")], [2, 2, 2], "where it was at first");
   follower.set("time", 0.5);
   playback.step(1);
   send(0.5);
@@ -535,11 +538,20 @@ test("what a busy kernel repeats of an earlier click on another widget moves not
   send(2.5);
   assert.equal(playback.time, 2.5, "what a program sets does");
   playback.seek(1);
+  send(2.5);
+  assert.deepEqual([playback.time, follower.get("time")], [1, 1], "once");
   send(0.5);
   assert.equal(playback.time, 0.5, "also where a click was before");
   playback.seek(1);
   follower.set("time", 0.5);
   assert.equal(playback.time, 0.5, "and a click on the same place");
+  send(0.75);
+  playback.seek(0.75);
+  fake.receive({ _targets: ["others"] });
+  await Promise.resolve();
+  playback.seek(1);
+  send(0.75);
+  assert.equal(playback.time, 1, "also where other widgets are moved by now");
   end();
 });
 

@@ -31,6 +31,10 @@ export class Playback {
   readonly #tell: () => void;
   readonly #nextFrame: () => void;
   #followers: Follower[] = [];
+  /** The time of each follower as the kernel has it, which it sends again to a page that was away. */
+  readonly #known = new Map<Follower, number | null>();
+  /** Whether a follower is given the time of the player just now. */
+  #isGiving = false;
   #targets = new Targets([]);
   #time: number;
   /** What a person points at; all widgets show its moment until the pointer leaves. */
@@ -304,7 +308,7 @@ export class Playback {
     }
     this.#showRay();
     for (const follower of this.#followers) {
-      if (follower.get("time") !== this.#time) follower.set_state({ time: this.#time });
+      if (follower.get("time") !== this.#time) this.#give(follower);
       const moment = this.#pointed && !follower.get("_pointed") ? time : null;
       if ((follower.get("_moment") ?? null) !== moment) follower.set("_moment", moment);
     }
@@ -354,23 +358,16 @@ export class Playback {
 
   /** Follows the time and the selection that a person sets on another widget. */
   #follow(follower: Follower, signal: AbortSignal): void {
-    let clicked: number | undefined;
+    if (!this.#known.has(follower)) this.#known.set(follower, follower.get("time"));
     const onTime = () => {
+      if (this.#isGiving) return;
       const time = follower.get("time");
-      if (time === this.#time) return;
-      // A plot without a time, as after Escape: a player always has one.
-      if (time === null) {
-        follower.set_state({ time: this.#time });
-        return;
-      }
-      const isSent = Boolean(follower._state_lock);
       // The kernel echoes a click to every page, late when it is busy; this page may have moved on since.
-      if (isSent && time === clicked) {
-        follower.set_state({ time: this.#time });
-        return;
-      }
-      clicked = isSent ? undefined : time;
-      this.seek(time);
+      const isOld = follower._state_lock && time === this.#known.get(follower);
+      this.#known.set(follower, time);
+      // A plot has no time after Escape; a player always has one.
+      if (time === null || isOld) this.#give(follower);
+      else if (time !== this.#time) this.seek(time);
     };
     const laser = this.#targets.models[0];
     const onPoint = () => this.preview(follower.get("_pointed") ?? null);
@@ -387,6 +384,13 @@ export class Playback {
     onChange(follower, ["_pointed"], onPoint, signal);
     onChange(follower, ["selection"], onSelection, signal);
     if (laser) onChange(laser, ["hovered"], onRay, signal);
+  }
+
+  /** Has a widget show the time; the kernel is sent nothing. */
+  #give(follower: Follower): void {
+    this.#isGiving = true;
+    follower.set_state({ time: this.#time });
+    this.#isGiving = false;
   }
 
   #within(time: number): number {
