@@ -74,6 +74,33 @@ def test_the_slider_and_python_move_every_widget(plain_page: Open, data: Path) -
     wait_for(lambda: nb.python(told).strip() == "22.5 TOUCHED", "Python knew")
 
 
+HOLD_FRAMES = """() => {
+    const frame = requestAnimationFrame;
+    const held = [];
+    window.requestAnimationFrame = (draw) => held.push(draw);
+    window.letGo = () => {
+        window.requestAnimationFrame = frame;
+        for (const draw of held) frame(draw);
+    };
+}"""
+"""Animation frames come late, as on a page with much to draw."""
+
+
+def test_a_click_on_the_slider_counts_also_before_the_bar_is_drawn(plain_page: Open) -> None:
+    nb = plain_page([TABLE.format(path=str(robowidgets.SAMPLE))])
+    nb.page.evaluate(HOLD_FRAMES)
+    shown = nb.append("player = recording.show('/scan', scanogram=False)\nplayer")
+    nb.run(shown)
+    player = nb.output(shown).locator(".rw-player")
+    slider = player.locator("input[type=range]")
+    slider.wait_for()
+    assert player.locator(".rw-play-now").inner_text() == ""
+    box = slider.bounding_box() or {}
+    nb.page.mouse.click(box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)
+    nb.page.evaluate("letGo()")
+    expect(player.locator(".rw-play-now")).to_have_text(re.compile(r"^29\.0\d$"))
+
+
 def test_keys_step_from_scan_to_scan_and_go_from_mark_to_mark(plain_page: Open, data: Path) -> None:
     nb = opened(
         plain_page, data / "good" / "tilt_laser.bag", "player = recording.show()\nplayer.marks = [(5, 6, 'x')]\nplayer"

@@ -97,9 +97,18 @@ export class PlayerBar {
     slider.step = "any";
     slider.title = "Time in the recording (arrows: 1 s, with shift 10 s)";
     slider.ariaLabel = "Time in the recording";
+    this.#placeSlider();
     on(slider, "input", () => this.#playback.seek(Number(slider.value)), signal);
     on(slider, "pointermove", (event) => this.#onPointer(event), signal);
     on(slider, "pointerleave", () => this.#playback.point(null), signal);
+  }
+
+  /** Also before the first drawing, for which the bar may wait: a person may move it by then. */
+  #placeSlider(): void {
+    const { shown, begin, duration } = this.#playback;
+    this.#slider.min = String(begin);
+    this.#slider.max = String(duration);
+    if (Number(this.#slider.value) !== shown) this.#slider.value = String(shown);
   }
 
   #makeSpeed(signal: AbortSignal): void {
@@ -144,9 +153,7 @@ export class PlayerBar {
     // Reserve the final width, so that nothing beside it moves.
     this.#time.style.minWidth = `${whole.length}ch`;
     this.#drawClock(shown);
-    this.#slider.min = String(begin);
-    this.#slider.max = String(duration);
-    if (Number(this.#slider.value) !== shown) this.#slider.value = String(shown);
+    this.#placeSlider();
     const states = this.#model.get("states");
     const active = statesAt(states, shown).map(([, , path]) => toWords(path));
     const state = active.length ? `, ${active.at(-1)}` : "";
