@@ -162,7 +162,8 @@ class LessonProgress:
         except FileNotFoundError:
             return {}
         except ReportError as error:
-            aside = self._file.with_suffix(".damaged.json")
+            names = (f".damaged{number}.json" for number in ("", *range(2, 1000)))
+            aside = next(file for name in names if not (file := self._file.with_suffix(name)).exists())
             os.replace(self._file, aside)
             self._problem = say("{error}. It is {aside} now, and a new one begins", error=error, aside=aside.name)
             return {}

@@ -37,8 +37,9 @@ class Path:
         self.step = STEP
         self._points: list[tuple[float, float, float, float, float]] = []
         self._clock: float | None = None
-        self._speed = 0.0
-        """Of the newest pose: when it was measured, and how fast the robot went there."""
+        self._velocity = (0.0, 0.0)
+        """Of the newest pose: when it was measured, and how fast the robot went there, also by a jump."""
+        self._jumped = False
 
     def add(self, time: float, pose: Pose, clock: float | None = None) -> bool:
         """Add the newest pose at a time in seconds; one without a place is left out.
@@ -75,14 +76,19 @@ class Path:
     def _jumps(self, pose: Pose, clock: float | None) -> bool:
         """Whether no robot drives to a pose from the newest one until then; a clock that was set back gives no time."""
         before, self._clock = self._clock, clock
+        (ahead, aside), jumped = self._velocity, self._jumped
+        self._velocity, self._jumped = (0.0, 0.0), False
         if not self._points or before is None or clock is None:
-            self._speed = 0.0
             return False
         _, x, y, _, _ = self._points[-1]
-        seconds, metres = max(0.0, clock - before), hypot(pose.x - x, pose.y - y)
-        jumps = bool(is_jump(metres, seconds, self._speed))
-        self._speed = metres / seconds if seconds and not jumps else 0.0
-        return jumps
+        seconds, (x_step, y_step) = max(0.0, clock - before), (pose.x - x, pose.y - y)
+        if seconds:
+            self._velocity = x_step / seconds, y_step / seconds
+        self._jumped = bool(is_jump(hypot(x_step, y_step), seconds, 0.0 if jumped else hypot(ahead, aside)))
+        if self._jumped and jumped:
+            # A fast car that comes into view goes on as it came; odometry does not jump twice alike.
+            self._jumped = bool(is_jump(hypot(x_step - ahead * seconds, y_step - aside * seconds), seconds, 0.0))
+        return self._jumped
 
     @property
     def points(self) -> NDArray[np.float64]:

@@ -107,7 +107,10 @@ class TestProgress:
         assert repr(progress).startswith(f"0 of 12 done. {FILE} is damaged: ")
         lessons.check(bumper_reflex)
         assert progress.done == ("bumper_reflex",)
+        (folder / FILE).write_text("[]", encoding="utf-8")
+        assert "It is robowidgets-progress.damaged2.json now" in repr(lessons.progress())
         assert (folder / "robowidgets-progress.damaged.json").read_text("utf-8").endswith(" les")
+        assert (folder / "robowidgets-progress.damaged2.json").read_text("utf-8") == "[]"
 
     def test_where_nothing_can_be_written_the_check_works_and_the_line_says_so(self, folder: Path) -> None:
         progress = lessons.progress()

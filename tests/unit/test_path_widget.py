@@ -89,6 +89,18 @@ class TestPath:
             assert not path.add(i / hz, Pose(x, 0.0, 0.0), clock=i / hz)
         assert path.points[-1, 4] == pytest.approx(path.points[-1, 1] - path.points[0, 1])
 
+    def test_a_car_that_comes_into_view_at_speed_is_one_stroke_from_its_second_pose_on(self) -> None:
+        path = Path()
+        assert [path.add(i / 10, Pose(1.5 * i, 0.2 * i, 0.0), clock=i / 10) for i in range(50)] == [
+            i == 1 for i in range(50)
+        ]
+
+    def test_each_of_several_jumps_on_end_begins_a_stroke(self) -> None:
+        path = Path()
+        there = [(0, 0), (8, 0), (0, 0), (8, 0), (8, 9), (8, 9)]
+        jumps = [path.add(i / 10, Pose(x, y, 0.0), clock=i / 10) for i, (x, y) in enumerate(there)]
+        assert jumps == [False, True, True, True, True, False]
+
     def test_a_jump_is_still_seen_when_points_are_dropped(self, monkeypatch: pytest.MonkeyPatch) -> None:
         monkeypatch.setattr(_path, "MOST_POINTS", 100)
         path = Path()
