@@ -216,7 +216,7 @@ class ImageWidget(HasOverlay):
 
     def _about_sample(self, sample: Image) -> dict[str, Any]:
         about: dict[str, Any] = {"encoding": sample.encoding, "frame_id": sample.frame_id}
-        letters = "rgb" if sample.compressed else "".join(sample.channels)
+        letters = ("" if sample.is_gray else "rgb") if sample.compressed else "".join(sample.channels)
         about |= {"channels": letters} if letters else {}
         about |= {"recolored": True} if is_recolored(sample) else {}
         about |= {"notes": [self._camera_note]} if self._camera_note and sample.is_depth and self.camera is None else {}

@@ -187,9 +187,12 @@ def _of_compressed(message: Any) -> Image:
             # Browsers keep 8 bits of 16.
             name = named if named in ("mono16", "16UC1") else "16UC1"
             return Image(unpacked(data), name, **common, depth_scale=_depth_scale(name))
-        return Image(None, "png", **common, compressed=data, size=(rows, columns), unpack=unpacked)
+        common |= {"size": (rows, columns), "is_gray": color == 0 and bits > 1}  # `unpacked` makes colours of single bits
+        return Image(None, "png", **common, compressed=data, unpack=unpacked)
     if data.startswith(_JPEG):
-        return Image(None, "jpeg", **common, compressed=data, size=_jpeg_size(data), unpack=unpacked)
+        rows, columns, channels = _jpeg_size(data)
+        common |= {"size": (rows, columns), "is_gray": channels == 1}
+        return Image(None, "jpeg", **common, compressed=data, unpack=unpacked)
     raise ValueError(
         f"data: expected a JPEG or PNG, as format {said[:40]!r} says, got bytes that begin with {data[:8].hex(' ')}; "
         "other formats are not unpacked"
@@ -245,14 +248,14 @@ def _png_size(data: bytes) -> tuple[int, int, int, int]:
     return rows, columns, bits, color
 
 
-def _jpeg_size(data: bytes) -> tuple[int, int]:
-    """Rows and columns, from the first frame."""
+def _jpeg_size(data: bytes) -> tuple[int, int, int]:
+    """Rows, columns and channels, from the first frame."""
     at = 2
-    while at + 9 <= len(data) and data[at] == 0xFF:
+    while at + 10 <= len(data) and data[at] == 0xFF:
         marker, (length,) = data[at + 1], struct.unpack_from(">H", data, at + 2)
         if 0xC0 <= marker <= 0xCF and marker not in _NOT_A_SIZE:
-            rows, columns = struct.unpack_from(">HH", data, at + 5)
-            return rows, columns
+            rows, columns, channels = struct.unpack_from(">HHB", data, at + 5)
+            return rows, columns, channels
         # Bytes of FF before a marker fill it up.
         at += 1 if marker == 0xFF else 2 + length
     raise ValueError("the picture is damaged: a JPEG without a size")

@@ -163,6 +163,9 @@ def test_a_jpeg_is_shown_as_it_came_a_damaged_one_leaves_the_last_and_earlier_on
     assert nb.python("camera.frozen.encoding, camera.image is camera.frozen") == "('jpeg', True)"
     picture.press(" ")
     expect(distance).to_have_text(re.compile("^9$"))
+    nb.python("file = io.BytesIO(); PIL.Image.new('L', (640, 480), 42).save(file, 'PNG')")
+    nb.python("camera.update({'format': 'mono8; png compressed', 'data': file.getvalue()})")
+    expect(distance).to_have_text(re.compile("^42$"))
 
 
 STREAM = """

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 from collections.abc import Iterator
 from typing import Any
 
@@ -85,6 +86,15 @@ def test_a_file_that_cannot_be_unpacked_is_said_once_and_the_last_picture_stays(
     assert page.state["_frame"][FRAME_HEADER.size :] == page.sent("_frame")[0][FRAME_HEADER.size :]
     pacer.flush()
     assert len(caplog.records) == 1
+
+
+def test_a_gray_file_has_no_letters_for_its_channel(widget: ImageWidget) -> None:
+    pictures = pytest.importorskip("PIL.Image")
+    for values, letters in ((COLORS[..., 0], None), (COLORS, "rgb")):
+        file = io.BytesIO()
+        pictures.fromarray(np.ascontiguousarray(values)).save(file, "PNG")
+        about, _ = widget.frame_of({"format": "png", "data": file.getvalue()})
+        assert about.get("channels") == letters
 
 
 def test_the_page_asks_for_exact_values_of_the_picture_that_it_shows(widget: ImageWidget, page: Page) -> None:

@@ -173,6 +173,15 @@ class TestImages:
 
 
 class TestCompressed:
+    @pytest.mark.parametrize("kind", ["JPEG", "PNG"])
+    def test_a_gray_file_has_one_channel_as_its_pixels_have(self, kind: str) -> None:
+        for values, is_gray in ((np.full((20, 30), 90, np.uint8), True), (np.full((20, 30, 3), 90, np.uint8), False)):
+            image = to_image(compressed(kind, values))
+            assert (image.is_gray, image.pixels.ndim == 2) == (is_gray, is_gray)
+        if kind == "PNG":
+            image = to_image(compressed(kind, np.eye(20, dtype=bool)))
+            assert (image.is_gray, image.pixels.shape) == (False, (20, 20, 3))
+
     def test_a_jpeg_passes_as_it_is_and_is_unpacked_when_it_is_asked_for(self) -> None:
         made = compressed("JPEG", np.full((20, 30, 3), 90, np.uint8))
         image = to_image(made)
