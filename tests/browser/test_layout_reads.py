@@ -208,7 +208,7 @@ def test_cards_whose_samples_say_the_same_leave_the_page_alone_beside_a_live_las
     for i in range(FRAMES):
         before = nb.page.evaluate("() => painted.laser ?? 0")
         nb.python(f"beside({i})")
-        eventually(lambda before=before: nb.page.evaluate("() => painted.laser") > before, True)
+        eventually(lambda before=before: nb.page.evaluate("() => painted.laser ?? 0") > before, True)
     eventually(lambda: nb.page.evaluate("() => painted.path > 3 && painted.sonar > 3"), True)
     told = nb.page.evaluate("() => Object.entries(changes).map(([kind, all]) => [kind, [...all]])")
     changes = {f"{one} in {kind}" for kind, all_of_it in told if kind != "laser" for one in all_of_it}
