@@ -187,7 +187,8 @@ def _of_compressed(message: Any) -> Image:
             # Browsers keep 8 bits of 16.
             name = named if named in ("mono16", "16UC1") else "16UC1"
             return Image(unpacked(data), name, **common, depth_scale=_depth_scale(name))
-        common |= {"size": (rows, columns), "is_gray": color == 0 and bits > 1}  # `unpacked` makes colours of single bits
+        # Of single bits `unpacked` makes colours.
+        common |= {"size": (rows, columns), "is_gray": color == 0 and bits > 1}
         return Image(None, "png", **common, compressed=data, unpack=unpacked)
     if data.startswith(_JPEG):
         rows, columns, channels = _jpeg_size(data)

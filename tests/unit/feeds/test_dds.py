@@ -83,6 +83,8 @@ class Robot:
     def freeze(self) -> None:
         """Let it do nothing any more, without a word to anybody."""
         self._process.send_signal(signal.SIGSTOP)
+        # Its threads stop one after the other; the last might confirm what came meanwhile.
+        os.waitid(os.P_PID, self._process.pid, os.WSTOPPED | os.WNOWAIT)
 
     def kill(self) -> None:
         self._process.kill()

@@ -469,6 +469,7 @@ def test_a_guard_that_stands_still_is_ended_and_the_kernel_sends_zero_which_othe
     wait_for(lambda: shown == [0.3], "the other one shows it")
     pid = guard.pid
     os.kill(pid, signal.SIGSTOP)
+    os.waitid(os.P_PID, pid, os.WSTOPPED | os.WNOWAIT)
     with suppress(FeedError):  # "zero follows", where that takes more than a second
         feed.stop()
     wait_for_speeds(robot, 0.3, 0.0)
