@@ -168,7 +168,8 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
         self.bar.on_msg(self._on_page)
         self.bar.observe(self._on_time, ["time", "playing", "speed", "loop", "selection"])
         if self.scanogram:
-            self.scanogram.time = self.bar.time  # what it says late is no time that a person chose
+            self.scanogram.time = self.bar.time
+            self.scanogram.observe(self._on_time_of, "time")
             self.bar.observe(partial(_select, self.scanogram), "selection")
             traitlets.link((self.bar, "marks"), (self.scanogram, "marks"))
         if self.rerun:
@@ -411,6 +412,8 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
             view.widget.follow_player()
             if view.widget.frame_traits:
                 view.widget.observe(self._on_frame_trait, view.widget.frame_traits)
+            if view.widget.has_trait("time"):
+                view.widget.observe(self._on_time_of, "time")
             if isinstance(view.widget, MessageWidget):
                 view.widget.offer_plots(partial(self._plot_field, view.choice.topic))
         freeze_together(view.widget for view in self.views)
@@ -502,6 +505,11 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
 
     def _from_bar(self, change: Any) -> None:
         setattr(self, change["name"], change["new"])
+
+    def _on_time_of(self, change: Any) -> None:
+        """Go where a program moved another widget; a page in which a person does so moves the player itself."""
+        if change["new"] is not None and "time" not in change["owner"]._property_lock:
+            self.time = change["new"]
 
     def _to_bar(self, change: Any) -> None:
         name, value = change["name"], change["new"]

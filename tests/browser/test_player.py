@@ -538,6 +538,66 @@ def test_a_first_look_is_there_though_the_kernel_is_busy_at_once(notebook: Open)
         nb.wait(1)
 
 
+NOTE_TIMES = """() => {
+    const now = document.querySelector('.rw-play-now');
+    window.noted = [];
+    const note = () => window.noted.push(Number(now.textContent));
+    new MutationObserver(note).observe(now, {childList: true, characterData: true, subtree: true});
+}"""
+
+
+def test_a_second_page_takes_no_step_back_and_after_a_lost_connection_all_shows_what_is_pointed_at(
+    notebook: Open, tmp_path: Path
+) -> None:
+    nb = opened(notebook, Path(copy(robowidgets.SAMPLE, tmp_path)), "(player := recording.show('/scan', '/odom'))")
+    nb.save()
+    page = nb.page.context.new_page()
+    second = Notebook(page, nb.lab, nb.path, nb.console)
+    second.open()
+    expect(bar(second).locator(".rw-play-now")).to_have_text("0.00")
+    nb.page.bring_to_front()
+    picture = nb.output(1).locator(".rw-scanogram .rw-picture")
+    picture.focus()
+    nb.page.evaluate(NOTE_TIMES)
+    for _ in range(40):
+        picture.press("ArrowRight")
+    expect(bar(second).locator(".rw-play-now")).to_have_text("4.00")
+    expect(bar(nb).locator(".rw-play-now")).to_have_text("4.00")
+    wait_for(lambda: nb.python("print(player.time)").strip() == "4.0", "Python knew")
+    noted = nb.page.evaluate("noted")
+    assert noted == sorted(noted)
+    page.close()
+    facts, laser = nb.output(1).locator(".rw-path .rw-footer"), nb.output(1).locator(".rw-laser")
+    expect(facts).to_contain_text("4.0 s")
+    picture.hover(position=Position(x=90, y=60))
+    expect(facts).not_to_contain_text("4.0 s")
+    expect(laser).to_contain_text("ranges[")
+    pointed, ray = facts.inner_text(), laser.inner_text()
+    nb.reconnect()
+    expect(facts).to_have_text(pointed, use_inner_text=True)
+    expect(laser).to_have_text(ray, use_inner_text=True)
+
+
+def test_one_that_follows_another_stays_where_it_was_moved_when_the_page_is_loaded_anew(
+    notebook: Open, tmp_path: Path
+) -> None:
+    one, other = (Path(copy(robowidgets.SAMPLE, tmp_path / name)) for name in ("one.mcap", "other.mcap"))
+    follow = f"other = robowidgets.open({str(other)!r}).show('/scan', scanogram=False)\nother.follow(player)\nother"
+    show = "(player := recording.show('/scan', scanogram=False))"
+    nb = notebook([TABLE.format(path=str(one)), show, follow])
+    to_time(nb, 20.0)
+    expect(nb.output(2).locator(".rw-play-now")).to_have_text("20.00")
+    wait_for(lambda: nb.python("print(player.time, other.time)").strip() == "20.0 20.0", "Python knew")
+    nb.output(2).locator(".rw-player").press(".")
+    expect(nb.output(2).locator(".rw-play-now")).to_have_text("20.10")
+    wait_for(lambda: nb.python("print(player.time, other.time)").strip() == "20.0 20.1", "Python knew")
+    nb.reload()
+    expect(nb.output(1).locator(".rw-play-now")).to_have_text("20.00")
+    expect(nb.output(2).locator(".rw-play-now")).to_have_text("20.10")
+    to_time(nb, 30.0)
+    expect(nb.output(2).locator(".rw-play-now")).to_have_text("30.00")
+
+
 def test_while_a_cell_runs_it_plays_steps_points_seeks_and_keeps_a_name(notebook: Open, tmp_path: Path) -> None:
     nb = opened(notebook, Path(copy(robowidgets.SAMPLE, tmp_path)), width=1280, height=720)
     wait_for(lambda: nb.python("len(player._prefetcher._sent) == 59") == "True", "all segments were sent", 120)

@@ -125,7 +125,11 @@ function host(): Seen {
 }
 
 /** A player with three segments of one widget, whose display shows a frame when the test says so. */
-async function play(values: Record<string, unknown> = {}, segments = [0, 1, 2]) {
+async function play(
+  values: Record<string, unknown> = {},
+  segments = [0, 1, 2],
+  leads = { _shown: null, time: 0 } as object,
+) {
   let now = 0;
   let frame: (() => void) | undefined;
   Object.assign(globalThis, {
@@ -155,7 +159,7 @@ async function play(values: Record<string, unknown> = {}, segments = [0, 1, 2]) 
     _leader: {},
     ...values,
   });
-  const leader = new FakeModel({ _shown: null });
+  const leader = new FakeModel({ ...leads });
   const get_model = async (id: string) => (id === "leader" ? leader : Promise.reject(new Error(id)));
   Object.assign(fake, { send: (content: unknown) => sent.push(content), widget_manager: { get_model } });
   const { state, host: target, on } = host();
@@ -208,7 +212,7 @@ test("what is old is told with its age, whether it is new on show or not", async
 });
 
 test("a widget that shows earlier samples gets those up to the one on show, and keeps them while it is frozen", async () => {
-  const { playback, state, on, give, end } = await play({}, [1, 2]);
+  const { fake, playback, state, on, give, end } = await play({}, [1, 2]);
   const recent = () => (state._recent as { bytes: DataView; about: unknown }[] | undefined)?.map(({ about }) => about);
   playback.seek(1.6);
   assert.equal(recent(), undefined, "it did not ask for any");
@@ -229,8 +233,7 @@ test("a widget that shows earlier samples gets those up to the one on show, and 
   state._needs = 1;
   set({ trail: 0 });
   assert.equal(recent()?.length, 2, "a view needs the one before");
-  state._about = { numbers: { r: 1 } };
-  set({ trail: 0 });
+  fake.tell({ segment: 2, drop: [], abouts: [[{ numbers: { r: 1 } }]] }, [packed([2, 0, FRAME], [2.5, 0, FRAME])]);
   assert.deepEqual(
     (state._recent as { at: number }[]).map(({ at }) => at),
     [0, 500, 1000, 1500, 2000, 2500],
@@ -521,8 +524,8 @@ test("another widget shows the time, is followed where a person points, and let 
   assert.equal(fake.listening, 0);
 });
 
-test("what the kernel repeats of another widget moves nothing: a click, or all that it has after a lost connection", async () => {
-  const { fake, follower, playback, end } = await play();
+test("what the kernel sends of another widget moves nothing: it may be old, or a click in another page", async () => {
+  const { fake, follower, playback, sent, end } = await play();
   const send = (time: number) => {
     Object.assign(follower, { _state_lock: { time } });
     follower.receive({ time });
@@ -530,28 +533,49 @@ test("what the kernel repeats of another widget moves nothing: a click, or all t
   };
   playback.seek(2);
   send(0);
-  assert.deepEqual([playback.time, follower.get("time"), fake.get("time")], [2, 2, 2], "where it was at first");
+  assert.deepEqual([playback.time, follower.get("time"), fake.get("time")], [2, 2, 2]);
   follower.set("time", 0.5);
   playback.step(1);
-  send(0.5);
-  assert.deepEqual([playback.time, follower.get("time")], [1, 1]);
-  send(2.5);
-  assert.equal(playback.time, 2.5, "what a program sets does");
-  playback.seek(1);
-  send(2.5);
-  assert.deepEqual([playback.time, follower.get("time")], [1, 1], "once");
-  send(0.5);
-  assert.equal(playback.time, 0.5, "also where a click was before");
-  playback.seek(1);
+  const [saves, messages] = [fake.saved.length, sent.length];
+  for (const time of [0.5, 2.5]) {
+    send(time);
+    assert.deepEqual([playback.time, follower.get("time")], [1, 1]);
+  }
+  assert.deepEqual([fake.saved.length, sent.length], [saves, messages], "and tells Python nothing");
+  fake.receive({ time: 2.5 });
+  assert.deepEqual([playback.time, follower.get("time")], [2.5, 2.5], "the time of the player does");
   follower.set("time", 0.5);
-  assert.equal(playback.time, 0.5, "and a click on the same place");
-  send(0.75);
-  playback.seek(0.75);
-  fake.receive({ _targets: ["others"] });
-  await Promise.resolve();
+  assert.equal(playback.time, 0.5, "and a click here");
+  end();
+});
+
+test("widgets that get from the kernel what it had long ago show what the player shows", async () => {
+  const { playback, follower, state, on, end } = await play();
   playback.seek(1);
-  send(0.75);
-  assert.equal(playback.time, 1, "also where other widgets are moved by now");
+  follower.set("_pointed", { time: 2, ray: 7 });
+  const frame = state._frame;
+  Object.assign(state, { _frame: new DataView(new ArrayBuffer(9)), _about: { frame_id: "long ago" }, hovered: null });
+  on["change:_frame"]?.();
+  on["change:_about"]?.();
+  await Promise.resolve();
+  assert.deepEqual([state._frame, state._about, state.hovered], [frame, { frame_id: "2" }, 7]);
+  end();
+});
+
+test("a page that draws seldom does not play ahead of another one", async () => {
+  const { fake, playback, pass, end } = await play({ duration: 99 }, [0, 1, 2, 3, 4]);
+  playback.toggle();
+  pass(0);
+  pass(1000);
+  assert.equal(playback.time, 1);
+  pass(0);
+  const { now } = performance;
+  const later = now() + 2000;
+  performance.now = () => later;
+  fake.receive({ time: 3 });
+  performance.now = now;
+  pass(2100);
+  assert.equal(Math.round(1000 * playback.time), 3100);
   end();
 });
 
@@ -613,6 +637,11 @@ test("a player follows another to the same place, stays where there is none, and
   assert.deepEqual(fake.saved.at(0)?.time, 0.5, "Python is told");
   playback.seek(1);
   assert.deepEqual([playback.time, playback.lost], [1, ""], "it can be moved by itself");
+  const again = await play({ _leader, time: 1 }, [0, 1, 2], { _shown: 9, time: 9 });
+  assert.deepEqual([again.playback.time, again.playback.lost], [1, ""], "also in a page that is loaded anew");
+  again.leader.receive({ _shown: 1 });
+  assert.equal(again.playback.time, 0.5);
+  again.end();
   fake.receive({ _leader: { ..._leader, seconds: floats(0.25, 0.5, 0.75) } });
   await Promise.resolve();
   await Promise.resolve();

@@ -6,7 +6,7 @@ import type { PlayerTraits } from "./traits.ts";
 /** Calls back with the time of the place to which the leader of a player moves; NaN where there is no such place. */
 export function followLeader(model: Model<PlayerTraits>, goTo: (time: number) => void, signal: AbortSignal): void {
   let leader = model.get("_leader");
-  const follow = async () => {
+  const follow = async (isAtPlace: boolean) => {
     const own = model.get("_leader");
     leader = own;
     if (!own.model) return;
@@ -14,15 +14,24 @@ export function followLeader(model: Model<PlayerTraits>, goTo: (time: number) =>
     const other = (await model.widget_manager.get_model(own.model).catch(() => null)) as Model<PlayerTraits> | null;
     if (!other || signal.aborted) return;
     const [times, seconds] = [toFloats(own.times), toFloats(own.seconds)];
+    const toPlace = (shown: number) => seconds[firstWhere(times, (time) => time > shown) - 1] ?? NaN;
+    let before: number | null = null;
     const onMove = () => {
       const shown = other.get("_shown");
-      if (leader === own && shown !== null) goTo(seconds[firstWhere(times, (time) => time > shown) - 1] ?? NaN);
+      if (leader !== own || shown === null || shown === before) return;
+      before = shown;
+      goTo(toPlace(shown));
     };
+    if (isAtPlace) {
+      // The page was loaded anew: the follower stays where it is by now, until the leader moves.
+      before = other.get("_shown") ?? other.get("time");
+      if (Number.isNaN(toPlace(before))) goTo(NaN);
+    }
     onChange(other, ["_shown"], onMove, signal);
     onMove();
   };
-  onChange(model, ["_leader"], follow, signal);
-  follow();
+  onChange(model, ["_leader"], () => follow(false), signal);
+  follow(true);
 }
 
 function toFloats(view: DataView | undefined): Float64Array {

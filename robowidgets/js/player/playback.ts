@@ -31,9 +31,7 @@ export class Playback {
   readonly #tell: () => void;
   readonly #nextFrame: () => void;
   #followers: Follower[] = [];
-  /** The time of each follower as the kernel has it, which it sends again to a page that was away. */
-  readonly #known = new Map<Follower, number | null>();
-  /** Whether a follower is given the time of the player just now. */
+  /** Whether widgets are given what the player shows just now. */
   #isGiving = false;
   #targets = new Targets([]);
   #time: number;
@@ -97,6 +95,9 @@ export class Playback {
       this.#watchFreezing(target, signal);
       this.#watchPicking(target, signal);
       onChange(target, ["trail", "spread"], () => this.#show(), signal);
+      // Once all that the kernel sent is set.
+      const onGiven = () => this.#isGiving || queueMicrotask(() => signal.aborted || this.#show());
+      onChange(target, ["_frame", "_about"], onGiven, signal);
     }
     this.#show();
   }
@@ -242,6 +243,8 @@ export class Playback {
     const apart = Math.abs(this.#model.get("time") - this.#time);
     if (apart === 0 || (this.playing && apart < APART * this.#model.get("speed"))) return;
     this.#time = this.#model.get("time");
+    // In a page that draws seldom: the time since its last picture is in it.
+    this.#last = performance.now();
     this.#wished = null;
     this.#movesFrozen = false;
     this.#show();
@@ -299,6 +302,7 @@ export class Playback {
     const time = this.shown;
     const frames = this.#segments.at(time);
     this.#lacks = frames === null;
+    this.#isGiving = true;
     if (frames) {
       this.#targets.show(frames, time, this.#model.get("_pauses"));
       if (this.#movesFrozen) this.#holdFrozen(frames);
@@ -306,6 +310,7 @@ export class Playback {
     } else {
       this.#targets.wait();
     }
+    this.#isGiving = false;
     this.#showRay();
     for (const follower of this.#followers) {
       if (follower.get("time") !== this.#time) this.#give(follower);
@@ -351,22 +356,20 @@ export class Playback {
   /** The ring on the scanogram and the ring on the laser are the same ray. */
   #showRay(): void {
     const ray = this.#previewed?.ray ?? null;
-    if (ray === this.#ray) return;
+    const [laser] = this.#targets.models;
+    if (ray === this.#ray && (ray === null || laser?.get("hovered") === ray)) return;
     this.#ray = ray;
-    this.#targets.models[0]?.set_state({ hovered: ray });
+    laser?.set_state({ hovered: ray });
   }
 
   /** Follows the time and the selection that a person sets on another widget. */
   #follow(follower: Follower, signal: AbortSignal): void {
-    if (!this.#known.has(follower)) this.#known.set(follower, follower.get("time"));
     const onTime = () => {
       if (this.#isGiving) return;
       const time = follower.get("time");
-      // The kernel echoes a click to every page, late when it is busy; this page may have moved on since.
-      const isOld = follower._state_lock && time === this.#known.get(follower);
-      this.#known.set(follower, time);
+      // Of what the kernel sends, a click in another page or what it had long ago, the time of the player tells by itself.
       // A plot has no time after Escape; a player always has one.
-      if (time === null || isOld) this.#give(follower);
+      if (follower._state_lock || time === null) this.#give(follower);
       else if (time !== this.#time) this.seek(time);
     };
     const laser = this.#targets.models[0];

@@ -9,7 +9,7 @@ const MOST = 600;
 /** The models of the widgets that show frames, and what each of them shows. */
 export class Targets {
   readonly models: Host<Target>[];
-  #shown: unknown[] = [];
+  #abouts: About[] = [];
   #ages: number[] = [];
   #isWaiting = false;
 
@@ -18,22 +18,23 @@ export class Targets {
   }
 
   /**
-   * Shows a frame on each widget, where it is another one or its age has changed.
+   * Shows a frame on each widget, where it has another one or its age has changed. A page whose connection was lost gets
+   * the frames that Python has, which may be of another moment.
    *
    * @param pauses seconds after which the sample of each widget is old; 0: never
    */
   show(frames: Shown[], time: number, pauses: number[]): void {
     for (const [i, { track, frame }] of frames.entries()) {
       const target = this.models[i];
+      if (!target) continue;
       const age = frame.time < 0 ? 0 : toAge(time - frame.time, pauses[i]);
-      const isNew = this.#shown[i] !== frame;
-      if (!target || (!isNew && this.#ages[i] === age && !this.#isWaiting)) continue;
-      this.#shown[i] = frame;
+      const shown = toBytes(target.get("_frame"));
+      const isNew = shown !== frame.bytes;
+      if (!isNew && this.#ages[i] === age && target.get("_about") === this.#abouts[i]) continue;
       this.#ages[i] = age;
       const about: About = { ...track.abouts[frame.about], ...(age && { age }) };
       const state: Partial<Target> = { _about: about };
       if (isNew) {
-        const shown = toBytes(target.get("_frame"));
         // Count up, so that a frozen widget shows the number of frames since.
         const number = shown?.byteLength ? shown.getFloat64(0, true) + 1 : 1;
         frame.bytes.setFloat64(0, number, true);
@@ -41,6 +42,7 @@ export class Targets {
       }
       // The verdicts in a history are those of its frames, which have new numbers.
       if (about.judged !== undefined) about.judged = frame.bytes.getFloat64(0, true);
+      this.#abouts[i] = about;
       target.set_state(state);
     }
     this.#isWaiting = false;
@@ -51,7 +53,7 @@ export class Targets {
     if (this.#isWaiting) return;
     this.#isWaiting = true;
     for (const [i, target] of this.models.entries()) {
-      if (this.#shown[i]) target.set_state({ _about: { ...target.get("_about"), waits: true } });
+      if (this.#abouts[i]) target.set_state({ _about: { ...target.get("_about"), waits: true } });
     }
   }
 

@@ -287,6 +287,21 @@ def test_one_who_observes_the_time_may_set_it(player: Player, monkeypatch: pytes
     assert sent == [{"seek": 1.0}]
 
 
+def test_a_program_moves_it_by_another_widget_and_a_page_moves_it_by_itself(path: Path) -> None:
+    with shown(path, "/scan", "/odom.twist.twist.linear.x", scanogram=True) as player:
+        scanogram, plot = player.scanogram, player.views[-1].widget
+        assert scanogram is not None
+        scanogram.time = 3.0
+        assert (player.time, player.bar.time) == (3.0, 3.0)
+        plot.time = 4.0
+        assert (player.time, player.bar.time) == (4.0, 4.0)
+        plot.time = None
+        assert player.time == 4.0
+        for widget in (scanogram, plot):
+            widget.set_state({"time": 2.0})
+        assert player.time == 4.0, "what a page says of it comes with the time of the player"
+
+
 def test_one_that_cannot_be_made_leaves_nothing_behind(path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     unseen: list[object] = []
     monkeypatch.setattr(sys, "unraisablehook", unseen.append)
