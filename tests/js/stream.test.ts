@@ -302,9 +302,10 @@ test("without a rate only a feed can be silent, after ten seconds", (t) => {
   }
 });
 
-test("a page that is loaded counts from when Python had the frame, and saves no age", (t) => {
+test("a page that is loaded counts from when Python had the frame, and saves no age", async (t) => {
   t.mock.timers.enable({ apis: ["setTimeout"] });
   const { fake, stream, end } = open({ _frame: frame(7), _silence: 60 });
+  await Promise.resolve();
   t.mock.timers.tick(0);
   assert.ok(stream.silence >= 60_000);
   assert.equal(stream.arrived, 0);
@@ -312,6 +313,23 @@ test("a page that is loaded counts from when Python had the frame, and saves no 
   fake.receive({ _frame: frame(8) });
   assert.equal(stream.silence, 0);
   end();
+});
+
+test("a page that connects again counts from when Python had the frame, too", async (t) => {
+  t.mock.timers.enable({ apis: ["setTimeout"] });
+  // Buffers come last.
+  for (const state of [{ _silence: 60 }, { _silence: 60, _frame: frame(8) }, { _frame: frame(8), _silence: 60 }]) {
+    const { fake, stream, end } = open({ _frame: frame(6) });
+    fake.receive({ _frame: frame(7) });
+    fake.receive(state);
+    await Promise.resolve();
+    t.mock.timers.tick(0);
+    assert.ok(stream.silence >= 60_000);
+    assert.equal(fake.model.get("_silence"), 0);
+    fake.receive({ _frame: frame(9) });
+    assert.equal(stream.silence, 0);
+    end();
+  }
 });
 
 test("a page that is loaded between two frames shows a live source", (t) => {

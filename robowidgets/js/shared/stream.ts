@@ -83,13 +83,10 @@ export class Stream<F extends Frame> implements Member {
     this.#keep(frozen, NaN);
     if (this.paused) this.#history.freeze(performance.now());
     if (sequenceOf(frozen) !== sequenceOf(newest)) this.#keep(newest, NaN);
-    const age = model.get("_silence");
-    if (age) {
-      // A notebook that is saved later must not restore this age.
-      model.set("_silence", 0);
-      this.#hear(1000 * age);
-    }
+    this.#takeAge();
     onChange(model, ["_frame"], () => this.#onFrame(), signal);
+    // A page that connects again may get a sample long after Python did.
+    onChange(model, ["_silence"], () => this.#takeAge(), signal);
     onChange(model, ["paused"], () => this.#onPaused(), signal);
     onChange(model, ["_frozen_frame"], () => this.#onFrozen(), signal);
     onChange(model, ["_about"], () => this.#onAbout(), signal);
@@ -292,7 +289,7 @@ export class Stream<F extends Frame> implements Member {
     // A frame may say more of the same sample: a command beside a speed, a touch that is over.
     const isSame =
       bytes && before && sequenceOf(bytes) === sequenceOf(before) && arrivalOf(bytes) === arrivalOf(before);
-    if (!isSame) this.#hear();
+    if (!isSame) this.#hear(this.#age);
     this.arrived = performance.now();
     this.#keep(bytes, this.arrived);
     this.#tell();
@@ -307,8 +304,21 @@ export class Stream<F extends Frame> implements Member {
     this.#tell();
   }
 
+  /** Notes the age of the newest sample, which Python tells with its whole state. */
+  #takeAge(): void {
+    if (!this.#age) return;
+    this.#hear(this.#age);
+    // A notebook that is saved later must not restore this age. It may come before the frame that it is of.
+    queueMicrotask(() => this.#model.set("_silence", 0));
+  }
+
+  /** Milliseconds since the newest sample, just when Python has told its whole state; else 0. */
+  get #age(): number {
+    return 1000 * (this.#model.get("_silence") || 0);
+  }
+
   /** Notes that a sample arrived some milliseconds ago. */
-  #hear(ago = 0): void {
+  #hear(ago: number): void {
     this.live = true;
     this.#heard = performance.now() - ago;
     clearTimeout(this.#stale);
