@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+import time
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any, NamedTuple, Protocol
 
@@ -11,7 +12,7 @@ import traitlets
 from ._core.front_end import FrontEndWidget, bundle
 from ._core.platform_fixes import route_by_message
 from ._core.traits import Flag
-from .samples.staleness import LISTED
+from .samples.staleness import LISTED, SEEN_FOR
 
 MOST_LOOKED_AT = 100
 """Topics of which values are sent at most: a page shows no more at once."""
@@ -111,6 +112,8 @@ class TopicsWidget(FrontEndWidget):
     ) -> None:
         self._on_toggle, self._values_of, self._on_look = on_toggle, values_of, on_look
         self._looked_at: list[str] = []
+        self._looks: dict[str, tuple[float, list[str]]] = {}
+        """By the name of a view of a page, until when it looks at which topics."""
         self._seconds: float | None = None
         super().__init__(**kwargs)
         self.on_msg(self._on_page)
@@ -158,8 +161,8 @@ class TopicsWidget(FrontEndWidget):
         """Show a topic or take it off. In the main thread or a subshell's."""
         looked_at = content.get("look") if isinstance(content, dict) else None
         if isinstance(looked_at, list):
-            before, self._looked_at = self._looked_at, [name for name in looked_at if isinstance(name, str)]
-            del self._looked_at[MOST_LOOKED_AT:]
+            before = self._looked_at
+            self._note_look(str(content.get("view")), [name for name in looked_at if isinstance(name, str)])
             if self._on_look is not None:
                 self._on_look(self._looked_at)
             elif before != self._looked_at:
@@ -184,3 +187,11 @@ class TopicsWidget(FrontEndWidget):
         else:
             self._error = ""
         self.send({"done": name})
+
+    def _note_look(self, view: str, names: list[str]) -> None:
+        """Note what one view of the list shows, beside others: of two pages, or of two places in one."""
+        now = time.monotonic()
+        others = {name: look for name, look in self._looks.items() if name != view and look[0] > now}
+        self._looks = {view: (now + SEEN_FOR, names[:MOST_LOOKED_AT]), **others}
+        self._looked_at = [*dict.fromkeys(name for _, seen in self._looks.values() for name in seen)]
+        del self._looked_at[MOST_LOOKED_AT:]

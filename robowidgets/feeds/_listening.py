@@ -15,6 +15,7 @@ from .._core.clock import scheduler as threads
 from .._core.log_once import LogOnce
 from .._core.rate import RateMeter
 from ..messages.infrastructure import is_large
+from ..samples.staleness import SEEN_FOR
 from ._callbacks import FunctionCaller
 from ._links import TopicLink
 from ._subscription import Target
@@ -24,9 +25,6 @@ log = logging.getLogger("robowidgets")
 
 PERIOD = 0.5
 """Seconds between two looks."""
-
-SEEN_FOR = 40.0
-"""Seconds for which it counts that somebody looks. A page says so every ten."""
 
 MOST_HEARD = 60
 """Topics that are listened to at most, beside those that are connected to something."""

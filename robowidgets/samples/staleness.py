@@ -114,3 +114,6 @@ _LEAST = 10
 
 STEPS = 20
 """Number of the newest messages of a running robot by whose times a topic counts as steady."""
+
+SEEN_FOR = 40.0
+"""Seconds for which it counts that somebody looks. A page says so every ten, and may go without a word."""

@@ -233,3 +233,23 @@ def test_the_list_of_a_robot_says_what_comes_now_and_how_often_until_it_is_folde
     nb.output(2).locator(".rw-topics-fold").click()
     heard = "print(*robot.connection.connected)"
     wait_for(lambda: nb.python(heard).strip() == "/scan", "it listens to nothing more")
+
+
+def test_two_views_of_the_list_of_a_robot_each_have_what_they_show(plain_page: Open) -> None:
+    opens = "from robowidgets import feeds; robot = feeds.simulator(wander=False)"
+    nb = plain_page([opens, "(view := robot.show('/scan'))", "view"])
+    first, second = (nb.output(cell).locator(".rw-topics") for cell in (1, 2))
+    odom = first.locator(".rw-topic[data-key='/odom']")
+    first.locator(".rw-topics-rail").click()
+    for listed in (first, second):
+        listed.scroll_into_view_if_needed()
+        expect(listed.locator(".rw-topic[data-key='/odom'] .rw-topic-value")).to_have_text("0 m/s")
+    second.locator(".rw-topics-search").click()
+    second.locator(".rw-topics-filter").fill("scan")
+    expect(second.locator(".rw-topic")).to_have_count(1)
+    looks = "print(sorted(len(names) for _, names in view.topic_list._looks.values()))"
+    wait_for(lambda: nb.python(looks).strip() == "[1, 4]", "one looks at one topic, the other at all")
+    odom.scroll_into_view_if_needed()
+    nb.python("robot.drive(0.2, 0)")
+    expect(odom.locator(".rw-topic-value")).to_have_text("0.2 m/s")
+    expect(odom.locator(".rw-topic-rate")).to_have_text(re.compile(r"^(\d+|\d\.\d)$"))

@@ -2,7 +2,7 @@ import { make, makeButton, makeSvg, mount, set, setHidden, setLabel, setText } f
 import { isPlain, on, onAbort } from "../shared/events.ts";
 import { toAge, toFixed } from "../shared/format.ts";
 import { keepKeys } from "../shared/keys.ts";
-import { lacksKernel, type Model, NO_KERNEL, onChange, onMessage, setTraits } from "../shared/model.ts";
+import { lacksKernel, type Model, NO_KERNEL, newName, onChange, onMessage, setTraits } from "../shared/model.ts";
 import { setHeld } from "../shared/room.ts";
 import { perAnimationFrame, throttle } from "../shared/schedule.ts";
 import { watchSeen } from "../shared/seen.ts";
@@ -67,6 +67,7 @@ interface Line {
 /** The list of all topics: a click shows one or takes it off. It folds away to a rail. */
 export class TopicsView {
   readonly #model: Model<TopicsTraits>;
+  readonly #name = newName();
   readonly #root = make("div", "rw-card rw-topics");
   readonly #rail: HTMLButtonElement;
   readonly #railText = make("span", "");
@@ -412,7 +413,7 @@ export class TopicsView {
     const names = this.#isSeen ? rows.slice(0, MOST_VALUES).map(({ name }) => name) : [];
     if (!again && names.join("\n") === this.#asked.join("\n")) return;
     this.#asked = names;
-    this.#model.send({ look: names });
+    this.#model.send({ look: names, view: this.#name });
   }
 
   #onDone(name: string): void {

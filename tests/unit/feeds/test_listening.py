@@ -10,10 +10,10 @@ import pytest
 from robowidgets import MessageWidget
 from robowidgets._core.clock import Threads
 from robowidgets.feeds import Advert, Feed
-from robowidgets.feeds._listening import FAST, PATIENCE, PAUSE, PERIOD, SEEN_FOR, Listening
+from robowidgets.feeds._listening import FAST, PATIENCE, PAUSE, PERIOD, Listening
 from robowidgets.feeds._subscription import RARE, SOON
 from robowidgets.feeds._wires import FeedWires
-from robowidgets.samples.staleness import LISTED
+from robowidgets.samples.staleness import LISTED, SEEN_FOR
 from robowidgets.wires_widget import Wire
 
 from ..clocks import ManualClock
@@ -114,6 +114,27 @@ def test_a_list_that_is_folded_and_a_page_that_has_gone_cost_nothing(
     page.view.close()
     clock.advance(1)
     assert script._followed == frozenset()
+
+
+def test_two_views_of_a_list_each_have_what_they_show(script: Scripted, page: Looking, clock: ManualClock) -> None:
+    def look(view: str, *names: str) -> None:
+        page.view.topic_list._on_page(None, {"look": [*names], "view": view}, None)
+
+    look("one", "/scan", "/temperature")
+    look("other", "/scan")
+    clock.advance()
+    script.listener.on_message("/temperature", {"data": 21.5})
+    clock.advance(PERIOD)
+    assert page.says("/temperature")["value"] == "21.5"
+    look("other")
+    clock.advance(PERIOD)
+    assert page.says("/temperature")["value"] == "21.5", "also where the other is scrolled away"
+    look("one", "/scan")
+    clock.advance(PERIOD)
+    assert page.says("/temperature") == {"value": None}
+    look("one")
+    clock.advance(PERIOD)
+    assert page.told[-1] == {"values": {}, "now": {}}
 
 
 def test_large_topics_are_glanced_at_one_after_the_other_for_a_few_messages(

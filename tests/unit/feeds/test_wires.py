@@ -13,9 +13,10 @@ from robowidgets._core.clock import Threads
 from robowidgets._core.timed_frame import FRAME_HEADER
 from robowidgets.behaviors import Drive
 from robowidgets.feeds import Advert, Feed, FeedError
-from robowidgets.feeds._listening import MOST_HEARD, SEEN_FOR, Listening
+from robowidgets.feeds._listening import MOST_HEARD, Listening
 from robowidgets.feeds._wires import FeedWires
 from robowidgets.messages.infrastructure import is_infrastructure
+from robowidgets.samples.staleness import SEEN_FOR
 from robowidgets.wires_widget import NotebookPart, Wire
 
 from ..clocks import ManualClock
