@@ -639,8 +639,12 @@ test("a player follows another to the same place, stays where there is none, and
   assert.deepEqual([playback.time, playback.lost], [1, ""], "it can be moved by itself");
   const again = await play({ _leader, time: 1 }, [0, 1, 2], { _shown: 9, time: 9 });
   assert.deepEqual([again.playback.time, again.playback.lost], [1, ""], "also in a page that is loaded anew");
+  Object.assign(again.leader, { _state_lock: { time: 1 } });
   again.leader.receive({ _shown: 1 });
-  assert.equal(again.playback.time, 0.5);
+  assert.deepEqual([again.playback.time, again.fake.saved], [0.5, []], "the page that moves the leader tells Python");
+  Object.assign(again.leader, { _state_lock: null });
+  again.leader.receive({ _shown: 3 });
+  assert.deepEqual([again.playback.time, again.fake.saved], [2.5, [{ _shown: 2.5, time: 2.5 }]]);
   again.end();
   fake.receive({ _leader: { ..._leader, seconds: floats(0.25, 0.5, 0.75) } });
   await Promise.resolve();

@@ -1,17 +1,27 @@
 import { copyOf, toBytes } from "../shared/bytes.ts";
 import { type Model, onChange } from "../shared/model.ts";
 import { firstWhere } from "../shared/search.ts";
+import type { Host } from "./moved.ts";
 import type { PlayerTraits } from "./traits.ts";
 
-/** Calls back with the time of the place to which the leader of a player moves; NaN where there is no such place. */
-export function followLeader(model: Model<PlayerTraits>, goTo: (time: number) => void, signal: AbortSignal): void {
+type Leading = Model<PlayerTraits> & Pick<Host<PlayerTraits>, "_state_lock">;
+
+/**
+ * Calls back with the time of the place to which the leader of a player moves; NaN where there is no such place.
+ * @param goTo told, too, whether the kernel sent the move: then it was made elsewhere, as was that of the follower
+ */
+export function followLeader(
+  model: Model<PlayerTraits>,
+  goTo: (time: number, isSent: boolean) => void,
+  signal: AbortSignal,
+): void {
   let leader = model.get("_leader");
   const follow = async (isAtPlace: boolean) => {
     const own = model.get("_leader");
     leader = own;
     if (!own.model) return;
     // A player that was closed leads nowhere.
-    const other = (await model.widget_manager.get_model(own.model).catch(() => null)) as Model<PlayerTraits> | null;
+    const other = (await model.widget_manager.get_model(own.model).catch(() => null)) as Leading | null;
     if (!other || signal.aborted) return;
     const [times, seconds] = [toFloats(own.times), toFloats(own.seconds)];
     const toPlace = (shown: number) => seconds[firstWhere(times, (time) => time > shown) - 1] ?? NaN;
@@ -20,12 +30,12 @@ export function followLeader(model: Model<PlayerTraits>, goTo: (time: number) =>
       const shown = other.get("_shown");
       if (leader !== own || shown === null || shown === before) return;
       before = shown;
-      goTo(toPlace(shown));
+      goTo(toPlace(shown), Boolean(other._state_lock));
     };
     if (isAtPlace) {
       // The page was loaded anew: the follower stays where it is by now, until the leader moves.
       before = other.get("_shown") ?? other.get("time");
-      if (Number.isNaN(toPlace(before))) goTo(NaN);
+      if (Number.isNaN(toPlace(before))) goTo(NaN, false);
     }
     onChange(other, ["_shown"], onMove, signal);
     onMove();

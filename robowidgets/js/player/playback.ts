@@ -64,7 +64,7 @@ export class Playback {
     onChange(model, ["playing"], () => this.#onPlaying(), signal);
     onChange(model, ["speed", "loop", "selection", "marks", "_status", "_leader"], () => this.#changed(), signal);
     onMessage(model, (message: Message, buffers) => this.#onMessage(message, buffers), signal);
-    followLeader(model, (time) => this.#goToPlace(time), signal);
+    followLeader(model, (time, isSent) => this.#goToPlace(time, isSent), signal);
     let change = new AbortController();
     onAbort(signal, () => change.abort());
     const move = async () => {
@@ -170,9 +170,10 @@ export class Playback {
   }
 
   /** Follows another player; where there is no same place, what was shown stays. */
-  #goToPlace(time: number): void {
+  #goToPlace(time: number, isSent: boolean): void {
     this.#isLost = Number.isNaN(time);
     if (this.#isLost) this.#changed();
+    else if (time !== this.#time && isSent) this.#take(this.#within(time));
     else if (time !== this.#time) this.seek(time);
   }
 
@@ -242,7 +243,12 @@ export class Playback {
   #onTime(): void {
     const apart = Math.abs(this.#model.get("time") - this.#time);
     if (apart === 0 || (this.playing && apart < APART * this.#model.get("speed"))) return;
-    this.#time = this.#model.get("time");
+    this.#take(this.#model.get("time"));
+  }
+
+  /** Goes to a time that Python has. */
+  #take(time: number): void {
+    this.#time = time;
     // In a page that draws seldom: the time since its last picture is in it.
     this.#last = performance.now();
     this.#wished = null;
