@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import logging
-import time
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any, NamedTuple, Protocol
 
 import traitlets
 
+from ._core.clock import Clock, scheduler
 from ._core.front_end import FrontEndWidget, bundle
 from ._core.platform_fixes import route_by_message
 from ._core.traits import Flag
@@ -83,6 +83,7 @@ class TopicsWidget(FrontEndWidget):
         values_of: what some topics say, in words; None: nobody knows.
         on_look: called with the names of the topics that a page looks at, every ten seconds, and with none when it does
             so no longer: then `tell_now` is called while it does. None: it is no robot.
+        clock: by which a page that says nothing any more looks no longer.
         folded: whether only a rail of it is there; None: as the room allows.
     """
 
@@ -108,8 +109,10 @@ class TopicsWidget(FrontEndWidget):
         on_toggle: Callable[[str, bool], None] | None = None,
         values_of: Callable[[Sequence[str]], Mapping[str, str]] | None = None,
         on_look: Callable[[Sequence[str]], object] | None = None,
+        clock: Clock = scheduler.clock,
         **kwargs: Any,
     ) -> None:
+        self._now = clock.now
         self._on_toggle, self._values_of, self._on_look = on_toggle, values_of, on_look
         self._looked_at: list[str] = []
         self._looks: dict[str, tuple[float, list[str]]] = {}
@@ -190,7 +193,7 @@ class TopicsWidget(FrontEndWidget):
 
     def _note_look(self, view: str, names: list[str]) -> None:
         """Note what one view of the list shows, beside others: of two pages, or of two places in one."""
-        now = time.monotonic()
+        now = self._now()
         others = {name: look for name, look in self._looks.items() if name != view and look[0] > now}
         self._looks = {view: (now + SEEN_FOR, names[:MOST_LOOKED_AT]), **others}
         self._looked_at = [*dict.fromkeys(name for _, seen in self._looks.values() for name in seen)]

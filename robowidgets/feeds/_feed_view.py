@@ -84,7 +84,7 @@ class FeedView(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no type
         self.refresh = CoalescedCall(self._refresh)
         self._status = ipywidgets.HTML()
         self._screen = OneScreen()
-        self.topic_list = TopicsWidget(self._on_toggle, on_look=self._on_look)
+        self.topic_list = TopicsWidget(self._on_toggle, on_look=self._on_look, clock=self._connection.clock)
         self.topic_list.observe(self._on_wires, "wires")
         self._stop = StopWidget(feed)
         self.program: ProgramWidget | None = None

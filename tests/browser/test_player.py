@@ -602,6 +602,8 @@ def test_while_a_cell_runs_it_plays_steps_points_seeks_and_keeps_a_name(notebook
     nb = opened(notebook, Path(copy(robowidgets.SAMPLE, tmp_path)), width=1280, height=720)
     wait_for(lambda: nb.python("len(player._prefetcher._sent) == 59") == "True", "all segments were sent", 120)
     to_time(nb, 29.0)
+    # JupyterLab sends no more of a model whose last message it was waiting for when the connection was lost.
+    wait_for(lambda: nb.python("print(player.time)").strip() == "29.0", "Python knew")
     nb.reconnect()
     assert now(nb) == 29.0, "it stays where it is when the connection was lost"
     to_time(nb, 0.0)

@@ -135,6 +135,15 @@ def test_two_views_of_a_list_each_have_what_they_show(script: Scripted, page: Lo
     look("one")
     clock.advance(PERIOD)
     assert page.told[-1] == {"values": {}, "now": {}}
+    look("one", "/temperature")
+    clock.advance(SEEN_FOR / 2)
+    look("other", "/scan")
+    clock.advance(PERIOD)
+    assert page.says("/temperature")["value"] == "nothing yet"
+    clock.advance(SEEN_FOR / 2)
+    look("other", "/scan")
+    clock.advance(PERIOD)
+    assert page.says("/temperature") == {"value": None}, "a page that is gone looks no longer"
 
 
 def test_large_topics_are_glanced_at_one_after_the_other_for_a_few_messages(
