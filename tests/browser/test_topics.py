@@ -250,6 +250,10 @@ def test_two_views_of_the_list_of_a_robot_each_have_what_they_show(plain_page: O
     looks = "print(sorted(len(names) for _, names in view.topic_list._looks.values()))"
     wait_for(lambda: nb.python(looks).strip() == "[1, 4]", "one looks at one topic, the other at all")
     odom.scroll_into_view_if_needed()
-    nb.python("robot.drive(0.2, 0)")
-    expect(odom.locator(".rw-topic-value")).to_have_text("0.2 m/s")
+
+    def it_says_so() -> bool:  # it drives for half a second
+        nb.python("robot.drive(0.2, 0)")
+        return odom.locator(".rw-topic-value").inner_text() == "0.2 m/s"
+
+    wait_for(it_says_so, "the first list has what comes now")
     expect(odom.locator(".rw-topic-rate")).to_have_text(re.compile(r"^(\d+|\d\.\d)$"))
