@@ -232,7 +232,8 @@ def test_a_kernel_that_does_not_answer_is_interrupted_and_a_cell_that_goes_on_is
     busy = nb.append(STUBBORN.format(stop=str(stop)))
     nb.start(busy)
     press(nb)
-    says(nb, "the kernel was interrupted, but its cell goes on", "press Stop again, or restart the kernel")
+    hint = "its cell goes on, or the connection is lost: press Stop again, or restart the kernel"
+    says(nb, "the kernel was interrupted, but does not answer", hint)
     expect(stop_of(nb)).to_have_attribute("aria-pressed", "false")
     nb.page.mouse.up()
     press(nb)

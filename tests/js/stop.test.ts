@@ -216,7 +216,7 @@ test("stopped is only what Python confirmed", () => {
   assert.equal(text("asking", false), "stopping");
   assert.equal(say({ driver: "program" }, { note: "asking", silence: SILENT }).text, SILENT);
   assert.equal(text("interrupted", false), "stopping");
-  assert.equal(text("ignored", false), "the kernel was interrupted, but its cell goes on");
+  assert.equal(text("ignored", false), "the kernel was interrupted, but does not answer");
   assert.equal(text("unreachable", false), "Stop cannot reach the busy kernel");
   assert.equal(text("", true), "nobody may drive");
   assert.equal(say({ stopped: true, speed: [0.2, 0, 0] }).text, "stopping", "zero was not sent yet");

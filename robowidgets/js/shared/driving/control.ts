@@ -15,7 +15,7 @@ export const END_MS = 2000;
 
 /**
  * State of the last Stop or Allow of this page: "asking" until Python confirms the latch; "interrupted" after the
- * kernel was interrupted, "ignored" when its cell goes on nevertheless; "unreachable" when the host gives no way to
+ * kernel was interrupted, "ignored" when it does not answer nevertheless; "unreachable" when the host gives no way to
  * interrupt a busy kernel; "refused" when Allow came too late; else empty.
  */
 export type Note = "" | "asking" | "interrupted" | "ignored" | "unreachable" | "refused";

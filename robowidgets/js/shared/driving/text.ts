@@ -23,7 +23,10 @@ const HELP =
 
 const NOTES: Partial<Record<Note, Text>> = {
   unreachable: warn("Stop cannot reach the busy kernel", HELP),
-  ignored: warn("the kernel was interrupted, but its cell goes on", "press Stop again, or restart the kernel"),
+  ignored: warn(
+    "the kernel was interrupted, but does not answer",
+    "its cell goes on, or the connection is lost: press Stop again, or restart the kernel",
+  ),
 };
 
 /** The status of Stop, which comes before any other; null when there is none. */
