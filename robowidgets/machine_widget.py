@@ -137,8 +137,12 @@ class MachineWidget(RobotWidget[MachineStep]):
         machine = program.version.function
         if isinstance(machine, Machine):
             self._clock = program.clock
-            self.set_source({**self._source, "error": program.error})
-            self._show(machine.last_step, counts=machine.last_step is not self._newest.sample)
+            step = error = None
+            # Where a program is paused in the middle of a step, two threads tell at once: who is last tells the newest.
+            while step is not machine.last_step or error != program.error:
+                step, error = machine.last_step, program.error
+                self.set_source({**self._source, "error": error})
+                self._show(step, counts=step is not self._newest.sample)
 
     def _follow(self, program: Program) -> None:
         """Show another version."""
