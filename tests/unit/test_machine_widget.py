@@ -16,7 +16,6 @@ from robowidgets._core.timed_frame import FRAME_HEADER
 from robowidgets.behaviors import Drive
 from robowidgets.feeds import Feed
 
-from .clocks import ManualClock
 from .feeds.scripted import CMD_VEL, SCAN, Scripted, scan
 from .pages import Page
 from .waiting import wait_for
@@ -189,29 +188,30 @@ def test_steps_are_told_twenty_times_a_second_and_the_newest_wins(robot: Feed, p
     wait_for(lambda: step(page)["time"] == program.version.function.last_step.time, "the last step is told")
 
 
-def test_of_two_threads_that_tell_a_step_at_once_the_last_one_tells_the_newest(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_of_two_threads_that_tell_a_step_at_once_the_last_one_tells_the_newest(
+    robot: Feed, monkeypatch: pytest.MonkeyPatch
+) -> None:
     class Waits:
         one = two = None
         moves = "one -> two after 99"
 
-    clock = ManualClock()
-    with Feed(Scripted(SCAN, CMD_VEL), clock=clock) as robot:
-        widget = MachineWidget(robot)
-        machine = robot.program(Waits, rate=10).version.function
-        clock.advance(0.5)
-        old = machine.last_step
-        new, show = old._replace(time=old.time + 1), widget._show
+    widget = MachineWidget(robot)
+    program = robot.program(Waits, rate=100)
+    machine = program.version.function
+    wait_for(lambda: machine.last_step.states, "it runs")
+    program.pause()
+    show = widget._show
 
-        def is_overtaken(step: Any, **given: Any) -> None:
-            monkeypatch.setattr(widget, "_show", show)
-            machine.last_step = new
-            widget._on_step()
-            show(step, **given)
-
-        monkeypatch.setattr(widget, "_show", is_overtaken)
+    def is_overtaken(step: Any, **given: Any) -> None:
+        monkeypatch.setattr(widget, "_show", show)
+        machine.last_step = step._replace(time=step.time + 1)
         widget._on_step()
-        assert widget._newest.sample is new
-        widget.close()
+        show(step, **given)
+
+    monkeypatch.setattr(widget, "_show", is_overtaken)
+    widget._on_step()
+    wait_for(lambda: widget._newest.sample is machine.last_step, "the newest is told")
+    widget.close()
 
 
 def test_an_event_that_made_a_move_is_true_in_the_first_frame_after_it(robot: Feed, page: Page) -> None:
