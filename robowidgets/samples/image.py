@@ -44,10 +44,10 @@ class Image(HasAge):
         frame_id: the coordinate frame of the camera: z looks ahead, x to the right and y down.
         compressed: a JPEG or PNG as it came; empty: it is none.
         size: rows and columns of a compressed picture.
-        is_gray: whether a compressed picture has one channel.
         unpack: makes the pixels of a compressed picture.
         depth_scale: metres of one step of a depth image; 0: it is none.
         step: bytes of a row in the data of its message; 0: it has no such data.
+        is_gray: whether a compressed picture has one channel.
 
     Raises:
         ValueError: no pixels, or too many.
@@ -66,10 +66,10 @@ class Image(HasAge):
     frame_id: str = ""
     compressed: bytes = field(default=b"", repr=False)
     size: tuple[int, int] = (0, 0)
-    is_gray: bool = False
     unpack: Callable[[bytes], NDArray[Any]] | None = field(default=None, repr=False)
     depth_scale: float = 0.0
     step: int = 0
+    is_gray: bool = False
 
     def __post_init__(self) -> None:
         note_arrival(self)
