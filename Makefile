@@ -1,4 +1,4 @@
-# Everything from a bare checkout: `make demo` shows the widgets, `make test` checks all of it.
+# Everything from a bare checkout: `make demo` shows the widgets, `make test` checks that they work.
 # Needs Python 3.10 or later. Node comes from PyPI into .venv; nothing is installed outside the checkout,
 # but for a missing Chromium, Firefox, ROS 1 or venv module on Debian as root.
 
@@ -15,13 +15,15 @@ BUNDLES := $(patsubst $(JS)/%.ts,robowidgets/static/%.js,$(wildcard $(JS)/*_widg
 PYTEST := .venv/bin/python -m pytest
 # Twice as many as cores: unit tests wait for half of their time. Files that take long come first (tests/unit/conftest.py).
 UNITS := $(PYTEST) --numprocesses 4 --dist loadfile --no-loadscope-reorder tests/unit
+BROWSER := $(PYTEST) --numprocesses 3 --dist loadgroup tests/browser
 
 export PATH := $(CURDIR)/.venv/bin:$(PATH)
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
 # The tests start hundreds of processes and kernels: the package is compiled for the first of them.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: demo setup build watch lab lint sizes format check test test-floor test-js test-unit test-ros1 test-notebooks test-docs test-wheel test-browser site bench pictures clean
+.PHONY: demo setup build watch lab lint sizes format check test test-all test-rest test-versions test-oldest test-newest
+.PHONY: test-js test-unit test-ros1 test-notebooks test-docs test-wheel test-browser browsers site bench pictures clean
 .NOTPARALLEL:
 .DELETE_ON_ERROR:
 
@@ -56,14 +58,25 @@ format: setup
 	.venv/bin/ruff format .
 	cd $(JS) && npm run --silent format
 
-# What is worth a wait of two minutes after each change; `make test` before each commit.
+# The loop after each change, in two minutes; `make test` before each commit.
 check: lint test-js sizes
 	$(UNITS) -m 'not slow'
 
-# What leaves a core idle runs beside something else.
-test: setup build
-	scripts/side_by_side.sh '$(MAKE) lint test-js test-wheel test-ros1' '$(MAKE) test-notebooks test-docs'
-	$(MAKE) test-unit test-browser
+# All that is quick, and one path of each widget in a real browser.
+test: setup build $(EXPORT_MODULES)
+	scripts/chromium.sh
+	scripts/side_by_side.sh '$(MAKE) lint test-js test-wheel' '$(MAKE) test-notebooks'
+	$(UNITS) -m 'not slow'
+	$(BROWSER) -m core
+
+# Everything.
+test-all: test test-rest
+
+# Everything that `make test` leaves out.
+test-rest: setup build $(EXPORT_MODULES) browsers
+	scripts/side_by_side.sh '$(MAKE) test-ros1' '$(MAKE) test-docs'
+	$(UNITS) -m slow
+	$(BROWSER) -m 'not core'
 
 test-js: setup
 	cd $(JS) && npm run --silent test
@@ -71,18 +84,23 @@ test-js: setup
 test-unit: setup build
 	$(UNITS)
 
-# The units on the oldest Python, with the oldest versions that pyproject.toml allows; skipped without that Python.
-# Of our own code, slow tests and the files that take longest are left out: `make test` runs them with the newest versions.
-# So is what reads that code and runs none of it, DDS, whose oldest version is nearly the newest, and what stands for a
-# browser, which has the newest versions.
-NOT_ON_THE_FLOOR := behaviors scanogram simulator feeds/test_dds.py test_layers.py test_locks.py test_names.py \
+# The units on the oldest and on the newest Python that is there, each skipped without such a Python. The newest takes the
+# newest versions of all packages, the oldest the oldest that pyproject.toml allows.
+test-versions: test-oldest test-newest
+
+# Left out there: the slow tests and longest files of what needs no version of another package (`make test-unit` runs them),
+# what only reads code, DDS, whose oldest version is nearly the newest, and what stands for a browser.
+NOT_ON_THE_OLDEST := behaviors scanogram simulator feeds/test_dds.py test_layers.py test_locks.py test_names.py \
   $(patsubst %,recordings/test_%.py,distances endings places scanogram show) \
   $(patsubst tests/unit/%,%,$(wildcard tests/unit/recordings/test_find*.py)) $(patsubst %,repair/test_%.py,clock fuzz) \
   $(patsubst %,test_%.py,distance drive_widget lesson_progress lessons map message_widget not_in_browser path_widget) \
   $(patsubst %,test_%.py,plot_widget shapes sonar_ring to_html watch)
 
-test-floor: setup build
-	scripts/floor.sh -m 'not slow or versions' --no-loadscope-reorder $(addprefix --ignore tests/unit/,$(NOT_ON_THE_FLOOR))
+test-oldest: setup build
+	scripts/units_on.sh oldest 3.10 -m 'not slow or versions' $(addprefix --ignore tests/unit/,$(NOT_ON_THE_OLDEST))
+
+test-newest: setup build
+	scripts/units_on.sh newest "3.14 3.13" -m 'not slow or versions'
 
 test-ros1: setup build
 	scripts/ros1.sh
@@ -97,11 +115,14 @@ test-docs: setup build
 test-wheel: setup
 	$(PYTEST) tests/test_wheel.py
 
-test-browser: setup build $(EXPORT_MODULES)
+test-browser: setup build $(EXPORT_MODULES) browsers
+	$(BROWSER)
+
+# Chromium, Firefox and JupyterLite for the browser tests.
+browsers: setup
 	scripts/chromium.sh
 	scripts/firefox.sh
 	scripts/lite.sh
-	$(PYTEST) --numprocesses 3 --dist loadgroup tests/browser
 
 # The documentation, and JupyterLite with the lessons in site/lite, as a folder of files that any web server serves.
 site: setup build $(EXPORT_MODULES)
@@ -128,7 +149,7 @@ pictures: setup build
 	for page in tests/screenshots/gallery-*.html; do cp "$$page" "docs/pages/$${page##*/gallery-}"; done
 
 clean:
-	rm -rf .venv .venv-site .venv-floor $(JS)/node_modules tests/browser/node_modules robowidgets/static
+	rm -rf .venv .venv-site .venv-oldest .venv-newest $(JS)/node_modules tests/browser/node_modules robowidgets/static
 	rm -rf site tests/screenshots benchmarks/results .pytest_cache .mypy_cache .ruff_cache dist
 
 # Not compiled: only a small part is ever imported.
