@@ -134,7 +134,8 @@ def _band(rows: int | tuple[int, int], height: int, axis: float) -> tuple[int, i
     if isinstance(rows, tuple):
         first, last = (int(row) for row in rows)
     else:
-        first = int(axis - rows / 2)
+        # The node divides whole numbers, and cuts off what is left.
+        first = int(axis - int(rows) // 2)
         last = first + int(rows)
     if not 0 <= first < last <= height:
         raise ValueError(f"rows: expected rows of an image of {height}, got {first} to {last}")

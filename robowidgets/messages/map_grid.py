@@ -102,9 +102,12 @@ def load_map(path: str | os.PathLike[str], frame: str = "map") -> MapGrid:
     origin = about["origin"]
     if not isinstance(origin, Sequence) or len(origin) != 3:
         raise ValueError(f"origin: expected [x, y, yaw], got {origin!r}")
+    # map_server takes the alpha of an image as a fourth color if mode is trinary, and as "unknown" if it is scale.
+    if mode == "trinary" and alpha is not None:
+        pixels = (3 * pixels + alpha) / 4
     cells = _cells(pixels, mode, bool(about.get("negate")), occupied, free)
     if mode == "scale" and alpha is not None:
-        cells = np.where((alpha < 1) & (cells > 0) & (cells < 100), np.uint8(255), cells)
+        cells = np.where(alpha < 1, np.uint8(255), cells)
     return MapGrid(cells[::-1], about["resolution"], Pose(*origin), frame_id=frame)
 
 
@@ -121,7 +124,7 @@ def _cells(brightness: NDArray[np.float64], mode: str, negate: bool, occupied: f
 
 
 def _image(path: Path) -> tuple[NDArray[np.float64], NDArray[np.float64] | None]:
-    """The brightness of the pixels of an image, 0 to 1, and how opaque they are where the image tells."""
+    """Return the brightness of the pixels of an image, and their alpha or None without one, both 0 to 1."""
     content = path.read_bytes()
     header = _HEADER.match(content)
     if header is None:
@@ -148,7 +151,8 @@ def _by_pillow(path: Path) -> tuple[NDArray[np.float64], NDArray[np.float64] | N
         ) from None
     try:
         with Image.open(path) as image:
+            has_alpha = "A" in image.getbands() or "transparency" in image.info
             pixels = np.asarray(image.convert("RGBA"), np.float64) / 255
     except (UnidentifiedImageError, Image.DecompressionBombError):
         raise ValueError(f"{path.name}: expected an image in PGM; map_saver writes one with --fmt pgm") from None
-    return pixels[..., :3].mean(axis=2), pixels[..., 3]
+    return pixels[..., :3].mean(axis=2), pixels[..., 3] if has_alpha else None

@@ -210,7 +210,8 @@ class Cloud(HasAge):
     ) -> Scan:
         """The points between two heights as a scan: for each ray the nearest of them, from the origin of the frame.
 
-        The range of a ray is the distance on the ground, without the height. ``scan.sources`` has the index of its
+        A ray takes the points from its angle up to the angle of the next ray, as the node does. Its range is the
+        distance on the ground, without the height. ``scan.sources`` has the index of its
         point in the cloud, and ``ray.source`` too. A ray without a point is +inf: nothing in range.
 
         Args:
@@ -245,8 +246,9 @@ class Cloud(HasAge):
         with np.errstate(invalid="ignore", over="ignore"):
             away = np.hypot(x, y)
             chosen = np.flatnonzero(self.inside(z=(low, high)) & (away >= near) & (away <= range_max))
-        turned = (np.arctan2(y[chosen], x[chosen]) - first + step / 2) % tau
-        rays = (turned / step).astype(np.intp)
+        # The node divides by what its message says, in single precision.
+        turned = (np.arctan2(y[chosen], x[chosen]) - float(np.float32(first))) % tau
+        rays = (turned / float(np.float32(step))).astype(np.intp)
         # Of a full circle that is no whole number of steps, what lies beyond the last ray is of it or of the first.
         chosen, rays = chosen[rays < count], rays[rays < count]
         # The nearest is written last.

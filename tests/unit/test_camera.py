@@ -217,6 +217,16 @@ def test_a_band_of_a_depth_image_is_the_scan_that_depthimage_to_laserscan_sends(
     assert np.isinf(depth_scan(np.full((480, 640), inf), info()).ranges).any()
 
 
+@pytest.mark.parametrize(
+    ("axis", "rows", "first"),
+    [(240.0, 1, 240), (239.5, 1, 239), (243.2, 1, 243), (243.2, 3, 242), (243.7, 3, 242), (243.2, 10, 238)],
+)
+def test_an_odd_number_of_rows_are_the_rows_that_the_node_reads(axis: float, rows: int, first: int) -> None:
+    depth = np.repeat(np.arange(480, dtype=np.float32)[:, None] * 0.01 + 1, 640, axis=1)  # each row has its distance
+    calibration = CameraInfo(640, 480, k=[525, 0, 319.5, 0, 525, axis, 0, 0, 1], frame_id="c")
+    assert np.nanmin(depth_scan(depth, calibration, rows).ranges) == pytest.approx(depth[first, 0], abs=1e-5)
+
+
 def test_a_wall_in_a_depth_image_is_a_wall_in_the_scan_and_its_columns_are_known() -> None:
     millimetres = np.full((480, 640), 2000, np.uint16)
     millimetres[:, 400:] = 0

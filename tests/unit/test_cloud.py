@@ -261,7 +261,21 @@ def test_a_band_of_heights_is_a_scan_whose_rays_know_their_points() -> None:
     assert scan.sources.made_of == "points from 0.1 m to 0.5 m high"
     assert scan.distance("right") == inf
     assert cloud.scan(z=(0.1, 0.5), range_min=1.5)[180 * 2].range == 3.0
-    assert cloud.scan(angle_min="-90deg", angle_increment="90deg", ray_count=3).ranges.tolist() == [2.0, 0.5, 2.0]
+    assert cloud.scan(angle_min="-95deg", angle_increment="90deg", ray_count=3).ranges.tolist() == [2.0, 0.5, 2.0]
+
+
+def test_the_ray_of_a_point_is_the_one_that_pointcloud_to_laserscan_gives_it() -> None:
+    points = np.random.default_rng(1).normal(0, 3, (3000, 3)).astype(np.float32)
+    scan = to_cloud(points).scan(z=(-0.5, 0.7))
+    # As in its C++: the angle in double, less angle_min and divided by angle_increment as its message has them.
+    first, step = float(np.float32(-pi)), float(np.float32(pi / 360))
+    ranges = np.full(720, np.inf, np.float32)
+    for x, y, z in points:
+        index = int((np.arctan2(float(y), float(x)) - first) / step)
+        if -0.5 <= z <= np.float32(0.7) and index < 720:
+            ranges[index] = min(ranges[index], np.float32(np.hypot(float(x), float(y))))
+    assert np.isfinite(ranges).sum() > 300
+    np.testing.assert_array_equal(scan.ranges, ranges)
 
 
 def test_the_cloud_of_a_real_scanner_is_its_scan(data: Path) -> None:
@@ -287,8 +301,12 @@ def test_the_cloud_of_a_real_scanner_is_its_scan(data: Path) -> None:
         assert np.abs((off + pi) % (2 * pi) - pi)[far].max() < 1e-5
         assert (cloud.points["intensity"] == scan.intensities).all()
 
+        # A ray takes the points from its angle on, so begin half a ray before.
         again = cloud.scan(
-            angle_min=scan.angle_min, angle_increment=scan.angle_increment, ray_count=len(scan), range_min=1e-6
+            angle_min=scan.angle_min - scan.angle_increment / 2,
+            angle_increment=scan.angle_increment,
+            ray_count=len(scan),
+            range_min=1e-6,
         )
         assert (np.abs(again.ranges - scan.ranges)[far] <= last_bit[far]).all()
         assert (again.sources.numbers == np.where(far, np.arange(len(scan)), -1)).all()

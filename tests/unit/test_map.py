@@ -259,6 +259,28 @@ class TestMapFiles:
         assert load_map(path).values.tolist() == [[100, 0]]
 
     @pytest.mark.parametrize(
+        ("mode", "cells"),
+        [
+            # Trinary takes the mean of red, green, blue and alpha: 0, 0.5 and 0.75 of white for what is transparent.
+            ("trinary", [[100, 0, -1, -1, 0]]),
+            # Scale: each pixel that is not opaque is unknown.
+            ("scale", [[100, 0, -1, -1, -1]]),
+            ("raw", [[0, -1, -1, 50, -1]]),
+        ],
+    )
+    def test_the_alpha_of_a_png_counts_as_in_map_server(
+        self, tmp_path: Path, mode: str, cells: list[list[int]]
+    ) -> None:
+        images = pytest.importorskip("PIL.Image")
+
+        path = self.write(tmp_path, [[0, 255]], image="map.png", mode=mode)
+        pixels = [[(0, 0, 0, 255), (255, 255, 255, 255), (255, 255, 255, 0), (50, 50, 50, 250), (255, 255, 255, 254)]]
+        if mode == "trinary":
+            pixels[0][3] = (100, 100, 100, 255)
+        images.fromarray(np.array(pixels, np.uint8)).save(tmp_path / "map.png")
+        assert load_map(path).values.tolist() == cells
+
+    @pytest.mark.parametrize(
         ("about", "why"),
         [
             ({"mode": "colour"}, "expected mode trinary, scale or raw, got 'colour'"),
