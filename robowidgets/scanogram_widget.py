@@ -62,7 +62,8 @@ class ScanogramWidget(NamedWidget):
         selection: (start, end) in seconds from the start, end not included; with rays (start, end, first, stop), index
             stop not included; or None. The view writes it too. ``recording[selection]`` gives its samples.
         view: (start, end) in seconds, the time on show; None: all of it. The view writes it too.
-        color_range: (near, far) in metres, the ends of the colours; None: fit to the readings on show.
+        color_range: (near, far) in metres, the ends of the colors, or None to fit them to the readings of all scans
+            without the nearest and the farthest hundredth.
         pixel: what is shown where several scans or rays share a pixel: "nearest", so that nothing near is lost, or
             "median", so that what was there most of the time is seen. The view writes it too.
         marks: (start, end, text) in seconds from the start, of what is marked above the scans, or what

@@ -22,6 +22,9 @@ FEW = 16 << 20
 COARSEST = 256
 """Most cells of the last level."""
 
+_BIN = 4
+"""Bits by which a bin is coarser than a code, where readings are counted by distance."""
+
 _FAR = 0.01 * FARTHEST
 """Metres up to which neighbouring codes are at most a centimetre apart."""
 
@@ -47,6 +50,7 @@ class Levels:
         self.scans, self.sweep = scans, sweep
         self.far = sweep.range_max if sweep.range_max < _FAR else _farthest(scans, sweep)
         self.counts = np.zeros(1 + len(WITHOUT_READING), np.int64)
+        self._readings = np.zeros(1 + (FARTHEST >> _BIN), np.int64)
         count = len(scans.times_ns)
         self._first = 0 if 4 * sweep.ray_count * count <= min(FEW, budget) else FIRST
         while 4 * sweep.ray_count * (count >> self._first) > budget:
@@ -58,6 +62,17 @@ class Levels:
     def last(self) -> int:
         """The coarsest level."""
         return self._first + len(self._kept) - 1
+
+    @property
+    def color_range(self) -> tuple[float, float]:
+        """Metres between which the readings of all scans lie, without the nearest and the farthest hundredth."""
+        below = np.cumsum(self._readings)
+        if not below[-1]:
+            return self.sweep.range_min, self.far
+        low, high = np.searchsorted(below, (0.01 * below[-1], 0.99 * below[-1]))
+        step = (self.far - self.sweep.range_min) / FARTHEST
+        near, far = (int(low) << _BIN) - 0.5, min(FARTHEST, (int(high) + 1) << _BIN) - 0.5
+        return self.sweep.range_min + near * step, self.sweep.range_min + far * step
 
     def codes(self, level: int, start: int, stop: int, pixel: str = NEAREST) -> Codes:
         """The codes of the cells ``start`` to ``stop - 1`` of a level: shape (stop - start, rays)."""
@@ -103,6 +118,8 @@ class Levels:
     def _count(self, codes: Codes) -> None:
         without = [int(np.count_nonzero(codes == code)) for code in WITHOUT_READING]
         self.counts += [codes.size - sum(without), *without]
+        bins = np.bincount(codes.ravel() >> _BIN, minlength=len(self._readings))
+        self._readings += bins[: len(self._readings)]
 
 
 def folded(codes: Codes, count: int, pixel: str, axis: int = 0) -> Codes:

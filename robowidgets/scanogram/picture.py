@@ -35,6 +35,7 @@ class Picture:
             "duration": self.duration,
             "pause": clock.pause,
             "class_counts": levels.counts.tolist(),
+            "colors": levels.color_range,
         }
         if speed:
             facts["speed"] = {

@@ -4,7 +4,7 @@ import { Blocks, cellAt } from "../../robowidgets/js/scanogram/blocks.ts";
 import * as data from "../../robowidgets/js/scanogram/data.ts";
 import { angleLabels, drawTimes } from "../../robowidgets/js/scanogram/draw_axes.ts";
 import { layOut } from "../../robowidgets/js/scanogram/layout.ts";
-import { fitColors, toRaster } from "../../robowidgets/js/scanogram/paint.ts";
+import { toRaster } from "../../robowidgets/js/scanogram/paint.ts";
 import { angleTicks, selectedRays, toRows } from "../../robowidgets/js/scanogram/rows.ts";
 import { runs } from "../../robowidgets/js/scanogram/scene.ts";
 import { State } from "../../robowidgets/js/scanogram/state.ts";
@@ -54,7 +54,15 @@ function coarse(edition = 1): DataView {
       ray_count: 21,
       edition,
     },
-    ...{ scan_count: 800, begin: 0, duration: 80, pause: 0.1, class_counts: [16800, 0, 0, 0, 0], pixel: "nearest" },
+    ...{
+      scan_count: 800,
+      begin: 0,
+      duration: 80,
+      pause: 0.1,
+      class_counts: [16800, 0, 0, 0, 0],
+      colors: [0.5, 5],
+      pixel: "nearest",
+    },
     ...{ level: 3, first: 0, ray_step: 1 },
   };
   return pack(facts, { ...cells(100, 0.8), cells: codes });
@@ -194,18 +202,6 @@ test("a pixel shows the median of what shares it, and no scan counts for nothing
   assert.deepEqual(shown(1, 3, "nearest"), [3, 2, 1]);
   assert.deepEqual(shown(3, 3, "median"), shown(3, 3, "nearest"), "where nothing is shared both are the same");
   assert.deepEqual(shown(1, 1, "median"), [5], "rays that share a line, too");
-});
-
-test("colours are fitted to the readings on show, without the extreme hundredths", () => {
-  const raster = (...metres: number[]) => ({
-    width: metres.length,
-    height: 1,
-    codes: Uint16Array.from(metres, (range) => data.toCode(range, SWEEP)),
-  });
-  const near = (fitted: [number, number] | null) => fitted?.map((metres) => Math.round(100 * metres) / 100);
-  assert.deepEqual(near(fitColors(raster(2, 3, 4, Infinity, NaN), SWEEP)), [2, 4]);
-  assert.deepEqual(near(fitColors(raster(0.2, ...Array(200).fill(3), ...Array(200).fill(5), 9), SWEEP)), [3, 5]);
-  assert.equal(fitColors(raster(Infinity, -Infinity), SWEEP), null);
 });
 
 test("in a low picture the indices give way first, then the last speeds", () => {

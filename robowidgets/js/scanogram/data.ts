@@ -51,6 +51,8 @@ export interface Whole {
   pause: number;
   /** How many rays there are of each class, numbered as in Python. */
   counts: number[];
+  /** Metres of the nearest and the farthest color, fitted to the readings of all scans. */
+  colors: [number, number];
   /** Which reading the cells show. */
   pixel: Pixel;
   block: Block;
@@ -116,6 +118,7 @@ export interface Facts {
   duration: number;
   pause: number;
   class_counts: number[];
+  colors: [number, number];
   pixel: Pixel;
   speed: Omit<NonNullable<Whole["speed"]>, "speeds"> | undefined;
   touch: Omit<NonNullable<Whole["touch"]>, "spans"> | undefined;
@@ -134,6 +137,7 @@ export function decodeWhole(bytes: DataView): Whole {
     span: [facts.begin, facts.duration],
     pause: facts.pause,
     counts: facts.class_counts,
+    colors: facts.colors,
     pixel: facts.pixel,
     block: toBlock(facts, arrays, sweep),
     speed: speed && speeds ? { ...speed, speeds } : null,

@@ -1,11 +1,8 @@
 import { firstWhere } from "../shared/search.ts";
 import type { Span } from "../shared/time_axis.ts";
-import { type Block, FARTHEST, NO_SCAN, type Sweep, toRange } from "./data.ts";
+import { type Block, NO_SCAN } from "./data.ts";
 import type { Rows } from "./rows.ts";
 import type { Pixel } from "./traits.ts";
-
-/** Bits by which a bin is coarser than a code, when percentiles are counted. */
-const BIN = 4;
 
 /** Codes of a picture, line after line from the top: what each pixel shows. */
 interface Raster {
@@ -122,30 +119,4 @@ function inserted(ordered: Uint16Array, count: number, value: number): number {
   for (; place > 0 && at(ordered, place - 1) > value; place--) ordered[place] = at(ordered, place - 1);
   ordered[place] = value;
   return count + 1;
-}
-
-/** The distances, in metres, of the first and the last percent of the readings in a picture; null without a reading. */
-export function fitColors({ codes }: Raster, sweep: Sweep): [number, number] | null {
-  const counts = new Uint32Array(1 + (FARTHEST >> BIN));
-  let all = 0;
-  for (const code of codes) {
-    if (code > FARTHEST) continue;
-    counts[code >> BIN] = (counts[code >> BIN] as number) + 1;
-    all++;
-  }
-  if (!all) return null;
-  const [low, high] = [percentile(counts, 0.01 * all), percentile(counts, 0.99 * all) + 1];
-  return [toRange((low << BIN) - 0.5, sweep), toRange(Math.min(FARTHEST, high << BIN) - 0.5, sweep)];
-}
-
-/** The first bin up to which there are so many. */
-function percentile(counts: Uint32Array, wanted: number): number {
-  let sum = 0;
-  return Math.max(
-    0,
-    counts.findIndex((count) => {
-      sum += count;
-      return sum >= wanted;
-    }),
-  );
 }

@@ -15,7 +15,7 @@ import type { Whole } from "./data.ts";
 import { drawAngles, drawFrame, drawTimes, drawTriangle } from "./draw_axes.ts";
 import { drawLabel, drawSpans, drawSpeed, drawTouches } from "./draw_strips.ts";
 import { type Band, type Layout, layOut } from "./layout.ts";
-import { fitColors, toRaster } from "./paint.ts";
+import { toRaster } from "./paint.ts";
 import { toPalette } from "./palette.ts";
 import { type Rows, toRows } from "./rows.ts";
 import type { State } from "./state.ts";
@@ -76,8 +76,7 @@ export class Scene {
     if (!whole || !blocks) return;
     const height = Math.round(layout.scans.height * devicePixelRatio);
     const raster = toRaster(blocks.all, rows, axis.span, this.columns, height, state.pixel);
-    const { minRange, far } = whole.sweep;
-    this.colors = state.colors ?? fitColors(raster, whole.sweep) ?? [minRange, far];
+    this.colors = state.colors ?? whole.colors;
     const palette = this.#paletteFor(whole, this.colors, theme);
     const image = new ImageData(raster.width, raster.height);
     const pixels = new Uint32Array(image.data.buffer);

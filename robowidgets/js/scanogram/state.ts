@@ -77,7 +77,7 @@ export class State {
     return start < whole[1] && end > whole[0] ? [start, end] : whole;
   }
 
-  /** The ends of the colours that are set; null where they are fitted to what is shown. */
+  /** The ends of the colours that are set; null if they are fitted to the readings. */
   get colors(): [number, number] | null {
     return this.#model.get("color_range");
   }

@@ -83,3 +83,13 @@ def test_medians_are_those_of_the_scans_or_of_their_first_medians(ranges: np.nda
             expected = fold_median(fold_median(codes, 1 << first), 1 << (level - first))
         assert (levels.codes(level, 0, len(expected), "median") == expected).all()
     assert levels.codes(0, 0, 1).tolist() == codes[:1].tolist()
+
+
+def test_colors_are_fitted_to_all_readings_without_the_extreme_hundredths_however_long_the_drive() -> None:
+    drive = np.full((100, 90), 3.0)
+    drive[50:] = 5.0
+    drive[0, :3], drive[1, :6] = (0.2, 9.0, 29.0), (np.inf, np.nan, -np.inf, 0.0, 50.0, 2.0)
+    once, often = made(drive).color_range, made(np.tile(drive, (60, 1))).color_range
+    assert once == (pytest.approx(3.0, abs=0.01), pytest.approx(5.0, abs=0.01))
+    assert once == often
+    assert made(np.full((5, 90), np.inf)).color_range == pytest.approx((0.1, 30.0))
