@@ -6,33 +6,40 @@ import sys
 from collections import deque
 from collections.abc import Callable, Generator, Iterable, Iterator
 from concurrent.futures import BrokenExecutor, CancelledError, Executor, Future
-from contextlib import contextmanager, suppress
+from contextlib import suppress
 from functools import lru_cache
 from queue import Empty, SimpleQueue
 from typing import Any, NamedTuple
 
+from .._core.clock import Clock, RealClock
 from .._core.inform import inform
 from .._core.user_threads import UserThread
 from .._core.waiters import LOOK
 from ..messages.decoding import one_line
 from ..messages.definitions import add, all_added
 from ..repair import RecordingError
+from ..search.base import ConditionError
 
 LONGEST = 600.0
 """Seconds that one recording may take."""
 
-_AHEAD = 2
-"""How many recordings wait for each process: a result must not wait for all that was asked before."""
-_AHEAD_ELSEWHERE = 256
-_TRIES = 2
+_START_TIMEOUT_S = 120.0
+"""Seconds that a process may take to start and to import what the job needs."""
+
+_AHEAD = 256
+"""How many recordings wait at an executor of the user."""
 
 
 class Done(NamedTuple):
-    """What came of one recording: a result, or why there is none."""
+    """The result of one recording, or why there is none.
+
+    ``failure``: the error if the job failed, rather than the recording; it reads alike for all recordings.
+    """
 
     path: str
     result: Any
     problem: str = ""
+    failure: str = ""
 
 
 def each(
@@ -41,25 +48,31 @@ def each(
     executor: Any = None,
     longest: float = LONGEST,
     idle: Callable[[], None] = lambda: None,
+    *,
+    here: bool = False,
+    clock: Clock | None = None,
 ) -> Generator[Done, None, None]:
-    """What a function returns for each of some recordings, as they get done.
+    """Yield what a function returns for each of some recordings, as they get done.
 
-    A recording that takes too long, fails, or ends its process is told as a problem; the others go on.
+    A recording that takes too long, fails, or ends its process becomes a problem; the others go on.
 
     Args:
         job: takes a path, and returns plain data. It is sent by value: it may be a lambda. Message definitions that
             were added here go with it.
         paths: the recordings.
-        executor: what has ``submit``, as those of `concurrent.futures`; or a client of Dask. None: processes of this
-            machine, one for each core. Where it breaks, processes of this machine go on.
-        longest: seconds that each may take.
+        executor: an object with ``submit``, as those of `concurrent.futures`, or a client of Dask; or None for
+            processes of this machine, one for each core. If it breaks, processes of this machine go on.
+        longest: seconds that each may take. A process of this machine is killed then, whatever it does. A thread, as
+            with ``here`` or an executor, is left behind, which does not end C code that holds the GIL.
         idle: called now and then while executors are waited for.
+        here: run the job in a thread of this process: for a few recordings faster than a process is started.
+        clock: the time that recordings take is measured by this clock.
 
     Raises:
-        TypeError: ``executor`` has no ``submit``, or the function refers to what cannot be sent, such as a lock.
+        TypeError: ``executor`` has no ``submit``, or the function refers to something that cannot be sent, as a lock.
     """
     waiting = deque(paths)
-    if executor is None and (len(waiting) <= 1 or sys.platform == "emscripten"):
+    if executor is None and (here or not waiting or sys.platform == "emscripten"):
         yield from (Done(path, *_call(job, path, longest)) for path in waiting)
         return
     from cloudpickle import dumps
@@ -68,44 +81,25 @@ def each(
         task = dumps((all_added(), job))
     except Exception as error:  # whatever the objects that it refers to raise
         raise TypeError(f"condition: cannot be sent to another process: {one_line(error)}") from None
-    suspects: list[str] = []
     if executor is not None:
-        yield from _by(_executor(executor), _AHEAD_ELSEWHERE, waiting, suspects, task, longest, idle)
-        if waiting or suspects:
+        yield from _by_executor(_executor(executor), waiting, task, longest, idle)
+        if waiting:
             inform("the executor broke, or lost workers: processes of this machine go on")
-        waiting.extend(suspects)  # too many wait there for a look at each in a process of its own
-        suspects.clear()
-    while waiting:
-        with _processes() as (own, count):
-            yield from _by(own, _AHEAD * count, waiting, suspects, task, longest, idle)
-    # Of those that were under way when a process ended, one by one: each then ends but its own.
-    for path in suspects:
-        for attempt in range(1, _TRIES + 1):
-            again: list[str] = []
-            with _processes(1) as (own, _):
-                yield from _by(own, 1, deque([path]), again, task, longest, idle)
-            if not again:
-                break
-            if attempt == _TRIES:
-                yield Done(path, None, "the process that read it ended: killed, or out of memory")
+    if waiting:
+        yield from _by_processes(waiting, task, longest, idle, clock or RealClock())
 
 
-def _by(
-    executor: Executor,
-    ahead: int,
-    waiting: deque[str],
-    suspects: list[str],
-    task: bytes,
-    longest: float,
-    idle: Callable[[], None],
+def _by_executor(
+    executor: Executor, waiting: deque[str], task: bytes, longest: float, idle: Callable[[], None]
 ) -> Iterator[Done]:
-    """What an executor makes of what waits, until it breaks: what was under way then is suspect."""
+    """Yield the results of an executor until it breaks; the recordings that were under way then wait again."""
     under_way: dict[Future[Any], str] = {}
+    lost: list[str] = []
     done: SimpleQueue[Future[Any]] = SimpleQueue()
     is_whole = True
     try:
         while is_whole and (waiting or under_way):
-            while waiting and len(under_way) < ahead:
+            while waiting and len(under_way) < _AHEAD:
                 path = waiting.popleft()
                 try:
                     future = executor.submit(work, task, path, longest)
@@ -124,16 +118,16 @@ def _by(
             except KeyboardInterrupt:
                 raise
             except (BrokenExecutor, CancelledError):  # a pool whose process ended, a cluster whose scheduler did
-                suspects.append(path)
+                lost.append(path)
                 is_whole = False
-            except BaseException:  # what a job raises comes as an answer: a cluster gave this one up
-                suspects.append(path)
+            except BaseException:  # the errors of a job come as an answer: a cluster gave this one up
+                lost.append(path)
             else:
                 yield Done(path, *answer)
     finally:
         for future in under_way:
             future.cancel()
-        suspects.extend(under_way.values())
+        waiting.extend([*lost, *under_way.values()])
 
 
 def _next(done: SimpleQueue[Future[Any]], idle: Callable[[], None]) -> Future[Any]:
@@ -145,9 +139,124 @@ def _next(done: SimpleQueue[Future[Any]], idle: Callable[[], None]) -> Future[An
         idle()
 
 
-def work(task: bytes, path: str, longest: float) -> tuple[Any, str]:
-    """The result of a task for a path, and why there is none; this is what an executor runs."""
+class _Worker:
+    """A process of this machine that reads one recording at a time, and can be killed meanwhile.
+
+    Args:
+        task: the job, for `_loaded`.
+        done: where it puts itself with each future that is done.
+        clock: the time that recordings take is measured by this clock.
+    """
+
+    def __init__(self, task: bytes, done: SimpleQueue[tuple[_Worker, Future[Any]]], clock: Clock) -> None:
+        self._task, self._done, self._clock = task, done, clock
+        self._pool: Any = None
+        self._future: Future[Any] | None = None
+        self._is_started = False
+        self._since = 0.0
+        self.path = ""
+        """The recording that it reads; empty while it is idle."""
+
+    def read(self, path: str) -> None:
+        """Begin with a recording, in the process that is there or in a new one."""
+        self.path = path
+        if self._pool is not None:
+            self._submit(_answer_here, self._task, path)
+            return
+        from loky.process_executor import ProcessPoolExecutor
+
+        # A new process, not a copy of this one, and without the user's script: it needs no __main__ guard.
+        self._pool = ProcessPoolExecutor(1, timeout=None, initializer=_ignore_interrupts)
+        self._is_started = False
+        self._submit(_load, self._task)
+
+    def take(self, future: Future[Any]) -> Done | None:
+        """Return the result of a future, or None if it is outdated or the process has only started."""
+        if future is not self._future:
+            return None
+        try:
+            answer = future.result()
+        except (BrokenExecutor, CancelledError):
+            return self._killed("the process that read it ended: killed, or out of memory")
+        except KeyboardInterrupt:
+            raise
+        except BaseException as error:  # of a job that cannot be loaded there, such as an import
+            return self._finish(None, *_problem_of(error))
+        if self._is_started:
+            return self._finish(*answer)
+        self._is_started = True
+        self._submit(_answer_here, self._task, self.path)
+        return None
+
+    def stop_if_late(self, longest: float) -> Done | None:
+        """Kill the process if its recording takes longer than some seconds, and return that as a problem."""
+        limit = longest if self._is_started else max(longest, _START_TIMEOUT_S)
+        if not self.path or self._clock.now() - self._since < limit:
+            return None
+        return self._killed(f"took longer than {longest:g} s")
+
+    def end(self) -> None:
+        """Kill the process, whatever it does."""
+        if self._pool is not None:
+            self._pool.shutdown(wait=True, kill_workers=True)
+        self._pool = self._future = None
+
+    def _submit(self, function: Callable[..., Any], *arguments: Any) -> None:
+        self._since = self._clock.now()
+        future = self._future = self._pool.submit(function, *arguments)
+        future.add_done_callback(lambda one: self._done.put((self, one)))
+
+    def _killed(self, problem: str) -> Done:
+        self.end()
+        return self._finish(None, problem, problem)
+
+    def _finish(self, result: Any, problem: str, failure: str) -> Done:
+        path, self.path, self._future = self.path, "", None
+        return Done(path, result, problem, failure)
+
+
+def _by_processes(
+    waiting: deque[str], task: bytes, longest: float, idle: Callable[[], None], clock: Clock
+) -> Iterator[Done]:
+    """Yield the results of processes of this machine, which end with the generator."""
+    from loky import cpu_count
+
+    done: SimpleQueue[tuple[_Worker, Future[Any]]] = SimpleQueue()
+    workers = [_Worker(task, done, clock) for _ in range(min(cpu_count(), len(waiting)))]
+    try:
+        while True:
+            for worker in workers:
+                if waiting and not worker.path:
+                    worker.read(waiting.popleft())
+            if not any(worker.path for worker in workers):
+                return
+            try:
+                worker, future = done.get(timeout=LOOK)
+            except Empty:
+                idle()
+            else:
+                if one := worker.take(future):
+                    yield one
+            for worker in workers:
+                if one := worker.stop_if_late(longest):
+                    yield one
+    finally:
+        for worker in workers:
+            worker.end()
+
+
+def work(task: bytes, path: str, longest: float) -> tuple[Any, str, str]:
+    """Return the result of a task for a path, its problem and its failure; an executor of the user runs this."""
     return _call(_loaded(task), path, longest)
+
+
+def _load(task: bytes) -> None:
+    """Import what a task needs, before its time counts."""
+    _loaded(task)
+
+
+def _answer_here(task: bytes, path: str) -> tuple[Any, str, str]:
+    return _answer(_loaded(task), path)
 
 
 @lru_cache(maxsize=1)
@@ -162,20 +271,14 @@ def _loaded(task: bytes) -> Callable[[str], Any]:
     return job
 
 
-def _call(job: Callable[[str], Any], path: str, longest: float) -> tuple[Any, str]:
-    """Call a job in a thread, which is left behind where it takes too long."""
-    answer: list[tuple[Any, str]] = []
+def _call(job: Callable[[str], Any], path: str, longest: float) -> tuple[Any, str, str]:
+    """Call a job in a thread, which is left behind if it takes too long."""
+    answers: list[tuple[Any, str, str]] = []
 
     def run() -> None:
-        try:
-            answer.append((job(path), ""))
-        except (RecordingError, OSError) as error:
-            answer.append((None, " ".join(str(error).split())))
-        except MemoryError:
-            answer.append((None, "out of memory"))
-        except (Exception, SystemExit) as error:
-            if not thread.is_abandoned:  # else it is what ends the thread
-                answer.append((None, f"{type(error).__name__}: {one_line(error)}"))
+        answer = _answer(job, path)
+        if not thread.is_abandoned:  # else its error is the one that ends the thread
+            answers.append(answer)
 
     thread = UserThread(run, "robowidgets: one of many recordings")
     thread.start()
@@ -185,7 +288,31 @@ def _call(job: Callable[[str], Any], path: str, longest: float) -> tuple[Any, st
         if thread.is_alive():
             thread.abandon()
             thread.end()
-    return answer[0] if answer else (None, f"took longer than {longest:g} s")
+    late = f"took longer than {longest:g} s"
+    return answers[0] if answers else (None, late, late)
+
+
+def _answer(job: Callable[[str], Any], path: str) -> tuple[Any, str, str]:
+    """Return the result of a job for a path, its problem and its failure, which are empty if all went well."""
+    try:
+        return job(path), "", ""
+    except BaseException as error:  # a condition may raise anything, an exit too
+        return (None, *_problem_of(error))
+
+
+def _problem_of(error: BaseException) -> tuple[str, str]:
+    """Return the problem that an error is, and the failure if it is one of the job rather than of the recording."""
+    if isinstance(error, ConditionError) and error.__cause__ is not None:
+        return " ".join(str(error).split()), _named(error.__cause__)
+    if isinstance(error, (RecordingError, OSError)):
+        return " ".join(str(error).split()), ""
+    if isinstance(error, MemoryError):
+        return "out of memory", ""
+    return _named(error), _named(error)
+
+
+def _named(error: BaseException) -> str:
+    return f"{type(error).__name__}: {one_line(error)}"
 
 
 def _executor(given: Any) -> Executor:
@@ -194,21 +321,6 @@ def _executor(given: Any) -> Executor:
     if not callable(getattr(own, "submit", None)):
         raise TypeError(f"executor: expected what has submit(), or a client of Dask, got {given!r}")
     return own
-
-
-@contextmanager
-def _processes(count: int | None = None) -> Iterator[tuple[Executor, int]]:
-    """Processes of this machine, and how many. They end with the block, whatever they do."""
-    from loky import cpu_count
-    from loky.process_executor import ProcessPoolExecutor
-
-    count = count or cpu_count()
-    # They start anew, not as copies, and run no script of the user's: it need not ask for its name.
-    own = ProcessPoolExecutor(count, timeout=None, initializer=_ignore_interrupts)
-    try:
-        yield own, count
-    finally:
-        own.shutdown(wait=True, kill_workers=True)
 
 
 def _ignore_interrupts() -> None:

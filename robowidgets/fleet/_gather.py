@@ -4,17 +4,26 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from importlib.metadata import version
+from pathlib import Path
 from typing import Any, NamedTuple, Protocol
 
 from .._core.progress import Progress, without_bars
 from ..kinds import KINDS
 from ..messages.definitions import all_added, installed
 from ..recordings.remote import is_url, without_secrets
+from ..repair import find_files
 from ._engine import LONGEST, each
 from ._fleet_table import Unread
 from ._identity import NotIdentifiedError, identity_of
 from ._kept import Kept, states_of
 from .places import PathLike, places_of
+
+_HERE_BYTES = 100 << 20
+"""Recordings of fewer bytes in all are read sooner than processes start, if no code of the user may hang."""
+
+_ALIKE = 10
+"""A job that failed for so many recordings in the same way, and for none otherwise, has a mistake of its own."""
 
 
 class FromAll(NamedTuple):
@@ -46,6 +55,7 @@ def gather(
     *,
     executor: Any = None,
     longest: float = LONGEST,
+    is_ours: bool = True,
     found: Callable[[Any], int] = lambda result: 0,  # noqa: ARG005
     grow: Callable[[Mapping[str, Any], Sequence[Unread], Sequence[str]], None] | None = None,
 ) -> FromAll:
@@ -59,6 +69,7 @@ def gather(
         what: for the bar: "Finding".
         executor: as for `each`.
         longest: as for `each`.
+        is_ours: the job runs no code of the user, so it needs no process that can be killed.
         found: how much a result is, for the bar.
         grow: called now and then with the results so far, what was not read, and all recordings that were named.
 
@@ -75,6 +86,8 @@ def gather(
     missing = [path for path in states if path not in results]
     count = sum(map(found, results.values()))
     is_cut = False
+    failures: list[str] = []
+    note = ""
 
     def tell(done: int) -> None:
         bar.update(done, f"{count:,} found" if count else "")
@@ -82,9 +95,10 @@ def gather(
             grow(results, unread, [str(place.path) for place in places])
 
     with Progress(len(missing), what, " files") as bar, without_bars():
-        work = each(job, missing, executor, longest, lambda: tell(0))
+        work = each(job, missing, executor, longest, lambda: tell(0), here=is_ours and _are_few(missing))
         try:
-            for path, result, problem in work:
+            for path, result, problem, failure in work:
+                failures.append(failure)
                 if problem:
                     unread.append(Unread(path, problem))
                 else:
@@ -93,6 +107,10 @@ def gather(
                     if kept and "problem" not in result:
                         results[path] = kept.add(path, states[path], result)
                 tell(1)
+                if failure and len(failures) == _ALIKE < len(missing) and len({*failures}) == 1:
+                    note = f"stopped because it failed for the first {_ALIKE} recordings alike: {failure}"
+                    is_cut = True
+                    break
         except KeyboardInterrupt:
             is_cut = True
         finally:
@@ -107,26 +125,40 @@ def gather(
         "files": list(order),
         "unread": sorted(unread, key=lambda one: order[one.file]),
         "until": len(read) + len(unread) if is_cut else None,
-        "note": kept.problem if kept else "",
+        "note": note or (kept.problem if kept else ""),
     }
     return FromAll(read, rows)
 
 
+def _are_few(paths: Sequence[str]) -> bool:
+    """Return True if the recordings are read sooner than processes start: one, or some small ones on this machine."""
+    if len(paths) <= 1:
+        return True
+    size = 0
+    for path in paths:
+        if is_url(path) or size > _HERE_BYTES:
+            return False
+        files = find_files(Path(path)) if os.path.isdir(path) else [path]
+        size += sum(os.path.getsize(file) for file in files if os.path.exists(file))
+    return size <= _HERE_BYTES
+
+
 def kept_of(question: Any, keep: bool) -> Kept | None:
-    """Where the results for a question are kept; None where nothing tells whether it is the same next time.
+    """Return where the results for a question are kept, or None if it contains code of the user.
 
     Args:
-        question: what a job asks: equal for what is computed equally.
-        keep: whether they are to be kept.
+        question: plain values and conditions.
+        keep: False to keep nothing.
     """
     identity = identity_or_none(question) if keep else None
     return None if identity is None else Kept(identity)
 
 
 def identity_or_none(question: Any) -> str | None:
-    """The text for a question, as by `identity_of`; None where nothing tells whether it is the same next time."""
+    """Return the text of a question, as by `identity_of`, or None if it contains code of the user."""
     try:
-        # What is read of a topic is part of it: somebody may have added a kind, or definitions of messages.
-        return identity_of((question, {kind.name: kind.read for kind in KINDS.values()}, all_added(), installed()))
+        # A kind of sensor, or definitions of messages, may have been added: then other samples are read.
+        readers = {kind.name: kind.read for kind in KINDS.values()}
+        return identity_of((version("robowidgets"), question, readers, all_added(), installed()))
     except NotIdentifiedError:
         return None

@@ -10,6 +10,7 @@ from pathlib import Path
 from queue import Empty, SimpleQueue
 from threading import Thread
 from typing import Any, NamedTuple
+from zlib import crc32
 
 from .._core.cache_folder import cache_folder
 from ..messages.decoding import one_line
@@ -70,11 +71,13 @@ def _state_of(path: Path | str) -> RecordingState:
         return RecordingState(None, str(error))
     except Exception as error:  # of a driver: who waits for the answer must get one
         return RecordingState(None, f"cannot be looked at: {type(error).__name__}: {one_line(error)}")
-    return RecordingState(json.dumps([str(path), *((name, stat.st_size, stat.st_mtime_ns) for name, stat in stats)]))
+    # The time of change, too: a copy may have size and time of the file that it replaces.
+    told = ((name, stat.st_size, stat.st_mtime_ns, stat.st_ctime_ns) for name, stat in stats)
+    return RecordingState(json.dumps([str(path), *told]))
 
 
 class Kept:
-    """The results of one question, in one file of lines. A line that was cut, or is of no use, is as none.
+    """The results of one question, in one file of lines: checksum, state and result. Damaged lines are left out.
 
     Args:
         question: a text for what was asked.
@@ -92,11 +95,10 @@ class Kept:
         except OSError:
             lines = []
         for line in lines:
-            try:
-                state, result = json.loads(line)
-            except ValueError:
-                continue
-            self._results[str(state)] = result
+            checksum, _, text = line.partition(b" ")
+            if checksum == _checksum(text):
+                state, result = json.loads(text)
+                self._results[state] = result
 
     def get(self, state: str) -> Any:
         """The result for a recording in this state; None without one."""
@@ -110,7 +112,12 @@ class Kept:
             self._path.parent.mkdir(parents=True, exist_ok=True)
             # One write at the end of the file: a run beside this one may write to it, too.
             with self._path.open("ab", buffering=0) as file:
-                file.write(f"\n{json.dumps([state, result])}\n".encode())
+                text = json.dumps([state, result]).encode()
+                file.write(b"\n%b %b\n" % (_checksum(text), text))
         except OSError as error:
             self.problem = f"results are not kept for the next time: {error}"
         return result
+
+
+def _checksum(text: bytes) -> bytes:
+    return b"%08x" % crc32(text)

@@ -11,13 +11,13 @@ from ..recordings.topics import UnknownTopicError
 from ..search.base import Condition, condition
 from ._engine import LONGEST
 from ._fleet_table import Unread
-from ._gather import FromAll, gather, kept_of
+from ._gather import FromAll, gather, identity_or_none, kept_of
 from ._live import LiveTable
 from ._topics import chosen_of, looked_at
 from .hits import Hit, Hits
 from .places import PathLike
 
-_FORM = 4
+_FORM = 5
 """Of the results that are kept: another number for another form."""
 
 
@@ -46,8 +46,8 @@ def find(
             read the topics that no widget shows, such as ``"/imu"``, where they are named here.
         executor: what runs it: anything with ``submit``, or a client of Dask; None: a process for each core.
         longest: seconds that one recording may take. It is then named as one that was not read.
-        keep: whether results are kept in the folder that the environment variable ``ROBOWIDGETS_CACHE`` names, by
-            default one of the user's for such files. Those of a function that refers to what may change are not.
+        keep: keep results in the folder that the environment variable ``ROBOWIDGETS_CACHE`` names, by default one of
+            the user's for such files. The results of a function are never kept: what it reads may change.
 
     Raises:
         TypeError: no condition, no path, or ``executor`` has no ``submit``. ValueError: no path.
@@ -80,13 +80,15 @@ def search(
     grow: Callable[[Mapping[str, Any], Sequence[Unread], Sequence[str]], None] | None = None,
 ) -> FromAll:
     """What a search for a condition gives for each recording; `gather` takes ``grow``."""
+    question = ("find", _FORM, wanted, topics)
     return gather(
         _Search(wanted, topics),
         paths,
-        kept_of(("find", _FORM, wanted, topics), keep),
+        kept_of(question, keep),
         "Finding",
         executor=executor,
         longest=longest,
+        is_ours=identity_or_none(question) is not None,
         found=lambda result: len(result.get("spans", ())),
         grow=grow,
     )

@@ -17,11 +17,10 @@ from ..kinds import KINDS, kind_of_parameter
 from ..messages.decoding import one_line
 from ..recordings.odometry import odometry
 from ..recordings.topics import UnnamedTopicError, shown
-from ..repair import RecordingError
 from ..samples.staleness import TO_DRIVE_BY, usual_step
 from ..samples.verdict import Verdict
 from ._steps import NO, UNKNOWN, YES, Steps, steps
-from .base import Condition
+from .base import Condition, ConditionError
 from .instant import Instant, NoSampleYetError, Now, samples_of, together
 
 if TYPE_CHECKING:
@@ -121,7 +120,7 @@ class StopsCondition(Condition):
         except UnnamedTopicError:
             raise
         except Exception as error:
-            raise RecordingError(
+            raise ConditionError(
                 f"the program {self._name} failed at {seconds:.2f} s: {type(error).__name__}: {one_line(error)}"
             ) from error
 

@@ -33,6 +33,10 @@ _BAR_EVERY = 500
 _READY_MADE = f"{__package__}.conditions"
 
 
+class ConditionError(RecordingError):
+    """A function of the user raised an error, which is its `__cause__`."""
+
+
 class Curve(NamedTuple):
     """A number over time: nanoseconds by the clock of the recording, and values, each of shape (N,)."""
 
@@ -215,7 +219,7 @@ class FunctionCondition(Condition):
         except UnnamedTopicError:
             raise
         except Exception as error:
-            raise RecordingError(
+            raise ConditionError(
                 f"the condition {self} failed at {now.seconds:.2f} s: {type(error).__name__}: {one_line(error)}"
             ) from error
 

@@ -10,6 +10,7 @@ import sys
 import time
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
+from shutil import copy
 from signal import SIGINT, SIGKILL
 from threading import Event
 from typing import Any
@@ -24,7 +25,7 @@ from robowidgets.fleet._engine import Done, each
 from robowidgets.fleet._fleet_table import Unread, not_read
 from robowidgets.fleet.hits import Hit, Hits
 
-from . import executors
+from ..clocks import ManualClock
 from .executors import Here
 
 DATA = Path(os.environ.get("ROBOWIDGETS_DATA", Path(__file__).parents[4] / "shared" / "data"))
@@ -80,23 +81,7 @@ def test_what_was_kept_holds_for_the_same_condition_alone(runs: Path) -> None:
     assert ran(conditions.nearest_below(0.31)) == 2
     assert ran(NEAR, topics="/sc*") == 2
     assert ran(NEAR, keep=False) == 2
-    for limit in (0.2, 0.25):
-        assert ran(lambda moment: moment.scan.distance() < limit) == 2  # noqa: B023
-        assert ran(lambda moment: moment.scan.distance() < limit) == 0  # noqa: B023
     assert ran(NEAR) == 0
-
-
-@pytest.mark.slow
-def test_a_function_that_uses_a_module_of_the_users_is_computed_anew(runs: Path) -> None:
-    here = Here()
-    for _ in range(2):
-        find(
-            lambda moment: executors.Here and moment.scan.distance() < 0.3,
-            runs / "run_2.mcap",
-            runs / "run_10.mcap",
-            executor=here,
-        )
-    assert len(here.ran) == 4
 
 
 def test_what_cannot_be_kept_is_told_and_loses_nothing(
@@ -114,7 +99,7 @@ def test_a_line_that_was_cut_as_it_was_kept_is_computed_again(runs: Path, own_ca
     hits = find(NEAR, runs / "run_2.mcap", runs / "run_10.mcap", executor=Here())
     (kept,) = (own_cache / "find").iterdir()
     # Recordings are kept in the order in which they were done.
-    state, _ = json.loads(kept.read_bytes().splitlines()[-1])
+    state, _ = json.loads(kept.read_bytes().splitlines()[-1].partition(b" ")[2])
     kept.write_bytes(kept.read_bytes()[:-20])
     here = Here()
     assert rows(find(NEAR, runs / "run_2.mcap", runs / "run_10.mcap", executor=here)) == rows(hits)
@@ -195,6 +180,113 @@ def _read() -> set[str]:
     return found
 
 
+HANGS_IN_C = r"""
+import re
+def stuck(scan):
+    return re.match(r"(a+)+$", "a" * 40 + "b") is not None
+"""
+
+
+def made(text: str, name: str) -> Any:
+    """A function as a cell of a notebook makes it, which is sent to processes by value."""
+    names: dict[str, Any] = {"__name__": "__main__"}
+    exec(text, names)
+    return names[name]
+
+
+@pytest.mark.slow
+def test_a_function_that_holds_the_interpreter_in_c_is_ended_after_its_time(runs: Path) -> None:
+    hits = find(made(HANGS_IN_C, "stuck"), runs / "run_2.mcap", longest=0.5)
+    assert [one.problem for one in hits.unread] == ["took longer than 0.5 s"]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("error", ["SystemExit", "GeneratorExit"])
+def test_whatever_a_function_raises_is_named(runs: Path, error: str) -> None:
+    raises = made(f"def raises(scan): raise {error}('odd')", "raises")
+    (one,) = find(raises, runs / "run_2.mcap").unread
+    assert one.problem == f"{error}: odd"
+
+
+@pytest.mark.slow
+def test_a_typo_ends_the_search_after_ten_recordings(tmp_path: Path) -> None:
+    for number in range(40):
+        copy(robowidgets.SAMPLE, tmp_path / f"run_{number}.mcap")
+    hits = find(made("def near(scan): return scna.distance() < 0.3", "near"), tmp_path)
+    assert not hits.is_complete
+    assert len(hits.unread) == 10
+    assert "stopped because it failed for the first 10 recordings alike: NameError: name 'scna' is not defined" in repr(
+        hits
+    )
+
+
+def test_damaged_recordings_do_not_end_a_search_however_many_there_are(tmp_path: Path) -> None:
+    for number in range(20):
+        (tmp_path / f"{number:02}").mkdir()
+        (tmp_path / f"{number:02}" / "cut.bag").write_bytes(b"#ROSBAG V2.0\n")
+    copy(robowidgets.SAMPLE, tmp_path / "whole.mcap")
+    hits = find(NEAR, tmp_path)
+    assert hits.is_complete
+    assert len(hits.unread) == 20
+    assert {Path(hit.file).name for hit in hits} == {"whole.mcap"}
+
+
+@pytest.mark.slow
+def test_a_recording_is_late_by_the_clock_of_the_search_once_its_process_has_started() -> None:
+    clock = ManualClock()
+    asleep = made("import time\ndef asleep(path):\n    while True: time.sleep(0.01)", "asleep")
+    looks = []
+
+    def idle() -> None:
+        looks.append(clock.now())
+        if len(looks) > 40:  # ten seconds, in which no time of the clock has passed
+            clock.set(clock.now() + 700)
+
+    ((_, _, problem, failure),) = each(asleep, ["a.mcap"], longest=600, idle=idle, clock=clock)
+    assert (problem, failure) == ("took longer than 600 s", "took longer than 600 s")
+
+
+@pytest.mark.parametrize(
+    "line", [b"5", b"[1]", b'"x"', b'["state", 5]', b"\xff\xfe", b"00000000 [1, 2]", b"[" * 100_000], ids=repr
+)
+def test_an_odd_line_among_kept_results_is_left_out(runs: Path, own_cache: Path, line: bytes) -> None:
+    expected = rows(find(NEAR, runs, executor=Here()))
+    (kept,) = (own_cache / "find").iterdir()
+    kept.write_bytes(kept.read_bytes() + line + b"\n")
+    again = Here()
+    assert rows(find(NEAR, runs, executor=again)) == expected
+    assert again.ran == [str(runs / "broken.bag")]
+
+
+STALE = {
+    "attribute": "def near(scan): return scan.distance() < near.limit\nnear.limit = {}",
+    "environment": "import os\nos.environ['LIMIT'] = '{}'\n"
+    "def near(scan): return scan.distance() < float(os.environ['LIMIT'])",
+    "default": "def near(scan, limit={}): return scan.distance() < limit",
+}
+
+
+@pytest.mark.parametrize("text", STALE.values(), ids=STALE)
+def test_a_function_is_computed_again_whatever_changed(runs: Path, text: str) -> None:
+    never, often = (
+        find(made(text.format(limit), "near"), runs / "run_2.mcap", executor=Here()) for limit in (0.001, 0.6)
+    )
+    assert not never
+    assert often
+
+
+def test_a_file_that_took_the_place_of_one_with_its_size_and_time_is_read(runs: Path) -> None:
+    path = runs / "run_2.mcap"
+    first = find(NEAR, path, executor=Here())
+    whole, before = path.read_bytes(), path.stat()
+    path.write_bytes(bytes(len(whole)))
+    os.utime(path, ns=(before.st_atime_ns, before.st_mtime_ns))
+    hits = find(NEAR, path, executor=Here())
+    assert first
+    assert hits.unread
+
+
+@pytest.mark.slow
 def test_a_recording_that_takes_too_long_becomes_a_row(runs: Path) -> None:
     def hangs(moment: Any) -> bool:
         while True:
@@ -205,7 +297,7 @@ def test_a_recording_that_takes_too_long_becomes_a_row(runs: Path) -> None:
 
 
 def test_a_function_that_fails_names_the_recording_and_the_time(runs: Path) -> None:
-    hits = find(lambda moment: moment.scan.ranges[100_000], runs / "run_2.mcap")
+    hits = find(lambda moment: moment.scan.ranges[100_000], runs / "run_2.mcap", executor=Here())
     assert "<lambda> failed at 0.00 s: IndexError" in hits.unread[0].problem
 
 
