@@ -1,8 +1,8 @@
-"""The nine programs of the page on state machines, each on the simulated robot, and as long as the page says."""
+"""The machines of the notebook of nine state machines, each on the simulated robot."""
 
 from __future__ import annotations
 
-import re
+import json
 from itertools import pairwise
 from math import hypot, pi
 from pathlib import Path
@@ -10,22 +10,22 @@ from typing import Any
 
 import pytest
 
-from robowidgets.behaviors import Variables, simulate
+from robowidgets.behaviors import Drive, Variables, simulate
 from robowidgets.behaviors.simulation import Step
 from robowidgets.simulator import Robot, World
 
-PAGE = (Path(__file__).parents[3] / "docs" / "state_machines.md").read_text(encoding="utf-8")
-BLOCKS = re.findall(r"^```python\n(.*?)^```", PAGE, re.MULTILINE | re.DOTALL)
+NOTEBOOK = Path(__file__).parents[3] / "notebooks" / "nine_state_machines.ipynb"
 HALL = [(-3.0, -3.0, 3.0, -3.0), (3.0, -3.0, 3.0, 3.0), (3.0, 3.0, -3.0, 3.0), (-3.0, 3.0, -3.0, -3.0)]
 
 
 @pytest.fixture(scope="module")
 def programs() -> dict[str, Any]:
-    """All names of the blocks that define classes."""
-    names: dict[str, Any] = {"__name__": __name__}
-    for block in BLOCKS:
-        if "class " in block:
-            exec(block.partition("\nrobot = ")[0], names)
+    """The names of the cells that define classes."""
+    names: dict[str, Any] = {"__name__": __name__, "Drive": Drive}
+    for cell in json.loads(NOTEBOOK.read_text(encoding="utf-8"))["cells"]:
+        source = "".join(cell["source"])
+        if source.startswith("class "):
+            exec(source.partition("\nrobot.program(")[0], names)
     return names
 
 
@@ -125,12 +125,3 @@ def test_follower(programs: dict[str, Any]) -> None:
     assert robot.scan().distance("front") == pytest.approx(0.6, abs=0.08)
     away = list(simulate(programs["Follower"], Robot(World(), seed=1), 2.0))
     assert away[-1].active == ("idle",)
-
-
-def test_the_page_counts_their_lines_right() -> None:
-    counted = dict(re.findall(r"^\| ([\w ,]+?) \| (\d+) \|", PAGE.split("## Nine programs")[1], re.MULTILINE))
-    text = "\n".join((BLOCKS[0], BLOCKS[-1], ""))
-    classes = re.findall(r"^class \w+:.*?(?=^\S|\Z)", text, re.MULTILINE | re.DOTALL)
-    lengths = [sum(1 for line in text.splitlines() if line.strip()) for text in classes]
-    first, *rest = lengths
-    assert list(map(int, counted.values())) == [*rest[:4], first, *rest[4:]]
