@@ -60,20 +60,17 @@ class Search:
         return self._tested(series, lambda chunk: np.full(len(chunk), NO, np.int8)).times
 
     def _tested(self, series: Chunked, test: Callable[[Any], NDArray[np.int8]]) -> Steps:
-        times: list[NDArray[np.int64]] = [np.empty(0, np.int64)]
-        values: list[NDArray[np.int8]] = [np.empty(0, np.int8)]
+        # One list, so that an interrupt leaves no times without their values.
+        parts: list[tuple[NDArray[np.int64], NDArray[np.int8]]] = [(np.empty(0, np.int64), np.empty(0, np.int8))]
         try:
             for chunk in series.chunks():
                 if self.is_cut and chunk.times_ns[0] > self.end_ns:
                     break
-                values.append(test(chunk))
-                times.append(chunk.times_ns)
+                parts.append((chunk.times_ns, test(chunk)))
                 self.looked_at(len(chunk))
         except KeyboardInterrupt:
-            # An interrupt between the two appends leaves values without times.
-            del values[len(times) :]
-            self.cut(int(times[-1][-1]) if len(times) > 1 else self.recording.start_ns or 0)
-        return steps(np.concatenate(times), np.concatenate(values))
+            self.cut(int(parts[-1][0][-1]) if len(parts) > 1 else self.recording.start_ns or 0)
+        return steps(np.concatenate([times for times, _ in parts]), np.concatenate([values for _, values in parts]))
 
     def met(
         self,

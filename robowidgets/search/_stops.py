@@ -64,17 +64,16 @@ class StopsCondition(Condition):
         }
         run = ProgramRun(self._program)
         samples = {name: partial(self._sample, instant, name) for name in read if name != POSE}
-        times: list[int] = []
-        values: list[int] = []
+        # One list, so that an interrupt leaves no time without its value.
+        rounds: list[tuple[int, int]] = []
         try:
             for time_ns in self._ticks(search, now, run, read):
                 seconds = (time_ns - (recording.start_ns or 0)) / 1e9
                 is_old = any(seconds - now.seconds_of.get(topic, -np.inf) > most for topic, most in longest.items())
-                values.append(UNKNOWN if is_old else self._step(run, seconds, samples))
-                times.append(time_ns)
+                rounds.append((time_ns, UNKNOWN if is_old else self._step(run, seconds, samples)))
         except KeyboardInterrupt:
-            search.cut(times[-1] if times else recording.start_ns or 0)
-        return steps(times, values[: len(times)])
+            search.cut(rounds[-1][0] if rounds else recording.start_ns or 0)
+        return steps([time_ns for time_ns, _ in rounds], [value for _, value in rounds])
 
     def judge(self, moment: Any) -> Verdict:  # noqa: ARG002
         """See `Condition`."""

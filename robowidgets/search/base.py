@@ -164,43 +164,40 @@ class FunctionCondition(Condition):
         topics = _topics(recording, search.topics)
         now = Now(recording.start_ns or 0)
         instant = Instant(recording.path.name, topics, now, recording.preferred)
-        times: list[int] = []
-        values: list[int] = []
-        used_at: list[frozenset[str]] = []
+        # One list, so that an interrupt leaves no time without its value.
+        rounds: list[tuple[int, int, frozenset[str]]] = []
         going_stale: dict[str, list[int]] = {t.name: [] for t in topics if t.widget and KINDS[t.widget].goes_stale}
         value = UNKNOWN
         used: frozenset[str] = frozenset()
         sets: dict[frozenset[str], frozenset[str]] = {}
-        done_ns, looked = now.time_ns, 0
+        looked = 0
         try:
             for time_ns, samples in together({topic.name: samples_of(recording, topic.name) for topic in topics}):
                 if time_ns > search.end_ns and search.is_cut:
                     break
                 now.put(time_ns, samples)
-                if not times or TIME in now.read or not now.read.isdisjoint(samples):
+                if not rounds or TIME in now.read or not now.read.isdisjoint(samples):
                     value = self._call(instant, now, search)
                     used = frozenset(now.read)
                     # One set for all samples at which the function read the same.
                     used = sets.setdefault(used, used)
                 for topic in going_stale.keys() & samples:
                     going_stale[topic].append(time_ns)
-                # In this order, so that an interrupt in between leaves no time without a value.
-                values.append(value)
-                used_at.append(used)
-                times.append(time_ns)
-                done_ns, looked = time_ns, looked + len(samples)
+                rounds.append((time_ns, value, used))
+                looked += len(samples)
                 if looked >= _BAR_EVERY:
                     search.looked_at(looked)
                     looked = 0
         except KeyboardInterrupt:
-            search.cut(done_ns)
+            search.cut(rounds[-1][0] if rounds else recording.start_ns or 0)
         search.looked_at(looked)
         search.read[self] = frozenset().union(*sets)
         rests_on = (
-            (np.array(came, np.int64), np.array([name in names for names in used_at[: len(times)]], bool))
+            (np.array(came, np.int64), np.array([name in names for _, _, names in rounds], bool))
             for name, came in going_stale.items()
         )
-        return mark_stale(steps(times, values[: len(times)]), rests_on, search.end_ns)
+        times, values = [time_ns for time_ns, _, _ in rounds], [value for _, value, _ in rounds]
+        return mark_stale(steps(times, values), rests_on, search.end_ns)
 
     def looked_at(self, search: Search) -> list[str]:
         """See `Condition`: those that it read."""

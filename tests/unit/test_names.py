@@ -18,6 +18,8 @@ from robowidgets.feeds import FeedTopic
 from robowidgets.feeds.middleware import NotConnectedYetError
 from robowidgets.shapes import Arrow
 
+from ..conftest import ROOT
+
 
 def test_a_star_import_leaves_the_names_of_python_alone() -> None:
     assert not set(robowidgets.__all__) & set(dir(builtins))
@@ -95,3 +97,33 @@ class TestTheOldNameOfAClass:
 def test_a_name_that_a_module_never_had_is_said_plainly() -> None:
     with pytest.raises(AttributeError, match=r"module 'robowidgets.shapes' has no attribute 'Circle'$"):
         import_module("robowidgets.shapes").Circle  # noqa: B018
+
+
+def test_no_test_sets_a_trace_function() -> None:
+    """CPython 3.11 spins in every function that follows an error which a trace function raised, without an end."""
+    refused = {"setprofile", "setprofile_all_threads", "settrace", "settrace_all_threads"}
+    found = [
+        f"{path.relative_to(ROOT)}:{node.lineno}: {name}"
+        for folder in ("robowidgets", "tests")
+        for path in (ROOT / folder).rglob("*.py")
+        if "node_modules" not in path.parts
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+        for name in names_in(node) & refused
+    ]
+    assert not found, "raise in a function that the code under test calls, or end a child process"
+
+
+def names_in(node: ast.AST) -> set[str]:
+    """Return the names that a node refers to or imports."""
+    if isinstance(node, ast.ImportFrom):
+        return {alias.name for alias in node.names}
+    return {node.id} if isinstance(node, ast.Name) else {node.attr} if isinstance(node, ast.Attribute) else set()
+
+
+def test_a_failed_test_is_not_repeated() -> None:
+    """A test that fails one time in ten has a fault."""
+    files = [ROOT / name for name in (".ci/run", "Makefile", "pyproject.toml")]
+    files += [*(ROOT / "scripts").glob("*.sh"), *(ROOT / ".github" / "workflows").glob("*.yml")]
+    files += [path for path in (ROOT / "tests").rglob("*.py") if path != Path(__file__)]
+    found = [path for path in files if re.search("--reruns|rerunfailures|mark.flaky", path.read_text(encoding="utf-8"))]
+    assert not found, "mend the tests that fail sometimes"

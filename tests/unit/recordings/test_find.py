@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import gc
+import itertools
 import sys
 from dataclasses import replace
 from pathlib import Path
@@ -13,12 +14,17 @@ import pytest
 
 import robowidgets
 from robowidgets import RecordingError, conditions
+from robowidgets.behaviors import Drive
+from robowidgets.behaviors.simulation import ProgramRun
 from robowidgets.kinds import KINDS, LASER
 from robowidgets.recordings import UnknownTopicError
 from robowidgets.recordings.span import Span
 from robowidgets.samples.sector import ALL_ROUND
+from robowidgets.search import _stops, base
+from robowidgets.search._search import Search
 from robowidgets.search._steps import NO, UNKNOWN, YES, Steps, combined, inverted, spans, steps
 from robowidgets.search.base import FunctionCondition
+from robowidgets.search.instant import Now
 from robowidgets.search.spans import Spans
 
 from ...conftest import ROOT
@@ -291,6 +297,14 @@ class TestWhatWasMet:
         assert (span.start, span.end, span.nearest) == (0, 1, 0.5)
 
 
+def near(moment: Any) -> bool:
+    return bool(moment.scan.distance("front") < 10)
+
+
+def stands(scan: Any) -> Drive:
+    return Drive(0 * len(scan))
+
+
 class TestInterrupts:
     def test_give_what_was_found_until_then(self, drive: robowidgets.Recording) -> None:
         def stopped(moment: Any) -> bool:
@@ -303,28 +317,40 @@ class TestInterrupts:
         assert (spans.is_complete, spans.until) == (False, 6.5)
         assert "! stopped at 6.50 s: nothing after that was looked at" in repr(spans)
 
-    def test_between_a_time_and_its_value_leave_no_time_without_a_value(self, drive: robowidgets.Recording) -> None:
-        line = 0
+    @pytest.mark.parametrize(
+        ("condition", "owner", "step", "until"),
+        [
+            (near, Now, "put", 2.8),
+            (near, FunctionCondition, "_result", 2.8),
+            (near, Search, "met", 2.8),
+            (near, Search, "looked_at", 2.9),
+            (conditions.stops(stands, rate=10), Now, "put", 2.8),
+            (conditions.stops(stands, rate=10), ProgramRun, "step", 2.8),
+            (conditions.stops(stands, rate=10), Search, "looked_at", 2.8),
+        ],
+    )
+    def test_between_a_time_and_its_value_leave_no_time_without_a_value(
+        self,
+        drive: robowidgets.Recording,
+        monkeypatch: pytest.MonkeyPatch,
+        condition: Any,
+        owner: Any,
+        step: str,
+        until: float,
+    ) -> None:
+        for module in (base, _stops):
+            monkeypatch.setattr(module, "_BAR_EVERY", 1)
+        original, calls = getattr(owner, step), itertools.count(1)
 
-        def interrupted(frame: Any, event: str, _: Any) -> Any:
-            nonlocal line
-            if event == "call":
-                return interrupted if frame.f_code is FunctionCondition.steps.__code__ else None
-            if event == "line" and len(frame.f_locals.get("times", ())) >= 30:
-                line += 1
-                if line == at:
-                    raise KeyboardInterrupt
-            return interrupted
+        def interrupted(*given: Any) -> Any:
+            if next(calls) == 30:
+                raise KeyboardInterrupt
+            return original(*given)
 
-        before = sys.gettrace()
-        for at in range(1, 12):  # at each line of a round
-            line = 0
-            sys.settrace(interrupted)
-            try:
-                spans = drive.find(lambda moment: moment.seconds >= 0)
-            finally:
-                sys.settrace(before)
-            assert (line, spans.is_complete, len(spans)) == (at, False, 1)
+        monkeypatch.setattr(owner, step, interrupted)
+        spans = drive.find(condition)
+        assert [(span.start, span.end) for span in spans] == [(0, until)]
+        assert (spans.is_complete, spans.until) == (False, until)
 
     def test_end_what_follows_at_the_same_time(self, drive: robowidgets.Recording) -> None:
         def stopped(moment: Any) -> bool:
