@@ -60,7 +60,6 @@ def shown(player: Player) -> list[tuple[str, tuple[str, ...]]]:
     return [(type(view.widget).__name__, view.choice.topics) for view in player.views]
 
 
-@pytest.mark.slow
 def test_a_recording_of_which_no_topic_has_a_widget_shows_a_few_the_most_useful_first(recording: Recording) -> None:
     player = recording.show()
     try:

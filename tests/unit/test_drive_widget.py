@@ -7,7 +7,7 @@ import logging
 import threading
 import time
 from collections.abc import Iterator
-from itertools import groupby
+from itertools import groupby, pairwise
 from math import inf, nan
 from types import SimpleNamespace
 from typing import Any
@@ -16,7 +16,8 @@ import pytest
 import traitlets
 
 from robowidgets import DriveWidget, Speed
-from robowidgets.driving import command_watchdog
+from robowidgets._core.pacer import Pacer
+from robowidgets.driving import command_watchdog, driving_widget
 from robowidgets.driving.command_watchdog import HOLD, PROGRAM, CommandWatchdog, Velocity
 from robowidgets.driving.driving_widget import ALLOW_LIFETIME
 from robowidgets.driving.press import PressLease, Tokens
@@ -98,6 +99,13 @@ def pad(clock: ManualClock) -> Iterator[Pad]:
 def holds(monkeypatch: pytest.MonkeyPatch) -> None:
     """Have a press drive until something ends it, and not for half a second at most."""
     monkeypatch.setattr(command_watchdog, "HOLD", 3600.0)
+
+
+@pytest.fixture
+def soon(monkeypatch: pytest.MonkeyPatch) -> float:
+    """Seconds after which the page hears the same state again, in place of one second."""
+    monkeypatch.setattr(driving_widget, "BEAT", 0.05)
+    return 0.05
 
 
 class TestFromThePage:
@@ -523,6 +531,7 @@ class TestFeed:
             feed.close()
             assert (pad.told["ready"], pad.told["cause"]) == (True, "")
 
+    @pytest.mark.usefixtures("soon")
     def test_a_feed_that_needs_a_page_is_driven_while_one_is_there_and_asks_for_it(self, pad: Pad, feed: Feed) -> None:
         page = Page(pad)
         feed.driving = Driving(needs_page=True, hold=3600.0)
@@ -615,8 +624,17 @@ class TestToThePage:
         wait_for(lambda: page.state["_state"]["speed"] == Velocity(), "the last is told")
         assert set(page.threads) == {"robowidgets-pacer"}
 
-    def test_while_it_is_driven_the_page_hears_so_each_second(self, feed: Feed, other: Pad) -> None:
-        page, began = Page(other), time.monotonic()
+    def test_while_it_is_driven_the_page_hears_so_each_second(
+        self, feed: Feed, other: Pad, soon: float, monkeypatch: pytest.MonkeyPatch
+    ) -> None:
+        page, mark_at, times = Page(other), Pacer.mark_at, []
+
+        def noted(pacer: Pacer, sender: Any, when: float | None) -> None:
+            if sender is other and when is not None and when not in times:
+                times.append(when)
+            mark_at(pacer, sender, when)
+
+        monkeypatch.setattr(Pacer, "mark_at", noted)
         feed.watchdog.drive(Velocity(0.2, 0.5), 3600.0)
 
         def numbers() -> set[int]:
@@ -624,10 +642,12 @@ class TestToThePage:
                 state["number"] for state in page.sent("_state") if state["driver"] and state["speed"] != Velocity()
             }
 
-        wait_for(lambda: len(numbers()) >= 4, "it is told again and again")
-        assert time.monotonic() - began > 1.9
+        wait_for(lambda: len(numbers()) >= 4 and len(times) >= 4, "it is told again and again")
+        # The first is renewed when the state changes, too.
+        assert all(after - before >= soon for before, after in pairwise(times[1:]))
 
-    def test_a_message_that_could_not_be_sent_is_sent_again(self, other: Pad) -> None:
+    def test_a_message_that_could_not_be_sent_is_sent_again(self, other: Pad, monkeypatch: pytest.MonkeyPatch) -> None:
+        monkeypatch.setattr("robowidgets._core.pacer.FIRST_PAUSE", 0.02)
         page = Page(other)
         send, fails = page.send, [True]
 

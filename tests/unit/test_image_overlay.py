@@ -266,7 +266,6 @@ def test_of_two_scanners_that_which_is_shown_beside_it_lies_over_the_picture() -
         widget.close()
 
 
-@pytest.mark.slow
 def test_a_recording_shows_its_camera_with_what_is_kept_on_the_laser_and_its_depth_as_a_laser(tmp_path: Path) -> None:
     path = camera_drive.write(tmp_path / "drive", 0.6)
     topics = ("/camera/image_raw", "/scan", "/sonar/front_3", "/camera/depth/image_rect_raw as laser")

@@ -345,6 +345,7 @@ def test_the_command_puts_the_lessons_into_a_folder_and_runs_no_cell(
     assert "no lesson is written in 'xx'; there are de, en" in capsys.readouterr().err
 
 
+@pytest.mark.slow
 def test_assignments_have_a_cell_for_each_answer_and_a_locked_one_that_checks_it_and_no_solution(
     folder: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -600,6 +600,7 @@ class TestPlayer:
         assert placed["/local_costmap"].pose[:2] != (0.0, 0.0)
         player.close()
 
+    @pytest.mark.slow
     def test_odometry_and_localisation_agree_where_tf_joins_them(self, drive: Path) -> None:
         player = played(drive, "/odom", "/amcl_pose")
         view = map_of(player)

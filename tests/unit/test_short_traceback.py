@@ -9,6 +9,8 @@ import sys
 
 import pytest
 
+pytestmark = [pytest.mark.slow, pytest.mark.versions]
+
 ERRORS = {
     "LaserWidget(arcs=5)": r"^TypeError: LaserWidget\(\) has no keyword 'arcs'; did you mean 'arc_count'\?",
     "LaserWidget('/scan')": r"^TypeError: LaserWidget\(\) takes keywords only",

@@ -110,7 +110,6 @@ def test_numbers_keep_the_sign_of_zero() -> None:
     assert _pack_column(np.array([-0.0, 0.5]))[0] == 0, "the bits are packed as they are"
 
 
-@pytest.mark.slow
 def test_a_scanner_whose_number_of_rays_changes_takes_no_more(tmp_path: Path) -> None:
     noise = np.random.default_rng(0)
     scans = []

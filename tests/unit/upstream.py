@@ -40,7 +40,8 @@ def a_thread_waits_long_for_the_gil() -> bool:
 
 
 SERVER = """
-import asyncio, json, socket, tempfile
+import asyncio, json, socket, sys, tempfile
+sys.modules["rfc3987_syntax"] = None  # of jsonschema, for a format that nothing here has: half of the start
 from jupyter_server.serverapp import ServerApp
 from jupyter_server.services.kernels.websocket import KernelWebsocketHandler
 from tornado.httpclient import AsyncHTTPClient

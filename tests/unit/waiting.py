@@ -15,12 +15,12 @@ class Clock(SimpleNamespace):
         super().__init__(now=100.0, monotonic=lambda: self.now)
 
 
-def wait_for(condition: Callable[[], object], what: str, seconds: float = 240.0) -> None:
-    """Return once the condition holds; fail by name when it never does."""
+def wait_for(condition: Callable[[], object], what: str, seconds: float = 240.0, *, every: float = 0.002) -> None:
+    """Return once the condition holds; fail by name if it never does. One that costs something is tried less often."""
     deadline = time.monotonic() + seconds
     while not condition():
         assert time.monotonic() < deadline, f"waited {seconds:g} s in vain until {what}"
-        time.sleep(0.002)
+        time.sleep(every)
 
 
 def threads_named(name: str) -> int:

@@ -55,7 +55,6 @@ def test_it_goes_nowhere_on_the_word_of_a_covered_scanner(names: dict[str, Any])
     assert {step.active for step in simulate(names["Door"], robot, 3.0)} == {("left",)}
 
 
-@pytest.mark.slow
 def test_on_a_feed_the_pr2_runs_it_and_a_robot_with_two_wheels_says_why_it_stands(names: dict[str, Any]) -> None:
     with feeds.simulator("pr2", room=names["rooms"], wander=False) as feed:
         feed.program(names["Door"])

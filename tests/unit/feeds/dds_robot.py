@@ -278,8 +278,9 @@ class Robot:
         tell([qos[Policy.Userdata].data.decode() if Policy.Userdata in qos else "" for qos in found])
 
 
-def main(domain: int) -> None:
-    held = Domain(domain, LOOPBACK)
+def main(domain: int, lease: str = "10s") -> None:
+    """Take part in a domain; others miss it if they have heard nothing of it for as long as its lease."""
+    held = Domain(domain, LOOPBACK.replace("</Discovery>", f"<LeaseDuration>{lease}</LeaseDuration></Discovery>"))
     robot = Robot(domain)
     for line in sys.stdin:
         do, *what = json.loads(line)
@@ -288,4 +289,4 @@ def main(domain: int) -> None:
 
 
 if __name__ == "__main__":
-    main(int(sys.argv[1]))
+    main(int(sys.argv[1]), *sys.argv[2:])

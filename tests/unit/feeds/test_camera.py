@@ -113,7 +113,6 @@ def test_its_laser_and_its_sonar_lie_on_its_picture_by_themselves_once_tf_joins_
     assert feed.connection._table.by_topic.keys() == {IMAGE, "/scan"}
 
 
-@pytest.mark.slow
 def test_its_depth_image_and_its_cloud_are_lasers_where_that_is_asked_for(robot: Robot, simulated: Any) -> None:
     feed, publish = robot
     there = {one.topic: one for one in camera_drive.offers(simulated)}

@@ -12,7 +12,7 @@ import pytest
 
 from robowidgets._core.clock import Clock, scheduler
 from robowidgets.behaviors import Drive
-from robowidgets.driving.command_watchdog import RefusedError, Velocity
+from robowidgets.driving.command_watchdog import RETRY, RefusedError, Velocity
 from robowidgets.feeds import Advert, Driving, Feed, FeedError
 from robowidgets.feeds._driver import AFTER_SLEEP
 from robowidgets.feeds._guard.link import GuardLink
@@ -153,14 +153,15 @@ def test_subscribers_of_both_types_get_each_speed_and_one_that_cannot_get_it_is_
 
 
 def test_zero_follows_for_both_types_where_one_may_have_arrived(
-    driven: Driven, monkeypatch: pytest.MonkeyPatch
+    driven: Driven, clock: ManualClock, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    feed, script = driven(CMD_VEL, STAMPED, hold=60.0)
+    feed, script = driven(CMD_VEL, STAMPED, hold=60.0, clock=clock)
     with monkeypatch.context() as patch:
         patch.setattr(script, "publish", taking(script, STAMPED.type, TimeoutError("the network hangs")))
         with pytest.raises(FeedError, match="the network hangs"):
             feed.drive(0.1)
-    wait_for(lambda: script.speeds[-2:] == [(0.0, 0.0)] * 2, "zero is sent")
+    clock.advance(RETRY)
+    assert script.speeds[-2:] == [(0.0, 0.0)] * 2
 
 
 def test_a_stamped_speed_does_not_carry_the_clock_of_this_machine(driven: Driven) -> None:
@@ -210,17 +211,17 @@ def test_another_topic_may_be_driven(driven: Driven) -> None:
     assert script.sent[0][0] == "/base/cmd_vel"
 
 
-def test_zero_follows_a_speed_that_nobody_renews(driven: Driven) -> None:
-    feed, script = driven(CMD_VEL, hold=0.2)
-    began = time.monotonic()
+def test_zero_follows_a_speed_that_nobody_renews(driven: Driven, clock: ManualClock) -> None:
+    feed, script = driven(CMD_VEL, hold=0.5, clock=clock)
     feed.drive(0.3, 0.0)
-    wait_for(lambda: len(script.sent) == 2, "zero is sent")
-    assert time.monotonic() - began >= 0.2
+    clock.advance(0.25)
+    assert script.speeds == [(0.3, 0.0)]
+    clock.advance(0.25)
     assert script.speeds == [(0.3, 0.0), (0.0, 0.0)]
-    wait_for(lambda: _driving_threads() == [], "the thread ends with it")
+    wait_for(lambda: clock.advance(0.1) or _driving_threads() == [], "the thread ends with it")
     feed.drive(0.2, 0.0)
-    wait_for(lambda: len(script.sent) == 4, "it all works again")
-    assert script.speeds[2:] == [(0.2, 0.0), (0.0, 0.0)]
+    clock.advance(0.5)
+    assert script.speeds[2:] == [(0.2, 0.0), (0.0, 0.0)], "it all works again"
 
 
 def test_zero_follows_a_speed_though_the_program_is_interrupted_while_it_waits_for_it(
@@ -428,9 +429,9 @@ def test_stopping_a_robot_that_cannot_be_reached_says_so(driven: Driven) -> None
 
 
 def test_an_error_of_any_kind_does_not_keep_the_next_zero_from_being_sent(
-    driven: Driven, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+    driven: Driven, clock: ManualClock, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
-    feed, script = driven(CMD_VEL, hold=0.2)
+    feed, script = driven(CMD_VEL, hold=0.2, clock=clock)
 
     def cut(*_: object) -> None:
         raise OSError("the wire is cut")
@@ -438,10 +439,12 @@ def test_an_error_of_any_kind_does_not_keep_the_next_zero_from_being_sent(
     feed.drive(0.3)
     with monkeypatch.context() as patch:
         patch.setattr(script, "publish", cut)
+        clock.advance(0.2)
         wait_for(lambda: caplog.records, "it is logged")
         assert caplog.records[0].message == "the robot could not be told to stop: the wire is cut"
-    wait_for(lambda: script.speeds[-1] == (0.0, 0.0), "zero is sent")
-    wait_for(lambda: _driving_threads() == [], "the thread ends")
+    clock.advance(RETRY)
+    assert script.speeds[-1] == (0.0, 0.0)
+    wait_for(lambda: clock.advance(0.1) or _driving_threads() == [], "the thread ends")
 
 
 def test_stopping_a_feed_that_was_closed_without_a_zero_says_so(driven: Driven) -> None:
@@ -550,6 +553,7 @@ def test_a_subscriber_that_does_not_connect_is_named_after_two_seconds(
 
 def test_a_speed_is_not_tried_again_after_a_stop(driven: Driven, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("robowidgets.feeds._driver.CONNECT_TIMEOUT", 20.0)
+    monkeypatch.setattr("robowidgets.driving.command_watchdog.RETRY", 0.02)
     feed, script = driven(CMD_VEL)
     tried = connects_after(3, script, monkeypatch)
     stop = threading.Thread(target=lambda: (wait_for(lambda: tried, "it is tried"), feed.watchdog.stop()))

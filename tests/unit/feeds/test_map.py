@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from functools import cache
 from typing import Any
 
 import foxglove
@@ -19,6 +20,14 @@ from .fox import serving
 foxglove.set_log_level("CRITICAL")
 
 Publish = Callable[[str, dict[str, Any]], None]
+EVERY = 0.05
+"""Seconds between two rounds of messages: a connection that is flooded takes its time."""
+
+
+@cache
+def messages(seconds: float) -> dict[str, dict[str, Any]]:
+    """Return the last message of each topic of the scene: it takes a second to compute."""
+    return {topic: fields for _, topic, fields in scene.messages(seconds)}
 
 
 @pytest.fixture
@@ -58,7 +67,7 @@ def test_a_robot_has_its_topics_on_one_map_joined_by_tf_with_its_scan(robot: tup
     view = feed.show("/map", "/odom", "/amcl_pose", "/plan", "/particles")
     (path,) = {widget for topic, widget in view.widgets.items() if isinstance(widget, PathWidget)}
     assert view.widgets["/map"] is view.widgets["/plan"] is path
-    told = {topic: fields for _, topic, fields in scene.messages(2.0)}
+    told = dict(messages(2.0))
     drawn: dict[str, Any] = {}
 
     def all_drawn() -> bool:
@@ -67,7 +76,7 @@ def test_a_robot_has_its_topics_on_one_map_joined_by_tf_with_its_scan(robot: tup
         drawn.update(layers(path))
         return drawn.keys() >= {"/map", "/odom", "/amcl_pose", "/plan", "/particles", "/scan"}
 
-    wait_for(all_drawn, "all layers are drawn")
+    wait_for(all_drawn, "all layers are drawn", every=EVERY)
     assert path.get_state()["_about"]["frame_id"] == "map"
     shift = told["/tf"]["transforms"][0]["transform"]["translation"]
     at = told["/odom"]["pose"]["pose"]["position"]
@@ -86,14 +95,14 @@ def test_layers_are_connected_one_by_one_too(robot: tuple[Any, Publish]) -> None
     topics = ("/tf", "/odom", "/amcl_pose")
     for topic in topics:
         feed.connect(topic, path)
-    told = {topic: fields for _, topic, fields in scene.messages(1.0)}
+    told = dict(messages(1.0))
 
     def is_drawn() -> bool:
         for topic in topics:
             publish(topic, told[topic])
         return layers(path).keys() == {"/odom", "/amcl_pose"} and path.get_state()["_about"]["frame_id"] == "map"
 
-    wait_for(is_drawn, "odometry is drawn in the frame of the map")
+    wait_for(is_drawn, "odometry is drawn in the frame of the map", every=EVERY)
 
 
 @pytest.mark.slow
@@ -103,14 +112,14 @@ def test_sonars_are_where_tf_says_by_themselves(robot: tuple[Any, Publish]) -> N
     feed.connect("/scan", LaserWidget())
     feed.connect("/sonar/front", sonars)
     sonars.update("front", Range(0.5, frame_id="laser"))
-    told = {topic: fields for _, topic, fields in scene.messages(1.0)}
+    told = dict(messages(1.0))
 
     def has_place() -> bool:
         publish("/tf", told["/tf_static"])
         publish("/scan", told["/scan"])
         return bool(sonars._mounts)
 
-    wait_for(has_place, "a sonar has a place")
+    wait_for(has_place, "a sonar has a place", every=EVERY)
     assert "laser" in sonars._mounts
 
 
@@ -122,7 +131,7 @@ def test_a_laser_with_a_trail_takes_the_odometry_of_its_robot_or_its_tf_by_itsel
     feed, publish = robot
     laser = LaserWidget(trail=5)
     feed.connect("/scan", laser)
-    told = {topic: fields for _, topic, fields in scene.messages(1.0)}
+    told = dict(messages(1.0))
     base = scene.plain(scene.tf("odom", "base_link", (1.0, 2.0, 0.0), 1.0))
     told["/tf"] = {
         "transforms": [one for part in (told["/tf"], base, told["/tf_static"]) for one in part["transforms"]]
@@ -134,7 +143,7 @@ def test_a_laser_with_a_trail_takes_the_odometry_of_its_robot_or_its_tf_by_itsel
         laser.send_newest()
         return "pose" in laser.get_state()["_about"]
 
-    wait_for(has_pose, "a scan has the pose of its robot")
+    wait_for(has_pose, "a scan has the pose of its robot", every=EVERY)
     if left_out == "/odom":
         assert laser.get_state()["_about"]["pose"] == [1.0, 2.0, 0.0]
     laser.trail = 0

@@ -98,7 +98,6 @@ def test_disconnecting_a_topic_leaves_it_to_the_recorder_the_program_and_loops(t
         assert not feed.connection.functions.functions
 
 
-@pytest.mark.slow
 def test_a_run_opens_here_and_in_other_tools_with_its_states_and_the_text_of_its_program(tmp_path: Path) -> None:
     path = tmp_path / "run.mcap"
     with feeds.simulator(wander=False, hz=50) as robot:
@@ -216,7 +215,6 @@ def test_speeds_that_are_sent_are_recorded_where_nobody_else_publishes_them(tmp_
     assert (speeds[0], speeds[-1]) == ((0.25, 0.5), (0.0, 0.0))
 
 
-@pytest.mark.slow
 def test_what_a_program_drives_on_a_recording_is_recorded_beside_it(tmp_path: Path) -> None:
     with feeds.recording(robowidgets.SAMPLE, speed=20) as feed, feed.record(tmp_path / "run.mcap") as recorder:
         feed.program(lambda: Drive(0.125))

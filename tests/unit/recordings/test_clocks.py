@@ -5,8 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-import pytest
-
 import robowidgets
 
 from . import topics
@@ -61,7 +59,6 @@ class TestSilences:
         lines = problems(tmp_path, a=[(100, 200)], b=[(100, 300)], c=[(500, 600)], d=[(100, 200), (500, 600)])
         assert [line.partition(":")[0] for line in lines] == ["/a", "/b", "/c", "/d"]
 
-    @pytest.mark.slow
     def test_come_after_what_is_wrong_with_each_clock(self, tmp_path: Path) -> None:
         assert problems(tmp_path, each=3, a=[(100, 200)], b=[(100, 200)]) == (
             "/a: the clock stands still: 3,602 of 5,403 samples bear the time of the one before",

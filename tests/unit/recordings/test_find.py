@@ -247,7 +247,6 @@ class TestFunctions:
         with pytest.raises(RecordingError, match="is closed: open it again"):
             drive.find(bool)
 
-    @pytest.mark.slow
     def test_what_it_reads_is_kept_once_and_not_for_each_sample(self, drive: robowidgets.Recording) -> None:
         def sets() -> int:
             gc.collect()

@@ -104,7 +104,7 @@ def news(player: Player, kind: type, role: str = "") -> list[float]:
     return found
 
 
-@pytest.mark.parametrize("of", ["robot", "sample"])
+@pytest.mark.parametrize("of", ["robot", pytest.param("sample", marks=pytest.mark.slow)])
 def test_frames_tell_with_which_of_them_a_message_came(path: Path, of: str) -> None:
     with open(path if of == "robot" else SAMPLE) as recording:
         player = recording.show()
