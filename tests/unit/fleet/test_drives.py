@@ -140,10 +140,10 @@ def test_an_interrupt_leaves_an_index_that_misses_nothing(
     own = sys.modules["robowidgets.fleet.drives"]  # the package has the function under this name
     seconds_of, update, updates = own.seconds_of, Progress.update, count(1)
 
-    def counts(*given: Any) -> None:
-        update(*given)
-        # Each recording has a bar of its own, in the thread that reads it.
-        if current_thread() is main_thread() and next(updates) == 2:
+    def counts(bar: Progress, done: int, *given: Any) -> None:
+        update(bar, done, *given)
+        # Each recording has a bar of its own, in the thread that reads it; a search that waits updates by 0.
+        if current_thread() is main_thread() and done and next(updates) == 2:
             both_before.set()
 
     def interrupts(recording: Any) -> Any:
