@@ -13,6 +13,7 @@ import traitlets
 from ._core.front_end import bundle
 from ._core.limit_traits import LARGEST
 from ._core.pacer import pacer
+from ._core.title_observers import TitleObservers
 from ._core.traits import Flag
 from .driving.command_watchdog import HOLD, MAX_ANGULAR, MAX_LINEAR, PROGRAM, CommandWatchdog, Velocity
 from .driving.driving_widget import DrivingWidget
@@ -96,6 +97,7 @@ class DriveWidget(DrivingWidget):
         self._lease = PressLease()
         self._driving = ""
         """The press of this pad that drove the robot last."""
+        self._titles = TitleObservers()
         self._takes_lateral = send is None or _takes_lateral(send)
         """Whether what it drives can be told to move sideways."""
         super().__init__(**kwargs)
@@ -126,10 +128,12 @@ class DriveWidget(DrivingWidget):
             self._takes_lateral = _takes_lateral(drive)
             self._attach(CommandWatchdog(_sink_of(drive, stop)), owns=True)
         self._title_after_feed()
+        self._titles.call()
 
     def send_newest(self) -> int:
         """See `DrivingWidget`. The feed may have chosen another topic."""
         self._title_after_feed()
+        self._titles.call_later()  # the pacer holds its turn
         return super().send_newest()
 
     def disconnect(self) -> None:
@@ -154,7 +158,7 @@ class DriveWidget(DrivingWidget):
     def _title_after_feed(self) -> None:
         feed = self._feed
         if feed is not None:
-            self.name_after(feed.driver.topic)
+            self._titles.add(self.name_quietly(feed.driver.topic))
 
     def _on_press(self, message: PadMessage) -> None:
         press, over = message.press, self._why_not()

@@ -186,8 +186,7 @@ class WiresWidget(RobotWidget[Wiring]):
             raise TypeError(f"WiresWidget(): expected what feed.wires() or recording.wires() gives it, got {source!r}")
         self._wired = source
         self._openers: list[Callable[[str], object]] = []
-        super().__init__(**kwargs)
-        self.name_after(source.name)
+        super().__init__(**{**kwargs, "title": kwargs.get("title") or source.name})
         self._robot = source.robot
         self._together = source.robot
         source.observe(self._on_wiring)

@@ -5,7 +5,8 @@ from __future__ import annotations
 import difflib
 import logging
 import reprlib
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from functools import partial
 from typing import Any, ClassVar
 
 import traitlets
@@ -96,10 +97,26 @@ class NamedWidget(FrontEndWidget):
 
     def name_after(self, topic: str, trait: str = "title") -> None:
         """Set the title to a topic, instead of the previous topic, unless the user gave a title."""
-        before = self._named_after.get(trait)
-        if topic != before and getattr(self, trait) in ("", before):
-            self._named_after[trait] = topic
-            setattr(self, trait, topic)
+        call_observers = self.name_quietly(topic, trait)
+        if call_observers is not None:
+            call_observers()
+
+    def name_quietly(self, topic: str, trait: str = "title") -> Callable[[], None] | None:
+        """Do what `name_after` does, except for the call of observers.
+
+        Returns:
+            What calls the observers, which may be code of the user: without a lock, and not in a thread that carries
+            speeds. None if the title is as it was.
+        """
+        before, title = self._named_after.get(trait), getattr(self, trait)
+        if topic == before or title not in ("", before):
+            return None
+        self._named_after[trait] = topic
+        if topic == title:
+            return None
+        self._trait_values[trait] = topic
+        change = traitlets.Bunch(name=trait, old=title, new=topic, owner=self, type="change")
+        return partial(self.notify_change, change)
 
     def _log_once(self, text: str) -> None:
         self._error_log(f"{type(self).__name__} {self.title}: {text}", text)

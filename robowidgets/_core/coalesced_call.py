@@ -2,8 +2,14 @@
 
 from __future__ import annotations
 
+import logging
 import threading
 from collections.abc import Callable
+
+from . import clock
+from .clock import Left, Scheduler
+
+log = logging.getLogger("robowidgets")
 
 
 class CoalescedCall:
@@ -14,15 +20,29 @@ class CoalescedCall:
 
     Args:
         function: the function; an exception reaches the thread that runs it.
+        thread: the name of a thread for what takes long, or is code of a user: the function runs in the main thread if
+            that calls it, so that a cell sees its result, and else in a thread of this name, which ends with the run.
+            Empty: it runs in the thread that calls it.
+        scheduler: starts that thread.
     """
 
-    def __init__(self, function: Callable[[], object]) -> None:
-        self._function = function
+    def __init__(self, function: Callable[[], object], *, thread: str = "", scheduler: Scheduler | None = None) -> None:
+        self._function, self._thread, self._scheduler = function, thread, scheduler
         self._lock = threading.Lock()
         self._running = self._requested = False
 
     def __call__(self) -> None:
         """Run the function now, or have the thread that is running it do so again."""
+        if self._thread and threading.current_thread() is not threading.main_thread():
+            self.later()
+        else:
+            self._request(self._run)
+
+    def later(self) -> None:
+        """Run the function in its own thread, or have the thread that is running it do so again."""
+        self._request(self._start)
+
+    def _request(self, run: Callable[[], object]) -> None:
         runs = False
         try:
             with self._lock:
@@ -30,12 +50,29 @@ class CoalescedCall:
                 if self._running:
                     return
                 runs = self._running = True
-            while self._take_request():
-                self._function()
+            run()
         except BaseException:
             if runs:
                 self._running = False
             raise
+
+    def _run(self) -> None:
+        while self._take_request():
+            self._function()
+
+    def _start(self) -> None:
+        scheduler = self._scheduler or clock.scheduler
+        scheduler.start(self._run_in_thread, self._thread, runs_user_code=True)
+
+    def _run_in_thread(self) -> None:
+        try:
+            self._run()
+        except BaseException as error:
+            self._running = False
+            if not isinstance(error, Exception):
+                raise
+            log.exception("robowidgets: error in %s", self._thread)
+        raise Left
 
     def _take_request(self) -> bool:
         with self._lock:

@@ -87,7 +87,8 @@ class Judge:
         with self._newest.lock:
             self._newest.on_new = None
             self._leave_worker()
-        for watch in self.watches.values():
+            watches = list(self.watches.values())
+        for watch in watches:
             watch.end("its widget is closed")
 
     def end_late(self) -> None:

@@ -62,7 +62,9 @@ class PacedWidget(BeatingWidget, FreezableWidget):
     def follow_player(self) -> None:
         """Have a player in the page say what is on show: that is of no moment of now, and needs no kernel."""
         with self._send_lock:
-            self.driven_by_player, self.history, self._beat = True, 0, 0
+            self.driven_by_player, self._beat = True, 0
+            self._trait_values["history"] = 0  # without observers, because its player holds a lock
+        self.send_state("history")
 
     def send_newest(self) -> int:
         """Send the newest sample to the page; returns the number of bytes sent. The pacer calls it."""

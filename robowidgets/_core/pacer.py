@@ -6,7 +6,6 @@ import atexit
 import logging
 import os
 import threading
-import time
 from typing import NamedTuple, Protocol
 
 from .clock import Scheduler, Ticket
@@ -74,7 +73,7 @@ class Pacer:
         """Reset to nothing marked. A forked process inherits held locks, but not the threads that hold them."""
         # RLock: the garbage collector may close a widget, and call `forget()`, while this thread holds it.
         self._lock = threading.RLock()
-        self._turn = threading.Lock()
+        self._turn = threading.RLock()  # a thread that did not get it cannot release it
         self._due: dict[Sender, float] = {}
         # Keyed by id(), which is faster to look up; `forget` removes the entries.
         self._earliest: dict[int, float] = {}
@@ -118,26 +117,35 @@ class Pacer:
                 numbers.pop(id(sender), None)
 
     def flush(self) -> None:
-        """Send everything that is marked now, in the caller's thread, after waiting for the send that is under way."""
-        until = time.monotonic() + PATIENCE
-        while self._turn.locked():
-            if time.monotonic() > until:
-                return
-            time.sleep(0.001)
-        # Not `acquire` with a time-out: an interrupt right after it would leave the lock held.
-        with self._turn:
-            with self._lock:
-                waiting = [*dict.fromkeys((*self._due, *self._held))]
-            self.is_flushing = True
-            try:
-                for sender in waiting:
-                    with self._lock:
-                        marked = self._due.pop(sender, None) is not None or sender in self._held
-                        self._earliest[id(sender)] = self._clock() + _interval(sender)
-                    if marked:
-                        self._send(sender)
-            finally:
-                self.is_flushing = False
+        """Send everything that is marked now, in the caller's thread, after waiting for the send that is under way.
+
+        If that send hangs, nothing is sent.
+        """
+        try:
+            # Within the `try`, because an interrupt may come as soon as the lock is taken.
+            if self._turn.acquire(timeout=PATIENCE):
+                self._flush()
+        finally:
+            # An interrupt comes after a call alone, so it cannot come before this one.
+            try:  # noqa: SIM105  # `suppress` would be such a call
+                self._turn.release()
+            except RuntimeError:  # this thread did not get it
+                pass
+
+    def _flush(self) -> None:
+        """Send everything that is marked now. Called in a turn."""
+        with self._lock:
+            waiting = [*dict.fromkeys((*self._due, *self._held))]
+        self.is_flushing = True
+        try:
+            for sender in waiting:
+                with self._lock:
+                    marked = self._due.pop(sender, None) is not None or sender in self._held
+                    self._earliest[id(sender)] = self._clock() + _interval(sender)
+                if marked:
+                    self._send(sender)
+        finally:
+            self.is_flushing = False
 
     def _wake(self) -> None:
         if self._thread is None:

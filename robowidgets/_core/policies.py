@@ -35,6 +35,9 @@ class Policy(NamedTuple):
 CONDITION = Policy(late=0.1, look=0.1, grace=0.1)
 """A condition of a watch. The picture of a sample is shown without its verdict when it is late."""
 
+RECORDED = Policy(late=1.0, look=0.1, most=0.1, grace=0.1)
+"""A condition that is judged on the samples of a recording. When it is late it is left and switched off."""
+
 FUNCTION = Policy(late=1.0, look=1.0)
 """A function that is connected to a topic. The widgets of the topic name it when it is late. It is never ended."""
 

@@ -119,12 +119,13 @@ class RobotWidget(PacedWidget, Generic[S]):
         newest = self._newest
 
         def take_next() -> S | None:
-            sample: S | None = self._newest_measured()
-            if self.has_rate and not (newest.is_new() and newest.age <= limit):
-                return None
-            if sample is not None:
-                newest.take()
-            return sample
+            with newest.lock:
+                sample: S | None = self._newest_measured()
+                if self.has_rate and not (newest.is_new() and newest.age <= limit):
+                    return None
+                if sample is not None:
+                    newest.take()
+                return sample
 
         left, sample = seconds, None
         if self._source and seconds > PATIENCE:

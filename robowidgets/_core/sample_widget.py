@@ -54,6 +54,9 @@ class SampleWidget(GroupedWidget, Protocol):
     def name_after(self, topic: str, trait: str = "title") -> None:
         """Set a title to a topic, unless the user gave one."""
 
+    def name_quietly(self, topic: str, trait: str = "title") -> Callable[[], None] | None:
+        """Do so, except for the call of observers; returns what calls them, or None if the title is as it was."""
+
     def set_source(self, source: dict[str, Any], missing: str = "") -> None:
         """Show where its samples come from, and the status of that."""
 

@@ -15,13 +15,13 @@ LOOK = 0.25
 
 
 class Waiters:
-    """Threads that wait until there is something, which a lock guards.
+    """Threads that wait until there is something.
 
     A `threading.Condition` releases the lock of its caller, and takes it again. An interrupt between the two leaves the
     caller without the lock that it goes on to release. So threads wait here without it.
 
     Args:
-        lock: the lock.
+        lock: guards the list of those that wait.
         clock: None: that of our scheduler.
     """
 
@@ -38,18 +38,17 @@ class Waiters:
             signal.set()
 
     def wait_for(self, find: Callable[[], T | None], seconds: float) -> T | None:
-        """What a function returns, called with the lock, as soon as that is not None; None when the time is over.
+        """Return what a function returns, as soon as that is not None; or None when the time is over.
 
-        Called without the lock.
+        Neither this nor the function is called with the lock: the function may take others.
         """
         signal, until = self._clock.signal(), self._clock.now() + seconds
         try:
-            while True:
-                with self._lock:
-                    if (found := find()) is not None or self._clock.now() >= until:
-                        return found
-                    self._signals.add(signal)
+            with self._lock:  # before the first look: a wake after that look is not missed
+                self._signals.add(signal)
+            while (found := find()) is None and self._clock.now() < until:
                 signal.wait_until(min(until, self._clock.now() + LOOK))
+            return found
         finally:
             with self._lock:
                 self._signals.discard(signal)

@@ -113,7 +113,7 @@ class Watch:
             TypeError: the timeout is no number. ValueError: it is not finite, or below 0.
         """
         seconds = not_negative("timeout", timeout, "seconds")
-        sample = self._waiters.wait_for(lambda: self._sample if self._is(value) else None, seconds)
+        sample = self._waiters.wait_for(lambda: self._sample_if(value), seconds)
         if sample is None:
             raise self._too_late(seconds, value)
         return sample
@@ -133,9 +133,8 @@ class Watch:
         try:
             while True:
                 woken.clear()
-                with self._lock:
-                    if self._is(value):
-                        return self._sample
+                if (sample := self._sample_if(value)) is not None:
+                    return sample
                 left = deadline - time.monotonic()
                 if left <= 0:
                     raise self._too_late(seconds, value)
@@ -193,8 +192,9 @@ class Watch:
         if sample is not None and not self._error:
             try:
                 verdict = self._judge(sample)
-            except BaseException as error:  # nor the thread that prefetches a recording
-                self.switch_off(error_in(error))
+            except BaseException as error:  # nor the thread that judges those of a recording
+                if not self._why_off:  # else it was ended because it did not return
+                    self.switch_off(error_in(error))
         return self._lamp(verdict, None, 0)
 
     def switch_off(self, why: str) -> None:
@@ -223,10 +223,13 @@ class Watch:
             return Verdict(None, error.args[0])
         return verdict
 
-    def _is(self, value: bool) -> bool:
+    def _sample_if(self, value: bool) -> Any:
+        """Return the newest judged sample if its verdict is this one, else None. Called without the lock."""
         if self._why_off:
             raise RuntimeError(f"{self.name}: {self._why_off}")
-        return self.value is value
+        with self._lock:
+            verdict, sample = self._verdict, self._sample
+        return sample if verdict.value is value and not self._why_none() else None
 
     @property
     def _why_off(self) -> str:

@@ -9,6 +9,7 @@ from types import MappingProxyType
 from typing import Any, NamedTuple, Protocol
 
 from ..samples.checks import number
+from .frame_judge import FrameJudge
 from .judge import Judge, JudgedWidget
 from .newest_sample import NewestSample
 from .plotted_numbers import PlottedNumbers
@@ -66,6 +67,8 @@ class Watches:
     def __init__(self, widget: WatchedWidget, newest: NewestSample[Any], hooks: Hooks) -> None:
         self._widget, self._newest, self._hooks = widget, newest, hooks
         self.judge: Judge | None = None
+        self._frames: FrameJudge | None = None
+        """Judges the samples of a recording; None before the first."""
         self.numbers = PlottedNumbers()
 
     def watch(self, condition: Any, name: Any) -> Any:
@@ -112,10 +115,14 @@ class Watches:
     def judged_on(self, sample: Any) -> dict[str, Any]:
         """The verdicts on a sample of a recording, as a text on it; None before the first sample."""
         watches = list(self.by_name.values())
-        return {"lamps": [watch.lamp_on(sample) for watch in watches], "judged": 0} if watches else {}
+        if not watches:
+            return {}
+        frames = self._frames = self._frames or FrameJudge()
+        return {"lamps": [frames.lamp_on(watch, sample) for watch in watches], "judged": 0}
 
     def make_locks(self) -> None:
         """Make free locks; see `NewestSample.make_locks`."""
+        self._frames = None
         if self.judge:
             self.judge.make_runner()
 
@@ -126,6 +133,8 @@ class Watches:
 
     def close(self) -> None:
         """End the thread, and whatever waits for a watch."""
+        if self._frames:
+            self._frames.close()
         if self.judge:
             self.judge.close()
 

@@ -340,11 +340,14 @@ class CommandWatchdog(Observed):
                 velocity, requests = self._next()
                 if velocity is None:
                     return
-                self._entered = self._clock.now()
+                self._entered, stops = self._clock.now(), self.stops
             error = self._call(velocity)
             with self._lock:
                 self._entered = None
-                self._note(velocity, error)
+                if velocity != ZERO and stops != self.stops and isinstance(error, self._not_sent):
+                    error = None  # zero has replaced it meanwhile, so it is no fault that it was not sent
+                else:
+                    self._note(velocity, error)
                 self._resolve(requests, error)
             self._call_observers()
 

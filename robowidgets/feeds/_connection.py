@@ -9,11 +9,12 @@ from functools import partial
 from typing import Any
 
 from .._core.cells import running_cell, take_the_place
-from .._core.clock import Clock
+from .._core.clock import Clock, Threads
 from .._core.coalesced_call import CoalescedCall
 from .._core.observed import Observed
 from .._core.platform_fixes import let_threads_print, shorten_switch_interval
 from .._core.sample_widget import SampleWidget
+from .._core.title_observers import TitleObservers
 from ..behaviors.program import Program
 from ..behaviors.programs import Programs
 from ..behaviors.robot import DrivenRobot
@@ -70,7 +71,8 @@ class Connection(Observed):
         self._lock = threading.RLock()
         self._changed = self.clock.condition(self._lock)
         self.functions = FunctionCaller(self._show_status)
-        self._table = SubscriptionTable(f"connecting to {middleware.where}", self.functions, clock.now)
+        self._titles = TitleObservers(Threads(clock))
+        self._table = SubscriptionTable(f"connecting to {middleware.where}", self.functions, self._titles, clock.now)
         self.adverts: tuple[Advert, ...] = ()
         self.nobody = self.unsent = ""
         self.sent_count = 0
@@ -146,6 +148,7 @@ class Connection(Observed):
             self.functions.put(self.topic_of(topic), message, new, each=False)
         self._subscribe()
         self._frame_topics.look()
+        self._titles.call()
 
     def disconnect(self, topic: str, *targets: Any) -> None:
         """See `Feed.disconnect`."""
@@ -154,9 +157,10 @@ class Connection(Observed):
         with self._lock:
             self.functions.disconnect(topic, [*functions, *(one.call for one in of_widgets)] if targets else None)
             self._table.disconnect(topic, of_widgets if targets else None)
-            self._show_status(topic)
+            self._show(topic)
         self._subscribe()
         self._frame_topics.look()
+        self._titles.call()
 
     def install(
         self, function: Callable[..., Any], rate: float | None, on: str | None, topics: Mapping[str, str]
@@ -185,7 +189,7 @@ class Connection(Observed):
                 self.middleware.close()
             finally:
                 open_feeds.discard(self)
-                self._frame_topics.close()
+                self._frame_topics.look()
                 with self._lock:
                     self._table.close()
                     self._changed.notify_all()
@@ -353,6 +357,7 @@ class Connection(Observed):
     def attach_target(self, topic: str, target: Target) -> None:
         """Do what `attach` does, for a target that is known before its first message."""
         self._connect(topic, [target])
+        self._titles.call_later()
 
     def decide(self, topic: FeedTopic, message: Any) -> None:
         """List the widget that shows the messages of a topic, of which this is one, if one does."""
@@ -368,6 +373,7 @@ class Connection(Observed):
         with self._lock:
             self._table.disconnect(topic, [target])
         self._subscribe()
+        self._titles.call_later()
 
     def list_driven(self, topic: str) -> None:
         """List a topic on which only this feed publishes, so that a widget can show what is sent."""
@@ -438,11 +444,20 @@ class Connection(Observed):
                 topics[name] = topics[name]._replace(widget=found.widget, commanded=found.commanded)
         self._table.learn(topics)
 
+    def _call_observers(self) -> None:
+        self._titles.call()
+        super()._call_observers()
+
     def _show_status(self, topic: str) -> None:
         with self._lock:
-            subscription = self._table.by_topic.get(topic)
-            if subscription is not None:
-                self._table.show(subscription)
+            self._show(topic)
+        self._titles.call()
+
+    def _show(self, topic: str) -> None:
+        """Show the status of a topic. Called with the lock held."""
+        subscription = self._table.by_topic.get(topic)
+        if subscription is not None:
+            self._table.show(subscription)
 
     def _follow_connected(self) -> None:
         """Have the middleware pass on the topics that are connected."""

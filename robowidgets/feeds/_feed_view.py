@@ -10,6 +10,7 @@ from typing import Any, Protocol
 import ipywidgets
 
 from .._core.cells import take_the_place
+from .._core.clock import Threads
 from .._core.coalesced_call import CoalescedCall
 from .._core.freezing import freeze_together
 from .._core.sample_widget import SampleWidget
@@ -61,7 +62,8 @@ class FeedView(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no type
         program, machine: the widgets of the program and of its state machine; None before the first one.
         room: the view of a simulated robot; None for any other robot.
         wires: the nodes and topics as a graph, while the list of topics shows it; else None.
-        refresh: makes widgets for topics that have appeared, and shows the status; the feed calls it.
+        refresh: makes widgets for topics that have appeared, and shows the status; the feed calls it. No thread of the
+            feed waits for that: some carry speeds.
     """
 
     def __init__(
@@ -81,7 +83,9 @@ class FeedView(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no type
         self._probes = Probes(self._connection)
         self._closed = False
         self._looked_at: tuple[str, ...] = ()
-        self.refresh = CoalescedCall(self._refresh)
+        self.refresh = CoalescedCall(
+            self._refresh, thread="robowidgets-changes", scheduler=Threads(self._connection.clock)
+        )
         self._status = ipywidgets.HTML()
         self._screen = OneScreen()
         self.topic_list = TopicsWidget(self._on_toggle, on_look=self._on_look, clock=self._connection.clock)
@@ -103,8 +107,9 @@ class FeedView(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no type
             if isinstance(view, FeedView):
                 self.on_show.keep(view.on_show)
                 self.topic_list.keep(view.topic_list)
-        self._connection.observe(self.refresh)
         self.refresh()
+        self._connection.observe(self.refresh)
+        self.refresh()  # what has changed meanwhile
 
     def _display_(self) -> Any:
         more = (self.room, self.program, self.machine)

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import inspect
 import logging
-import threading
 import time
 from collections import deque
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import suppress
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Protocol, TypeVar
 
 import numpy as np
 
@@ -30,6 +29,16 @@ if TYPE_CHECKING:
     from ._connection import Connection
 
 log = logging.getLogger("robowidgets")
+
+
+class Reader(Protocol):
+    """Reads topics for a watch until it is closed."""
+
+    def close(self) -> None:
+        """End the subscriptions."""
+
+
+R = TypeVar("R", bound=Reader)
 
 
 class FeedWatch(Watch):
@@ -57,12 +66,17 @@ class FeedWatch(Watch):
         """What odometry said when it was first read, for metres and radians since then."""
         self._missing: set[str] = set()
         """What could not be read when it was judged last."""
-        self._turns = threading.RLock()
-        self._runner = Runner(self._turn, self._turns, "robowidgets-judge", CONDITION, on_look=lambda: None)
+        self._runner = Runner(self._turn, self._lock, "robowidgets-judge", CONDITION, on_look=lambda: None)
         self._log = LogOnce(log.error)
-        for name in sorted(self.condition.reads):  # from its first message on
-            with suppress(NoSampleYetError):
-                self.read(name) if name in self.names else self.message(topic_and_field(name, self.topic_names())[0])
+        try:
+            for name in sorted(self.condition.reads):  # from its first message on
+                with suppress(NoSampleYetError):
+                    self.read(name) if name in self.names else self.message(
+                        topic_and_field(name, self.topic_names())[0]
+                    )
+        except BaseException:
+            self.end("it could not begin")
+            raise
         connection.observe(self._on_change)
         self._wake()
 
@@ -81,11 +95,9 @@ class FeedWatch(Watch):
         Raises:
             NoSampleYetError: it is not there yet, or too old.
         """
-        if name not in self._inputs:
-            self._inputs[name] = FeedInputs(self.connection, self._wake, silence=LIVE, wakes_each=True)
-            self._inputs[name].choose({name: self._topics.get(name, None if name in self.names else name)}, None)
+        inputs = self._reader(name, self._inputs, self._make_inputs)
         try:
-            value = self._inputs[name].take()[name]
+            value = inputs.take()[name]
         except NotReadyError:
             self._missing.add(name)
             raise NoSampleYetError(name) from None
@@ -97,9 +109,7 @@ class FeedWatch(Watch):
         Raises:
             NoSampleYetError: none has come, or none comes any more from a topic that is steady.
         """
-        if topic not in self._messages:
-            self._messages[topic] = _Newest(self.connection, topic, self._wake)
-        newest = self._messages[topic]
+        newest = self._reader(topic, self._messages, self._make_newest)
         if newest.why_missing():
             self._missing.add(topic)
             raise NoSampleYetError(topic)
@@ -115,12 +125,37 @@ class FeedWatch(Watch):
         """See `Watch`."""
         super().end(reason)
         self.connection.unobserve(self._on_change)
-        with self._turns:
-            self._runner.leave()
-        for inputs in self._inputs.values():
-            inputs.close()
-        for newest in self._messages.values():
-            newest.close()
+        self._runner.leave()
+        with self._lock:  # `_reader` adds none after the end
+            readers: list[Reader] = [*self._inputs.values(), *self._messages.values()]
+        for reader in readers:
+            reader.close()
+
+    def _reader(self, name: str, there: dict[str, R], make: Callable[[str], R]) -> R:
+        """Return what reads a name, which is made when it is read first.
+
+        Raises:
+            NoSampleYetError: the watch has ended, though its condition is still at work.
+        """
+        reader = there.get(name)
+        if reader is not None:
+            return reader
+        made = make(name)  # without the lock, because it subscribes
+        with self._lock:
+            kept = None if self._ended else there.setdefault(name, made)
+        if kept is not made:
+            made.close()
+        if kept is None:
+            raise NoSampleYetError(name)
+        return kept
+
+    def _make_inputs(self, name: str) -> FeedInputs:
+        inputs = FeedInputs(self.connection, self._wake, silence=LIVE, wakes_each=True)
+        inputs.choose({name: self._topics.get(name, None if name in self.names else name)}, None)
+        return inputs
+
+    def _make_newest(self, topic: str) -> _Newest:
+        return _Newest(self.connection, topic, self._wake)
 
     def _wake(self) -> None:
         if not self._why_off:

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-import threading
 from collections.abc import Callable, Iterable, Sequence
+from contextlib import suppress
 from typing import Any, Protocol
 
+from .._core.coalesced_call import CoalescedCall
 from ..kinds import ODOMETRY_TYPES, TRANSFORM_TYPES
 from ..poses.live_frames import TakesFrames, TakesTopics
 from ._subscription import Target
 from ._topics import FeedTopic
+from .middleware import FeedError
 
 _WATCHED = ("trail", "overlay", "_lasers")
 """Traits of widgets that decide what they need."""
@@ -17,6 +19,10 @@ _WATCHED = ("trail", "overlay", "_lasers")
 
 class Attaching(Protocol):
     """A connection, as this knows it."""
+
+    @property
+    def is_closed(self) -> bool:
+        """True once no message comes any more."""
 
     @property
     def topics(self) -> tuple[FeedTopic, ...]:
@@ -36,41 +42,41 @@ class Attaching(Protocol):
 
 
 class FrameTopics:
-    """Gives the widgets that need it the odometry and tf of their robot; see `TakesFrames`."""
+    """Gives the widgets that need it the odometry and tf of their robot; see `TakesFrames`.
+
+    Attributes:
+        look: attaches what widgets need now, and detaches what they need no longer, in one thread at a time.
+    """
 
     def __init__(self, connection: Attaching) -> None:
         self._connection = connection
-        self._lock = threading.RLock()
         self._attached: dict[TakesFrames, list[tuple[str, Target]]] = {}
         self._observed: set[Any] = set()
+        self.look = CoalescedCall(self._look)
 
-    def look(self, _change: Any = None) -> None:
-        """Attach what widgets need now, and detach what they need no longer."""
+    def _look(self) -> None:
         connection = self._connection
-        with self._lock:
-            there = {widget for widget in connection.widgets if hasattr(widget, "frame_topics")}
-            for widget in there - self._observed:
-                widget.observe(self.look, _WATCHED)
-            for widget in self._observed - there:
-                widget.unobserve(self.look, _WATCHED)
-            self._observed = there
-            for widget in there | self._attached.keys():
-                wanted = _wanted(connection.topics, widget) if widget in there else []
-                before = self._attached.pop(widget, [])
-                if wanted and [topic for topic, _ in before] == [topic for topic, _ in wanted]:
-                    self._attached[widget] = before
-                    continue
-                for topic, target in before:
-                    connection.detach(topic, target)
+        widgets = () if connection.is_closed else connection.widgets
+        there = {widget for widget in widgets if hasattr(widget, "frame_topics")}
+        for widget in there - self._observed:
+            widget.observe(self._on_trait, _WATCHED)
+        for widget in self._observed - there:
+            widget.unobserve(self._on_trait, _WATCHED)
+        self._observed = there
+        for widget in there | self._attached.keys():
+            wanted = _wanted(connection.topics, widget) if widget in there else []
+            before = self._attached.pop(widget, [])
+            if wanted and [topic for topic, _ in before] == [topic for topic, _ in wanted]:
+                self._attached[widget] = before
+                continue
+            for topic, target in before:
+                connection.detach(topic, target)
+            with suppress(FeedError):  # it was closed meanwhile, and looks once more
                 if wanted:
                     self._attached[widget] = [(topic, connection.attach(topic, take, _miss)) for topic, take in wanted]
 
-    def close(self) -> None:
-        """Observe no widget any more."""
-        with self._lock:
-            for widget in self._observed:
-                widget.unobserve(self.look, _WATCHED)
-            self._observed = set()
+    def _on_trait(self, _change: Any) -> None:
+        self.look()
 
 
 def _wanted(topics: Iterable[FeedTopic], widget: TakesFrames) -> list[tuple[str, Callable[[Any], object]]]:

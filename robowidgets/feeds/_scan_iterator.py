@@ -30,8 +30,9 @@ def scans_of(connection: Connection, topic: str, timeout: float) -> Iterator[Sca
 
     def find_next() -> tuple[Any, float, int] | None:
         # Not one that came early in a loop body which took long: nothing has come since.
-        is_there = newest.sequence > taken and newest.age <= timeout
-        return (newest.sample, newest.arrived, newest.sequence) if is_there else None
+        with newest.lock:
+            is_there = newest.sequence > taken and newest.age <= timeout
+            return (newest.sample, newest.arrived, newest.sequence) if is_there else None
 
     try:
         while True:

@@ -7,6 +7,7 @@ from typing import Any
 from uuid import uuid4
 
 from .._core.sample_widget import SampleWidget
+from .._core.title_observers import TitleObservers
 from ..kinds import sensor_of, title_of
 from ._callbacks import FunctionCaller
 from ._subscription import Subscription, Target
@@ -21,6 +22,7 @@ class SubscriptionTable:
     Args:
         down: the initial reason why no message comes on any topic.
         functions: the connected functions.
+        titles: calls the observers of titles that have changed, when the feed has released its lock.
         now: the clock.
 
     Attributes:
@@ -29,8 +31,8 @@ class SubscriptionTable:
         down: the reason why no message comes on any topic; empty while messages can come.
     """
 
-    def __init__(self, down: str, functions: FunctionCaller, now: Callable[[], float]) -> None:
-        self._functions, self._now = functions, now
+    def __init__(self, down: str, functions: FunctionCaller, titles: TitleObservers, now: Callable[[], float]) -> None:
+        self._functions, self._titles, self._now = functions, titles, now
         self.robot = uuid4().hex
         self.by_topic: dict[str, Subscription] = {}
         self.topics: dict[str, FeedTopic] | None = None
@@ -138,7 +140,7 @@ class SubscriptionTable:
         if not connected:
             widget.set_source({})
             return
-        _set_titles(widget, connected)
+        self._set_titles(widget, connected)
         first = connected[0][0]
         listed = [one.status(self.topics, is_primary=one is first) for one in self._without_replaced(widget, connected)]
         failed = (self._functions.status_of(subscription.topic) for subscription, _ in connected)
@@ -151,6 +153,17 @@ class SubscriptionTable:
             "lost": bool(self.down) and not first.receives,
         }
         widget.set_source(source, self.down or first.why_missing(self.topics))
+
+    def _set_titles(self, widget: SampleWidget, connected: Sequence[_Connected]) -> None:
+        """Name a widget after the first topic of each of its methods, or after the namespace of several."""
+        titled: dict[str, list[str]] = {}
+        for subscription, target in connected:
+            topics = titled.setdefault(target.title, [])
+            if not topics or target.is_of_sensor:
+                topics.append(subscription.topic)
+        for title, topics in titled.items():
+            if widget.has_trait(title):
+                self._titles.add(widget.name_quietly(title_of(topics), title))
 
     def _without_replaced(self, widget: SampleWidget, connected: Sequence[_Connected]) -> list[Subscription]:
         """The subscriptions, except those to missing topics whose target gets messages of a topic connected later."""
@@ -176,15 +189,3 @@ def _rank(connected: _Connected) -> tuple[bool, bool, bool]:
 def _other_topic(topic: str, target: Target, connected: Sequence[_Connected]) -> str:
     """Another topic that has the target already; empty without any."""
     return next((one.topic for one, other in connected if other == target and one.topic != topic), "")
-
-
-def _set_titles(widget: SampleWidget, connected: Sequence[_Connected]) -> None:
-    """Give a widget its titles, each after the first topic that its method takes, or after the namespace of several."""
-    titled: dict[str, list[str]] = {}
-    for subscription, target in connected:
-        topics = titled.setdefault(target.title, [])
-        if not topics or target.is_of_sensor:
-            topics.append(subscription.topic)
-    for title, topics in titled.items():
-        if widget.has_trait(title):
-            widget.name_after(title_of(topics), title)

@@ -405,9 +405,10 @@ class Feed:
         Raises:
             KeyError: there is no watch of that name.
         """
-        if name not in self._watches:
+        gone = self._watches.pop(name, None)
+        if gone is None:  # as a truth value it is its verdict
             raise KeyError(f"no watch {name!r}: there are {', '.join(self._watches) or 'none'}")
-        self._watches.pop(name).end("it is watched no more")
+        gone.end("it is watched no more")
 
     @property
     def watched(self) -> Mapping[str, Watch]:

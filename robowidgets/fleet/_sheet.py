@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import threading
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, TypeVar
@@ -10,6 +9,7 @@ from typing import Any, TypeVar
 import ipywidgets
 
 from .._core.cells import close_all, take_the_place
+from .._core.coalesced_call import CoalescedCall
 from .._core.text import many
 from ..player.player import Player
 from ..recording import open as open_recording
@@ -48,7 +48,10 @@ class Sheet(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
     def __init__(self, condition: str, wanted: Condition | None, **options: Any) -> None:
         take_the_place(self)
         self._hits: Sequence[Hit] = ()
-        self._opening = threading.RLock()
+        self._wanted = 0
+        """The number of the hit that is to be open."""
+        # Messages of the page may arrive in another thread while a cell runs.
+        self._open = CoalescedCall(self._open_wanted)
         self.widget = SheetWidget(
             on_look=self._look,
             on_open=self.open_hit,
@@ -118,32 +121,36 @@ class Sheet(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
     def open_hit(self, number: int) -> None:
         """Open the player of a hit below the sheet, at its moment.
 
+        While another thread opens a hit, that thread opens this one afterwards, and the call returns at once.
+
         Args:
             number: of the hit.
 
         Raises:
             RecordingError: its recording cannot be read any more.
         """
-        hit = self._hits[number]
-        # Messages of the page may arrive in another thread while a cell runs.
-        with self._opening:
-            player = self.player
-            if player is None or self._file_of_player != hit.file:
-                recording = open_recording(hit.file)
-                try:
-                    recording.preferred = frozenset(hit.topic.split(", "))
-                    new = Player(recording)
-                except BaseException:
-                    recording.close()
-                    raise
-                self.player, self._file_of_player = new, hit.file
-                new.bar.observe(self._read_labels, "labels")
-                self.children = [self.widget, new]
-                if player is not None:
-                    close_all(player)
-            assert self.player is not None
-            self.player.marks = [(one.start, one.end, "") for one in self._hits if one.file == hit.file]
-            self.player.seek(hit.moment)
+        self._hits[number]  # IndexError for one that is not there
+        self._wanted = number
+        self._open()
+
+    def _open_wanted(self) -> None:
+        hit, player = self._hits[self._wanted], self.player
+        if player is None or self._file_of_player != hit.file:
+            recording = open_recording(hit.file)
+            try:
+                recording.preferred = frozenset(hit.topic.split(", "))
+                new = Player(recording)
+            except BaseException:
+                recording.close()
+                raise
+            self.player, self._file_of_player = new, hit.file
+            new.bar.observe(self._read_labels, "labels")
+            self.children = [self.widget, new]
+            if player is not None:
+                close_all(player)
+        assert self.player is not None
+        self.player.marks = [(one.start, one.end, "") for one in self._hits if one.file == hit.file]
+        self.player.seek(hit.moment)
 
     def label_hit(self, number: int, name: str) -> None:
         """Give the span of a hit a name, which is kept beside its recording, in place of the one that it has.
@@ -161,9 +168,9 @@ class Sheet(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
             named = recording.label(name, hit.start, max(hit.end, hit.start + SHORTEST)) if name else None
             if before and before != named:
                 recording.remove_label(before)
-        with self._opening:
-            if self.player is not None and self._file_of_player == hit.file:
-                self.player.read_labels()
+        player = self.player
+        if player is not None and self._file_of_player == hit.file:
+            player.read_labels()
         self._read_labels()
 
     def _read_labels(self, _change: Any = None) -> None:

@@ -14,6 +14,7 @@ from typing import Any
 
 import ipywidgets
 
+from .._core.coalesced_call import CoalescedCall
 from .._core.pacer import pacer
 from .._core.progress import without_bars
 from .._core.time_traits import Seconds
@@ -60,6 +61,7 @@ class RerunWidget(ipywidgets.Box):  # type: ignore[misc]  # ipywidgets has no ty
         self.duration = recording.duration
         self._start_ns = recording.start_ns or 0
         self._lock = threading.RLock()
+        self._take_time = CoalescedCall(self._take_shown, thread="robowidgets-changes")
         # Answers arrive when no cell runs, so all times sent until then must be recognised.
         self._sent: deque[int] = deque(maxlen=100_000)
         self._heard: int | None = None
@@ -91,9 +93,16 @@ class RerunWidget(ipywidgets.Box):  # type: ignore[misc]  # ipywidgets has no ty
             elif not self._agrees:
                 self._shown = None
         if heard is not None:
-            self.time = heard / 1e9
-        self._send_time()
+            self._take_time.later()  # the pacer holds its turn, and observers of the time are code of users
+        else:
+            self._send_time()
         return 0
+
+    def _take_shown(self) -> None:
+        """Take the time that the viewer shows."""
+        shown = self._shown
+        if shown is not None:
+            self.time = shown / 1e9
 
     def _on_time(self, change: Any) -> None:
         with self._lock:

@@ -44,6 +44,9 @@ segments are sent the thread ends at once."""
 POINTED = 8
 """Segments under the pointer, the last ones, that the page keeps however far they are."""
 
+CLOSE_TIMEOUT = 2.0
+"""Most seconds for which `Prefetcher.close` waits for the thread, which may read a slow file."""
+
 ANSWER = 0.03
 """Most seconds for which `Prefetcher.point` waits for the segment to be sent, which leaves the GIL to the thread."""
 
@@ -126,6 +129,10 @@ class Prefetcher:
         self._closed = False
         self._patience = PATIENCE
         self._thread: threading.Thread | None = None
+        """The thread that sends segments; None while none is wanted."""
+        self._running: threading.Thread | None = None
+        """The same thread, until it has closed its file."""
+        self._over = clock.condition(self._lock)
         with self._lock:
             self._wake()
 
@@ -159,12 +166,16 @@ class Prefetcher:
             self._wake()
 
     def close(self) -> None:
-        """End the thread; again does nothing."""
+        """Send nothing more, and end the thread; again does nothing. It waits for a moment at most."""
         with self._lock:
             self._closed = True
-            thread = self._thread
+            thread = self._running
             self._change.notify_all()
-        if thread and thread is not threading.current_thread():
+            if thread is None or thread is threading.current_thread():
+                return
+            self._wait(self._over, lambda: self._running is not thread, CLOSE_TIMEOUT)
+            is_over = self._running is not thread
+        if is_over:
             thread.join()
 
     def _wake(self) -> None:
@@ -172,9 +183,10 @@ class Prefetcher:
         if self._thread:
             self._change.notify_all()
         elif not self._closed and self._wanted() is not None:
-            self._thread = threading.Thread(target=self._run, name="robowidgets-prefetcher", daemon=True)
-            self._clock.began(self._thread)
-            self._thread.start()
+            thread = threading.Thread(target=self._run, name="robowidgets-prefetcher", daemon=True)
+            self._thread = self._running = thread
+            self._clock.began(thread)
+            thread.start()
 
     def _wait(self, changed: ConditionVariable, is_over: Callable[[], bool], seconds: float) -> None:
         """Wait until something is over, for some seconds at most. Called with the lock held."""
@@ -201,6 +213,11 @@ class Prefetcher:
         except Exception as error:
             log.exception("robowidgets: a recording can be played no further")
             self._give_up(f"{type(error).__name__}: {error}")
+        finally:
+            with self._lock:
+                if self._running is threading.current_thread():
+                    self._running = None
+                self._over.notify_all()
 
     def _await(self) -> int | None:
         """Wait for the next segment to send; None when this thread is not needed any more."""
@@ -225,8 +242,9 @@ class Prefetcher:
 
     def _give_up(self, problem: str) -> None:
         with self._lock:
-            self._closed = True
-        self._complain(problem)
+            was_closed, self._closed = self._closed, True
+        if not was_closed:
+            self._complain(problem)
 
     def _here(self) -> float:
         """The time on show now: the page stops at the first segment that it lacks."""
@@ -294,7 +312,7 @@ class Prefetcher:
         abouts, frames = segment(tracks, index)
         size = sum(map(len, frames))
         with self._lock:
-            if edition != self._edition:
+            if edition != self._edition or self._closed:
                 return 0
             self._sent[index] = size
             self._largest = max(self._largest, size)

@@ -546,7 +546,7 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
                     gone = [label for label in gone if label != named]
                 for label in gone:
                     self.recording.remove_label(label)
-                self.read_labels()
+            self.read_labels()
         except (RecordingError, TypeError, ValueError) as error:
             problem = str(error)
         self.bar.send({"labelled": asked, "problem": problem})
@@ -554,7 +554,8 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
     def read_labels(self) -> None:
         """Show the labels as they are beside the recording by now."""
         with self._seeking:
-            self.bar.labels = _labels(self.recording)
+            labels = _labels(self.recording)
+        self.bar.labels = labels
 
     def _step(self, seconds: float, direction: int) -> None:
         """Go from a time to the next or previous sample of the first widget, which may be an hour away."""

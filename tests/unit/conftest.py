@@ -13,9 +13,15 @@ import pytest
 # A feed publishes in this process, where a test sees and steers it. Tests of the guard have one all the same.
 os.environ.setdefault("ROBOWIDGETS_GUARD", "off")
 
-from robowidgets._core import pacer as _pacer
-from robowidgets._core.pacer import Pacer
-from robowidgets.messages import definitions
+from . import lock_order
+
+lock_order.install()
+
+from robowidgets._core import pacer as _pacer  # noqa: E402
+from robowidgets._core.pacer import Pacer  # noqa: E402
+from robowidgets.messages import definitions  # noqa: E402
+
+lock_order.note_calls()
 
 KEPT = {"robowidgets-pacer", "robowidgets-rerun", "robowidgets-timer"}
 """Threads that a process has once, to its end."""
@@ -63,3 +69,14 @@ def _ends_what_it_starts() -> Iterator[None]:
         if thread.name.startswith("robowidgets"):
             thread.join(60)
             assert not thread.is_alive(), f"the test leaves a thread of ours: {thread.name}"
+
+
+@pytest.fixture(autouse=True)
+def _takes_locks_in_order() -> Iterator[None]:
+    """Fail a test in which a thread takes locks in an order that docs/developers/threads.md does not allow."""
+    yield
+    problems = _order.problems()
+    assert not problems, "see docs/developers/threads.md"
+
+
+_order = lock_order.Checked()

@@ -12,14 +12,19 @@ from pathlib import Path
 from types import FrameType
 from typing import Any
 
+PAGE = Path(__file__).parents[2] / "docs" / "developers" / "threads.md"
 _make = {"Lock": threading.Lock, "RLock": threading.RLock}
 _held = threading.local()
 edges: dict[tuple[str, str], str] = {}
 """For each pair of locks that one thread held at once, outer first, the thread that was the first to do so."""
+calls: dict[tuple[str, str], str] = {}
+"""For each lock and what was called under it, though that may be code of a user, the thread that did so first."""
 
 
 class NotedLock:
     """A lock of ours by its name, which is that of its class and its attribute; as such it may be in a condition."""
+
+    __slots__ = ("_lock", "_name")
 
     def __init__(self, lock: Any, name: str) -> None:
         self._lock, self._name = lock, name
@@ -31,15 +36,20 @@ class NotedLock:
         return bool(is_taken)
 
     def release(self) -> None:
-        held = _held.__dict__.setdefault("names", [])
-        if self._name in held:  # else another thread releases it, as a signal
+        self._lock.release()
+        held = _names()
+        if held and held[-1] == self._name:
+            held.pop()
+        elif self._name in held:  # else another thread releases it, as a signal
             held.reverse()
             held.remove(self._name)
             held.reverse()
-        self._lock.release()
 
     def __enter__(self) -> bool:
-        return self.acquire()
+        self._lock.acquire()
+        if not sys._getframe(1).f_globals["__name__"].startswith("tests."):  # one holds it to keep a thread out
+            self._note()
+        return True
 
     def __exit__(self, *_: object) -> None:
         self.release()
@@ -50,7 +60,7 @@ class NotedLock:
     # -- what a condition calls on an RLock that is waited with: it is free meanwhile ----------------------------------
 
     def _release_save(self) -> Any:
-        held = _held.__dict__.setdefault("names", [])
+        held = _names()
         count = held.count(self._name)
         _held.names = [name for name in held if name != self._name]
         return self._lock._release_save(), count
@@ -61,22 +71,34 @@ class NotedLock:
             self._note()
 
     def _note(self) -> None:
-        held = _held.__dict__.setdefault("names", [])
-        if self._name not in held and not getattr(_held, "collects", False):
-            for outer in dict.fromkeys(held):
-                edges.setdefault((outer, self._name), threading.current_thread().name)
+        held = _names()
+        if held and self._name not in held and not getattr(_held, "collects", False):
+            for outer in held:
+                if (outer, self._name) not in edges:
+                    edges[outer, self._name] = threading.current_thread().name
         held.append(self._name)
+
+
+def _names() -> list[str]:
+    """The names of the locks that the calling thread holds, outer first."""
+    try:
+        names: list[str] = _held.names
+    except AttributeError:
+        names = _held.names = []
+    return names
 
 
 def _noted(kind: str) -> Any:
     def make() -> Any:
         lock, frame = _make[kind](), sys._getframe(1)
         module = frame.f_globals.get("__name__", "")
+        if not module.startswith("robowidgets"):
+            return lock
         line = linecache.getline(frame.f_code.co_filename, frame.f_lineno)
         owner = _owner(frame)
         attribute = re.match(r"\s*self\.(\w+)\b.*\b(Lock|RLock)\(" if owner else r"(\w+)\b.*\b(Lock|RLock)\(", line)
-        if not module.startswith("robowidgets") or attribute is None or owner == "_RealSignal":
-            return lock  # of another package; or none that anybody holds
+        if attribute is None or owner == "_RealSignal":
+            return lock  # no thread holds it
         return NotedLock(lock, f"{owner or module.rpartition('.')[2]}.{attribute[1]}")
 
     return make
@@ -96,11 +118,92 @@ def _on_collection(phase: str, _info: object) -> None:
     _held.collects = phase == "start"
 
 
-def install() -> None:
-    """Have robowidgets, which is not imported yet, make locks that are noted."""
-    assert "robowidgets" not in sys.modules
+def install() -> bool:
+    """Have robowidgets make locks that are noted; returns False, and does nothing, if it is imported already."""
+    if "robowidgets" in sys.modules:
+        return False
     gc.callbacks.append(_on_collection)
     threading.Lock, threading.RLock = _noted("Lock"), _noted("RLock")  # type: ignore[misc, assignment]
+    return True
+
+
+def note_calls() -> None:
+    """Note the locks under which observers, and functions of users, are called. It imports robowidgets."""
+    import traitlets
+
+    from robowidgets._core.observed import Observed
+    from robowidgets._core.runner import Runner
+
+    _note_calls(Observed, "_call_observers", lambda observed: f"observers of a {type(observed).__name__}")
+    _note_calls(Runner, "_call", lambda *_: "a function of a user")
+
+    notify = traitlets.HasTraits.notify_change
+
+    def notify_noted(self: Any, change: Any) -> None:
+        name = change["name"]
+        if _names() and not name.startswith("_") and getattr(self, "comm", None) is not None:  # else it is being made
+            trait = getattr(type(self), name, None)
+            if getattr(trait, "this_class", int).__module__.startswith("robowidgets"):
+                _note_call(f"observers of {type(self).__name__}.{name}")
+        notify(self, change)
+
+    traitlets.HasTraits.notify_change = notify_noted  # type: ignore[method-assign]
+
+
+def _note_calls(owner: type, method: str, described: Any) -> None:
+    call = getattr(owner, method)
+
+    def noted(self: Any, *args: Any, **options: Any) -> Any:
+        if _names():
+            _note_call(described(self))
+        return call(self, *args, **options)
+
+    setattr(owner, method, noted)
+
+
+def _note_call(what: str) -> None:
+    if not getattr(_held, "collects", False):
+        for name in _names():
+            if name != "DrivingWidget._page_lock" or what not in _OURS:
+                calls.setdefault((name, what), threading.current_thread().name)
+
+
+_OURS = {"observers of a CommandWatchdog", "observers of a Connection"}
+"""Those that a message of a pad may reach, all of which are ours."""
+
+
+def listed() -> list[str]:
+    """The locks in the order of the page."""
+    return re.findall(r"^\d+\. `(\w+\.\w+)`", PAGE.read_text(), re.MULTILINE)
+
+
+class Checked:
+    """The order of locks that was noted, from one check to the next."""
+
+    def __init__(self) -> None:
+        self._place = {name: place for place, name in enumerate(listed())}
+        self._edges = self._calls = 0
+
+    def problems(self) -> list[str]:
+        """What was noted since the last check and the page does not allow."""
+        if (len(edges), len(calls)) == (self._edges, self._calls):
+            return []
+        new, called = list(edges.items())[self._edges :], list(calls.items())[self._calls :]
+        self._edges, self._calls = self._edges + len(new), self._calls + len(called)
+        return [
+            *problems_of((*pair, thread) for pair, thread in new),
+            *(f"{thread} calls {what} while it holds {name}" for (name, what), thread in called),
+        ]
+
+
+def problems_of(noted: Any) -> list[str]:
+    """The pairs of locks, each with the thread that took them, that the page does not allow."""
+    place = {name: number for number, name in enumerate(listed())}
+    return [
+        f"{thread} takes {inner} while it holds {outer}"
+        for outer, inner, thread in noted
+        if not place.get(outer, len(place)) < place.get(inner, -1)
+    ]
 
 
 def write(path: Path) -> None:

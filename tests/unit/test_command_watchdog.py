@@ -105,6 +105,22 @@ def test_what_a_slow_sink_kept_waiting_too_long_is_not_sent(watchdog: CommandWat
     wait_for(lambda: sink.speeds == [FORWARD, ZERO], "zero follows")
 
 
+def test_a_speed_that_a_stop_replaces_while_it_is_sent_is_no_error(watchdog: CommandWatchdog, sink: Sink) -> None:
+    sink.gate.clear()
+    sink.error = OSError("the speed came too late")
+    speed = watchdog.drive(FORWARD, hold=60.0)
+    wait_for(lambda: sink.got, "the sink is at work")
+    zero = watchdog.stop()
+    seen: list[BaseException | None] = []
+    watchdog.observe(lambda: seen.append(watchdog.error))
+    watchdog.observe(lambda: setattr(sink, "error", None))  # the zero reaches the robot
+    sink.gate.set()
+    watchdog.sent_in_time(speed, 120.0)
+    watchdog.sent_in_time(zero, 120.0)
+    wait_for(lambda: len(seen) == 2, "observers know of both")
+    assert (seen, watchdog.sent) == ([None, None], ZERO)
+
+
 def test_a_sink_that_hangs_is_told_to_who_waits_and_holds_nobody_for_ever(
     watchdog: CommandWatchdog, sink: Sink
 ) -> None:

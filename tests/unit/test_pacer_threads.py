@@ -8,6 +8,7 @@ import select
 import threading
 import time
 from types import SimpleNamespace
+from typing import Any
 
 import pytest
 
@@ -181,6 +182,41 @@ class TestFlush:
         assert slow.sent == sender.sent == []
         slow.gate.set()
         wait_for(lambda: sender.sent, "it was sent after all")
+
+    def test_it_gives_up_on_a_send_that_begins_and_hangs_just_before_its_turn(
+        self, pacer: Pacer, monkeypatch: pytest.MonkeyPatch
+    ) -> None:
+        class Free:
+            """A turn that seems free: the thread takes it after the look."""
+
+            def __init__(self, turn: Any) -> None:
+                self._turn = turn
+
+            def locked(self) -> bool:
+                return False
+
+            def __enter__(self) -> Any:
+                return self._turn.__enter__()
+
+            def __exit__(self, *error: object) -> None:
+                self._turn.__exit__(*error)
+
+            def __getattr__(self, name: str) -> Any:
+                return getattr(self._turn, name)
+
+        monkeypatch.setattr("robowidgets._core.pacer.PATIENCE", 0.01)
+        slow, sender = Gated(), Sender()
+        pacer.mark(slow)
+        assert slow.begun.wait(120)
+        pacer.mark(sender)
+        monkeypatch.setattr(pacer, "_turn", Free(pacer._turn))
+        flusher = threading.Thread(target=pacer.flush)
+        flusher.start()
+        flusher.join(60)
+        hangs = flusher.is_alive()
+        slow.gate.set()
+        flusher.join(60)
+        assert not hangs
 
     def test_interrupted_it_loses_nothing_of_the_others(self) -> None:
         class Interrupted(Sender):

@@ -22,7 +22,7 @@ from robowidgets import DriveWidget, LaserWidget, Scan, SpeedWidget, feeds
 from robowidgets.feeds import Advert, Feed, FeedError
 from robowidgets.feeds._open_feeds import open_feeds
 
-from ..waiting import wait_for
+from ..waiting import threads_named, wait_for
 from .scripted import CMD_VEL, IMU, ODOM, SCAN, Scripted, scan, twist
 
 Opened = Callable[..., tuple[Feed, Scripted]]
@@ -115,6 +115,64 @@ def test_a_widget_is_titled_after_the_topic_that_it_shows_now_unless_a_person_na
     feed.disconnect("/rear", speed.command)
     feed.connect("/cmd_vel", speed.command)
     assert (laser.title, speed.title, speed.command_title) == ("", "", "/cmd_vel")
+
+
+def beside(function: Callable[[], object], name: str = "another") -> None:
+    thread = threading.Thread(target=function, name=name, daemon=True)
+    thread.start()
+    thread.join(60)
+    assert not thread.is_alive(), "it waits for a lock"
+
+
+def test_an_observer_of_a_title_is_called_without_a_lock(opened: Opened) -> None:
+    feed, _ = opened(SCAN, ODOM, Advert("/tf", "tf2_msgs/msg/TFMessage"))
+    laser, seen = LaserWidget(), []
+
+    def on_title(change: Any) -> None:
+        seen.append((change["old"], change["new"], laser.title))
+        beside(lambda: feed.status and feed.connection.status_of("/scan"))
+        beside(lambda: setattr(laser, "trail", 5.0))
+        beside(lambda: feed.connect("/odom", lambda _: None))
+
+    laser.observe(on_title, "title")
+    feed.connect("/scan", laser)
+    assert seen == [("", "/scan", "/scan")]
+    assert "/odom" in feed.connection.connected, "for the trail"
+
+
+def test_an_observer_of_a_title_that_hangs_holds_up_no_thread_of_the_feed(opened: Opened) -> None:
+    feed, script = opened(SCAN)
+    laser, threads, goes_on = LaserWidget(), [], threading.Event()
+
+    def on_title(change: Any) -> None:
+        threads.append((change["new"], threading.current_thread().name))
+        assert goes_on.wait(120)
+
+    feed.connect("/scna", laser)
+    feed.connect("/scan", laser)
+    laser.observe(on_title, "title")
+    beside(lambda: script.listener.on_message("/scan", scan(1.0)), "robot")
+    beside(lambda: script.listener.on_message("/scan", scan(2.0)), "robot")
+    assert (laser.title, laser.scan.ranges[0]) == ("/scan", 2.0)
+    wait_for(lambda: threads == [("/scan", "robowidgets-changes")], "it is called in a thread of its own")
+    goes_on.set()
+    wait_for(lambda: threads_named("robowidgets-changes") == 0, "that thread ends")
+
+
+def test_where_the_robot_is_may_be_asked_for_by_several_threads_at_once(opened: Opened) -> None:
+    feed, script = opened(SCAN, ODOM)
+    laser = LaserWidget()
+    feed.connect("/scan", laser)
+    follow = script.follow
+
+    def follow_once(topics: frozenset[str], each: frozenset[str] = frozenset()) -> None:
+        script.follow = follow  # type: ignore[method-assign]
+        beside(lambda: setattr(laser, "trail", 0.0))  # while the other one attaches
+        follow(topics, each)
+
+    script.follow = follow_once  # type: ignore[method-assign]
+    laser.trail = 5.0
+    assert list(feed.connection.connected) == ["/scan"], "the newest wins"
 
 
 def test_once_a_topic_that_was_mended_delivers_the_widget_is_titled_after_it_and_complains_no_more(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import threading
 from collections.abc import Iterator
 from typing import Any
 
@@ -134,3 +135,83 @@ def test_what_the_simulator_sends_is_watched_too() -> None:
     with feeds.simulator() as robot:
         watch = robot.watch((field("/odom.linear[0]") > 0.05) & conditions.nearest_below(9.0))
         assert watch.wait(120).messages["/odom"].linear[0] > 0.05
+
+
+class Reads:
+    """A condition that reads one topic, and another one when a test lets it."""
+
+    def __init__(self) -> None:
+        self.began, self.goes_on, self.is_over = threading.Event(), threading.Event(), threading.Event()
+
+    def __call__(self, moment: Any) -> bool:
+        moment["/imu"]
+        self.began.set()
+        assert self.goes_on.wait(120)
+        try:
+            return bool(moment["/odom"])
+        finally:
+            self.is_over.set()
+
+
+def test_what_a_condition_reads_after_the_end_of_its_watch_is_subscribed_no_more(feed: Feed, script: Scripted) -> None:
+    reads = Reads()
+    feed.watch(reads, "reads")
+    while not reads.began.is_set():  # a moment attaches what is read of it when it is read first
+        script.listener.on_message("/imu", imu(1.0))
+    feed.unwatch("reads")
+    reads.goes_on.set()
+    assert reads.is_over.wait(120)
+    wait_for(lambda: script.asked.count(("subscribe", "/odom")) == script.asked.count(("unsubscribe", "/odom")), "gone")
+    assert feed.connection.connected == {}
+
+
+def test_a_watch_can_end_while_its_condition_reads_another_topic(
+    feed: Feed, script: Scripted, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    reads = Reads()
+    feed.watch(reads, "reads")
+    while not reads.began.is_set():
+        script.listener.on_message("/imu", imu(1.0))
+    follow = script.follow
+
+    def follow_and_read(topics: frozenset[str], each: frozenset[str] = frozenset()) -> None:
+        follow(topics, each)
+        if "/imu" not in topics and not reads.goes_on.is_set():  # in the middle of the end
+            reads.goes_on.set()
+            assert reads.is_over.wait(120)
+
+    monkeypatch.setattr(script, "follow", follow_and_read)
+    feed.unwatch("reads")
+    wait_for(lambda: not feed.connection.connected, "nothing is subscribed")
+
+
+def test_a_watch_that_cannot_begin_leaves_no_subscription(feed: Feed, monkeypatch: pytest.MonkeyPatch) -> None:
+    attach = feed.connection.attach
+
+    def attach_one(topic: str, *rest: Any) -> Any:
+        if topic == "/odom":
+            raise FeedError("no more of them")
+        return attach(topic, *rest)
+
+    monkeypatch.setattr(feed.connection, "attach", attach_one)
+    with pytest.raises(FeedError, match="no more"):
+        feed.watch((field("/imu.linear_acceleration.x") > 1) & (field("/odom.linear[0]") > 1))
+    assert feed.connection.connected == {}
+
+
+def test_while_a_thread_waits_for_it_the_robot_may_be_asked_under_any_lock(feed: Feed) -> None:
+    watch = feed.watch(field("/imu.linear_acceleration.x") > 12)
+    waits: list[bool] = []
+
+    def why() -> str:
+        other = threading.Thread(target=lambda: watch.changes)  # which takes the lock of the watch
+        other.start()
+        other.join(30)
+        waits.append(other.is_alive())
+        return "nothing came"
+
+    watch._why_none = why
+    watch._verdict = watch._verdict._replace(value=True)
+    with pytest.raises(TimeoutError):
+        watch.wait(0)
+    assert waits[0] is False

@@ -18,6 +18,7 @@ from robowidgets.feeds._feed_view import FeedView
 from robowidgets.samples import Pose
 from robowidgets.wires_widget import WiresWidget
 
+from ..waiting import wait_for
 from .scripted import CMD_VEL, IMU, ODOM, SCAN, Scripted, scan, twist
 
 BUMPER = Advert("/bumper", "kobuki_msgs/msg/BumperEvent")
@@ -394,3 +395,25 @@ def test_a_topic_whose_messages_cannot_be_read_and_whose_widget_they_would_tell_
     assert words(view) == "a message of /range cannot be read: 3 bytes are too few"
     script.listener.on_trouble("/range", "")
     assert words(view) == ""
+
+
+def test_no_thread_that_may_carry_speeds_builds_widgets(opened: Opened, monkeypatch: pytest.MonkeyPatch) -> None:
+    feed, script = opened(ODOM)
+    view = feed.show()
+    builders: list[str] = []
+    goes_on = threading.Event()
+
+    def choose(*asked: Any) -> Any:
+        builders.append(threading.current_thread().name)
+        assert goes_on.wait(120)
+        return choose_widgets(*asked)
+
+    monkeypatch.setattr("robowidgets.feeds._feed_view.choose_widgets", choose)
+    for what in (lambda: script.listener.on_topics([ODOM, SCAN]), feed.connection.on_driving):
+        thread = threading.Thread(target=what, name="guard", daemon=True)
+        thread.start()
+        thread.join(60)
+        assert not thread.is_alive(), "it waits for widgets"
+    goes_on.set()
+    wait_for(lambda: on_page(view) == ["/odom", "/odom", "/scan"], "they are there all the same")
+    assert {*builders} == {"robowidgets-changes"}

@@ -5,6 +5,8 @@ from __future__ import annotations
 import gc
 import os
 import sys
+import threading
+import time
 import weakref
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -613,3 +615,30 @@ def test_what_is_selected_to_be_played_is_selected_on_the_picture(player: Player
     player.scanogram.selection = (4.0, 5.0, 0, 1)
     player.bar.selection = (4.0, 5.0)
     assert player.scanogram.selection == (4.0, 5.0, 0, 1)
+
+
+class Hangs:
+    """A condition that loops, as one does by mistake."""
+
+    def __init__(self) -> None:
+        self.threads: set[threading.Thread] = set()
+
+    def __call__(self, _scan: Any) -> bool:
+        self.threads.add(threading.current_thread())
+        while True:
+            time.sleep(0.001)
+
+
+def test_a_condition_that_loops_holds_up_neither_a_click_in_the_list_nor_the_end(player: Player) -> None:
+    hangs, laser = Hangs(), widget(player, LaserWidget)
+    wall = laser.watch(hangs, name="wall")  # type: ignore[attr-defined]
+    player._prefetcher.start()  # type: ignore[union-attr]  # as a page does that wants its segments
+    wait_for(lambda: wall.error, "it is switched off")
+    assert wall.error.startswith("has not returned for 1 s, line ")
+    assert {thread.name for thread in hangs.threads} == {"robowidgets-judge"}
+    other = laser.watch(Hangs(), name="other")  # type: ignore[attr-defined]
+    player._on_toggle("/bumper", False)
+    assert ("/bumper",) not in widgets(player)
+    assert other.error
+    player.close()
+    wait_for(lambda: not any(thread.is_alive() for thread in hangs.threads), "what looped was ended")
