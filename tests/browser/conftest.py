@@ -20,13 +20,16 @@ A `Notebook` (notebook.py):
 
 `shoot(locator, name)` (chromium.py) leaves tests/screenshots/NAME@1x.png or @2x.png when the environment has PICTURES;
 `photograph` does so always, for tests that read the picture. Wait with Playwright's `expect` or
-`page.wait_for_function`, never for a time. A test fails when a widget threw or complained on the console of its page,
-or when the page asked the web for anything; a test that expects it takes it out of `nb.console.errors`. A failed test
-leaves its pages in tests/screenshots/failed/ and their consoles in the report.
+`page.wait_for_function`, never for a time; before a plain `assert` on what the page shows, call `nb.drawn()`. With
+SLOW_PAGE_MS=300 in the environment animation frames are late, and a test that does not wait for its drawing fails. A
+test fails when a widget threw or complained on the console of its page, or when the page asked the web for anything; a
+test that expects it takes it out of `nb.console.errors`. A failed test leaves its pages in tests/screenshots/failed/
+and their consoles in the report.
 """
 
 from __future__ import annotations
 
+import os
 import re
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
@@ -54,8 +57,46 @@ program_of_a_test.STEP = program_of_a_test.STEP._replace(late=60.0)
 """
 """Has the steps of programs take their time: a machine may have much else to do. What is late is tested by a clock."""
 
+SLOW_PAGE = """(() => {
+    const [frame, forget] = [requestAnimationFrame, cancelAnimationFrame];
+    const waiting = new Map();
+    let begun = false;
+    const now = performance.now.bind(performance);
+    performance.now = () => {
+        const early = begun ? 30 : 0;
+        begun = false;
+        return now() - early;
+    };
+    window.requestAnimationFrame = (draw) => {
+        const id = frame(() => {});
+        const run = (time) => {
+            begun = true;
+            try {
+                draw(time);
+            } finally {
+                begun = false;
+            }
+        };
+        const later = () => {
+            waiting.delete(id);
+            frame(run);
+        };
+        waiting.set(id, setTimeout(later, MILLISECONDS));
+        return id;
+    };
+    window.cancelAnimationFrame = (id) => {
+        forget(id);
+        clearTimeout(waiting.get(id));
+        waiting.delete(id);
+    };
+})()"""
+"""Animation frames are late, and each seems to take long: each draws one card, while the others wait."""
+
 HELD_KEYS = ("ArrowUp", "ArrowDown", "ArrowLeft", "ArrowRight", "w", "a", "s", "d", "Shift")
 """Keys that a test may leave pressed."""
+
+SLOW_PAGE_MS = os.environ.get("SLOW_PAGE_MS", "")
+"""Milliseconds that animation frames are late, or empty; a test that reads the page before it is drawn then fails."""
 
 PATIENCE_MS = 60_000
 """A test fails by what it waits for when that never comes, not when a machine with much else to do is slow."""
@@ -113,6 +154,8 @@ def contexts(browser: Browser) -> Iterator[Callable[[int, bool], BrowserContext]
         if (scale, touch) not in kept:
             made = browser.new_context(device_scale_factor=scale, has_touch=touch)
             made.set_default_timeout(PATIENCE_MS)
+            if SLOW_PAGE_MS:
+                made.add_init_script(SLOW_PAGE.replace("MILLISECONDS", SLOW_PAGE_MS))
             made.add_init_script(path=DRIVER)
             kept[scale, touch] = made
         return kept[scale, touch]

@@ -5,8 +5,26 @@ window.driver = (() => {
   const panelOf = (path) => [...app().shell.widgets("main")].find((widget) => widget.context?.path === path);
   const cellOf = (path, index) => panelOf(path).content.widgets.at(index);
   const kernelOf = (path) => panelOf(path).sessionContext.session?.kernel;
+  /** Animation frames that are asked for and have not come. */
+  const frames = new Set();
+  const [ask, forget] = [requestAnimationFrame, cancelAnimationFrame];
+  window.requestAnimationFrame = (draw) => {
+    const id = ask((time) => {
+      frames.delete(id);
+      draw(time);
+    });
+    frames.add(id);
+    return id;
+  };
+  window.cancelAnimationFrame = (id) => {
+    frames.delete(id);
+    forget(id);
+  };
 
   return {
+    // True if no widget waits for an animation frame: a card may have to wait for several.
+    isDrawn: () => frames.size === 0,
+
     // Set by a test that changes the page for good.
     isSpoilt: false,
 
@@ -99,6 +117,38 @@ window.driver = (() => {
 
     ended: (path, index) => runs.get(cellOf(path, index).model.id).ended,
 
+    // As the menu does, which brings no cell but the last one into view.
+    runAll: () => app().commands.execute("notebook:run-all-cells"),
+
+    // Keeps cells out of sight as this value of JupyterLab's setting does.
+    setWindowing(path, windowingMode) {
+      const { content } = panelOf(path);
+      content.notebookConfig = { ...content.notebookConfig, windowingMode };
+    },
+
+    // Scrolls towards a cell, whose place JupyterLab guesses until it has rendered what lies between; true if it is there.
+    scrollTo(path, index) {
+      const { content } = panelOf(path);
+      const [outer, cell] = [content.outerNode.getBoundingClientRect(), cellOf(path, index).node.getBoundingClientRect()];
+      const isThere = this.isRendered(path, index) && cell.top > outer.top - 20 && cell.top < outer.top + outer.height / 2;
+      if (!isThere) content.scrollToItem(index, "start");
+      return isThere;
+    },
+
+    // Goes to the last cell; true if a cell is so far away that its output is not rendered. With the focus it would be.
+    scrollAway(path, index) {
+      const { content } = panelOf(path);
+      content.activeCellIndex = content.widgets.length - 1;
+      document.activeElement?.blur();
+      content.outerNode.scrollTop = content.outerNode.scrollHeight;
+      return !this.isRendered(path, index);
+    },
+
+    isRendered: (path, index) =>
+      cellOf(path, index)
+        .node.querySelector(".jp-Cell-outputArea")
+        .checkVisibility({ contentVisibilityAuto: true }),
+
     async python(path, code) {
       const answer = { text: "", traceback: null };
       const future = kernelOf(path).requestExecute({ code, store_history: false });
@@ -135,9 +185,12 @@ window.driver = (() => {
     // JupyterLab hides itself while it puts a theme on.
     hasTheme: (name) => app().shell.isVisible && document.body.dataset.jpThemeName === name,
 
+    // The page has been laid out for all that was changed before.
+    laidOut: () => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(() => done()))),
+
     // The width that widgets get, once the window's latest size has been laid out.
     async outputWidth(path) {
-      await new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)));
+      await this.laidOut();
       const { node } = panelOf(path).content;
       const shown = node.querySelector(".jp-OutputArea-output.lm-Panel") ?? node.querySelector(".jp-InputArea-editor");
       return shown.getBoundingClientRect().width;

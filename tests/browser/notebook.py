@@ -87,6 +87,10 @@ class Notebook:
             if kind == "code":
                 self.run(index)
 
+    def run_all_at_once(self) -> None:
+        """Run all cells as the menu does, which brings only the last one into view. No error is raised."""
+        self._ask("runAll")
+
     def append(self, source: str) -> int:
         """Add a code cell at the end, without running it; its index."""
         return int(self._ask("append", self.path, source))
@@ -119,6 +123,22 @@ class Notebook:
         found = self.output(index).locator(".jp-OutputArea-output.lm-Panel > .lm-Widget").nth(nth)
         found.wait_for()
         return found
+
+    def scroll_to(self, index: int) -> None:
+        """Bring a cell to the top of what is seen, and wait until its output is rendered."""
+        self._until("scrollTo", self.path, index, polling=200)
+
+    def scroll_away(self, index: int) -> None:
+        """Go to the last cell, and wait until the output of this one is not rendered any more."""
+        self._until("scrollAway", self.path, index, polling=200)
+
+    def windowing(self, mode: str) -> None:
+        """Keep cells out of sight as JupyterLab does with this value of its setting "Windowing mode"."""
+        self._ask("setWindowing", self.path, mode)
+
+    def drawn(self) -> None:
+        """Wait until all that was asked for is drawn, on a page where nothing plays."""
+        wait_for_drawing(self.page)
 
     def theme(self, name: Literal["light", "dark"]) -> None:
         """Switch JupyterLab's theme, as its Settings menu does, and wait until it is on."""
@@ -178,13 +198,19 @@ class Notebook:
     def _ask(self, name: str, *arguments: Any) -> Any:
         return self.page.evaluate("([name, ...rest]) => window.driver[name](...rest)", [name, *arguments])
 
-    def _until(self, name: str, *arguments: Any) -> None:
+    def _until(self, name: str, *arguments: Any, polling: int = 50) -> None:
         self.page.wait_for_function(
             "([name, ...rest]) => window.driver[name](...rest)",
             arg=[name, *arguments],
             timeout=CELL_SECONDS * 1000,
-            polling=50,  # not at each frame, which would have JupyterLab draw while nothing changes
+            polling=polling,  # not at each frame, which would have JupyterLab draw while nothing changes
         )
+
+
+def wait_for_drawing(page: Page) -> None:
+    """Wait until every card of a page is laid out and drawn; one may have to wait for others for several frames."""
+    page.evaluate("() => driver.laidOut()")
+    page.wait_for_function("() => driver.isDrawn()", polling=10)
 
 
 def _plain(traceback: list[str]) -> str:

@@ -34,7 +34,7 @@ from robowidgets.feeds import Feed
 from robowidgets.recordings import RecordingData
 
 from .console import Console
-from .notebook import CellError
+from .notebook import CellError, wait_for_drawing
 
 FOLDER = Path(__file__).parent
 MARGIN = 40
@@ -216,6 +216,10 @@ class PlainPage:
         found.wait_for()
         return found
 
+    def drawn(self) -> None:
+        """Wait until all that was asked for is drawn, on a page where nothing plays."""
+        wait_for_drawing(self.page)
+
     def theme(self, name: Literal["light", "dark"]) -> None:
         """Switch between light and dark, as JupyterLab says it to widgets."""
         self.page.evaluate("(light) => { document.body.dataset.jpThemeLight = light; }", str(name == "light").lower())
@@ -225,7 +229,7 @@ class PlainPage:
         self.page.set_viewport_size({"width": width + MARGIN, "height": height})
         # The page of a busy browser is told of its size later. Then the widgets draw for it.
         self.page.wait_for_function("(width) => innerWidth === width", arg=width + MARGIN)
-        self.page.evaluate("() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))")
+        self.drawn()
 
     # The way between
 

@@ -13,9 +13,8 @@ from typing import Any
 from urllib.error import URLError
 from urllib.request import Request, urlopen
 
-# Cells stay in the page when scrolled away, nothing pops up, and the theme is ours to set.
+# Nothing pops up, and the theme is ours to set.
 SETTINGS = {
-    "@jupyterlab/notebook-extension:tracker": {"windowingMode": "none"},
     "@jupyterlab/apputils-extension:notification": {
         "checkForUpdates": False,
         "doNotDisturbMode": True,

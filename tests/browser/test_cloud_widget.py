@@ -59,6 +59,7 @@ def test_clouds_are_readable_at_every_width(plain_page: Callable[..., PlainPage]
     expect(nb.widget(4).locator(".rw-empty")).to_have_text("none of its 100 points was measured")
 
 
+@pytest.mark.core
 def test_a_point_is_named_and_points_are_selected_by_a_box_and_a_band_also_while_a_cell_runs(
     plain_page: Callable[..., PlainPage],
 ) -> None:

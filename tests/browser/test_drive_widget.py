@@ -96,6 +96,7 @@ LEAVE = {
 }
 
 
+@pytest.mark.core
 def test_the_knob_drives_ahead_and_to_the_left_until_it_is_let_go(plain_page: Callable[..., PlainPage]) -> None:
     nb = plain_page([PAD])
     unhurried(nb)

@@ -50,6 +50,7 @@ def test_each_row_says_when_how_bad_who_and_what_at_every_width(
     expect(nb.widget(1).locator(".rw-footer")).to_contain_text("1\u202f000 older left out")
 
 
+@pytest.mark.core
 def test_a_row_unfolds_by_a_click_and_keys_walk_rows_also_while_a_cell_runs(
     plain_page: Callable[..., PlainPage],
 ) -> None:

@@ -705,7 +705,7 @@ def test_a_moving_picture_of_a_drag_that_becomes_code(notebook: Callable[..., No
     nb.page.keyboard.press("Control+Enter")
     result = cell.locator(".jp-OutputArea-output")
     expect(result).to_have_text(re.compile(r"^\d\.\d+$"))
-    assert card.locator(".rw-chip-distance").inner_text() == f"{float(result.inner_text()):.2f} m"
+    expect(card.locator(".rw-chip-distance")).to_have_text(f"{float(result.inner_text()):.2f} m")
     film.take(2500)
     film.save("gallery-drag-to-code")
 

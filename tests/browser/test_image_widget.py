@@ -43,6 +43,7 @@ def place_of(picture: Locator, row: float, column: float) -> tuple[float, float]
     return left + (column + 0.5) * scale, top + (row + 0.5) * scale
 
 
+@pytest.mark.core
 @pytest.mark.parametrize(("theme", "scale"), LOOKS)
 def test_the_pixel_under_the_pointer_and_a_region_say_their_numbers(
     plain_page: Callable[..., PlainPage], theme: str, scale: int

@@ -7,6 +7,7 @@ from collections.abc import Callable
 from math import cos, radians, sin
 from typing import Any
 
+import pytest
 from playwright.sync_api import Locator, expect
 
 from .laser import FAN, SETUP, Picture, eventually, locate
@@ -54,6 +55,7 @@ def of(index: int) -> tuple[str, str, str, str, str]:
     return tuple(part.replace("-", "−") for part in parts)  # type: ignore[return-value]
 
 
+@pytest.mark.core
 def test_pointing_names_the_ray_live_and_python_knows_it(plain_page: Callable[..., PlainPage]) -> None:
     nb = plain_page([FIRST])
     nb.resize(700)

@@ -85,6 +85,7 @@ def move(widget: Locator, name: str) -> Locator:
     return widget.locator(".rw-move").filter(has=widget.page.get_by_text(name, exact=True))
 
 
+@pytest.mark.core
 def test_a_machine_is_lit_judged_listed_frozen_and_replaced(plain_page: Callable[..., PlainPage]) -> None:
     nb = plain_page([OPEN], width=740)
     laser, other, widget = nb.widget(0), nb.widget(0, 1), nb.widget(0, 2)

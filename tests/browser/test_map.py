@@ -153,6 +153,7 @@ def test_a_large_grid_is_drawn_as_it_was_while_frozen_and_when_stepping_back(
     expect(popup).to_contain_text("free")
 
 
+@pytest.mark.core
 def test_it_is_moved_zoomed_measured_and_read_while_a_cell_runs(plain_page: Callable[..., PlainPage]) -> None:
     nb = plain_page([SMALL])
     nb.resize(760)

@@ -69,6 +69,7 @@ def test_hostile_names_and_texts_are_text_and_what_is_large_is_folded(plain_page
     expect(card.get_by_text("image in Python has all")).to_be_visible()
 
 
+@pytest.mark.core
 def test_a_field_is_pointed_at_copied_and_watched_also_while_a_cell_runs(plain_page: Callable[..., PlainPage]) -> None:
     nb = plain_page([IMU])
     card = nb.widget(0).locator(".rw-card")

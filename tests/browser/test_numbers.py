@@ -8,6 +8,7 @@ import pytest
 from playwright.sync_api import expect
 
 from .chromium import LOOKS, shoot
+from .laser import eventually
 from .plain_page import PlainPage
 
 PLOT = """
@@ -57,7 +58,7 @@ def test_numbers_are_plotted_below_the_laser_and_freeze_with_it(
         nb.resize(width)
         shoot(card, f"numbers-{theme}-{width}")
     nb.resize(700)
-    assert lines.evaluate(OWN) > 100
+    eventually(lambda: lines.evaluate(OWN) > 100, True)
     card.locator(".rw-freeze").click()
     # A picture that is stepped back has the numbers up to its scan.
     before = lines.evaluate(OWN)
@@ -65,8 +66,7 @@ def test_numbers_are_plotted_below_the_laser_and_freeze_with_it(
     for _ in range(40):
         nb.page.keyboard.press(",")
     expect(card.locator(".rw-time")).to_contain_text("from newest")
-    nb.page.evaluate("() => new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))")
-    assert lines.evaluate(OWN) < before
+    eventually(lambda: lines.evaluate(OWN) < before, True)
     box = lines.bounding_box()
     assert box
     nb.page.mouse.move(box["x"] + box["width"] * 0.8, box["y"] + 30)

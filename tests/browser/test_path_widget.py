@@ -10,6 +10,7 @@ from playwright.sync_api import Locator, expect
 
 from ..unit.waiting import wait_for
 from .chromium import LOOKS, shoot
+from .notebook import wait_for_drawing
 from .plain_page import PlainPage
 
 PATH = """
@@ -45,7 +46,7 @@ COUNT = """(card) => {
 
 
 def await_drawing(card: Locator) -> None:
-    card.page.evaluate("() => new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))")
+    wait_for_drawing(card.page)
 
 
 def counts(card: Locator) -> list[int]:
@@ -54,6 +55,7 @@ def counts(card: Locator) -> list[int]:
     return found
 
 
+@pytest.mark.core
 @pytest.mark.parametrize(("theme", "scale"), LOOKS)
 def test_a_path_is_drawn_and_names_time_pose_and_way_under_the_pointer_and_by_keys(
     plain_page: Callable[..., PlainPage], theme: str, scale: int

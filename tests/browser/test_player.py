@@ -45,6 +45,8 @@ def bar(nb: Notebook | PlainPage) -> Locator:
 
 
 def now(nb: Notebook | PlainPage) -> float:
+    """The seconds that the bar of a player shows once it is drawn; do not ask while it plays."""
+    nb.drawn()
     return float(bar(nb).evaluate(f"bar => ({SECONDS})(bar)"))
 
 
@@ -126,6 +128,7 @@ def test_keys_step_from_scan_to_scan_and_go_from_mark_to_mark(plain_page: Open, 
     expect(bar(nb).locator(".rw-play-now")).to_have_text("5.00")
 
 
+@pytest.mark.core
 def test_its_keys_work_on_every_widget_that_has_no_use_for_them(plain_page: Open, tmp_path: Path) -> None:
     nb = opened(plain_page, robot.write(tmp_path / "drive"))
     shown, press = nb.output(1), nb.page.keyboard.press
@@ -176,7 +179,7 @@ def test_a_widget_keeps_the_keys_that_it_uses_itself(plain_page: Open, tmp_path:
     for key, at in (("ArrowRight", "3.30"), ("Home", "0.00"), ("+", "0.00")):
         press(key)
         expect(time).to_have_text(at)
-    assert bar(nb).locator("select").input_value() == "1"
+    expect(bar(nb).locator("select")).to_have_value("1")
     bar(nb).locator("select").focus()
     press(".")
     expect(time).to_have_text("0.00")
@@ -192,7 +195,9 @@ def test_the_date_and_time_of_day_stand_beside_the_seconds_where_there_is_room(
     expect(bar(nb).locator(".rw-play-now")).to_have_text("2:00:04.90")
     for width, told in ((1000, "2023-11-15 00:13:24 UTC"), (700, "00:13:24 UTC"), (500, "00:13:24 UTC"), (300, "")):
         nb.resize(width)
-        assert (clock.inner_text() if clock.is_visible() else "") == told
+        expect(clock).to_be_visible(visible=told != "")
+        if told:
+            expect(clock).to_have_text(told, use_inner_text=True)
         expect(moment).to_have_attribute("title", "7204.90 s\n2023-11-15 00:13:24 UTC")
         assert bar(nb).evaluate("bar => bar.scrollWidth <= bar.clientWidth")
         for theme in ("light", "dark"):
@@ -305,7 +310,7 @@ def test_where_pointer_or_finger_rests_a_click_shows_at_once_also_while_a_cell_r
         picture.click(position={"x": 550, "y": 10})
         passes(nb, 100.0)
         expect(nb.output(1).locator(".rw-laser .rw-footer")).to_contain_text(f"{1 + int(now(nb) * 10) / 100:.2f} m")
-        assert bar(nb).locator(".rw-play-words").text_content() == ""
+        expect(bar(nb).locator(".rw-play-words")).to_be_empty()
 
 
 def test_a_span_gets_a_name_by_keys_or_by_a_click_and_loses_it_and_a_busy_kernel_is_told_of(
@@ -399,11 +404,12 @@ def test_what_is_of_another_moment_is_pale_until_its_data_come(
         expect(laser).to_have_class(ready)
         picture.hover(position={"x": 450, "y": 40})
         expect(laser).to_have_class(waits)
-        assert float(slider.input_value()) == pytest.approx(now(nb), abs=0.01)
-        assert now(nb) > 100
+        pointed = now(nb)
+        assert pointed > 100
+        assert float(slider.input_value()) == pytest.approx(pointed, abs=0.01)
         nb.page.mouse.move(5, 5)
         expect(laser).to_have_class(ready)
-        assert float(slider.input_value()) == 0
+        expect(slider).to_have_value("0")
         to_time(nb, 250.5)
         expect(laser).to_have_class(waits)
     expect(nearest).to_contain_text("26.05 m")
@@ -425,14 +431,9 @@ ENDS = """elements => elements.map(element => {
 """Left and right of the texts of elements."""
 
 
-def drawn(nb: Notebook | PlainPage) -> None:
-    """Wait until all that was asked for is drawn."""
-    nb.page.evaluate("() => new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))")
-
-
 def boxes(nb: Notebook | PlainPage) -> dict[str, list[float]]:
     """Left, top, width and height of the recording and of its cards."""
-    drawn(nb)
+    nb.drawn()
     found: dict[str, list[float]] = dict(nb.page.evaluate(BOXES))
     return found
 
@@ -524,6 +525,7 @@ def test_two_scanners_and_four_sensors_stand_whole_on_one_screen(plain_page: Ope
     expect(scans.locator(".rw-footer:visible")).to_have_count(2)
 
 
+@pytest.mark.core
 def test_a_first_look_is_there_though_the_kernel_is_busy_at_once(notebook: Open) -> None:
     show = f"player = recording.show()\ndisplay(player)\n{BUSY}"
     nb = opened(notebook, Path(robowidgets.SAMPLE), show, run=False)
@@ -617,6 +619,7 @@ def test_while_a_cell_runs_it_plays_steps_points_seeks_and_keeps_a_name(notebook
     bar(nb).locator("select").select_option("10")
     passes(nb, 6.0)
     bar(nb).get_by_title("Stop here (space)").click()
+    expect(bar(nb).get_by_title("Play (space)")).to_be_visible()
     expect(nearest).not_to_have_text(first)
     there = now(nb)
     for _ in range(2):  # the first may lead to the scan on show, hundredths ago
@@ -625,7 +628,7 @@ def test_while_a_cell_runs_it_plays_steps_points_seeks_and_keeps_a_name(notebook
     assert now(nb) == pytest.approx(there, abs=0.25)
 
     # Where the pointer is on the scanogram, all show that moment; a click stays there.
-    drawn(nb)
+    nb.drawn()
     there = now(nb)
     scans = [m for m in robowidgets.open(robowidgets.SAMPLE).samples("/scan") if m.seconds < there + 0.005]
     expect(nearest).to_contain_text(f"[{scans[-1].sample.nearest().index}]")
@@ -643,7 +646,7 @@ def test_while_a_cell_runs_it_plays_steps_points_seeks_and_keeps_a_name(notebook
     expect(nearest).not_to_have_text(first)
     ring = shown.locator(".rw-laser .rw-popup:visible .rw-popup-expression")
     expect(ring).to_have_text(shown.locator(".rw-scanogram .rw-popup-expression").inner_text())
-    drawn(nb)
+    nb.drawn()
     pointed = (nearest.inner_text(), value.inner_text(), tile.inner_text())
     nb.page.mouse.move(5, 5)
     expect(time).to_have_text(f"{there:.2f}")
@@ -657,12 +660,12 @@ def test_while_a_cell_runs_it_plays_steps_points_seeks_and_keeps_a_name(notebook
     # To a moment that it has not played yet, and a step from there.
     picture.click(position=at_second(9))
     passes(nb, 8.9)
-    drawn(nb)
+    nb.drawn()
     clicked = now(nb)
     expect(shown.locator(".rw-scanogram .rw-scanogram-cursor")).to_contain_text(f"{clicked:.2f} s")
     nb.page.keyboard.press(".")
     passes(nb, clicked)
-    drawn(nb)
+    nb.drawn()
     stepped = now(nb)
     for focused in (".rw-play", ".rw-step >> nth=0", ".rw-play-speed", ".rw-loop", "input"):
         bar(nb).locator(focused).focus()

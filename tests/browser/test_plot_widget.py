@@ -101,6 +101,7 @@ def test_lines_and_values_are_readable_at_every_width(
     expect(nb.widget(4).locator(".rw-empty")).to_have_text("waiting for values")
 
 
+@pytest.mark.core
 def test_the_exact_value_and_time_at_the_pointer_show_while_a_cell_runs(plain_page: Callable[..., PlainPage]) -> None:
     nb = plain_page([ARRAYS])
     card = nb.widget(0).locator(".rw-card")

@@ -66,6 +66,7 @@ def button(widget: Locator, name: str) -> Locator:
     return widget.get_by_role("button", name=name, exact=True)
 
 
+@pytest.mark.core
 def test_a_program_is_seen_set_stopped_run_and_replaced(plain_page: Callable[..., PlainPage]) -> None:
     nb = plain_page([OPEN, AVOID, FAILS, MACHINE])
     widget = nb.widget(0)
@@ -118,7 +119,7 @@ def test_a_program_is_seen_set_stopped_run_and_replaced(plain_page: Callable[...
     wait_for(lambda: int(told("avoid.steps")) == steps + 1, "one step is made")
 
     expect(widget.locator(".rw-program-kept dt")).to_have_text(["n"])
-    assert int(widget.locator(".rw-program-kept dd").inner_text()) > 5
+    wait_for(lambda: int(widget.locator(".rw-program-kept dd").inner_text()) > 5, "its number is shown")
     nb.python("avoid.state.n = 1000")
     button(widget, "Restart from the beginning, with an empty state, and let programs drive").click()
     expect(widget.locator(".rw-program-mode")).to_have_text("running")

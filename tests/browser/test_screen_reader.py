@@ -59,8 +59,8 @@ def test_a_speed_is_said_with_spaces(plain_page: Callable[..., PlainPage]) -> No
     card = nb.page.get_by_role("group", name="speed /odom", exact=True)
     expect(card.locator(".rw-heading")).to_have_text(["linear m/s", "angular rad/s"])
     last = card.locator('[data-axis="5"]')
-    assert last.locator(".rw-axis-name").text_content() == "z yaw"
-    assert last.locator(".rw-axis-state").text_content() == "▼ under limit"
+    expect(last.locator(".rw-axis-name")).to_have_text("z yaw")
+    expect(last.locator(".rw-axis-state")).to_have_text("▼ under limit")
     card.get_by_role("application").focus()
     nb.page.keyboard.press("End")
     expect(card.locator("[aria-live=polite]")).to_have_text(

@@ -412,6 +412,7 @@ def test_a_sector_runs_across_the_seam_of_any_scanner(plain_page: Callable[..., 
         says(card, "ranges[170:201]" if step > 0 else "ranges[160:191]", "2.00 m")
 
 
+@pytest.mark.core
 def test_in_a_busy_notebook_a_drag_becomes_code_that_runs_in_the_next_cell(notebook: Callable[..., Notebook]) -> None:
     nb = notebook([FIRST, "import time\nwhile True:\n    time.sleep(0.1)"], run=False)
     nb.run(0)

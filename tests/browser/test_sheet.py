@@ -79,6 +79,7 @@ def folder(tmp_path: Path) -> Path:
     return runs
 
 
+@pytest.mark.core
 def test_a_sheet_draws_sorts_filters_walks_and_opens(plain_page: Open, folder: Path) -> None:
     nb = plain_page([FOUND.format(folder=str(folder)) + "sheet = hits.show()\nsheet"], width=1280, height=1500)
     nb.run_all()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from math import hypot
 from typing import Any, Literal
@@ -73,6 +74,7 @@ def button(widget: Locator, name: str) -> Locator:
     return widget.get_by_role("button", name=name)
 
 
+@pytest.mark.core
 def test_robot_and_obstacles_are_moved_by_pointer_and_keys(plain_page: Callable[..., PlainPage]) -> None:
     nb = plain_page([OPEN], width=760)
     house, widget = House(nb), nb.widget(0)
@@ -128,7 +130,7 @@ def test_robot_and_obstacles_are_moved_by_pointer_and_keys(plain_page: Callable[
         house.picture.press(key)
     wait_for(lambda: house.is_at("robot.pose[::2]", 0.1, 0.2618), "keys have moved and turned the robot")
     wait_for(lambda: house.told("len(robot.world.obstacles)") == 1, "an obstacle has been put ahead")
-    assert "x 0.10 y 0.00 m" in (house.picture.get_attribute("aria-label") or "")
+    expect(house.picture).to_have_attribute("aria-label", re.compile(r"x 0\.10 y 0\.00 m"))
 
 
 def test_a_robot_over_the_edge_of_a_drop_says_so_until_it_is_dragged_back(
@@ -137,7 +139,7 @@ def test_a_robot_over_the_edge_of_a_drop_says_so_until_it_is_dragged_back(
     nb = plain_page([OPEN.replace("0.3)])", "0.3)], drops=[(0.6, -2, 2, 0.4)])")], width=760)
     house, notice = House(nb), nb.widget(0).locator(".rw-notice-text")
     expect(notice).to_be_hidden()
-    assert (house.picture.get_attribute("aria-label") or "").endswith("1 obstacle, 1 drop")
+    expect(house.picture).to_have_attribute("aria-label", re.compile("1 obstacle, 1 drop$"))
     nb.python("robot.drive(0.5, 0)\nrobot.run(until=lambda: robot.has_fallen)")
     expect(notice).to_have_text("the robot is over an edge: drag it back")
     shoot(nb.widget(0), "simulator-fallen")

@@ -61,6 +61,7 @@ def test_every_sensor_is_readable_at_every_width(plain_page: Callable[..., Plain
     expect(nb.widget(3).locator(".rw-empty")).to_have_text("waiting for a range")
 
 
+@pytest.mark.core
 def test_a_sensor_is_named_where_the_pointer_is_kept_by_a_click_and_copied_also_while_a_cell_runs(
     plain_page: Callable[..., PlainPage],
 ) -> None:

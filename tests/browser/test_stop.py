@@ -128,6 +128,7 @@ def driven_page(plain_page: Callable[..., PlainPage]) -> Iterator[Callable[..., 
         nb.python("runs = False")
 
 
+@pytest.mark.core
 def test_stop_acts_on_press_stays_in_its_place_and_is_released_by_hand_or_by_code(
     driven_page: Callable[..., PlainPage],
 ) -> None:

@@ -81,6 +81,7 @@ def offline(browser: Browser, complaints: list[str]) -> Iterator[Callable[..., P
     assert complaints == []
 
 
+@pytest.mark.core
 def test_a_page_plays_and_its_numbers_are_those_of_the_recording(offline: Callable[..., Page], file: Path) -> None:
     page = offline(file, viewport={"width": 1280, "height": 800})
     laser, bar = page.locator(".rw-laser"), page.locator(".rw-player")

@@ -90,6 +90,7 @@ def titles(nb: PlainPage) -> list[str]:
     return nb.output(2).locator(".rw-screen .rw-title").all_inner_texts()
 
 
+@pytest.mark.core
 @pytest.mark.parametrize(("theme", "scale"), LOOKS)
 def test_a_click_puts_a_topic_on_the_screen_and_takes_it_off(
     plain_page: Open, path: Path, theme: str, scale: int

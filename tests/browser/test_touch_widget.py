@@ -100,6 +100,7 @@ def test_every_layout_fits_at_every_width(plain_page: Callable[..., PlainPage], 
     shoot(widget.locator(".rw-card"), f"touch-frozen-{theme}-700")
 
 
+@pytest.mark.core
 def test_a_touch_is_seen_timed_counted_and_frozen(plain_page: Callable[..., PlainPage]) -> None:
     nb = plain_page([BUMPERS, "touch"])
     widget, second = nb.widget(0), nb.widget(1)

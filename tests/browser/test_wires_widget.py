@@ -10,6 +10,7 @@ from playwright.sync_api import Locator, expect
 
 from ..unit.waiting import wait_for
 from .chromium import LOOKS, shoot
+from .laser import eventually
 from .notebook import Notebook
 from .plain_page import PlainPage
 
@@ -71,6 +72,7 @@ def box(widget: Locator, name: str) -> Locator:
     return widget.locator(".rw-wire-box").filter(has=widget.page.get_by_text(name, exact=True))
 
 
+@pytest.mark.core
 @pytest.mark.parametrize(("theme", "scale"), LOOKS)
 def test_it_shows_nodes_topics_and_the_notebooks_own_part(
     plain_page: Callable[..., PlainPage], theme: str, scale: int
@@ -128,7 +130,7 @@ def test_much_is_folded_unfolded_filtered_and_zoomed_while_a_cell_runs(plain_pag
         board = widget.locator(".rw-wires-board")
         before = board.evaluate("board => board.style.transform")
         widget.get_by_role("button", name="Zoom in").click()
-        assert board.evaluate("board => board.style.transform") != before
+        eventually(lambda: board.evaluate("board => board.style.transform") != before, True)
         widget.locator(".rw-wires-fit").click()
         expect(box(widget, "/lidar")).to_be_visible()
     wait_for(lambda: nb.python("wires.filter, wires.infrastructure, wires.unfolded") == FOLDED, "Python knows")
