@@ -5,26 +5,8 @@ window.driver = (() => {
   const panelOf = (path) => [...app().shell.widgets("main")].find((widget) => widget.context?.path === path);
   const cellOf = (path, index) => panelOf(path).content.widgets.at(index);
   const kernelOf = (path) => panelOf(path).sessionContext.session?.kernel;
-  /** Animation frames that are asked for and have not come. */
-  const frames = new Set();
-  const [ask, forget] = [requestAnimationFrame, cancelAnimationFrame];
-  window.requestAnimationFrame = (draw) => {
-    const id = ask((time) => {
-      frames.delete(id);
-      draw(time);
-    });
-    frames.add(id);
-    return id;
-  };
-  window.cancelAnimationFrame = (id) => {
-    frames.delete(id);
-    forget(id);
-  };
 
   return {
-    // True if no widget waits for an animation frame: a card may have to wait for several.
-    isDrawn: () => frames.size === 0,
-
     // Set by a test that changes the page for good.
     isSpoilt: false,
 
@@ -126,20 +108,22 @@ window.driver = (() => {
       content.notebookConfig = { ...content.notebookConfig, windowingMode };
     },
 
-    // Scrolls towards a cell, whose place JupyterLab guesses until it has rendered what lies between; true if it is there.
+    // Scrolls to a cell, whose place JupyterLab guesses until it has rendered what lies between; true if it is in view.
     scrollTo(path, index) {
       const { content } = panelOf(path);
       const [outer, cell] = [content.outerNode.getBoundingClientRect(), cellOf(path, index).node.getBoundingClientRect()];
-      const isThere = this.isRendered(path, index) && cell.top > outer.top - 20 && cell.top < outer.top + outer.height / 2;
+      const isThere = this.isRendered(path, index) && cell.top < outer.bottom - 50 && cell.bottom > outer.top + 50;
       if (!isThere) content.scrollToItem(index, "start");
       return isThere;
     },
 
-    // Goes to the last cell; true if a cell is so far away that its output is not rendered. With the focus it would be.
+    // Goes to the last cell; true if a cell is so far away that its output is not rendered. With the focus or the selection
+    // in it, it would be.
     scrollAway(path, index) {
       const { content } = panelOf(path);
       content.activeCellIndex = content.widgets.length - 1;
       document.activeElement?.blur();
+      getSelection().removeAllRanges();
       content.outerNode.scrollTop = content.outerNode.scrollHeight;
       return !this.isRendered(path, index);
     },
@@ -184,6 +168,15 @@ window.driver = (() => {
 
     // JupyterLab hides itself while it puts a theme on.
     hasTheme: (name) => app().shell.isVisible && document.body.dataset.jpThemeName === name,
+
+    // Until all that was asked for before is drawn. Cards take turns, and one may ask for another, or change its own size.
+    async drawn() {
+      for (let i = 0; i < 3; i++) {
+        await this.laidOut();
+        const frames = window[Symbol.for("robowidgets frames")];
+        await new Promise((draw) => (frames ? frames.ask({ draw, isFirst: false }) : draw()));
+      }
+    },
 
     // The page has been laid out for all that was changed before.
     laidOut: () => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(() => done()))),

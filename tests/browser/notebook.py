@@ -125,7 +125,7 @@ class Notebook:
         return found
 
     def scroll_to(self, index: int) -> None:
-        """Bring a cell to the top of what is seen, and wait until its output is rendered."""
+        """Bring a cell into view, and wait until its output is rendered."""
         self._until("scrollTo", self.path, index, polling=200)
 
     def scroll_away(self, index: int) -> None:
@@ -137,7 +137,7 @@ class Notebook:
         self._ask("setWindowing", self.path, mode)
 
     def drawn(self) -> None:
-        """Wait until all that was asked for is drawn, on a page where nothing plays."""
+        """Wait until all that was asked for is drawn."""
         wait_for_drawing(self.page)
 
     def theme(self, name: Literal["light", "dark"]) -> None:
@@ -208,9 +208,8 @@ class Notebook:
 
 
 def wait_for_drawing(page: Page) -> None:
-    """Wait until every card of a page is laid out and drawn; one may have to wait for others for several frames."""
-    page.evaluate("() => driver.laidOut()")
-    page.wait_for_function("() => driver.isDrawn()", polling=10)
+    """Wait until all that was asked for is drawn; a card may have to wait for others for several frames."""
+    page.evaluate("() => driver.drawn()")
 
 
 def _plain(traceback: list[str]) -> str:

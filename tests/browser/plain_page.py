@@ -217,7 +217,7 @@ class PlainPage:
         return found
 
     def drawn(self) -> None:
-        """Wait until all that was asked for is drawn, on a page where nothing plays."""
+        """Wait until all that was asked for is drawn."""
         wait_for_drawing(self.page)
 
     def theme(self, name: Literal["light", "dark"]) -> None:
