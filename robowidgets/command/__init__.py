@@ -13,7 +13,7 @@ from pathlib import Path
 import robowidgets
 
 from .. import fleet
-from ..recordings.remote import is_url
+from ..recordings.remote import is_url, named, pass_secrets
 from . import _lab, _lessons, _notebooks
 from ._error import CommandError
 from ._export import add_export, export
@@ -46,9 +46,11 @@ def _open_tour(arguments: argparse.Namespace) -> None:
 
 
 def _open_recording(arguments: argparse.Namespace) -> None:
-    file = arguments.file if is_url(arguments.file) else Path(os.path.abspath(arguments.file))
+    file = named(arguments.file) if is_url(arguments.file) else Path(os.path.abspath(arguments.file))
     with robowidgets.open(file):
         pass
+    if is_url(file):
+        pass_secrets(file)
     _in_lab(lambda folder: _notebooks.write_for(file, folder), arguments)
 
 

@@ -11,7 +11,7 @@ from pathlib import Path
 import robowidgets
 
 from .._core.text import megabytes
-from ..recordings.remote import without_secrets
+from ..recordings.remote import file_name, is_url
 from ._error import CommandError
 
 _MEGA = 1_000_000
@@ -47,7 +47,8 @@ def export(arguments: argparse.Namespace, warn: Callable[[str], None]) -> str:
         CommandError: the recording has no such stretch, or the page would be too large.
         OSError: the file cannot be written, or is there already.
     """
-    name = Path(os.path.abspath(without_secrets(str(arguments.file)))).name
+    given = arguments.file
+    name = file_name(given) if is_url(given) else Path(os.path.abspath(given)).name
     output = arguments.output or Path(f"{Path(name).stem or name}.html")
     part = {name: getattr(arguments, name) for name in ("start", "end", "every")} | {"topics": arguments.topic}
     with robowidgets.open(arguments.file) as recording:

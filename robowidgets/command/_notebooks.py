@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from ..lessons import ENGLISH
-from ..recordings.remote import without_secrets
+from ..recordings.remote import file_name, is_url, named
 
 _PACKAGE = Path(__file__).parents[1]
 TOUR = "tour.ipynb"
@@ -65,8 +65,10 @@ def in_others(folder: Path, language: str) -> Iterator[tuple[Path, str]]:
 
 def write_for(recording: Path | str, folder: Path) -> Path:
     """A notebook in a folder that opens a recording and shows it; one that is there for it already stays as it is."""
-    name = re.sub(r"[^\w-]+", "-", Path(without_secrets(str(recording))).stem, flags=re.ASCII).strip("-") or "recording"
-    opened = f"recording = robowidgets.open({str(recording)!r})"
+    shown = named(str(recording)) if is_url(recording) else str(recording)
+    stem = Path(file_name(shown) if is_url(shown) else shown).stem
+    name = re.sub(r"[^\w-]+", "-", stem, flags=re.ASCII).strip("-") or "recording"
+    opened = f"recording = robowidgets.open({shown!r})"
     cells = [
         _cell("markdown", "look", "# A recording\n\nOne widget per topic it knows how to show, and a player:"),
         _cell("code", "show", f"import robowidgets\n\n{opened}\nrecording.show()"),

@@ -12,6 +12,7 @@ from typing import Any
 
 from .._core import in_browser
 from .._core.clock import Clock
+from .._core.urls import without_secrets
 from ._threaded import ThreadedMiddleware
 from ._websocket import COMPARE, LARGEST, Frame, WebSocket, checked
 from .middleware import MOST_UNREAD, FeedError, Listener
@@ -65,7 +66,7 @@ class Bridge(ThreadedMiddleware):
     @property
     def where(self) -> str:
         """See `Middleware`."""
-        return self._address
+        return without_secrets(self._address)
 
     def open(self, listener: Listener) -> None:
         """See `Middleware`."""
@@ -111,7 +112,7 @@ class Bridge(ThreadedMiddleware):
         with self._lock:
             if self._closed.is_set():
                 return ""
-            socket = self._socket = WebSocket(self.where, self, self._subprotocols, self._clock)
+            socket = self._socket = WebSocket(self._address, self, self._subprotocols, self._clock)
         reason = await socket.run()
         self._was_tried = True
         if socket.has_lasted:

@@ -19,6 +19,7 @@ from urllib.parse import urlsplit
 
 from .._core.clock import Clock
 from .._core.platform_fixes import acknowledge_at_once, close_when_connected, report_close_code
+from .._core.urls import redacted, without_secrets
 from ..samples.staleness import NO_ANSWER, ROBOT_GONE, ROBOT_SILENCE
 from .middleware import SEND_TIMEOUT, FeedError
 
@@ -88,7 +89,8 @@ class WebSocket:
     """
 
     def __init__(self, address: str, bridge: BridgeCalls, subprotocols: list[str] | None, clock: Clock) -> None:
-        self.address = address
+        self._address = address
+        self._shown = without_secrets(address)
         self._bridge = bridge
         self._subprotocols = subprotocols
         self._clock = clock
@@ -181,7 +183,7 @@ class WebSocket:
         taken = threading.Lock()  # by the thread of the connection to send the frame, or by this one to drop it
         with self._lock:
             if self._connection is None or self._loop is None:
-                raise FeedError(f"there is no connection to {self.address}")
+                raise FeedError(f"there is no connection to {self._shown}")
             sending = asyncio.run_coroutine_threadsafe(self._publish(frame, confirm, taken), self._loop)
         sending.add_done_callback(self._note_published)
         until = self._clock.now() + SEND_TIMEOUT
@@ -196,7 +198,7 @@ class WebSocket:
         except FeedError:
             raise
         except Exception:  # whatever the network and tornado raise, or it was cancelled
-            late = ConnectionError(f"the connection to {self.address} ended")
+            late = ConnectionError(f"the connection to {self._shown} ended")
         if not confirm and taken.acquire(blocking=False):
             sending.cancel()
             raise FeedError(str(late))
@@ -212,7 +214,7 @@ class WebSocket:
 
         connecting = asyncio.ensure_future(
             websocket_connect(
-                HTTPRequest(self.address, connect_timeout=PATIENCE, request_timeout=PATIENCE),
+                HTTPRequest(self._address, connect_timeout=PATIENCE, request_timeout=PATIENCE),
                 on_message_callback=self._on_frame,
                 max_message_size=LARGEST,
                 subprotocols=self._subprotocols,
@@ -232,7 +234,7 @@ class WebSocket:
         if self._subprotocols and connection.selected_subprotocol is None:
             stream.close()
             self._is_refused = True
-            return f"{self.address} supports none of {', '.join(self._subprotocols)}: another program listens there"
+            return f"{self._shown} supports none of {', '.join(self._subprotocols)}: another program listens there"
         self._connection, self._stream = connection, stream
         stream.set_nodelay(True)
         report_close_code(connection, self._on_close_code)
@@ -346,8 +348,8 @@ class WebSocket:
 
     def _why_late(self) -> str:
         if self._written is not None and not self._written.done():
-            return f"{self.address} does not take what is sent"
-        return f"{self.address} has not answered for {max(SEND_TIMEOUT, self._silence):.1f} s"
+            return f"{self._shown} does not take what is sent"
+        return f"{self._shown} has not answered for {max(SEND_TIMEOUT, self._silence):.1f} s"
 
     async def _publish(self, frame: Callable[[], Frame], confirm: bool, taken: threading.Lock) -> None:
         # A speed that cannot be sent now must not reach the robot later, and tornado cannot cancel a write. So tornado
@@ -369,14 +371,14 @@ class WebSocket:
     def _failure(self, error: BaseException) -> str:
         if isinstance(error, ConnectionRefusedError):
             return (
-                f"nothing listens at {self.address}; is the robot's bridge running, and the port right? Usual are 8765 "
+                f"nothing listens at {self._shown}; is the robot's bridge running, and the port right? Usual are 8765 "
                 "for foxglove_bridge and 9090 for rosbridge"
             )
         if isinstance(error, socket.gaierror):
-            return f"the name {urlsplit(self.address).hostname} cannot be resolved; try the robot's IP address"
+            return f"the name {urlsplit(self._address).hostname} cannot be resolved; try the robot's IP address"
         if getattr(error, "code", None) == _TIMED_OUT or isinstance(error, asyncio.TimeoutError):
-            return f"no answer from {self.address} within {PATIENCE:g} s: {COMPARE}"
-        return f"{self.address} cannot be connected to: {one_line(str(error)) or type(error).__name__}"
+            return f"no answer from {self._shown} within {PATIENCE:g} s: {COMPARE}"
+        return f"{self._shown} cannot be connected to: {redacted(one_line(str(error))) or type(error).__name__}"
 
     def _ending(self, connection: Any) -> str:
         if self.too_big:
@@ -391,14 +393,14 @@ def checked(address: object) -> str:
     """The address itself; TypeError or ValueError if it is invalid."""
     expected = "address: expected one like ws://192.168.1.5:8765"
     if not isinstance(address, str):
-        raise TypeError(f"{expected}, got {address!r}")
+        raise TypeError(f"{expected}, got {redacted(repr(address))}")
     try:
         parts = urlsplit(address)
         good = parts.scheme in ("ws", "wss") and bool(parts.hostname) and parts.port != 0
     except ValueError:  # a port that is no number
         good = False
     if not good or address != address.strip() or not address.isprintable():
-        raise ValueError(f"{expected} (wss:// for an encrypted one), got {address!r}")
+        raise ValueError(f"{expected} (wss:// for an encrypted one), got {redacted(repr(address))}")
     return address
 
 

@@ -64,7 +64,7 @@ class Foxglove(Bridge):
     @property
     def outlet(self) -> Outlet:
         """See `HasOutlet`."""
-        return Outlet("foxglove", {"address": self.where})
+        return Outlet("foxglove", {"address": self._address})
 
     def publish(self, topic: str, message_type: str, message: Mapping[str, Any]) -> None:
         """See `Middleware`."""
@@ -110,7 +110,7 @@ class Foxglove(Bridge):
 
     async def other_bridge(self) -> str:
         """See `Bridge`."""
-        is_other = await is_rosbridge(self.where)
+        is_other = await is_rosbridge(self._address)
         return f"a rosbridge listens there: use feeds.rosbridge({self.where!r})" if is_other else ""
 
     def _begin(self) -> None:

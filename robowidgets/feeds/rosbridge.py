@@ -65,7 +65,7 @@ class Rosbridge(Bridge):
     @property
     def outlet(self) -> Outlet:
         """See `HasOutlet`."""
-        return Outlet("rosbridge", {"address": self.where})
+        return Outlet("rosbridge", {"address": self._address})
 
     def publish(self, topic: str, message_type: str, message: Mapping[str, Any]) -> None:
         """See `Middleware`."""
@@ -134,7 +134,7 @@ class Rosbridge(Bridge):
 
     async def other_bridge(self) -> str:
         """See `Bridge`."""
-        is_other = await is_foxglove(self.where)
+        is_other = await is_foxglove(self._address)
         return f"a foxglove server listens there: use feeds.foxglove({self.where!r})" if is_other else ""
 
     def _begin(self) -> None:

@@ -13,6 +13,7 @@ from typing import Any, NamedTuple
 
 from .._core.clock import Clock, RealClock
 from .._core.inform import inform
+from .._core.urls import redacted
 from .._core.user_threads import UserThread
 from .._core.waiters import LOOK
 from ..messages.decoding import one_line
@@ -304,15 +305,17 @@ def _problem_of(error: BaseException) -> tuple[str, str]:
     """Return the problem that an error is, and the failure if it is one of the job rather than of the recording."""
     if isinstance(error, ConditionError) and error.__cause__ is not None:
         return " ".join(str(error).split()), _named(error.__cause__)
-    if isinstance(error, (RecordingError, OSError)):
+    if isinstance(error, RecordingError):
         return " ".join(str(error).split()), ""
+    if isinstance(error, OSError):
+        return redacted(" ".join(str(error).split())), ""
     if isinstance(error, MemoryError):
         return "out of memory", ""
     return _named(error), _named(error)
 
 
 def _named(error: BaseException) -> str:
-    return f"{type(error).__name__}: {one_line(error)}"
+    return f"{type(error).__name__}: {redacted(one_line(error))}"
 
 
 def _executor(given: Any) -> Executor:

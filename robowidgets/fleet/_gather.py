@@ -11,7 +11,7 @@ from typing import Any, NamedTuple, Protocol
 from .._core.progress import Progress, without_bars
 from ..kinds import KINDS
 from ..messages.definitions import all_added, installed
-from ..recordings.remote import is_url, without_secrets
+from ..recordings.remote import is_url, with_secrets
 from ..repair import find_files
 from ._engine import LONGEST, each
 from ._fleet_table import Unread
@@ -94,10 +94,13 @@ def gather(
         if grow:
             grow(results, unread, [str(place.path) for place in places])
 
+    # Processes elsewhere know no secrets but those in the URLs that they get.
+    name_of = {with_secrets(path) if is_url(path) else path: path for path in missing}
     with Progress(len(missing), what, " files") as bar, without_bars():
-        work = each(job, missing, executor, longest, lambda: tell(0), here=is_ours and _are_few(missing))
+        work = each(job, list(name_of), executor, longest, lambda: tell(0), here=is_ours and _are_few(missing))
         try:
-            for path, result, problem, failure in work:
+            for given, result, problem, failure in work:
+                path = name_of[given]
                 failures.append(failure)
                 if problem:
                     unread.append(Unread(path, problem))
@@ -117,7 +120,7 @@ def gather(
             work.close()
     order = {str(place.path): i for i, place in enumerate(places)}
     for i, (path, problem) in enumerate(unread):
-        name = without_secrets(path) if is_url(path) else os.path.basename(path)
+        name = path if is_url(path) else os.path.basename(path)
         unread[i] = Unread(path, problem.removeprefix(f"{name}: "))
     unread += [Unread(path, result["problem"]) for path, result in results.items() if "problem" in result]
     read = {path: results[path] for path in states if path in results and "problem" not in results[path]}

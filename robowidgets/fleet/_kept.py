@@ -13,6 +13,7 @@ from typing import Any, NamedTuple
 from zlib import crc32
 
 from .._core.cache_folder import cache_folder
+from .._core.urls import redacted
 from ..messages.decoding import one_line
 from ..recordings import remote
 from ..repair import RecordingError, files_beside, find_files
@@ -70,7 +71,7 @@ def _state_of(path: Path | str) -> RecordingState:
     except RecordingError as error:
         return RecordingState(None, str(error))
     except Exception as error:  # of a driver: who waits for the answer must get one
-        return RecordingState(None, f"cannot be looked at: {type(error).__name__}: {one_line(error)}")
+        return RecordingState(None, f"cannot be looked at: {type(error).__name__}: {redacted(one_line(error))}")
     # The time of change, too: a copy may have size and time of the file that it replaces.
     told = ((name, stat.st_size, stat.st_mtime_ns, stat.st_ctime_ns) for name, stat in stats)
     return RecordingState(json.dumps([str(path), *told]))

@@ -35,7 +35,7 @@ from .files import open_source
 from .labels import Label, LabelFile, LabelledSpan, labelled_span, with_clock
 from .odometry import places_of
 from .program_log import PROGRAM, STATES, ProgramVersion, spans_of, version_of
-from .remote import fetch, held, is_url, without_secrets
+from .remote import fetch, held, is_url
 from .time_slice import TimeSlice
 from .times import seconds_at, span_ns, to_ns
 from .topics import Moment, TimedMessage, Topic, UnknownTopicError, check, check_known, named, only, shown, wanted
@@ -98,7 +98,10 @@ class RecordingData:
 
     @property
     def url(self) -> str | None:
-        """The URL that it was fetched from; None for a file of this machine."""
+        """The URL that it was fetched from; None for a file of this machine.
+
+        It has no password, signature or token. While this process runs, it opens what was opened with them.
+        """
         return self._url
 
     @property
@@ -512,9 +515,7 @@ class RecordingData:
         return table_of(self._heading(), self.topics, self.problems)
 
     def _heading(self) -> str:
-        return heading(
-            without_secrets(self._url) if self._url else str(self.path), self.topics, self.duration, self.start_ns
-        )
+        return heading(self._url or str(self.path), self.topics, self.duration, self.start_ns)
 
     def check(self, name: str) -> None:
         """Check that the recording has a topic of this name that a widget shows.

@@ -17,13 +17,15 @@ from uuid import uuid4
 
 from .._core.progress import Progress
 from .._core.text import listed, many, megabytes
+from .._core.urls import redacted, without_secrets
 from ..messages.decoding import one_line
 from ..repair import SUFFIX, RecordingError
 from ._copies import Copy, find, holding, make
 from .files import METADATA, counts_up
 
 _URL = re.compile(r"[A-Za-z][A-Za-z0-9+.-]+(://|::)")
-_SECRETS = re.compile(r"(?<=://)[^/@]*@|(?<=.)\?.*")
+_WEB = re.compile(r"(.*::)?https?://", re.IGNORECASE)
+_QUERY = re.compile(r"(?<=.)\?.*")
 _OTHER = re.compile(r"\.(log|clf)(\.gz)?$")
 _UNSAFE = re.compile(r"[^\w.+ -]")
 _FROM = ".url"
@@ -39,6 +41,9 @@ _LONGEST = 60.0
 _CREDENTIALS = (
     "give credentials as its driver takes them (of s3: ~/.aws/credentials or AWS_ACCESS_KEY_ID and "
     "AWS_SECRET_ACCESS_KEY; FSSPEC_S3_ANON=true for what is public)"
+)
+_SIGNATURE = (
+    "give its whole URL, with credentials or a signature that still holds: what is kept and shown of a URL has neither"
 )
 _NO_CREDENTIALS = (
     "NoCredentialsError",
@@ -62,9 +67,33 @@ def is_url(path: Any) -> TypeGuard[str]:
     return isinstance(path, str) and _URL.match(path) is not None
 
 
-def without_secrets(url: str) -> str:
-    """A URL as it is shown: without a password, and without what a web server is asked, which may be a signature."""
-    return _SECRETS.sub("", url)
+_given: dict[str, str] = {}
+"""The URLs with secrets that this process was given, by their names without."""
+IN_ENVIRONMENT = "ROBOWIDGETS_URLS"
+"""The environment variable by which a command passes them to the kernels that it starts."""
+
+
+def named(url: str) -> str:
+    """Return the name of a URL: the same without secrets, by which this process finds it from now on."""
+    name = without_secrets(url)
+    if name != url:
+        _given[name] = url
+    return name
+
+
+def with_secrets(name: str) -> str:
+    """Return the URL that was given under a name, in this process or the command that started it."""
+    if name not in _given:
+        with suppress(ValueError):
+            found = json.loads(os.environ.get(IN_ENVIRONMENT, "{}"))
+            return str(found.get(name, name)) if isinstance(found, dict) else name
+    return _given.get(name, name)
+
+
+def pass_secrets(name: str) -> None:
+    """Let processes that this one starts find a URL by its name, too."""
+    if (url := with_secrets(name)) != name:
+        os.environ[IN_ENVIRONMENT] = json.dumps({name: url})
 
 
 class Fetched:
@@ -72,7 +101,7 @@ class Fetched:
 
     Attributes:
         path: the file or the folder here.
-        url: where it is from; None for what is no copy.
+        url: where it is from, without secrets; None for what is no copy.
     """
 
     def __init__(self, path: Path, url: str | None = None, copy: Copy | None = None) -> None:
@@ -93,7 +122,9 @@ def held(path: Path) -> Fetched:
     if path.name == METADATA:
         path = path.parent
     copy = holding(path)
-    return Fetched(path) if copy is None else Fetched(path, (copy.folder / _FROM).read_text(encoding="utf-8"), copy)
+    if copy is None:
+        return Fetched(path)
+    return Fetched(path, without_secrets((copy.folder / _FROM).read_text(encoding="utf-8")), copy)
 
 
 def fetch(url: str) -> Fetched:
@@ -104,11 +135,11 @@ def fetch(url: str) -> Fetched:
     """
     if url.lower().startswith(("file://", "local://")):
         return held(Path(url2pathname(urlsplit(url).path)))
-    shown = without_secrets(url)
+    shown = url = named(url)
     system, path = _system(url)
     objects, is_folder = _objects(system, path, shown)
     key = f"{_short(url)}-{_short(_state(objects))}"
-    name = _safe(_name(path)) or "recording"
+    name = _safe(file_name(path)) or "recording"
 
     def write(folder: Path) -> None:
         (folder / _FROM).write_text(url, encoding="utf-8")
@@ -136,19 +167,21 @@ def state_of(url: str) -> str | None:
     Raises:
         RecordingError: it cannot be looked at.
     """
-    objects, _ = _objects(*_system(url), without_secrets(url))
+    url = named(url)
+    objects, _ = _objects(*_system(url), url)
     return f"{_short(url)}-{_short(_state(objects))}" if all(one.state for one in objects) else None
 
 
 def recordings_at(url: str) -> Iterator[tuple[str, str]]:
-    """The recordings that a URL names, as URLs, each with the reason why nothing is read there; empty if it is read.
+    """The recordings that a URL names, by `named`, each with the reason why nothing is read there; empty if it is read.
 
     A URL may be a pattern such as ``s3://bucket/runs/*.mcap``, or a folder: of rosbag2, which is one recording, or
     with recordings at any depth.
     """
-    shown = without_secrets(url)
+    shown = named(url)
     try:
-        system, path = _system(url)
+        system, path = _system(shown)
+        url = with_secrets(shown)
         if not _is_pattern(url):
             yield from _within(system, path, url)
             return
@@ -156,23 +189,23 @@ def recordings_at(url: str) -> Iterator[tuple[str, str]]:
         for match in matches:
             yield from _within(system, match, _url(system, match, url))
         if not matches:
-            yield url, "nothing matches this pattern"
+            yield shown, "nothing matches this pattern"
     except RecordingError as error:
-        yield url, str(error).removeprefix(f"{shown}: ")
+        yield shown, str(error).removeprefix(f"{shown}: ")
 
 
 def _within(system: Any, path: str, url: str) -> Iterator[tuple[str, str]]:
     shown = without_secrets(url)
     if not _is_folder(system, path, shown):
-        yield (url.removesuffix(f"/{METADATA}"), "")
+        yield (named(url.removesuffix(f"/{METADATA}")), "")
         return
     there = _asked(lambda: system.find(path), shown)
-    folders = {one.rpartition("/")[0] for one in there if _name(one) == METADATA}
-    found = {one for one in there if SUFFIX.search(_name(one)) or _OTHER.search(_name(one))}
+    folders = {one.rpartition("/")[0] for one in there if file_name(one) == METADATA}
+    found = {one for one in there if SUFFIX.search(file_name(one)) or _OTHER.search(file_name(one))}
     found = {one for one in found if one.rpartition("/")[0] not in folders} | folders
-    yield from ((_url(system, one, url), "") for one in sorted(found))
+    yield from ((named(_url(system, one, url)), "") for one in sorted(found))
     if not found:
-        yield url, "no recording in this folder"
+        yield named(url), "no recording in this folder"
 
 
 def _url(system: Any, path: str, beside: str) -> str:
@@ -183,12 +216,13 @@ def _url(system: Any, path: str, beside: str) -> str:
 
 def _is_pattern(url: str) -> bool:
     is_web = url.lower().startswith(("http://", "https://"))
-    return glob.has_magic(without_secrets(url) if is_web else url)
+    return glob.has_magic(_QUERY.sub("", url) if is_web else url)
 
 
 def _system(url: str) -> tuple[Any, str]:
-    """The file system of a URL, and the path in it."""
+    """The file system of a URL, and the path in it; with the secrets that were given under this name."""
     shown = without_secrets(url)
+    url = with_secrets(url)
     try:
         from fsspec.core import url_to_fs
     except ImportError:
@@ -219,7 +253,7 @@ def _objects(system: Any, path: str, shown: str) -> tuple[list[_Object], bool]:
     """The files of the recording at a path, and whether it is a folder."""
     if not _is_folder(system, path, shown):
         return [_object(_asked(lambda: system.info(path), shown), path)], False
-    there = {_name(one["name"]): one for one in _asked(lambda: system.ls(path, detail=True), shown)}
+    there = {file_name(one["name"]): one for one in _asked(lambda: system.ls(path, detail=True), shown)}
     names = sorted(name for name in there if SUFFIX.search(name))
     if not names:
         raise RecordingError(f"{shown}: no recording in this folder: expected .db3, .mcap or .bag files")
@@ -239,7 +273,7 @@ def _object(info: dict[str, Any], path: str) -> _Object:
     size = info.get("size")
     known = {name.lower(): str(value) for name, value in info.items() if name.lower() in _STATE and value}
     state = json.dumps([size, sorted(known.items())]) if known else ""
-    return _Object(path, _safe(_name(path)) or "recording", size, state)
+    return _Object(path, _safe(file_name(path)) or "recording", size, state)
 
 
 def _state(objects: list[_Object]) -> str:
@@ -293,10 +327,10 @@ def _fail(error: Exception, shown: str, when: str = "") -> NoReturn:
     while (cause := causes[-1].__cause__) is not None and cause not in causes:
         causes.append(cause)
     codes = {code for cause in causes if (code := _status(cause)) is not None}
-    text = without_secrets(one_line(causes[-1] if isinstance(causes[-1], Exception) else error))
+    text = redacted(one_line(causes[-1] if isinstance(causes[-1], Exception) else error))
     kinds = {type(cause).__name__ for cause in causes}
     if any(isinstance(cause, PermissionError) for cause in causes) or codes & {401, 403} or kinds & {*_NO_CREDENTIALS}:
-        text = f"no permission to read it ({text}): {_CREDENTIALS}"
+        text = f"no permission to read it ({text}): {_SIGNATURE if _WEB.match(shown) else _CREDENTIALS}"
     elif codes & {404, 410} or (isinstance(error, FileNotFoundError) and len(causes) == 1):
         text = "no such object, nor a folder with any"
     else:
@@ -312,8 +346,9 @@ def _status(error: BaseException) -> int | None:
     return None
 
 
-def _name(path: str) -> str:
-    return unquote(without_secrets(path).rstrip("/").rpartition("/")[2])
+def file_name(url: str) -> str:
+    """Return the last part of the path of a URL."""
+    return unquote(_QUERY.sub("", url).rstrip("/").rpartition("/")[2])
 
 
 def _safe(name: str) -> str:

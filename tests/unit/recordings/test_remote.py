@@ -16,7 +16,7 @@ import numpy as np
 import pytest
 
 import robowidgets
-from robowidgets.command import main
+from robowidgets.command import _notebooks, main
 from robowidgets.recordings import _copies, remote
 
 fsspec = pytest.importorskip("fsspec")
@@ -291,6 +291,7 @@ class Server(ThreadingHTTPServer):
     status = 200
     tag: str | None = '"1"'
     fetched = 0
+    signature = ""
 
 
 class Handler(BaseHTTPRequestHandler):
@@ -301,16 +302,21 @@ class Handler(BaseHTTPRequestHandler):
 
     def do_GET(self) -> None:
         self._head()
-        if self.server.status == 200:
+        if self._status() == 200:
             self.server.fetched += 1
             self.wfile.write(DATA[: len(DATA) - self.server.cut])
 
     def _head(self) -> None:
-        self.send_response(self.server.status if "none" not in self.path else 404)
+        self.send_response(self._status())
         self.send_header("Content-Length", str(len(DATA)))
         if self.server.tag:
             self.send_header("ETag", self.server.tag)
         self.end_headers()
+
+    def _status(self) -> int:
+        if self.server.signature not in self.path:
+            return 403
+        return self.server.status if "none" not in self.path else 404
 
     def log_message(self, *args: Any) -> None:
         pass
@@ -371,6 +377,85 @@ def test_what_a_web_server_refuses_is_told(server: Server, status: int, name: st
     server.status = status
     with pytest.raises(robowidgets.RecordingError, match=error):
         robowidgets.open(url_of(server, name))
+
+
+SECRET = "hunter2SECRET"
+
+
+def signed_by(server: Server, secret: str = SECRET) -> str:
+    """A URL that holds a password, a signature, and a parameter that names the object."""
+    return f"http://ada:{secret}@127.0.0.1:{server.server_port}/drive.mcap?versionId=3&X-Amz-Signature={secret}"
+
+
+@pytest.fixture
+def guarded(server: Server, monkeypatch: pytest.MonkeyPatch) -> Server:
+    """A server that gives its file to whoever has the signature; this process knows no URL yet."""
+    monkeypatch.setattr(remote, "_given", {})
+    server.signature = SECRET
+    return server
+
+
+@pytest.mark.slow
+def test_a_secret_of_a_url_is_neither_shown_nor_written_and_its_name_opens_while_the_process_runs(
+    guarded: Server, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    pytest.importorskip("pyarrow")
+    url = signed_by(guarded)
+    name = f"http://127.0.0.1:{guarded.server_port}/drive.mcap?versionId=3"
+    wrong = signed_by(guarded).replace("drive.mcap", "none.mcap")
+    near = robowidgets.conditions.nearest_below(0.5)
+    index = tmp_path / "drives.parquet"
+    drives = robowidgets.index(url, wrong, output=index)
+    hits = robowidgets.find(near, url, keep=True)
+    many = robowidgets.find(near, url, wrong, keep=False)  # by processes of their own
+    tables = [hits, many, drives.find(near), robowidgets.summary(url), robowidgets.fleet.doctor(url)]
+    assert drives.files == (name, name.replace("drive", "none"))
+    assert {hit.file for hit in [*hits, *many, *drives.find(near)]} == {name}
+    with robowidgets.open(url) as recording:
+        shown = [recording.url, repr(recording), recording._repr_html_()]
+        with pytest.raises(robowidgets.RecordingError, match="no place for labels") as error:
+            recording.label("door", 0, 1)
+    shown += [str(error.value), *(f"{table!r}{table._repr_html_()}" for table in tables)]
+    shown += [f"{table.to_json()}{table.files}{table.unread}" for table in (hits, many)]
+    hits[:2].to_html(tmp_path / "hits.html")
+    (tmp_path / "folder").mkdir()
+    assert f"robowidgets.open('{name}')" in _notebooks.write_for(url, tmp_path / "folder").read_text("utf-8")
+    assert main(["info", "--json", url]) == 0
+    assert main(["find", "--nearest-below", "0.5", url, wrong]) == 0
+    shown += capsys.readouterr()
+    assert not [text for text in shown if SECRET in text]
+    written = [file for file in tmp_path.rglob("*") if file.is_file()]
+    assert {".url", ".jsonl", ".parquet", ".html", ".ipynb"} <= {file.suffix or file.name for file in written}
+    assert not [file.name for file in written if SECRET.encode() in file.read_bytes()]
+    columns = drives.to_arrow().to_pylist()
+    assert not [row for row in columns if SECRET in json.dumps(row, default=str)]
+    shutil.rmtree(tmp_path / "cache")  # fetched again, by its name
+    with robowidgets.open(name) as recording:
+        assert recording.url == name
+
+
+def test_in_another_process_the_name_asks_for_the_whole_url_and_the_command_passes_it_to_its_kernels(
+    guarded: Server, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    url = signed_by(guarded)
+    with robowidgets.open(url) as recording:
+        name = recording.url
+    monkeypatch.setenv(remote.IN_ENVIRONMENT, "")
+    remote.pass_secrets(str(name))
+    monkeypatch.setattr(remote, "_given", {})  # as in another process
+    robowidgets.open(str(name)).close()
+    monkeypatch.delenv(remote.IN_ENVIRONMENT)
+    with pytest.raises(robowidgets.RecordingError, match=r"no permission .*: give its whole URL, with cred") as error:
+        robowidgets.open(str(name))
+    assert SECRET not in str(error.value)
+
+
+def test_a_signature_made_again_is_the_same_recording_and_needs_no_second_fetch(guarded: Server) -> None:
+    robowidgets.open(signed_by(guarded)).close()
+    before, guarded.signature = remote.state_of(signed_by(guarded)), "another"
+    robowidgets.open(signed_by(guarded, "another")).close()
+    assert remote.state_of(signed_by(guarded, "another")) == before
+    assert guarded.fetched == 1
 
 
 def test_a_server_that_is_not_there_is_told(server: Server) -> None:
