@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import sys
 from collections.abc import Callable, Iterable, Sequence
 from html import escape
@@ -13,14 +14,19 @@ import numpy as np
 sys.path.insert(0, str(Path(__file__).parent))
 from study import SUS, TASKS, TLX, WITH, WITHOUT, Row, read_rows
 
-RESAMPLES = 10_000
+_T_975 = (
+    *(12.706, 4.303, 3.182, 2.776, 2.571, 2.447, 2.365, 2.306, 2.262, 2.228, 2.201, 2.179, 2.160, 2.145, 2.131),
+    *(2.120, 2.110, 2.101, 2.093, 2.086, 2.080, 2.074, 2.069, 2.064, 2.060, 2.056, 2.052, 2.048, 2.045, 2.042),
+)
+"""The 97.5 % quantile of Student's t, from one degree of freedom on."""
+_Z_975 = 1.959964
 
 
 class Measure(NamedTuple):
     """One measure of all participants, paired, and its effect with a 95 % confidence interval.
 
     ``values`` has a row for each participant: with, without. The effect is the ratio of times (below 1: faster with
-    widgets), and otherwise the difference, with minus without.
+    widgets), and otherwise the difference, with minus without. Without two differences that vary the interval is NaN.
     """
 
     name: str
@@ -33,7 +39,14 @@ class Measure(NamedTuple):
     def __str__(self) -> str:
         kind = "ratio" if self.is_ratio else "difference"
         means = ", ".join(f"{mean:.1f}" for mean in self.values.mean(axis=0))
-        return f"{self.name:22} {means:>16}   {kind} {self.effect:.2f}, 95 % CI {self.low:.2f} to {self.high:.2f}"
+        return f"{self.name:22} {means:>16}   {kind} {self.effect:.2f}, {self.interval}"
+
+    @property
+    def interval(self) -> str:
+        """The interval as text."""
+        if math.isnan(self.low):
+            return "no interval: all participants differ alike"
+        return f"95 % CI {self.low:.2f} to {self.high:.2f}"
 
 
 class Comparison:
@@ -51,8 +64,8 @@ class Comparison:
     def _repr_html_(self) -> str:
         parts = "".join(
             f'<figure style="display:inline-block;margin:0 1em 1em 0"><figcaption>{escape(measure.name)}<br>'
-            f"<small>{'ratio' if measure.is_ratio else 'difference'} <b>{measure.effect:.2f}</b>, 95 % CI "
-            f"{measure.low:.2f} to {measure.high:.2f}</small></figcaption>{_pairs(measure)}</figure>"
+            f"<small>{'ratio' if measure.is_ratio else 'difference'} <b>{measure.effect:.2f}</b>, "
+            f"{measure.interval}</small></figcaption>{_pairs(measure)}</figure>"
             for measure in self.measures
         )
         problems = "".join(f"<li>{escape(problem)}</li>" for problem in self.problems)
@@ -64,8 +77,8 @@ class Comparison:
 def compare(folder: str | Path) -> Comparison:
     """Compare all participants whose files (``P07.csv``) are in a folder and complete.
 
-    The 95 % confidence intervals are those of 10,000 bootstrap samples of participants. A task that was not solved
-    counts with the limit of its time.
+    The 95 % confidence intervals are those of Student's t for the mean of the paired differences (of times: of their
+    logarithms). A task that was not solved counts with the limit of its time.
 
     Raises:
         ValueError: there are fewer than two of them.
@@ -129,10 +142,25 @@ def _measure(
     values = np.array([[of([r for r in rows if r.condition == form]) for form in (WITH, WITHOUT)] for rows in people])
     scale = np.log(values) if is_ratio else values
     differences = scale[:, 0] - scale[:, 1]
-    chosen = np.random.default_rng(1).integers(0, len(differences), (RESAMPLES, len(differences)))
-    low, high = np.percentile(differences[chosen].mean(axis=1), [2.5, 97.5])
-    found = (float(number) for number in (differences.mean(), low, high))
+    found = float(differences.mean()), *interval_of(differences)
     return Measure(name, values, *(map(float, np.exp(list(found))) if is_ratio else found), is_ratio)
+
+
+def interval_of(differences: np.ndarray) -> tuple[float, float]:
+    """Return the 95 % confidence interval of the mean of paired differences; NaN if none varies."""
+    mean, spread = float(differences.mean()), float(differences.std(ddof=1))
+    if spread < 1e-9 * max(1.0, abs(mean)):
+        return math.nan, math.nan
+    away = _t_975(len(differences) - 1) * spread / math.sqrt(len(differences))
+    return mean - away, mean + away
+
+
+def _t_975(freedom: int) -> float:
+    """Return the 97.5 % quantile of Student's t (beyond the table by the expansion of Cornish and Fisher)."""
+    if freedom <= len(_T_975):
+        return _T_975[freedom - 1]
+    z = _Z_975
+    return z + (z**3 + z) / (4 * freedom) + (5 * z**5 + 16 * z**3 + 3 * z) / (96 * freedom**2)
 
 
 def _pairs(measure: Measure) -> str:

@@ -9,12 +9,14 @@ import csv
 import math
 import threading
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from datetime import datetime, timezone
 from html import escape
 from pathlib import Path
 from typing import Any
+
+import numpy as np
 
 from robowidgets import LaserWidget, Scan, lessons
 from robowidgets.simulator import Robot, World
@@ -185,9 +187,11 @@ class Study:
         for block, (condition, which) in enumerate(ORDERS[(participant - 1) % len(ORDERS)], 1):
             steps += [("task", block, condition, which, task) for task in tasks_of(which)]
             steps += [("tlx", block, condition, which, None), ("sus", block, condition, which, None)]
-        self._steps = steps[self._done() :]
+        rows = read_rows(self.file) if self.file.exists() else []
+        self._steps = steps[_done(rows) :]
         self._shown: Task | None = None
         self._begin()
+        self._go_on(rows)
 
     @property
     def step(self) -> Step | None:
@@ -195,10 +199,10 @@ class Study:
         return self._steps[0] if self._steps else None
 
     @property
-    def scan(self) -> Scan | None:
-        """The scan of the task, for cells of one's own."""
+    def scan(self) -> PlainScan | None:
+        """The numbers of the scan of the task, for cells of one's own; the same in both forms."""
         task = self.step[4] if self.step else None
-        return task.scan if task else None
+        return PlainScan(task.scan) if task else None
 
     def agree(self) -> None:
         """The participant consents."""
@@ -210,6 +214,7 @@ class Study:
             raise ValueError("answer: there is no task now")
         step = self.step
         self._tries += 1
+        self._write("try", [(step[4].name, text)], right=False)
         late = self._clock() - self._since > LIMIT
         wrong = str(step[4].wrong(text))
         if self.step is not step:  # it was left while the answer was judged
@@ -232,12 +237,16 @@ class Study:
             raise ValueError(f"rate: expected a value for each of {wanted}, got {dict(values)}")
         self._end(kind, [(item, f"{values[item]:g}") for item in wanted])
 
-    def _done(self) -> int:
-        """How many steps the file has."""
-        if not self.file.exists():
-            return 0
-        rows = read_rows(self.file)
-        return len({(row.kind, row.block, row.item if row.kind == "task" else "") for row in rows})
+    def _go_on(self, rows: Sequence[Row]) -> None:
+        """Count the time and the tries of a task on that was shown before the page was closed or loaded again."""
+        if self.step is None or self.step[0] != "task":
+            return
+        of_task = [row for row in rows if (row.block, row.item) == (self.step[1], self.step[4].name)]
+        shown = next((row for row in of_task if row.kind == "shown"), None)
+        if shown is not None:
+            self._shown, self._began = self.step[4], datetime.fromisoformat(shown.started)
+            self._since = self._clock() - max(0.0, (self._now() - self._began).total_seconds())
+            self._tries = sum(row.kind == "try" for row in of_task)
 
     def _begin(self) -> None:
         self._since, self._began, self._tries = self._clock(), self._now(), 0
@@ -245,6 +254,13 @@ class Study:
     def _end(self, kind: str, items: list[tuple[str, str]], right: bool = True) -> None:
         if self.step is None or self.step[0] != kind:
             raise ValueError(f"there is no {kind} now")
+        self._write(kind, items, right)
+        self._steps.pop(0)
+        self._begin()
+
+    def _write(self, kind: str, items: list[tuple[str, str]], right: bool = True) -> None:
+        """Append rows to the file, which are there when this returns."""
+        assert self.step is not None
         _, block, condition, which, _ = self.step
         seconds = self._clock() - self._since
         rows = [
@@ -270,8 +286,6 @@ class Study:
             if is_new:
                 writer.writeheader()
             writer.writerows(map(asdict, rows))
-        self._steps.pop(0)
-        self._begin()
 
     # -- on the page ---------------------------------------------------------------------------------------------------
 
@@ -332,23 +346,41 @@ class Study:
             if self._shown is not task:  # a cell that is run again does not turn back its time
                 self._shown = task
                 self._begin()
+                self._write("shown", [(task.name, "")])
         elif kind == "tlx":
             sliders = {name: IntSlider(50, 0, 100, 5, readout=False) for name in TLX}
-            next_button.on_click(then(lambda: self.rate({name: slider.value for name, slider in sliders.items()})))
+            moved: set[str] = set()
+            for name, slider in sliders.items():
+                slider.observe(lambda _change, name=name: moved.add(name), "value")
+            missing = HTML()
+
+            def send_tlx(_button: object) -> None:
+                left = [name for name in TLX if name not in moved]
+                if left:
+                    missing.value = f"Move each slider first, also one that belongs in the middle: {', '.join(left)}"
+                else:
+                    self.rate({name: slider.value for name, slider in sliders.items()})
+                    self._draw(box)
+
+            next_button.on_click(send_tlx)
             rows = [
                 HTML(f"<b>{name.capitalize()}</b>: {escape(question)}") if part == 0
                 else HBox([HTML(low), sliders[name], HTML(high)])
                 for name, (question, low, high) in TLX.items()
                 for part in (0, 1)
             ]  # fmt: skip
-            box.children = [HTML(f"<h3>How were the tasks of part {block}?</h3>"), *rows, next_button]
+            box.children = [HTML(f"<h3>How were the tasks of part {block}?</h3>"), *rows, missing, next_button]
         else:
+            missing = HTML()
             choices = [RadioButtons(options=[1, 2, 3, 4, 5], value=None, layout=Layout(width="auto")) for _ in SUS]
             for choice in choices:
                 choice.add_class("rw-study-row")
 
             def send(_button: object) -> None:
-                if all(choice.value is not None for choice in choices):
+                left = [str(number) for number, choice in enumerate(choices, 1) if choice.value is None]
+                if left:
+                    missing.value = f"Answer these, too: {', '.join(left)}"
+                else:
                     self.rate({str(number): choice.value for number, choice in enumerate(choices, 1)})
                     self._draw(box)
 
@@ -360,8 +392,12 @@ class Study:
             legend = HTML(
                 f"{style}<h3>The pictures of part {block}</h3>1: strongly disagree, 5: strongly agree. Answer all."
             )
-            rows = [part for text, choice in zip(SUS, choices, strict=True) for part in (HTML(escape(text)), choice)]
-            box.children = [legend, *rows, next_button]
+            rows = [
+                part
+                for number, (text, choice) in enumerate(zip(SUS, choices, strict=True), 1)
+                for part in (HTML(f"{number}. {escape(text)}"), choice)
+            ]
+            box.children = [legend, *rows, missing, next_button]
 
 
 def picture(scan: Scan, condition: str) -> Any:
@@ -372,16 +408,54 @@ def picture(scan: Scan, condition: str) -> Any:
         return laser
     from ipywidgets import HTML
 
+    # As in RViz: a grid of 1 m, the axes of the scanner, and the place and the number of the point under the pointer.
     dots = "".join(
-        f'<circle cx="{-y:.3f}" cy="{-x:.3f}" r=".02"/>' for x, y in scan.xy.tolist() if math.hypot(x, y) <= 4
+        f'<circle cx="{-y:.3f}" cy="{-x:.3f}" r=".025"><title>point {index}: x {x:.2f} m, y {y:.2f} m</title></circle>'
+        for index, (x, y) in enumerate(_points(scan))
+        if math.hypot(x, y) <= 4
     )
+    lines = "".join(f'<path d="M-4 {at}H4M{at} -4V1"/>' for at in range(-4, 5) if at <= 1)
+    lines += "".join(f'<path d="M{at} -4V1"/>' for at in (2, 3, 4))
+    labels = "".join(f'<text x=".05" y="{-x - 0.05:.2f}">{x} m</text>' for x in (1, 2, 3))
+    labels += "".join(f'<text x="{-y + 0.05:.2f}" y=".2">{y} m</text>' for y in (-3, -2, -1, 1, 2, 3))
     numbers = " ".join(f"{value:.3f}" for value in scan.ranges.tolist())
     return HTML(
-        f'<svg viewBox="-4 -4 8 5" style="width:100%;max-width:420px" fill="#c33">{dots}'
-        '<path d="M0-.12.08.1h-.16z" fill="currentColor"/></svg>'
+        '<svg viewBox="-4 -4 8 5" style="width:100%;max-width:620px" fill="#c33">'
+        f'<g stroke="currentColor" stroke-width=".01" opacity=".35">{lines}</g>'
+        f'<g fill="currentColor" font-size=".2">{labels}</g>'
+        '<path d="M0 0V-.5" stroke="#c00" stroke-width=".04"/><path d="M0 0H-.5" stroke="#080" stroke-width=".04"/>'
+        f"{dots}</svg><div>x forward (red), y to the left (green); point at a dot for its place and its number</div>"
         f"<div>angle_min {scan.angle_min:.4f}, angle_increment {scan.angle_increment:.6f}, {len(scan)} ranges:</div>"
         f'<div style="max-height:9em;overflow:auto;font-family:monospace">[{numbers}]</div>'
     )
+
+
+def _points(scan: Scan) -> list[tuple[float, float]]:
+    """The place of each ray of a scan, in its order; not finite for one without a reading."""
+    with np.errstate(invalid="ignore"):
+        places = np.column_stack([scan.ranges * np.cos(scan.angles), scan.ranges * np.sin(scan.angles)])
+    return [(x, y) for x, y in np.nan_to_num(places, nan=math.inf, posinf=math.inf, neginf=math.inf).tolist()]
+
+
+class PlainScan:
+    """The numbers of a scan, as a message has them: no method of it solves a task, and printed it shows no answer."""
+
+    def __init__(self, scan: Scan) -> None:
+        self.ranges = scan.ranges
+        self.angle_min, self.angle_increment = scan.angle_min, scan.angle_increment
+        self.range_min, self.range_max = scan.range_min, scan.range_max
+
+    def __repr__(self) -> str:
+        return (
+            f"a scan of {len(self.ranges)} ranges in metres, from angle_min {self.angle_min:.4f} rad on, "
+            f"by angle_increment {self.angle_increment:.6f} rad"
+        )
+
+
+def _done(rows: Sequence[Row]) -> int:
+    """How many steps the rows of a file complete."""
+    kinds = ("consent", "task", "tlx", "sus")
+    return len({(row.kind, row.block, row.item if row.kind == "task" else "") for row in rows if row.kind in kinds})
 
 
 def read_rows(file: Path) -> list[Row]:

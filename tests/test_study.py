@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+import math
 import random
 import re
 import sys
@@ -11,6 +13,7 @@ from datetime import datetime, timezone
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 from .conftest import ROOT
@@ -123,7 +126,7 @@ def test_a_file_is_continued_after_its_last_step_and_a_damaged_one_is_told(tmp_p
     assert again.study.step[:4] == first.study.step[:4]
     again.take_part(seconds, like)
     rows = study.read_rows(tmp_path / "P07.csv")
-    assert Counter(row.kind for row in rows) == {"consent": 1, "task": 8, "tlx": 12, "sus": 20}
+    assert Counter(row.kind for row in rows) == {"consent": 1, "try": 8, "task": 8, "tlx": 12, "sus": 20}
     assert {row.seconds for row in rows if row.kind == "task"} == {10.0, 20.0}
     assert Participant(7, tmp_path).study.step is None
     Participant(8, tmp_path).take_part(seconds, like, steps=3)
@@ -168,12 +171,98 @@ def test_wrong_answers_are_told_counted_and_end_with_the_limit_of_time(tmp_path:
     someone.time += study.LIMIT + 1
     assert someone.study.answer("-1") == ""
     someone.study.give_up()
-    rows = study.read_rows(someone.study.file)[1:]
+    rows = [row for row in study.read_rows(someone.study.file) if row.kind == "task"]
     assert [(row.tries, row.right, row.seconds) for row in rows] == [(3, False, study.LIMIT), (0, False, study.LIMIT)]
     assert study.code_wrong("wall_ahead", "def other(scan): ...") == "Keep the name wall_ahead."
     assert "SyntaxError" in study.code_wrong("wall_ahead", "def (")
     assert study.code_wrong("wall_ahead", "exit()").startswith("SystemExit")
-    assert "right in 0 of 5" in study.code_wrong("wall_ahead", "def wall_ahead(scan):\n    return -1")
+    assert "right in 0 of 8" in study.code_wrong("wall_ahead", "def wall_ahead(scan):\n    return -1")
+
+
+def test_the_clock_and_the_tries_of_a_task_survive_a_reload(tmp_path: Path) -> None:
+    someone = Participant(1, tmp_path)
+    someone.study.agree()
+    someone.study.show()
+    someone.time += 40
+    assert someone.study.answer("-1") == "Not yet."
+    later = Participant(1, tmp_path)  # another kernel, with a clock that begins at 0
+    later.time = someone.time + 20
+    later.study = study.Study(1, tmp_path, clock=lambda: later.time - 60, now=later.now)
+    later.study.show()
+    assert later.study.answer(later.right(later.study.step[4])) == ""
+    (row,) = [row for row in study.read_rows(later.study.file) if row.kind == "task"]
+    assert (row.seconds, row.tries, row.right) == (60.0, 2, True)
+    assert row.started == datetime.fromtimestamp(0, timezone.utc).isoformat(timespec="milliseconds")
+    next_one = study.Study(1, tmp_path, clock=lambda: later.time, now=later.now)
+    assert next_one._since == later.time  # which was not shown yet
+
+
+def test_sliders_that_nobody_moved_and_statements_without_an_answer_are_named_and_do_not_count(tmp_path: Path) -> None:
+    someone = Participant(1, tmp_path)
+    box = someone.study.show()
+    someone.study.agree()
+    while someone.study.step[0] == "task":
+        someone.study.give_up()
+    someone.study._draw(box)
+    sliders = [row.children[1] for row in box.children if type(row).__name__ == "HBox"]
+    for slider in sliders[:5]:
+        slider.value = 10
+    box.children[-1].click()
+    assert someone.study.step[0] == "tlx"
+    assert box.children[-2].value.endswith("the middle: frustration")
+    sliders[5].value = 55
+    sliders[5].value = 50
+    box.children[-1].click()
+    rows = [row for row in study.read_rows(someone.study.file) if row.kind == "tlx"]
+    assert [row.value for row in rows] == ["10"] * 5 + ["50"]
+    choices = [child for child in box.children if type(child).__name__ == "RadioButtons"]
+    for choice in choices[:-2]:
+        choice.value = 3
+    box.children[-1].click()
+    assert someone.study.step[0] == "sus"
+    assert box.children[-2].value == "Answer these, too: 9, 10"
+
+
+def test_the_notebook_shows_no_answer_and_a_plain_scan_has_no_method_that_gives_one(tmp_path: Path) -> None:
+    someone = Participant(1, tmp_path)
+    someone.study.agree()
+    for which in "AB":
+        for task in study.tasks_of(which)[:3]:
+            shown = repr(study.PlainScan(task.scan))
+            assert not [word for word in shown.replace(",", " ").split() if not task.wrong(word)]
+    assert not {"nearest", "distance", "at", "indices", "xy"} & set(dir(someone.study.scan))
+    cells = json.loads((ROOT / "studies" / "take_part.ipynb").read_text("utf-8"))["cells"]
+    assert "".join(cells[-1]["source"]) == "study.scan.ranges[:10]"
+    for which in "AB":
+        index = study.tasks_of(which)[0]
+        assert all(index.wrong(str(number)) for number in range(10))
+
+
+def test_without_has_a_grid_with_a_scale_and_the_place_of_each_point() -> None:
+    scan = study.tasks_of("A")[0].scan
+    page = study.picture(scan, study.WITHOUT).value
+    assert all(f">{metres} m</text>" in page for metres in (1, 2, 3, -1, -2, -3))
+    assert page.count("<circle") > 100
+    index = next(i for i, ray in enumerate(scan.ranges) if math.isfinite(ray) and ray < 4)
+    x, y = (scan.ranges[index] * f(scan.angles[index]) for f in (math.cos, math.sin))
+    assert f"<title>point {index}: x {x:.2f} m, y {y:.2f} m</title>" in page
+    assert "nan" not in page.split("<div>angle_min")[0]
+    assert "inf" not in page.split("<div>angle_min")[0]
+
+
+@pytest.mark.parametrize("people", [2, 4, 8, 12, 40])
+def test_the_interval_covers_the_effect_in_95_of_100_studies(people: int) -> None:
+    chance = np.random.default_rng(people)
+    studies = np.log(0.7) + chance.normal(0, 0.4, (4000, people))
+    covered = [low <= np.log(0.7) <= high for low, high in map(compare.interval_of, studies)]
+    assert 0.94 < np.mean(covered) < 0.96
+
+
+def test_where_no_difference_varies_there_is_no_interval_and_no_false_certainty() -> None:
+    assert all(map(math.isnan, compare.interval_of(np.zeros(4))))
+    assert all(map(math.isnan, compare.interval_of(np.full(4, 0.1))))
+    quantiles = {1: 12.706, 30: 2.042, 31: 2.0395, 60: 2.0003, 1000: 1.9623}  # of published tables
+    assert {n: compare._t_975(n) for n in quantiles} == pytest.approx(quantiles, abs=1e-4)
 
 
 def test_a_task_that_is_left_while_its_answer_is_judged_ends_once(
@@ -232,6 +321,8 @@ def test_a_participant_goes_through_the_page_by_its_buttons(tmp_path: Path) -> N
             for child in box.children:
                 if type(child).__name__ == "RadioButtons":
                     child.value = 4
+                elif type(child).__name__ == "HBox":
+                    child.children[1].value = 40
             box.children[-1].click()
     assert seen == ["consent", *(["task"] * 4 + ["tlx", "sus"]) * 2]
     assert {row.seconds for row in study.read_rows(someone.study.file) if row.kind == "task"} == {5.0}
