@@ -23,11 +23,12 @@ from babel.messages.pofile import read_po, write_po
 
 ROOT = Path(__file__).parents[1]
 CHECKS = ROOT / "robowidgets" / "lessons"
+HINTS = ROOT / "robowidgets" / "samples" / "sector.py"
 TEXTS = CHECKS / "texts"
 NOTEBOOKS = ROOT / "notebooks"
 LESSONS = ("from_picture_to_code", "from_code_to_behavior", "from_behavior_to_robot")
 
-SPEAKS = {"say", "WrongError", "BrokenError"}
+SPEAKS = {"say", "WrongError", "BrokenError", "ReportError", "give_hint"}
 SOLUTION = re.compile(r"(?<=<summary>)\w+(?=</summary>)")
 TEXT = re.compile(r'"([^"]*)"')
 WORDS = re.compile(r"[A-Za-z,;] ")
@@ -39,7 +40,7 @@ Translate = Callable[[str], str]
 
 def said_by_checks() -> Iterator[tuple[str, str]]:
     """(text, file) of all that the checks say."""
-    for file in sorted(CHECKS.glob("*.py")):
+    for file in (*sorted(CHECKS.glob("*.py")), HINTS):
         for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
             if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id in SPEAKS:
                 for text in literals(node.args[0]):

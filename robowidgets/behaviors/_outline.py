@@ -196,6 +196,8 @@ def _machine(cls: type, path: str, scopes: tuple[Mapping[str, Any], ...]) -> Out
     unnamed = tuple(key for key, part in body.items() if key not in names and _is_state(key, part, events))
     unused = tuple(key for key, part in body.items() if key not in {*names, *events} and _is_lambda(key, part))
     ordered = [key for key in body if key in names or key in unnamed]
+    if not any(move.source == "*" for move in moves):  # then no move leads out of an unnamed state
+        ordered.sort(key=lambda key: key in unnamed)
     outline = Outline(
         path,
         {name: _node(name, body[name], f"{path}.{name}", (body, *scopes)) for name in ordered},

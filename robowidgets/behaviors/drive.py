@@ -43,10 +43,22 @@ class Drive:
 STANDSTILL = Drive()
 
 
+class NoDriveError(TypeError):
+    """A step returned neither a `Drive` nor None.
+
+    Args:
+        result: what it returned.
+    """
+
+    def __init__(self, result: Any) -> None:
+        super().__init__(f"expected a step to return Drive(linear, angular), or None to keep the speed, got {result!r}")
+        self.result = result
+
+
 def drive_of(result: Any, before: Drive) -> Drive:
     """The speed that a step returned; None keeps the one before."""
     if result is None:
         return before
     if not isinstance(result, Drive):
-        raise TypeError(f"expected a step to return Drive(linear, angular), or None to keep the speed, got {result!r}")
+        raise NoDriveError(result)
     return result

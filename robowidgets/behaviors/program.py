@@ -16,6 +16,7 @@ from .._core.clock import Scheduler
 from .._core.clock import scheduler as threads
 from .._core.inform import inform
 from .._core.log_once import LogOnce, call_in_thread
+from .._core.no_input import without_input
 from .._core.observed import Observed
 from .._core.platform_fixes import capture_prints, release_prints
 from .._core.policies import NO_RETURN, STEP
@@ -376,7 +377,8 @@ class Program(Observed):
                 return None
             self.steps += 1
             self.got = {name: value for name, value in values.items() if name not in GIVEN}
-        result = self._in_cell(version.function, **values)
+        with without_input():
+            result = self._in_cell(version.function, **values)
         return drive_of(result, self.returned), result is None
 
     def _fail(self, error: str, raised: BaseException | None, run: object) -> None:

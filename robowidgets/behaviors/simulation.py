@@ -63,6 +63,10 @@ class ProgramRun:
         """The active states of a machine; none of a function."""
         return self._function.active if isinstance(self._function, Machine) else ()
 
+    def call(self, values: Mapping[str, Any]) -> Any:
+        """Return what the function returns for some values, and for the state and the variables of this run."""
+        return self._function(**values, **{name: own for name, own in self._own.items() if name in self.asks_for})
+
     def step(self, time: float, samples: Mapping[str, Callable[[], Any]]) -> Drive:
         """The speed in force after a step.
 

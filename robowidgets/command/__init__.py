@@ -118,6 +118,10 @@ def _write_page(arguments: argparse.Namespace) -> None:
 
 
 def _do_lessons(arguments: argparse.Namespace) -> int:
+    if arguments.grade:
+        return _lessons.grade(arguments, _say)
+    if arguments.user is not None:
+        raise CommandError("--user says as whom the answers run: it goes with --grade")
     if arguments.summary:
         return _lessons.print_summary(arguments, _say)
     if arguments.grader:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import os
 from collections.abc import Callable
 from pathlib import Path
 
@@ -40,6 +41,15 @@ def add_lessons(parser: argparse.ArgumentParser) -> None:
         help=f"print how far the students are whose reports are in FOLDER, and write it as a page (FOLDER/{PAGE})",
     )
 
+    instead.add_argument(
+        "--grade",
+        action="store_true",
+        help="run the answers in FOLDER, each submission in a process of its own, and mark them; then as --summary",
+    )
+    parser.add_argument(
+        "--user", help="with --grade, as root: the user as whom answers run, who should have no rights, such as nobody"
+    )
+
 
 def language_of(arguments: argparse.Namespace) -> str:
     """The language that is asked for; CommandError if no lesson is written in it."""
@@ -57,9 +67,26 @@ def print_assignments(arguments: argparse.Namespace, say: Callable[[str], None])
         say(line)
 
 
+def grade(arguments: argparse.Namespace, say: Callable[[str], None]) -> int:
+    """Mark what was handed in, and print how far the class is; returns 1 when something could not be read or run."""
+    if not arguments.folder.is_dir():
+        raise CommandError(f"--grade: there is no folder {str(arguments.folder)!r}; name the one with the submissions")
+    if arguments.user is not None and (not hasattr(os, "geteuid") or os.geteuid() != 0):
+        raise CommandError("--user: only root may run answers as another user; see the page on grading for a container")
+    try:
+        lessons.grade(arguments.folder, user=arguments.user, tell=say)
+    except (KeyError, PermissionError) as error:
+        raise CommandError(f"--user: answers cannot run as {arguments.user!r}: {error}") from None
+    say("")
+    return print_summary(arguments, say)
+
+
 def print_summary(arguments: argparse.Namespace, say: Callable[[str], None]) -> int:
     """Print how far a class is, and write it as a page; returns 1 when a file could not be read."""
-    found = lessons.summary(arguments.folder)
+    try:
+        found = lessons.summary(arguments.folder)
+    except ValueError as error:  # the marks are damaged
+        raise CommandError(f"{error}; robowidgets lessons --grade {arguments.folder} writes them again") from None
     page = arguments.folder / PAGE
     found.to_html(page)
     say(str(found))

@@ -6,7 +6,7 @@ The simulator is all they need.
 from ._check import check, example
 from ._progress import LessonProgress, progress, report
 from ._result import Result
-from ._summary import ClassSummary, summary
+from ._summary import ClassSummary, grade, summary
 from ._texts import ENGLISH, languages
 
 __all__ = [
@@ -16,6 +16,7 @@ __all__ = [
     "Result",
     "check",
     "example",
+    "grade",
     "languages",
     "progress",
     "report",

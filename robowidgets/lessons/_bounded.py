@@ -8,6 +8,7 @@ from functools import wraps
 from math import inf
 from typing import Any
 
+from .._core.no_input import without_input
 from .._core.platform_fixes import capture_prints, release_prints
 from .._core.policies import ANSWER
 from .._core.user_function import error_in, line_of
@@ -83,7 +84,7 @@ class Bounded:
             def run() -> None:
                 capture_prints(self._take_print)
                 try:
-                    with hearing(self.hints.append):
+                    with hearing(self._take_hint), without_input():
                         returned.append(function(*args, **kwargs))
                 except BaseException as error:
                     raised.append(error)
@@ -137,6 +138,9 @@ class Bounded:
             if not thread.is_alive():
                 return
 
+    def _take_hint(self, text: str, **values: Any) -> None:
+        self.hints.append(say(text, **values))
+
     def _take_print(self, text: str) -> bool:
         self.prints.add(text, 0.0)
         return True
@@ -158,7 +162,7 @@ def number(answer: Any, what: str) -> float:
         return float(answer)
     except Exception:  # 10**400, and whatever an object of the answer's own raises
         raise BrokenError(
-            "it returned {answer}: expected a number, the {what}", answer=_short(answer), what=what
+            "it returned {answer}: expected a number, the {what}", answer=shown(answer), what=what
         ) from None
 
 
@@ -169,7 +173,7 @@ def yes_or_no(answer: Any) -> bool:
             return bool(answer)
     except Exception:  # an array has no truth of its own
         pass
-    raise BrokenError("it returned {answer}: expected True or False", answer=_short(answer))
+    raise BrokenError("it returned {answer}: expected True or False", answer=shown(answer))
 
 
 def pair(answer: Any, what: str) -> tuple[float, float]:
@@ -180,7 +184,7 @@ def pair(answer: Any, what: str) -> tuple[float, float]:
         first, second = answer
     except Exception:
         raise BrokenError(
-            "it returned {answer}: expected two numbers, {what}", answer=_short(answer), what=what
+            "it returned {answer}: expected two numbers, {what}", answer=shown(answer), what=what
         ) from None
     return number(first, what), number(second, what)
 
@@ -191,7 +195,8 @@ def beyond(value: float, low: float = -inf, high: float = inf, least: int = 2) -
     return next((text for text in texts if not low <= float(text) <= high), f"{value:g}")
 
 
-def _short(answer: Any) -> str:
+def shown(answer: Any) -> str:
+    """Return an answer as text of one short line."""
     try:
         text = repr(answer)
     except Exception:  # also of 10**5000

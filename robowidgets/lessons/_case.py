@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from math import degrees, isinf, isnan
+from itertools import product
+from math import degrees, isinf, isnan, sin
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from ..driving.command_watchdog import MAX_ANGULAR, MAX_LINEAR
 from ..samples import Pose, Scan
-from ..samples.sector import Asked
+from ..samples.sector import Asked, to_sector
 from ..simulator import Motors, Robot
 from ._bounded import WrongError, beyond, call, number
 from ._texts import say
@@ -23,6 +24,8 @@ MOTORS = Motors(max_linear=MAX_LINEAR, max_angular=MAX_ANGULAR)
 _EXACT_M = 0.02
 _SAME_M = 0.001
 """Metres within which a distance is taken for that of a ray."""
+_EDGE_RAD = 0.001
+"""Radians from the edge of a sector within which a ray may count or not."""
 _BESIDE_M = 0.1
 """Metres beyond the distance asked for within which a robot may have stopped for something beside its way."""
 
@@ -45,10 +48,11 @@ def nearest_in(sector: Asked, title: str, scan: Scan, hint: str) -> Case:
         hint: what to do, for an answer that took another ray.
     """
     expected, ray = scan.distance(sector), scan.nearest(sector)
+    right = _with_and_without_edges(scan, sector)
 
     def judge(answer: Answer) -> None:
         given = number(call(answer, scan), say("distance in metres"))
-        if given != expected and not abs(given - expected) <= _EXACT_M:
+        if not any(given == one or abs(given - one) <= _EXACT_M for one in right):
             origin, advice = _origin(given, scan, sector, hint)
             if ray is None:
                 raise WrongError(
@@ -67,6 +71,15 @@ def nearest_in(sector: Asked, title: str, scan: Scan, hint: str) -> Case:
             )
 
     return Case(title, scan, judge)
+
+
+def _with_and_without_edges(scan: Scan, sector: Asked) -> set[float]:
+    """Return the nearest distances in a sector with and without the rays on its edges, which rounding may leave out."""
+    between = to_sector(sector)
+    return {
+        scan.distance((between.start + start, between.end + end))
+        for start, end in product((-_EDGE_RAD, 0.0, _EDGE_RAD), repeat=2)
+    }
 
 
 def _origin(given: float, scan: Scan, sector: Asked, hint: str) -> tuple[str, str]:
@@ -122,9 +135,11 @@ def check_rest(robot: Robot, start: Pose, ahead: float, low: float, high: float)
         if left > high:
             near = robot.scan().nearest("front")
             why = say("drive closer")
-            if near is not None and near.range <= high + _BESIDE_M:
+            if near is not None and near.range <= high + _BESIDE_M and abs(sin(near.angle)) * near.range > robot.radius:
                 why = say(
-                    "what is at {angle:.0f}° is beside its way, so take a narrower sector", angle=degrees(near.angle)
+                    "drive closer; or, if it stopped for what is at {angle:.0f}°, next to its way, take a narrower "
+                    "sector",
+                    angle=degrees(near.angle),
                 )
         shown = beyond(left, low, high)
         raise WrongError(

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import Any
+from typing import Any, Protocol
 
+from ..behaviors.machine import Machine
+from ..behaviors.prints import Prints
 from ..behaviors.simulation import function_of
 from ._bounded import Bounded, BrokenError, WrongError
 from ._case import Case
@@ -46,7 +48,7 @@ def check(function: Callable[..., Any], task: str | None = None) -> Result:
         >>> def nearest_on_the_left(scan):
         ...     return scan.distance("left")
         >>> lessons.check(nearest_on_the_left)
-        nearest_on_the_left: right in all 5 cases. Well done!
+        nearest_on_the_left: right in all 8 cases. Well done!
     """
     if not callable(function):
         raise TypeError(f"check: expected the function that answers a task, without brackets, got {function!r}")
@@ -57,7 +59,20 @@ def check(function: Callable[..., Any], task: str | None = None) -> Result:
     return result
 
 
-def judged(function: Callable[..., Any], name: str, cases: Sequence[Case], bounded: Bounded) -> Result:
+class Caller(Protocol):
+    """Calls an answer, and knows what it printed and which hints it got."""
+
+    prints: Prints
+    hints: list[str]
+
+    def begin_case(self) -> None:
+        """Begin another case."""
+
+    def of(self, function: Callable[..., Any]) -> Callable[..., Any]:
+        """Return the function as it is called, which raises `WrongError` alone."""
+
+
+def judged(function: Callable[..., Any], name: str, cases: Sequence[Case], bounded: Caller) -> Result:
     """The result of a function on some cases, within limits."""
     right, wrong, told = 0, list[str](), set[str]()
     sample, fault = None, ""
@@ -75,6 +90,8 @@ def judged(function: Callable[..., Any], name: str, cases: Sequence[Case], bound
         sample, fault = (case.sample if sample is None else sample), fault or error.fault
         if isinstance(error, BrokenError):
             break
+    if wrong and (note := _note_of(function)):
+        wrong[0] = f"{wrong[0]}. {note}"
     return Result(name, wrong, right, len(cases), sample, [text for _, text in bounded.prints.lines], fault)
 
 
@@ -87,7 +104,7 @@ def example(name: str) -> Any:
     return _cases("example", name)[0].sample
 
 
-def _error_of(case: Case, function: Callable[..., Any], bounded: Bounded) -> WrongError | None:
+def _error_of(case: Case, function: Callable[..., Any], bounded: Caller) -> WrongError | None:
     try:
         answer = function_of(function)
     except (TypeError, ValueError) as error:
@@ -97,6 +114,15 @@ def _error_of(case: Case, function: Callable[..., Any], bounded: Bounded) -> Wro
     except WrongError as error:
         return error
     return None
+
+
+def _note_of(function: Callable[..., Any]) -> str:
+    """Return what the author of a state machine may have meant otherwise, or nothing."""
+    try:
+        answer = function_of(function)
+    except (TypeError, ValueError):
+        return ""
+    return answer.note if isinstance(answer, Machine) else ""
 
 
 def _cases(call: str, name: str, hint: str = "") -> Sequence[Case]:

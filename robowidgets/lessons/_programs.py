@@ -4,15 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from functools import partial
-from math import dist, inf, nan, pi
+from math import cos, dist, inf, nan, pi, radians, remainder, sin
 from typing import Any
 
 import numpy as np
 
+from ..behaviors.drive import NoDriveError
+from ..behaviors.machine import Machine
 from ..behaviors.simulation import simulate
 from ..samples import Scan
+from ..samples.state_span import spelled
 from ..simulator import Robot, Scanner, World
-from ._bounded import BrokenError, WrongError, beyond
+from ._bounded import BrokenError, WrongError, beyond, shown
 from ._case import MOTORS, Answer, Case, check_rest, nearest_in, touches, why_hit
 from ._texts import say
 
@@ -25,19 +28,29 @@ _WALL_AHEAD = (2.5, -4.0, 2.5, 4.0)
 def wall_ahead() -> Sequence[Case]:
     """Metres to the nearest thing within 20 degrees of forward."""
     world = World([_WALL_AHEAD])
-    beside = World([_WALL_AHEAD, (-1.0, 0.4, 2.5, 0.4)])
-    chair_leg = World([_WALL_AHEAD], [(1.2, 0.15, 0.02)])
+    left, right = (World([_WALL_AHEAD, (-1.0, y, 2.5, y)]) for y in (0.4, -0.4))
+    inside = [World([_WALL_AHEAD], [_post(angle)]) for angle in (19, -19)]
+    outside = World([_WALL_AHEAD], [_post(21), _post(-21)])
+    fine = Scanner(720, 2 * pi)
     failing = Scanner(dropout=0.2)
     circle = Scanner(360, 2 * pi)
     ahead = partial(nearest_in, ("-20deg", "20deg"))
+    no_farther = say("Look 20 degrees to both sides, and no farther")
     return [
         ahead(say("a wall ahead"), Robot(world, seed=11).scan(), say("Take the nearest of all rays there")),
+        ahead(say("a wall close on the left"), Robot(left, seed=11).scan(), no_farther),
+        ahead(say("a wall close on the right"), Robot(right, seed=11).scan(), no_farther),
         ahead(
-            say("a wall close beside"),
-            Robot(beside, seed=11).scan(),
-            say("Look 20 degrees to both sides, and no farther"),
+            say("a chair leg on the left"),
+            Robot(inside[0], scanner=fine, seed=11).scan(),
+            say("One ray is not enough: take a sector"),
         ),
-        ahead(say("a chair leg"), Robot(chair_leg, seed=11).scan(), say("One ray is not enough: take a sector")),
+        ahead(
+            say("a chair leg on the right"),
+            Robot(inside[1], scanner=fine, seed=11).scan(),
+            say("One ray is not enough: take a sector"),
+        ),
+        ahead(say("chair legs beyond 20 degrees"), Robot(outside, scanner=fine, seed=11).scan(), no_farther),
         ahead(
             say("rays that fail"),
             Robot(world, scanner=failing, seed=11).scan(),
@@ -51,17 +64,24 @@ def wall_ahead() -> Sequence[Case]:
     ]
 
 
+def _post(angle: float) -> tuple[float, float, float]:
+    """Return an obstacle 1.2 m away, at an angle in degrees, which covers less than one degree."""
+    return 1.2 * cos(radians(angle)), 1.2 * sin(radians(angle)), 0.01
+
+
 # -- stop before a wall ------------------------------------------------------------------------------------------------
 
 
 def stop_before_wall() -> Sequence[Case]:
     """Come to rest 0.5 m from the wall ahead."""
-    beside = (1.0, 0.3, 2.5, 0.3)
-    leg = (1.5, 0.05, 0.02)
+    beside, other = (1.0, 0.3, 2.5, 0.3), (1.0, -0.3, 2.5, -0.3)
+    left, right = (1.5, 0.05, 0.02), (1.5, -0.05, 0.02)
     return [
         _stop(say("a wall ahead"), World([_WALL_AHEAD]), _WALL_AHEAD[0]),
-        _stop(say("a wall ahead, and one close beside the way"), World([_WALL_AHEAD, beside]), _WALL_AHEAD[0]),
-        _stop(say("a chair leg ahead"), World([_WALL_AHEAD], [leg]), leg[0] - leg[2]),
+        _stop(say("a wall ahead and one close on the left"), World([_WALL_AHEAD, beside]), _WALL_AHEAD[0]),
+        _stop(say("a wall ahead and one close on the right"), World([_WALL_AHEAD, other]), _WALL_AHEAD[0]),
+        _stop(say("a chair leg ahead, to the left"), World([_WALL_AHEAD], [left]), left[0] - left[2]),
+        _stop(say("a chair leg ahead, to the right"), World([_WALL_AHEAD], [right]), right[0] - right[2]),
         _blind(say("a covered scanner, which sends NaN alone")),
     ]
 
@@ -174,7 +194,14 @@ def back_off() -> Sequence[Case]:
     return [
         _bump(say("a low box ahead"), hall, (1.2, 0.0, 0.1)),
         _bump(say("a low box a little to the left"), hall, (1.2, 0.12, 0.1)),
+        _bump(say("a low box a little to the right"), hall, (1.2, -0.12, 0.1)),
     ]
+
+
+_TURNED = 0.3
+"""Radians from the way on which it bumped, after which a robot has turned away from a box."""
+_WENT_ON = 1.0
+"""Metres forward after which it has driven on."""
 
 
 class _Overlooked(Robot):
@@ -193,11 +220,17 @@ class _Overlooked(Robot):
 def _bump(title: str, world: World, box: tuple[float, float, float]) -> Case:
     def judge(answer: Answer) -> None:
         robot = _Overlooked(world, box)
-        touched_at, bumps, was_touched = inf, 0, False
+        touched_at, bumped_yaw, bumps, was_touched = inf, 0.0, 0, False
+        turned, went, before = 0.0, 0.0, robot.pose
         for _ in _steps(answer, robot, 30):
-            touched = touches(robot)
+            touched, pose = touches(robot), robot.pose
+            if bumps and not touched:
+                turned = max(turned, abs(remainder(pose.yaw - bumped_yaw, 2 * pi)))
+                forward = (pose.x - before.x) * cos(pose.yaw) + (pose.y - before.y) * sin(pose.yaw)
+                went += max(forward, 0.0) if turned > _TURNED else 0.0
+            before = pose
             if touched and not was_touched:
-                touched_at, bumps = robot.time, bumps + 1
+                touched_at, bumps, bumped_yaw = robot.time, bumps + 1, robot.pose.yaw
             was_touched = touched
             if touched and robot.time > touched_at + 1:
                 raise WrongError(
@@ -208,6 +241,12 @@ def _bump(title: str, world: World, box: tuple[float, float, float]) -> Case:
                 raise WrongError("it bumped into the same box for the fourth time: after driving back, turn for longer")
         if not bumps:
             raise WrongError("it did not come to the box within 30 s: drive on while there is room ahead")
+        if turned < _TURNED:
+            raise WrongError("it did not turn after it bumped into the box: drive back, then turn, then drive on")
+        if went < _WENT_ON:
+            raise WrongError(
+                "after it turned it drove only {way:.1f} m forward: after driving back and turning, drive on", way=went
+            )
         if dist(robot.pose[:2], box[:2]) < 0.8:
             raise WrongError("30 s later it is still beside the box: after driving back, turn, and drive on")
 
@@ -219,11 +258,25 @@ def _bump(title: str, world: World, box: tuple[float, float, float]) -> Case:
 
 def _steps(program: Any, robot: Robot, seconds: float) -> Iterator[None]:
     """Have a program drive a robot; `BrokenError` where it is no program, or never drives."""
-    start = robot.pose
+    start, states = robot.pose, set[str]()
+    machine = getattr(program, "__wrapped__", program)  # within its limits
     try:
-        for _ in simulate(program, robot, seconds):
+        for step in simulate(program, robot, seconds):
+            states.update(machine.active if isinstance(machine, Machine) else step.active)
             yield
+    except NoDriveError as error:
+        raise BrokenError(
+            "expected a step to return Drive(linear, angular), or None to keep the speed, got {answer}",
+            answer=shown(error.result),
+        ) from None
     except (TypeError, ValueError) as error:
         raise BrokenError("{error}", error=error) from None
+    if robot.pose == start and seconds > 10 and len(states) == 1:
+        raise BrokenError(
+            "it did not move in {seconds:g} s: it begins in the state {state}, the first in its class, and no move led "
+            "out of it",
+            seconds=seconds,
+            state=spelled(states.pop()),
+        )
     if robot.pose == start and seconds > 10:
         raise BrokenError("it did not move in {seconds:g} s: does it return a Drive with a speed?", seconds=seconds)

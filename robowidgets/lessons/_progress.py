@@ -54,7 +54,14 @@ _GIVEN = frozenset(
 
 
 class ReportError(ValueError):
-    """A file is no report of a student, or a damaged one; says what is wrong with it."""
+    """A file is no report of a student, or a damaged one; says what is wrong with it, in the language of the lesson.
+
+    Args:
+        text: English, with a field in braces for each value: as `say` takes it.
+    """
+
+    def __init__(self, text: str, **values: Any) -> None:
+        super().__init__(say(text, **values))
 
 
 @dataclass(frozen=True)
@@ -284,33 +291,46 @@ def read(file: Path) -> dict[str, Task]:
         OSError: it cannot be read.
     """
     if file.stat().st_size > LONGEST_FILE:
-        raise ReportError(f"{file.name} is too large for a report: {file.stat().st_size / 1e6:.1f} MB")
+        raise ReportError(
+            "{file} is too large for a report: {size:.1f} MB", file=file.name, size=file.stat().st_size / 1e6
+        )
     try:
         held = json.loads(file.read_bytes())
     except (ValueError, RecursionError) as error:
-        raise ReportError(f"{file.name} is damaged: {error}") from None
+        raise ReportError("{file} is damaged: {error}", file=file.name, error=error) from None
     if not isinstance(held, dict) or held.get("kind") != KIND:
-        raise ReportError(f"{file.name} is no report of the lessons")
+        raise ReportError("{file} is no report of the lessons", file=file.name)
     if held.get("version") != 1:
-        raise ReportError(f"{file.name} is of version {held.get('version')!r:.20}, and this robowidgets reads 1")
+        raise ReportError(
+            "{file} is of version {version}, and this robowidgets reads 1",
+            file=file.name,
+            version=repr(held.get("version"))[:20],
+        )
     tasks = held.get("tasks")
     if not isinstance(tasks, dict):
-        raise ReportError(f"{file.name} is damaged: it has no tasks")
-    return {task: _task(file, task, row) for task, row in tasks.items()}
+        raise ReportError("{file} is damaged: it has no tasks", file=file.name)
+    return {task: task_in(file, task, row) for task, row in tasks.items()}
 
 
-def _task(file: Path, name: str, row: Any) -> Task:
+def task_in(file: Path, name: str, row: Any) -> Task:
+    """Return a task as a row of a file has it; ReportError if it is damaged."""
     if name not in TASKS:
-        raise ReportError(f"{file.name} has a task that is not known here: {name!r:.60}")
+        raise ReportError("{file} has a task that is not known here: {name}", file=file.name, name=repr(name)[:60])
     if not isinstance(row, dict):
-        raise ReportError(f"{file.name} is damaged at {name}")
+        raise ReportError("{file} is damaged at {name}", file=file.name, name=name)
     empty = Task()
     values: dict[str, Any] = {}
     for field in fields(Task):
         default = getattr(empty, field.name)
         value = row.get(field.name, default)
         if type(value) is not type(default) or (isinstance(value, int) and not 0 <= value < 1_000_000):
-            raise ReportError(f"{file.name} is damaged at {name}: {field.name} is {value!r:.60}")
+            raise ReportError(
+                "{file} is damaged at {name}: {field} is {value}",
+                file=file.name,
+                name=name,
+                field=field.name,
+                value=repr(value)[:60],
+            )
         values[field.name] = encodable(value[:LONGEST_ANSWER]) if isinstance(value, str) else value
     return replace(empty, **values)
 

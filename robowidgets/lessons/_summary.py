@@ -5,12 +5,15 @@ from __future__ import annotations
 import os
 import re
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from html import escape
 from pathlib import Path
 from typing import NamedTuple
 
+from ._grading import GRADES, NO_ANSWER, Grade, mark, read_grades, read_submission, submissions, write_grades
 from ._progress import FILE, TASKS, ReportError, Task, encodable, read
+
+_CLAIMED = "Not graded: this is what the students' computers wrote. robowidgets lessons --grade runs the answers"
 
 STUCK = 3
 """Different answers that were wrong, from which on a student counts as stuck."""
@@ -32,10 +35,14 @@ class ClassSummary:
 
     Args:
         students: the tasks of each, by name.
-        problems: a line for each file that is no report, or damaged.
+        problems: a line for each submission, or file, that is empty, damaged or no report.
+        is_graded: True if the answers were run by the grader; else the tasks are what the students' computers wrote.
     """
 
-    def __init__(self, students: Mapping[str, Mapping[str, Task]], problems: Iterable[str] = ()) -> None:
+    def __init__(
+        self, students: Mapping[str, Mapping[str, Task]], problems: Iterable[str] = (), *, is_graded: bool = False
+    ) -> None:
+        self.is_graded = is_graded
         self.students = {name: dict(students[name]) for name in sorted(students, key=str.casefold)}
         self.problems = tuple(problems)
 
@@ -55,16 +62,34 @@ class ClassSummary:
         numbers = "".join(f"{number:>4}" for number in range(1, len(TASKS) + 1))
         lines = [f"{'':{width}}{numbers}  done"]
         for name, tasks in self.students.items():
-            marks = "".join(f"{_mark(tasks.get(task)):>4}" for task in TASKS)
+            marks = "".join(f"{self._mark(tasks.get(task)):>4}" for task in TASKS)
             lines.append(f"{_plain(name):{width}}{marks}{_done(tasks):>6}")
         lines.append(f"{'done by':{width}}{''.join(f'{self._done_by(task):>4}' for task in TASKS)}")
         lines += ["", *(f"{number:>4}  {task}" for number, task in enumerate(TASKS, 1))]
-        lines.append(f"   ✓  done;  a number: different answers that were wrong; {STUCK} or more: stuck")
+        numbers = (
+            "✗  wrong" if self.is_graded else f"a number: different answers that were wrong; {STUCK} or more: stuck"
+        )
+        lines.append(f"   {self._mark(Task(done=True))}  done;  {numbers}")
+        lines += [] if self.is_graded else ["", _CLAIMED]
         for fault in self.stuck:
             names = ", ".join(map(_plain, fault.students))
             lines += ["", f"{len(fault.students)} stuck at {fault.task}: {names}"]
             lines += [f"  {count} ×  {_plain(text)}" for text, count in fault.faults if text]
         return "\n".join([*lines, *(f"\nnot read: {_plain(problem)}" for problem in self.problems)])
+
+    def _mark(self, task: Task | None) -> str:
+        if task is None:
+            return "·"
+        if task.done:
+            return "✓" if self.is_graded else "✓?"
+        return "✗" if self.is_graded else str(task.tries)
+
+    def _cell(self, name: str, task: Task | None) -> str:
+        if task is None:
+            return "<td></td>"
+        kind = ("yes" if self.is_graded else "claimed") if task.done else "stuck" if _is_stuck(task) else "try"
+        told = f"{name}: {'done' if task.done else task.wrong}"
+        return f'<td class="rw-{kind}" title="{escape(told, quote=True)}">{self._mark(task)}</td>'
 
     def _done_by(self, task: str) -> int:
         return sum(task in tasks and tasks[task].done for tasks in self.students.values())
@@ -72,7 +97,7 @@ class ClassSummary:
     def _repr_html_(self) -> str:
         head = "".join(f'<th class="rw-task"><span>{escape(task.replace("_", " "))}</span></th>' for task in TASKS)
         rows = "".join(
-            f"<tr><th>{escape(name)}</th>{''.join(_cell(task, tasks.get(task)) for task in TASKS)}"
+            f"<tr><th>{escape(name)}</th>{''.join(self._cell(task, tasks.get(task)) for task in TASKS)}"
             f"<td class='rw-done'>{_done(tasks)}</td></tr>"
             for name, tasks in self.students.items()
         )
@@ -86,10 +111,19 @@ class ClassSummary:
             f'<div class="rw-class"><style>{_STYLE}</style>'
             f"<table><thead><tr><th></th>{head}<th>done</th></tr></thead><tbody>{rows}</tbody>"
             f"<tfoot><tr><th>done by, of {len(self.students)}</th>{bars}<td></td></tr></tfoot></table>"
-            f'<p><span><b class="rw-yes">✓</b> done</span><span><b class="rw-try">1</b> wrong answers so far</span>'
-            f'<span><b class="rw-stuck">{STUCK}</b> stuck: {STUCK} or more different answers were wrong</span></p>'
+            f"{self._legend()}"
             f"{''.join(self._stuck_html())}"
             f"{f'<h3>Not read</h3><ul>{problems}</ul>' if problems else ''}</div>"
+        )
+
+    def _legend(self) -> str:
+        if self.is_graded:
+            return '<p><span><b class="rw-yes">✓</b> done</span><span><b class="rw-try">✗</b> wrong</span></p>'
+        return (
+            '<p><span><b class="rw-claimed">✓?</b> done</span>'
+            '<span><b class="rw-try">1</b> wrong answers so far</span>'
+            f'<span><b class="rw-stuck">{STUCK}</b> stuck: {STUCK} or more different answers were wrong</span></p>'
+            f"<p>{escape(_CLAIMED)}</p>"
         )
 
     def _stuck_html(self) -> Iterator[str]:
@@ -120,14 +154,19 @@ def summary(folder: str | os.PathLike[str]) -> ClassSummary:
     Reports are files that `report` wrote, each with the name of its student, and the ``robowidgets-progress.json`` of
     notebooks' folders, which belong to the student of the one report beside it, or after whom the first folder is
     named. One with notebooks and no report is of a student who has answered nothing. A file that is damaged, or none of
-    these, is named in ``problems``. Nothing in them is run.
+    these, is named in ``problems``, as is an empty or damaged notebook. Nothing in them is run: what was not graded is
+    what the students' computers wrote. After ``robowidgets lessons --grade`` it has the marks, and no claims.
 
     Raises:
         NotADirectoryError: there is no such folder.
+        ReportError: the file with the marks is damaged.
     """
     root = Path(folder)
     if not root.is_dir():
         raise NotADirectoryError(f"summary: there is no folder {str(folder)!r}; name the one with the reports")
+    grades = read_grades(root)
+    if grades is not None:
+        return _graded(root, grades)
     found, problems = list[tuple[Path, dict[str, Task]]](), list[str]()
     for within in _files(root, "*.json"):
         file = root / within
@@ -150,13 +189,54 @@ def summary(folder: str | os.PathLike[str]) -> ClassSummary:
     for file in _files(root, "*.ipynb"):
         if len(file.parts) > 1 and file.parts[0] not in told:
             students.setdefault(encodable(file.parts[0]), {})
+        if (problem := read_submission(root / file).problem) and not problem.startswith(NO_ANSWER):
+            problems.append(f"{file}: {problem}")
     return ClassSummary(students, map(encodable, problems))
+
+
+def grade(
+    folder: str | os.PathLike[str], *, user: str | int | None = None, tell: Callable[[str], None] = lambda _: None
+) -> ClassSummary:
+    """Mark what a class handed in, and return how far it is.
+
+    The answers in each notebook and report run in a process of their own, and are judged in this one: what they claim,
+    print, replace or write counts nothing. The marks are kept in the folder, for `summary`. That process has the rights
+    of whoever grades, unless another user is named: grade in a container, or as a user without rights.
+
+    Args:
+        folder: with the submissions, at any depth.
+        user: as whom answers run; others than oneself need root.
+        tell: takes a line for each submission that is done.
+
+    Raises:
+        NotADirectoryError: there is no such folder.
+        KeyError: there is no such user. PermissionError: answers may not run as this user.
+    """
+    root = Path(folder)
+    if not root.is_dir():
+        raise NotADirectoryError(f"grade: there is no folder {str(folder)!r}; name the one with the submissions")
+    write_grades(root, mark(root, user=user, tell=tell))
+    return summary(root)
+
+
+def _graded(root: Path, grades: Mapping[str, Grade]) -> ClassSummary:
+    """Return the marks of a class; a submission that came later is named as one without."""
+    late = [name for name in dict.fromkeys(name for name, _ in submissions(root)) if name not in grades]
+    problems = [f"{name}: {made.problem}" for name, made in grades.items() if made.problem]
+    problems += [f"{name}: not graded yet: robowidgets lessons --grade {root}" for name in late]
+    return ClassSummary(
+        {**{name: made.tasks for name, made in grades.items()}, **{name: {} for name in late}}, problems, is_graded=True
+    )
 
 
 def _files(root: Path, pattern: str) -> list[Path]:
     """The files of a pattern at any depth, within their root, but for hidden ones."""
     within = (file.relative_to(root) for file in sorted(root.rglob(pattern)))
-    return [file for file in within if not any(part.startswith(".") for part in file.parts)]
+    return [
+        file
+        for file in within
+        if not any(part.startswith(".") for part in file.parts) and file.name != GRADES and not (root / file).is_dir()
+    ]
 
 
 def _is_stuck(task: Task | None) -> bool:
@@ -165,18 +245,6 @@ def _is_stuck(task: Task | None) -> bool:
 
 def _done(tasks: Mapping[str, Task]) -> int:
     return sum(task.done for task in tasks.values())
-
-
-def _mark(task: Task | None) -> str:
-    return "·" if task is None else "✓" if task.done else str(task.tries)
-
-
-def _cell(name: str, task: Task | None) -> str:
-    if task is None:
-        return "<td></td>"
-    kind = "yes" if task.done else "stuck" if _is_stuck(task) else "try"
-    told = f"{name}: {'done' if task.done else task.wrong}"
-    return f'<td class="rw-{kind}" title="{escape(told, quote=True)}">{_mark(task)}</td>'
 
 
 def _plain(text: str) -> str:
@@ -202,6 +270,7 @@ _STYLE = """
 .rw-class p { display: flex; flex-wrap: wrap; gap: .2em .8em; }
 .rw-class p b { display: inline-block; min-width: 1.6em; text-align: center; border-radius: 3px; }
 .rw-class .rw-yes { background: #1f7a46; color: #fff; }
+.rw-class .rw-claimed { background: none; box-shadow: inset 0 0 0 2px #1f7a46; }
 .rw-class .rw-try { background: #f0d48a; color: #000; }
 .rw-class .rw-stuck { background: #c2410c; color: #fff; font-weight: 600; }
 .rw-class pre { padding: .6em; border-left: 3px solid #8885; overflow-x: auto; }

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
-from math import inf, isfinite, nan, pi, radians
+from math import cos, inf, isfinite, nan, pi, radians, sin
 
 import numpy as np
 
@@ -16,6 +16,8 @@ from ._case import MOTORS, Answer, Case, check_rest, nearest_in, touches, why_hi
 from ._texts import say
 
 _STEP_S = 0.1
+_SPEED_OFF = 0.015
+"""m/s by which a speed that is asked for may differ."""
 
 _FASTEST, _FASTEST_TURN = 2.0, 2 * pi
 """m/s and rad/s, beyond which a small robot does not drive."""
@@ -32,11 +34,17 @@ def nearest_on_the_left() -> Sequence[Case]:
     zeros = replace(hall, ranges=np.where(np.arange(len(hall)) % 3 == 0, np.float32(0), hall.ranges))
     free = Robot(World([(2.0, -4.0, 2.0, 1.5)]), seed=6).scan()
     on_the_left = partial(nearest_in, "left")
+    look = say('Look on the left alone, as scan.distance("left") does')
     return [
         on_the_left(say("a hall"), hall, say('scan.distance("left") takes the nearest of all rays there')),
         on_the_left(
-            say("something near on the right"), near_right, say('Look on the left alone, as scan.distance("left") does')
+            say("something near on the right"),
+            near_right,
+            look,
         ),
+        on_the_left(say("posts just before and just behind the left"), _posts(42, 138), look),
+        on_the_left(say("a post at the front end of the left"), _posts(48), look),
+        on_the_left(say("a post at the rear end of the left"), _posts(132), look),
         on_the_left(
             say("a scanner that counts clockwise"),
             _clockwise(circle),
@@ -47,6 +55,13 @@ def nearest_on_the_left() -> Sequence[Case]:
         ),
         on_the_left(say("nothing on the left"), free, say("The least of nothing is inf: there is room")),
     ]
+
+
+def _posts(*angles: float) -> Scan:
+    """Return the scan of posts 0.7 m away, at angles in degrees, in a room."""
+    room = [(-2.0, -2.0, 2.0, -2.0), (2.0, -2.0, 2.0, 2.0), (2.0, 2.0, -2.0, 2.0), (-2.0, 2.0, -2.0, -2.0)]
+    posts = [(0.7 * cos(radians(angle)), 0.7 * sin(radians(angle)), 0.02) for angle in angles]
+    return Robot(World(room, posts), scanner=Scanner(720, 2 * pi), seed=18).scan()
 
 
 def _clockwise(scan: Scan) -> Scan:
@@ -71,6 +86,10 @@ def fits_through() -> Sequence[Case]:
         say("a gap of 0.4 m"): (0.4, 0.0),
         say("a gap of 0.75 m, to the right"): (0.75, -0.4),
         say("a gap of 0.5 m, to the left"): (0.5, 0.5),
+        say("a gap of 0.62 m, to the left"): (0.62, 0.4),
+        say("a gap of 0.62 m, to the right"): (0.62, -0.4),
+        say("a gap of 0.57 m, to the left"): (0.57, 0.4),
+        say("a gap of 0.57 m, to the right"): (0.57, -0.4),
         say("no gap"): (0.0, 0.0),
     }
     return [_gap(title, *gap) for title, gap in widths.items()]
@@ -100,7 +119,7 @@ def _gap(title: str, width: float, centre: float) -> Case:
 def stop_at_wall() -> Sequence[Case]:
     """The speed forward, for each scan, with which the robot comes to rest 0.4 m from the wall ahead."""
     ahead = (2.5, -3.0, 2.5, 3.0)
-    beside = (0.5, 0.26, 2.5, 0.26)
+    beside, other = (0.5, 0.26, 2.5, 0.26), (0.5, -0.26, 2.5, -0.26)
     covered = Robot(World([ahead]), seed=8).scan()
     covered = replace(covered, ranges=np.full(len(covered), nan, np.float32))
 
@@ -116,7 +135,8 @@ def stop_at_wall() -> Sequence[Case]:
     left, right = (1.5, 0.05, 0.02), (1.5, -0.05, 0.02)  # no single ray sees both
     return [
         _stop(say("a wall ahead"), World([ahead]), ahead[0]),
-        _stop(say("a wall ahead and one close beside"), World([ahead, beside]), ahead[0]),
+        _stop(say("a wall ahead and one close on the left"), World([ahead, beside]), ahead[0]),
+        _stop(say("a wall ahead and one close on the right"), World([ahead, other]), ahead[0]),
         _stop(say("a chair leg ahead, to the left"), World([ahead], [left]), left[0] - left[2]),
         _stop(say("a chair leg ahead, to the right"), World([ahead], [right]), right[0] - right[2]),
         Case(say("a covered scanner, which sends NaN alone"), covered, blind),
@@ -169,13 +189,19 @@ def bumper_reflex() -> Sequence[Case]:
         return "" if linear < 0 else say("back up: the speed forward is below 0")
 
     def unknown(linear: float, turn: float) -> str:
-        return "" if linear == turn == 0 else say("None is no False: stand still while a bumper is unknown")
+        return "" if linear == turn == 0 else say("None means unknown, not free: stand still until the bumper is known")
 
     return [
         _reflex(say("nothing touched"), (False, False, False), free),
         _reflex(say("the left one touched"), (True, False, False), left),
         _reflex(say("the right one touched"), (False, False, True), right),
         _reflex(say("the center one touched"), (False, True, False), centre),
+        _reflex(say("the left and the right one touched"), (True, False, True), centre),
+        _reflex(say("the left one unknown"), (None, False, False), unknown),
+        _reflex(say("the center one unknown"), (False, None, False), unknown),
+        _reflex(say("the right one unknown"), (False, False, None), unknown),
+        _reflex(say("the left one unknown, the right one touched"), (None, False, True), unknown),
+        _reflex(say("the right one unknown, the left one touched"), (True, False, None), unknown),
         _reflex(say("all unknown"), (None, None, None), unknown),
     ]
 
@@ -225,10 +251,11 @@ def slow_in_doorway() -> Sequence[Case]:
     # Two faces of a wall, and its ends: a wall without thickness is invisible from the doorway.
     faces = [(x, side * 0.5, x, side * 2.0) for x in (-0.05, 0.05) for side in (-1, 1)]
     door = [*faces, (-0.05, -0.5, 0.05, -0.5), (-0.05, 0.5, 0.05, 0.5)]
-    beside = [(-4.0, 0.4, 4.0, 0.4)]
+    left, right = (-4.0, 0.4, 4.0, 0.4), (-4.0, -0.4, 4.0, -0.4)
     return [
         _doorway(say("through a door"), World([*room, *door]), has_door=True),
-        _doorway(say("along a wall on the left"), World([*room, *beside]), has_door=False),
+        _doorway(say("along a wall on the left"), World([*room, left]), has_door=False),
+        _doorway(say("along a wall on the right"), World([*room, right]), has_door=False),
     ]
 
 
@@ -237,7 +264,7 @@ def _doorway(title: str, world: World, *, has_door: bool) -> Case:
 
     def judge(answer: Answer) -> None:
         robot = Robot(world, (-3.0, 0.0, 0.0), motors=MOTORS, seed=10)
-        fastest_inside, slowest_outside = 0.0, inf
+        slowest_inside, fastest_inside, slowest_outside = inf, 0.0, inf
         while robot.pose.x < 2.5:
             if robot.time > 40:
                 way = robot.pose.x + 3
@@ -245,14 +272,18 @@ def _doorway(title: str, world: World, *, has_door: bool) -> Case:
             _drive(robot, answer)
             x, speed = robot.pose.x, robot.speed().linear[0]
             if has_door and abs(x) < 0.05:
-                fastest_inside = max(fastest_inside, speed)
+                slowest_inside, fastest_inside = min(slowest_inside, speed), max(fastest_inside, speed)
             if (abs(x) > 1.0 or not has_door) and robot.time > 1.0:
                 slowest_outside = min(slowest_outside, speed)
-        if fastest_inside > 0.25:
+        if slowest_inside < 0.2 - _SPEED_OFF:
+            raise WrongError(
+                "it drives through the door with {speed:.2f} m/s: 0.2 m/s is asked for", speed=slowest_inside
+            )
+        if fastest_inside > 0.2 + _SPEED_OFF:
             raise WrongError(
                 "it drives through the door with {speed:.2f} m/s: 0.2 m/s is asked for", speed=fastest_inside
             )
-        if slowest_outside < 0.4:
+        if slowest_outside < 0.5 - 2 * _SPEED_OFF:
             raise WrongError(
                 "in the open it drives with {speed:.2f} m/s: 0.5 m/s is asked for"
                 if has_door

@@ -8,23 +8,29 @@ import warnings
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from types import FrameType
+from typing import Any
 
 _OURS = __name__.partition(".")[0]
 _of_thread = threading.local()
 
 
-def give_hint(text: str) -> None:
-    """Give a hint to who hears those of this thread; else it is a warning, which Python shows once for a line."""
-    take: Callable[[str], object] | None = getattr(_of_thread, "take", None)
+def give_hint(text: str, **values: Any) -> None:
+    """Give a hint to who hears those of this thread; else it is a warning, which Python shows once for a line.
+
+    Args:
+        text: English, as a literal, with fields as of `str.format`.
+        values: of the fields.
+    """
+    take: Callable[..., object] | None = getattr(_of_thread, "take", None)
     if take is not None:
-        take(text)
+        take(text, **values)
     else:
-        warnings.warn(text, stacklevel=_callers_depth())
+        warnings.warn(text.format(**values), stacklevel=_callers_depth())
 
 
 @contextmanager
-def hearing(take: Callable[[str], object]) -> Iterator[None]:
-    """Pass the hints of the calling thread to a function."""
+def hearing(take: Callable[..., object]) -> Iterator[None]:
+    """Pass the hints of the calling thread to a function, which takes what `give_hint` takes."""
     _of_thread.take = take
     try:
         yield

@@ -167,8 +167,13 @@ def to_sector(sector: Any) -> Sector:
         given, swapped = f"({angle_code(found.start)}, {angle_code(found.end)})", angles_code(Sector(end, start))
         long, short = (f"{decimals(degrees(angle), 1)}°" for angle in (found.sweep, 2 * pi - found.sweep))
         give_hint(
-            f"sector {given} covers {long}: it goes counter-clockwise from the first angle to the second. {swapped} "
-            f"covers the {short} between them: are the two swapped? If not, {angles_code(found)} says so"
+            "sector {given} covers {long}: it goes counter-clockwise from the first angle to the second. {swapped} "
+            "covers the {short} between them: are the two swapped? If not, {as_meant} says so",
+            given=given,
+            long=long,
+            swapped=swapped,
+            short=short,
+            as_meant=angles_code(found),
         )
     return found
 

@@ -117,6 +117,8 @@ class Robot(Observed):
             raise ValueError(f"radius: expected metres above 0, got {radius!r}")
         self._pose = self._fitting(*to_pose("pose", world.start if pose is None else pose))
         self._start = world, self._pose
+        self.resets = 0
+        """How often `reset` was called."""
         self._command: BodyVelocity = (0.0, 0.0, 0.0)
         self._speeds: BodyVelocity = (0.0, 0.0, 0.0)
         self._time_ns = 0
@@ -194,8 +196,13 @@ class Robot(Observed):
             self._pose = pose
         self._call_observers()
 
-    def place(self, world: World, pose: Pose) -> None:
+    def place(self, world: World, pose: Pose, *, odometry: Pose | None = None) -> None:
         """Put the robot into a world at a pose; it keeps its speed.
+
+        Args:
+            world: the world.
+            pose: the pose in it.
+            odometry: the pose from which the odometry counts on, or None to leave it as it is.
 
         Raises:
             ValueError: the body does not fit there.
@@ -203,11 +210,17 @@ class Robot(Observed):
         with self._lock:
             self._check_room(world, pose.x, pose.y, self.radius - _EXACT)
             self._world, self._pose = world, pose
+            if odometry is not None:
+                self._odometry = odometry
         self._call_observers()
 
     def reset(self) -> None:
-        """Put the robot, and the obstacles and walls of its world, where they were at the start. Time goes on."""
-        self.place(*self._start)
+        """Put the robot, its odometry, and the obstacles and walls of its world as they were at the start.
+
+        Time goes on.
+        """
+        self.resets += 1
+        self.place(*self._start, odometry=self._start[1])
 
     def drive(self, linear: float, angular: float, lateral: float = 0.0) -> None:
         """Command a speed, m/s forward, rad/s counter-clockwise and m/s to the left, until the next call.

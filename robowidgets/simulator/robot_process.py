@@ -70,7 +70,7 @@ class RobotProcess:
         """The thread in which the robot follows the other one."""
         self._edits = 0
         """Number of changes that were sent to the process; what it sent before the last one is no news."""
-        self._known = (robot.pose, robot.world)
+        self._known = robot.pose, robot.world, robot.resets
         """What both processes have, as far as this one knows."""
         robot.observe(self._on_edit)
 
@@ -172,7 +172,7 @@ class RobotProcess:
             edits, snapshot = value
             if edits == self._edits:
                 self._robot.restore(snapshot)
-                self._known = self._robot.pose, self._known[1]
+                self._known = self._robot.pose, *self._known[1:]
         elif name == WORLD:
             self._robot.restore({**self._robot.snapshot(), "_world": value})
         else:
@@ -181,12 +181,13 @@ class RobotProcess:
     def _on_edit(self) -> None:
         """Send what was changed of the robot here. It is called, too, when the robot follows the other."""
         if threading.current_thread() is not self._follower:
-            robot, (pose, world), self._edits = self._robot, self._known, self._edits + 1
-            self._known = robot.pose, robot.world
+            robot, (pose, world, resets), self._edits = self._robot, self._known, self._edits + 1
+            self._known = robot.pose, robot.world, robot.resets
             with contextlib.suppress(OSError):  # the next process gets the robot as it is then
                 moved = None if robot.pose == pose else robot.pose
                 changed = None if robot.world is world else robot.world
-                self._tell("edit", self._edits, moved, changed)
+                odometry = None if robot.resets == resets else robot.odometry
+                self._tell("edit", self._edits, moved, changed, odometry)
 
     def _tell(self, *message: Any) -> None:
         with self._writing:
@@ -265,9 +266,9 @@ def serve() -> None:
         while True:
             act, *rest = pickle.load(given)
             if act == "edit":
-                edits, pose, world = rest
+                edits, pose, world, odometry = rest
                 try:
-                    robot.place(world or robot.world, pose or robot.pose)
+                    robot.place(world or robot.world, pose or robot.pose, odometry=odometry)
                 except ValueError:  # it has moved to where there is no room for that any more
                     outbox.put(WORLD, robot.world)
             else:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import builtins
+import getpass
 import itertools
 import math
 import re
@@ -120,8 +122,23 @@ class TestWrongAnswers:
 
     def test_a_notebook_gets_a_list_in_which_texts_are_no_markup(self) -> None:
         shown = check("nearest_on_the_left", lambda _scan: "<b>2</b>")._repr_html_()
-        assert shown.startswith("<div>nearest_on_the_left: right in 0 of 5 cases. Still wrong:</div><ul><li>a hall: ")
+        assert shown.startswith("<div>nearest_on_the_left: right in 0 of 8 cases. Still wrong:</div><ul><li>a hall: ")
         assert "&lt;b&gt;2&lt;/b&gt;" in shown
+
+    def test_an_answer_that_asks_for_input_gets_an_error_and_asks_nobody(self, monkeypatch: pytest.MonkeyPatch) -> None:
+        asked: list[str] = []
+
+        def ask(prompt: str = "") -> str:
+            asked.append(prompt)
+            return "0.5"
+
+        monkeypatch.setattr(builtins, "input", ask)
+        monkeypatch.setattr(getpass, "getpass", ask)
+        for question in (lambda _scan: float(input("metres? ")), lambda _scan: float(getpass.getpass())):
+            (line,) = check("nearest_on_the_left", question).wrong
+            assert line.endswith("input() cannot ask while a robot waits: write the value into the code")
+        assert asked == []
+        assert (builtins.input, getpass.getpass) == (ask, ask)
 
     def test_what_exits_or_interrupts_itself_is_an_error_too(self) -> None:
         def leave(_sample: Any) -> float:
@@ -149,7 +166,7 @@ class TestWrongAnswers:
             ("stop_at_wall", lambda _scan: math.nan, "it returned nan m/s"),
             ("slow_in_doorway", lambda scan: 0.3 * scan.distance("front"), "it returned inf m/s"),
             ("stop_at_wall", lambda _scan: 0.05, "after 25 s it still drives with 0.05 m/s"),
-            ("stop_at_wall", lambda _scan: 0, "one close beside: it did not move in 25 s: return a speed above 0"),
+            ("stop_at_wall", lambda _scan: 0, "one close on the left: it did not move in 25 s: return a speed above 0"),
             (
                 "stop_at_wall",
                 lambda scan: 0.3 * (scan.ranges[len(scan) // 2] > 0.5),
@@ -166,7 +183,7 @@ class TestWrongAnswers:
             ("nearest_on_the_left", lambda _scan: 0.0, "No ray says 0. Is it computed from the scan?"),
             ("bumper_reflex", lambda _touch: (0.3, 0.0), "back up and turn right"),
             ("bumper_reflex", lambda touch: (-0.3 * any(touch.touched.values()), 0.0), "drive forward"),
-            ("bumper_reflex", lambda touch: (-0.3 if any(touch.touched.values()) else 0.3, 0), "None is no False"),
+            ("bumper_reflex", lambda touch: (-0.3 if any(touch.touched.values()) else 0.3, 0), "None means unknown"),
             ("slow_in_doorway", lambda _scan: 0.5, "it drives through the door with 0.50 m/s"),
             ("slow_in_doorway", lambda _scan: 0.2, "in the open it drives with 0.20 m/s"),
             ("slow_in_doorway", lambda scan: 0.2 if scan.distance() < 0.8 else 0.5, "beside a single wall"),
@@ -296,11 +313,11 @@ class TestPrograms:
     @pytest.mark.parametrize(
         ("task", "answer", "said"),
         [
-            ("wall_ahead", lambda scan: scan.distance("front"), "a wall close beside: you returned "),
+            ("wall_ahead", lambda scan: scan.distance("front"), "a wall close on the left: you returned "),
             ("wall_ahead", lambda scan: scan.ranges[len(scan) // 2], "One ray is not enough"),
             ("wall_ahead", lambda scan: scan.ranges[200:340].min(), "nan is no distance"),
             ("stop_before_wall", drive_on, "return Drive() where something is near"),
-            ("stop_before_wall", lambda scan: Drive(0.2 * (scan.distance("front") > 0.5)), "so take a narrower sector"),
+            ("stop_before_wall", lambda scan: Drive(0.2 * (scan.distance("front") > 0.5)), "take a narrower sector"),
             ("stop_before_wall", lambda scan: Drive(0.2 * (not ahead(scan) < 0.5)), "it drives blind"),
             ("stop_before_wall", lambda scan: Drive(keep_distance(scan, 0.5)), "it drives blind"),
             ("stop_before_wall", lambda time: Drive(0.2 * (time < 2)), "drive closer"),
@@ -316,7 +333,7 @@ class TestPrograms:
             ("back_off", follow, "it still pushes 1 s after"),
             ("back_off", back_alone, "for the fourth time"),
             ("back_off", lambda time: Drive(0.2 if time < 4 else 0.0), "it did not come to the box"),
-            ("back_off", stay_after_touch, "30 s later it is still beside the box"),
+            ("back_off", stay_after_touch, "it did not turn after it bumped into the box"),
             ("follow_wall", turn_right, "the wall is not on its right"),
             ("follow_wall", lambda: None, "it did not move in 30 s: does it return a Drive with a speed?"),
             ("follow_wall", lambda: 0.2, "expected a step to return Drive(linear, angular), or None"),
@@ -345,6 +362,45 @@ class TestPrograms:
 
         result = lessons.check(fast, "stop_before_wall")
         assert not [line for line in result.wrong if "it hit" in line], result
+
+    @pytest.mark.slow
+    def test_a_limit_that_is_off_is_not_blamed_on_what_is_ahead(self) -> None:
+        for limit in (0.62, 0.65):
+            result = lessons.check(lambda scan, limit=limit: Drive(0.2 * (ahead(scan) > limit)), "stop_before_wall")
+            assert result.wrong
+            for line in result.wrong:
+                assert "m: drive closer; or, if it stopped for" in line or line.endswith("m: drive closer")
+                assert " 0°" not in line
+
+    def test_a_machine_that_stands_in_its_first_state_is_told_so_and_not_asked_for_a_speed(self) -> None:
+        class Backwards:
+            near = Stop.near
+
+            def at_wall() -> Drive:  # type: ignore[misc]
+                return Drive()
+
+            def forward() -> Drive:  # type: ignore[misc]
+                return Drive(0.2)
+
+            moves = Stop.moves
+
+        (line,) = lessons.check(Backwards, "stop_before_wall").wrong
+        assert "it begins in the state at_wall, the first in its class, and no move led out of it" in line
+        assert "speed" not in line
+
+    @pytest.mark.slow
+    def test_a_helper_that_is_first_in_a_machine_is_not_its_first_state(self) -> None:
+        class Helped:
+            def straight() -> Drive:  # type: ignore[misc]
+                return Drive()
+
+            near, forward, at_wall = Stop.near, Stop.forward, Stop.at_wall
+            moves = Stop.moves
+
+        assert lessons.check(Helped, "stop_before_wall")
+        Helped.forward = lambda: Drive(0.2)  # type: ignore[method-assign]
+        Helped.at_wall = lambda: Drive(0.2)  # type: ignore[method-assign]
+        assert "no move leads to the state Helped › straight" in lessons.check(Helped, "stop_before_wall").wrong[0]
 
     def test_an_endless_loop_is_given_up_with_its_line(self) -> None:
         class Waits:
@@ -407,7 +463,7 @@ class TestPrograms:
             warnings.simplefilter("error")
             first, *others = lessons.check(swapped, "wall_ahead").wrong
         assert '("20deg", "-20deg") covers 320°' in first
-        assert len(others) == 4
+        assert len(others) == 7
         assert not any("covers" in line or "One ray" in line or "for angles" in line for line in others)
 
         def drive(scan: Scan) -> Drive:
@@ -435,13 +491,13 @@ class TestResult:
         result = check("nearest_on_the_left", lambda scan: scan.distance("left"))
         assert result
         assert (result.wrong, result.sample) == ((), None)
-        assert repr(result) == "nearest_on_the_left: right in all 5 cases. Well done!"
+        assert repr(result) == "nearest_on_the_left: right in all 8 cases. Well done!"
 
     def test_a_wrong_one_has_a_line_for_each_case_and_the_first_scan(self) -> None:
         result = check("fits_through", lambda _scan: True)
         head, *lines = repr(result).splitlines()
-        assert head == "fits_through: right in 2 of 5 cases. Still wrong:"
-        assert [line[:4] for line in lines] == ["  - "] * 3
+        assert head == "fits_through: right in 4 of 9 cases. Still wrong:"
+        assert [line[:4] for line in lines] == ["  - "] * 5
         assert isinstance(result.sample, Scan)
 
     def test_a_task_is_found_by_the_name_of_the_function(self) -> None:
@@ -469,10 +525,10 @@ class TestResult:
             return 0.0, 0.0
 
         result = check("bumper_reflex", answer)
-        assert len(printed) == 5
-        assert result.prints == ("<2>", "<3>", "<4>")
-        assert repr(result).endswith("\nIt printed last:\n  <2>\n  <3>\n  <4>")
-        assert result._repr_html_().endswith("<div>It printed last:</div><pre>&lt;2&gt;\n&lt;3&gt;\n&lt;4&gt;</pre>")
+        assert len(printed) == 11
+        assert result.prints == ("<8>", "<9>", "<10>")
+        assert repr(result).endswith("\nIt printed last:\n  <8>\n  <9>\n  <10>")
+        assert result._repr_html_().endswith("<div>It printed last:</div><pre>&lt;8&gt;\n&lt;9&gt;\n&lt;10&gt;</pre>")
         assert capsys.readouterr().out == ""
 
     def test_what_a_function_prints_without_an_end_of_its_line_is_shown_too(self) -> None:

@@ -312,13 +312,29 @@ def test_what_no_move_names_is_told() -> None:
     assert machine.root.machines[0].initial == "forward"
 
 
+def test_a_helper_that_is_first_is_not_the_initial_state_where_no_move_leads_out_of_it() -> None:
+    class Walker:
+        def slow(time):
+            return Drive(0.1)
+
+        def forward():
+            return Drive(0.2)
+
+        stop = None
+        moves = "forward -> stop after 1"
+
+    run = Run(Walker)
+    assert (run.at(0.0), run.drive) == (("forward",), Drive(0.2))
+    assert run.machine.note == "no move leads to the state Walker › slow"
+
+
 def test_an_event_that_no_move_names_is_told_apart_when_it_is_taken_for_the_initial_state() -> None:
     class Walker:
         def near(scan):
             return scan.distance() < 1
 
         stop = go = None
-        moves = "stop -> go after 1"
+        moves = "* -> go after 1"
 
     words = r"Walker › near returned True: expected a Drive, .*; a function is an event where a move names it"
     with pytest.raises(TypeError, match=words):

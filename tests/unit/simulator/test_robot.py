@@ -326,3 +326,16 @@ def test_a_robot_comes_back_to_where_a_square_began():
     x, y, yaw = robot.pose
     assert (x, y) == pytest.approx((0.0, 0.0), abs=1e-6)
     assert (cos(yaw), sin(yaw)) == pytest.approx((1.0, 0.0), abs=1e-6)
+
+
+def test_a_reset_sets_the_odometry_back_and_carrying_the_robot_does_not() -> None:
+    robot = Robot(World([(5.0, -2.0, 5.0, 2.0)]), (1.0, 0.5, 0.2), seed=1)
+    start = robot.pose
+    robot.drive(0.3, 0.4)
+    robot.step(1.0)
+    driven = robot.odometry
+    robot.move_to(0.0, 0.0, 0.0)
+    assert robot.odometry == driven
+    robot.reset()
+    assert driven != start
+    assert robot.pose == robot.odometry == start
