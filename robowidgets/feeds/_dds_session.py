@@ -20,6 +20,7 @@ from cyclonedds.util import duration
 
 from .._core.clock import Clock, scheduler
 from ..messages.decoding import Decode, DecodeError
+from ..messages.infrastructure import is_large
 from ._dds_domain import configured
 from ._dds_types import NODES, dds_topic, decoder, definition_of, opaque, ros_topic, ros_type, struct, type_hash
 from ._guard.mark import MARK
@@ -100,7 +101,7 @@ class Wish(NamedTuple):
 
 
 class _Reader(NamedTuple):
-    """``waiting`` has the messages of a reader of each message that were taken from DDS, and not passed on yet."""
+    """``waiting`` has the messages that were taken from DDS and not passed on yet."""
 
     reader: Any
     condition: Any
@@ -231,10 +232,12 @@ class DdsSession:
 
     def pass_on(self, wish: Wish) -> bool:
         """Pass on the next message of a reader, if there is one; returns False if there is none."""
-        reader = self._readers[wish]
-        if wish.each and not reader.waiting:
-            self._take_all(wish.topic, reader)
-        taken = reader.reader.take(N=1) if not wish.each else [reader.waiting.popleft()] if reader.waiting else []
+        reader, replaced = self._readers[wish], 0
+        if not (wish.each and reader.waiting):
+            replaced = self._take_all(reader)
+            if wish.each and replaced:
+                self._listener.on_missed(wish.topic, replaced)
+        taken = [reader.waiting.popleft()] if reader.waiting else []
         for sample in taken:
             if not hasattr(sample, "raw"):  # a sample without data: the publisher is gone
                 continue
@@ -246,23 +249,24 @@ class DdsSession:
                 if wish.topic != NODES:
                     self._listener.on_trouble(wish.topic, "")
                     each = wish.each or not any(one.each and one.topic == wish.topic for one in self._readers)
-                    self._listener.on_message(wish.topic, message, newest=not wish.each, each=each)
+                    self._listener.on_message(
+                        wish.topic, message, newest=not wish.each, each=each, replaced=0 if wish.each else replaced
+                    )
                 elif hasattr(message, "node_entities_info_seq"):
                     self._node_names[_guid(message.gid)] = _node_names(message)
                     self._changed = True
         return bool(taken)
 
-    def _take_all(self, topic: str, reader: _Reader) -> None:
-        """Take all messages of a reader from DDS, and report the number of those that do not fit in."""
-        count = 0
+    def _take_all(self, reader: _Reader) -> int:
+        """Take all messages of a reader from DDS; returns the number of those that do not fit in, and are left out."""
+        before, count = len(reader.waiting), 0
         while samples := reader.reader.take(N=_AT_ONCE):
             count += len(samples)
             reader.waiting.extend(samples)
             if len(samples) < _AT_ONCE:
                 break
         # If the queue in DDS was full, at least one message was replaced there.
-        if missed := count - len(reader.waiting) + (count >= _DEEPEST):
-            self._listener.on_missed(topic, missed)
+        return before + count - len(reader.waiting) + (count >= _DEEPEST)
 
     @property
     def wishes(self) -> list[Wish]:
@@ -344,7 +348,9 @@ class DdsSession:
             )
             return
         # A queue that keeps the last ones never rejects a message: a reliable reader that does holds up its publisher.
-        depth = _DEEPEST if wish.each else EVENTS if wish.topic == NODES else queue_depth(wish.type)
+        room = MOST_UNREAD if wish.each else EVENTS if wish.topic == NODES else queue_depth(wish.type)
+        # Of the newest alone, the others are only counted.
+        depth = _DEEPEST if wish.each else room if is_large(wish.type) else MOST_UNREAD
         qos = Qos(
             Policy.Reliability.Reliable(0) if wish.latched or wish.reliable else Policy.Reliability.BestEffort,
             Policy.Durability.TransientLocal if wish.latched else Policy.Durability.Volatile,
@@ -354,7 +360,7 @@ class DdsSession:
         reader = DataReader(self._participant, Topic(self._participant, dds_topic(wish.topic), kind), qos)
         condition = ReadCondition(reader, _NEW)
         self._waitset.attach(condition)
-        self._readers[wish] = _Reader(reader, condition, decode, deque(maxlen=MOST_UNREAD))
+        self._readers[wish] = _Reader(reader, condition, decode, deque(maxlen=room))
 
     def _without_writer(self, topic: str) -> set[str]:
         """The types of speeds that subscribers of a topic expect and that have no writer yet."""
