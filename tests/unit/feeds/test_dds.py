@@ -32,6 +32,7 @@ from cyclonedds.domain import Domain
 from robowidgets import EventsWidget
 from robowidgets.feeds import Driving, Feed, _dds_session, _threaded, _zeros
 from robowidgets.feeds._dds_types import decoder, opaque, ros_topic, ros_type
+from robowidgets.feeds._guard.mark import MARK
 from robowidgets.feeds.dds import Dds
 from robowidgets.feeds.middleware import Advert, FeedError
 from robowidgets.messages import add_definitions, definitions
@@ -834,6 +835,25 @@ def test_each_line_of_rosout_is_an_event(robot: Robot) -> None:
     assert [row.text for row in events.rows if row.level == Level.WARN] == [f"no way {i}" for i in range(50)]
     assert {row.source for row in events.rows} == {"planner"}
     events.close()
+
+
+def test_the_guard_of_another_kernel_is_another_publisher_and_ours_is_not(heard: Ears, robot: Robot) -> None:
+    told = "somebody else publishes /cmd_vel, too"
+    with Feed(Dds(DOMAIN, interface="lo")) as feed:
+        robot.hear("/cmd_vel", "Twist")
+        wait_for(lambda: any(topic.name == "/cmd_vel" for topic in feed.topics), "the robot is found")
+        for mark, is_other in ((MARK, False), ("robowidgets_guard_of_another_kernel", True)):
+            with closing(Dds(DOMAIN, interface="lo", mark=mark)) as guard:
+                guard.open(heard)
+                wait_for(lambda: heard.topics, "the guard sees the robot")
+                guard.publish("/cmd_vel", TWIST, {"linear": {"x": 0.25}})
+                assert robot.heard()["linear"]["x"] == 0.25
+                if is_other:
+                    wait_for(lambda: told in feed.drive_status, "it is told")
+                else:  # a writer that is made later is known later
+                    robot.do("write", "/after", "Twist", 0.5)
+                    wait_for(lambda: any(topic.name == "/after" for topic in feed.topics), "a later one is known")
+                    assert told not in feed.drive_status
 
 
 # -- recording ---------------------------------------------------------------------------------------------------------

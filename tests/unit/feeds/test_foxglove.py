@@ -589,7 +589,7 @@ def test_every_event_of_a_bumper_is_handed_on(ears: Ears) -> None:
             server.log(1, json.dumps({"bumper": i % 3, "state": i % 2}).encode())
         wait_for(lambda: len(ears.messages) == 60, "all came")
         middleware.close()
-    assert [message["bumper"] for message in ears.of("/bumper")] == 20 * [0, 1, 2]
+    assert [message.bumper for message in ears.of("/bumper")] == 20 * [0, 1, 2]
 
 
 def test_a_rosbridge_at_the_port_is_told_with_the_feed_for_it(ears: Ears) -> None:
