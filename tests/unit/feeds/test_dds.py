@@ -837,15 +837,16 @@ def test_each_line_of_rosout_is_an_event(robot: Robot) -> None:
     events.close()
 
 
-def test_the_guard_of_another_kernel_is_another_publisher_and_ours_is_not(heard: Ears, robot: Robot) -> None:
+def test_the_guard_of_another_kernel_is_another_publisher_and_ours_is_not(robot: Robot) -> None:
     told = "somebody else publishes /cmd_vel, too"
     with Feed(Dds(DOMAIN, interface="lo")) as feed:
         robot.hear("/cmd_vel", "Twist")
         wait_for(lambda: any(topic.name == "/cmd_vel" for topic in feed.topics), "the robot is found")
         for mark, is_other in ((MARK, False), ("robowidgets_guard_of_another_kernel", True)):
             with closing(Dds(DOMAIN, interface="lo", mark=mark)) as guard:
-                guard.open(heard)
-                wait_for(lambda: heard.topics, "the guard sees the robot")
+                ears = Ears()
+                guard.open(ears)
+                wait_for(lambda ears=ears: ears.topics, "the guard sees the robot")  # type: ignore[misc]
                 guard.publish("/cmd_vel", TWIST, {"linear": {"x": 0.25}})
                 assert robot.heard()["linear"]["x"] == 0.25
                 if is_other:
