@@ -38,6 +38,8 @@ class NewestSample(Generic[S]):
         self.about: dict[str, Any] = {}
         self.sequence = 0
         """The number of samples so far."""
+        self.replaced = 0
+        """The number of messages that came, and were left out for a newer one."""
         self.version = 1
         """Of what there is to judge; each sample, and each improvement of one, has a higher one."""
         self.arrived = 0.0
@@ -64,6 +66,12 @@ class NewestSample(Generic[S]):
                 self.arrived = time.monotonic()
             self.renew()
 
+    def count_replaced(self, count: int) -> None:
+        """Count messages for the rate that were left out for a newer one; not before the first sample."""
+        with self.lock:
+            if self.sequence:
+                self.replaced += count
+
     def renew(self) -> None:
         """Have the sample judged again, and wake the threads that wait. Called with the lock."""
         self.version += 1
@@ -86,9 +94,9 @@ class NewestSample(Generic[S]):
 
     @property
     def rate(self) -> float:
-        """Samples per second over the last seconds in which some came; NaN while it is unknown."""
+        """Messages per second over the last seconds in which some came, left out or not; NaN while it is unknown."""
         with self.lock:
-            return self.meter.rate(self.sequence, self.arrived)
+            return self.meter.rate(self.sequence + self.replaced, self.arrived)
 
     def shot(self) -> Shot:
         """What there is to show. Called with the lock."""

@@ -377,23 +377,62 @@ def acknowledge_at_once(sock: socket.socket) -> None:
         sock.setsockopt(socket.IPPROTO_TCP, _QUICKACK, 1)
 
 
-def report_close_code(connection: Any, report: Callable[[int | None], None]) -> None:
-    """Report the code with which tornado itself closes a websocket, such as 1009 for a message that is too large.
+def skip_large_messages(
+    connection: Any, largest: int, on_skipped: Callable[[bytes, int], object], on_part: Callable[[], object]
+) -> None:
+    """Skip the messages of a websocket that are larger than a limit, and report the start and the size of each.
 
-    tornado tells its user only the code that the other side sent. The fix wraps the method by which the protocol of one
-    connection closes it. Without the fix, a topic whose messages are too large ends each new connection.
+    tornado closes the connection at such a message, and does not tell what it was. The fix wraps the methods by which
+    the protocol of one connection reads bytes and takes a message. Without the fix, a topic of large messages ends each
+    new connection.
 
     Needed for tornado >=6.5: https://github.com/tornadoweb/tornado/issues/1377
+
+    Args:
+        connection: the connection of tornado.
+        largest: the limit in bytes.
+        on_skipped: called with the first bytes and the size of a message that is skipped.
+        on_part: called after each part of a large message: the other side still sends.
     """
+    if not ENABLED:
+        return
     protocol = connection.protocol
-    close = protocol.close
+    read, handle = protocol._read_bytes, protocol._handle_message  # noqa: SLF001
+    protocol.params.max_message_size = sys.maxsize
+    skipped = 0
 
-    def reporting(code: int | None = None, reason: str | None = None) -> None:
-        report(code)
-        close(code, reason)
+    async def read_parts(count: int) -> bytes:
+        nonlocal skipped
+        if count <= _LONGEST_CONTROL:
+            return bytes(await read(count))
+        before = protocol._fragmented_message_buffer or b""  # noqa: SLF001
+        is_skipped = bool(skipped) or len(before) + count > largest
+        most = max(0, _START - len(before)) if is_skipped else count
+        kept, left = bytearray(), count
+        while left:
+            part = await read(min(left, _PART))
+            left -= len(part)
+            kept += part[: most - len(kept)]
+            if left:
+                on_part()
+        if is_skipped:
+            skipped += count - len(kept)
+        return bytes(kept)
 
-    if ENABLED:
-        protocol.close = reporting
+    def handle_unless_skipped(opcode: int, data: bytes) -> Any:
+        nonlocal skipped
+        if not skipped or opcode not in _DATA:
+            return handle(opcode, data)
+        size, skipped = len(data) + skipped, 0
+        on_skipped(data[:_START], size)
+        return None
+
+    protocol._read_bytes, protocol._handle_message = read_parts, handle_unless_skipped  # noqa: SLF001
+
+
+_LONGEST_CONTROL = 125  # bytes in a control frame, of a websocket
+_DATA = (1, 2)  # the opcodes of text and binary messages
+_START, _PART = 1000, 1 << 20
 
 
 async def close_when_connected(connecting: asyncio.Future[Any], seconds: float) -> None:

@@ -363,9 +363,13 @@ class RobotWidget(PacedWidget, Generic[S]):
 
     # -- to the page ---------------------------------------------------------------------------------------------------
 
+    def count_replaced(self, count: int) -> None:
+        """Count so many messages for the rate that were left out because a newer one came."""
+        self._newest.count_replaced(count)
+
     @property
     def rate(self) -> float:
-        """Samples per second over the last seconds in which some came; NaN while it is unknown."""
+        """Messages per second over the last seconds in which some came; NaN while it is unknown."""
         return self._newest.rate if self.has_rate else float("nan")
 
     def get_state(self, key: str | Iterable[str] | None = None, drop_defaults: bool = False) -> dict[str, Any]:  # noqa: ARG002

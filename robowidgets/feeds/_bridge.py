@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import json
-from collections import deque
+from collections import Counter, deque
 from collections.abc import Callable, Iterable, Mapping
 from functools import partial
 from typing import Any
@@ -50,11 +50,13 @@ class Bridge(ThreadedMiddleware):
         self._followed: frozenset[str] = frozenset()
         """The wanted topics, as far as this thread has subscribed to them."""
         self._received: set[str] = set()
-        self._too_big: frozenset[str] = frozenset()
-        """The wanted topics that are not subscribed to, because of a message that was too big."""
+        self._too_large: frozenset[str] = frozenset()
+        """The wanted topics that are not subscribed to, because of a message that was too large."""
         self._all_of: frozenset[str] = frozenset()
         """The topics that were subscribed to for each message."""
         self._pending: dict[str, deque[tuple[Read, Any]]] = {}
+        self._came: Counter[str] = Counter()
+        """By topic, the number of frames since messages were passed on last."""
         self._newest: dict[str, int] = {}
         """The number of the last pending messages of a topic that are for those who take the newest."""
         self._published: set[str] = set()
@@ -89,8 +91,8 @@ class Bridge(ThreadedMiddleware):
 
     def _follow(self, topics: frozenset[str], each: frozenset[str]) -> None:
         """Subscribe to these topics and no others. A topic that is requested anew may bring its last message again."""
-        self._too_big &= topics
-        topics -= self._too_big
+        self._too_large &= topics
+        topics -= self._too_large
         if self._socket is not None and self._socket.is_open:
             before, self._followed = self._followed, topics
             changed, self._all_of = (self._all_of ^ each) & before & topics, each
@@ -117,8 +119,6 @@ class Bridge(ThreadedMiddleware):
         self._was_tried = True
         if socket.has_lasted:
             self._backoff.reset()
-        if socket.too_big:
-            self._give_up_too_big()
         return reason
 
     def _publish(self, topic: str, frame: Callable[[], Frame], confirm: bool) -> None:
@@ -136,6 +136,7 @@ class Bridge(ThreadedMiddleware):
     def on_open(self) -> None:
         """The connection is established."""
         self._followed, self._received, self._pending, self._unmatched = frozenset(), set(), {}, {}
+        self._came.clear()
         self._begin()
         self._follow(self._wanted, self._each)
 
@@ -148,13 +149,15 @@ class Bridge(ThreadedMiddleware):
     def deliver(self) -> None:
         """Decode the frames that were kept, and pass them on."""
         pending, self._pending = self._pending, {}
+        came, self._came = self._came, Counter()
         for topic, waiting in pending.items():
-            replaced = len(waiting) - self._newest[topic]
+            first = max(0, len(waiting) - self._newest[topic])
+            replaced = came[topic] - (len(waiting) - first)
             for index, (read, frame) in enumerate(waiting):
                 if topic in self._wanted and not self._closed.is_set():
-                    self._pass_on(topic, read, frame, newest=index >= replaced)
+                    self._pass_on(topic, read, frame, newest=index >= first, replaced=replaced * (index == first))
 
-    def _pass_on(self, topic: str, read: Read, frame: Any, *, newest: bool) -> None:
+    def _pass_on(self, topic: str, read: Read, frame: Any, *, newest: bool, replaced: int) -> None:
         try:
             message = read(frame)
         except UnreadableError as error:
@@ -162,7 +165,7 @@ class Bridge(ThreadedMiddleware):
         else:
             self._received.add(topic)
             self._listener.on_trouble(topic, self._flaw(topic, message))
-            self._listener.on_message(topic, message, newest=newest)
+            self._listener.on_message(topic, message, newest=newest, replaced=replaced)
 
     async def finish(self) -> None:
         """Return when the robot has processed what was published; cancelled when that takes too long."""
@@ -173,6 +176,19 @@ class Bridge(ThreadedMiddleware):
         """A frame was received: keep it, in place of an older one of its topic if the newest is enough."""
         raise NotImplementedError
 
+    def on_too_large(self, start: bytes, size: int) -> None:
+        """A frame larger than `LARGEST` was skipped: end the subscription of its topic, if it is known; report it."""
+        topic, limit = self._topic_of_start(start), f"{LARGEST // 1_000_000} MB"
+        if topic not in self._followed:
+            self._report_on_all(f"a message of {size / 1e6:.0f} MB came, larger than {limit}, and was skipped")
+            return
+        if topic in self._all_of:
+            self._listener.on_missed(topic, 1)
+        self._too_large |= {topic}
+        self._follow(self._wanted, self._each)
+        reason = f"{topic} sent a message of {size / 1e6:.0f} MB, larger than {limit}: it is not listened to"
+        self._listener.on_trouble(topic, reason)
+
     def on_no_answer(self) -> None:
         """Nobody has answered for a moment: what to compare is told, unless the robot was reached or told of before."""
         if not self._was_tried:
@@ -181,6 +197,10 @@ class Bridge(ThreadedMiddleware):
     async def other_bridge(self) -> str:
         """Text for the bridge of another protocol that listens at the address; empty if none is known to."""
         return ""
+
+    def _topic_of_start(self, start: bytes) -> str:
+        """The topic of the message whose frame begins so; empty if it cannot be told."""
+        raise NotImplementedError
 
     def _begin(self) -> None:
         """Reset the state of the protocol, for a new connection."""
@@ -209,6 +229,7 @@ class Bridge(ThreadedMiddleware):
         if topic in self._all_of and len(waiting) == waiting.maxlen:
             self._listener.on_missed(topic, 1)
         waiting.append((read, frame))
+        self._came[topic] += 1
 
     def _flaw(self, topic: str, message: Any) -> str:  # noqa: ARG002
         """The reason why a decoded message is refused; empty if it is not."""
@@ -230,15 +251,6 @@ class Bridge(ThreadedMiddleware):
     def _write(self, operation: Mapping[str, Any]) -> None:
         if self._socket is not None:
             self._socket.write(json.dumps(operation))
-
-    def _give_up_too_big(self) -> None:
-        """End the subscription whose message was too big; it is unknown which, so all without a message so far."""
-        suspects = self._followed - self._received
-        self._too_big |= suspects
-        among = f", or another of {', '.join(sorted(suspects))}," if len(suspects) > 1 else ""
-        for topic in suspects:
-            reason = f"{topic}{among} sent a message larger than {LARGEST // 1_000_000} MB: it is not listened to"
-            self._listener.on_trouble(topic, reason)
 
     def _report_on_all(self, reason: str) -> None:
         for topic in self._followed:

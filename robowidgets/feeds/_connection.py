@@ -240,12 +240,14 @@ class Connection(Observed):
         self._frame_topics.look()
         self._call_observers()
 
-    def on_message(self, topic: str, message: Any, *, newest: bool = True, each: bool = True) -> None:
+    def on_message(
+        self, topic: str, message: Any, *, newest: bool = True, each: bool = True, replaced: int = 0
+    ) -> None:
         """See `Listener`."""
         subscription = self._table.by_topic.get(topic)
         if subscription is None or self.is_closed:
             return
-        if subscription.take(message, newest=newest, each=each):
+        if subscription.take(message, newest=newest, each=each, replaced=replaced):
             self._show_status(topic)
         self.functions.put(self.topic_of(topic), message, newest=newest, each=each)
 

@@ -22,12 +22,16 @@ _CONFIRMING = "<Internal><HeartbeatInterval>10 ms</HeartbeatInterval></Internal>
 """Has a writer ask for a confirmation with each message of 50 a second. By default it asks 10 times a second: zero
 would be confirmed 0.2 s later."""
 
+_BUFFER = '<Internal><SocketReceiveBufferSize max="16MiB"/></Internal>'
+"""Asks the system to keep more of what comes in bursts, or while other code holds the GIL: by default, a few images
+fill the buffer. The system gives as much as its own limit allows (on Linux ``net.core.rmem_max``)."""
+
 _lock = threading.Lock()
 _used: WeakValueDictionary[tuple[int, str], Any] = WeakValueDictionary()
 
 
 def configured(domain: int, interface: str | None, *, alone: bool = False) -> Any:
-    """A domain that uses an interface, for as long as the result is kept; None for one as the environment has it.
+    """A domain that uses an interface, for as long as the result is kept; None if another program configured it.
 
     Args:
         domain: its number.
@@ -37,25 +41,33 @@ def configured(domain: int, interface: str | None, *, alone: bool = False) -> An
     Raises:
         DDSException: there is no such interface, or the process uses the domain with another configuration.
     """
-    if interface is None and not alone:
-        return None
-    interface = interface or ""
     with _lock:
-        found = _used.get((domain, interface))
+        found = _used.get((domain, interface or ""))
         if found is None:
-            found = _used[domain, interface] = _domain(domain, interface)
+            try:
+                found = _used[domain, interface or ""] = _domain(domain, interface or "", alone=alone)
+            except DDSException as error:
+                if interface is None and not alone and error.code == DDSException.DDS_RETCODE_PRECONDITION_NOT_MET:
+                    return None
+                raise
         return found
 
 
-def _domain(domain: int, interface: str) -> Any:
-    xml = f"<CycloneDDS><Domain>{_settings(interface)}{_CONFIRMING}</Domain></CycloneDDS>"
-    there = [] if interface else [os.environ.get("CYCLONEDDS_URI", "")]
+def _domain(domain: int, interface: str, *, alone: bool) -> Any:
+    there = "" if interface else os.environ.get("CYCLONEDDS_URI", "")
+    ours = _settings(interface) + (_CONFIRMING if interface or alone else "")
+    # The last one counts: settings of the environment before ours, except for the size of the buffer.
+    parts = [_configuration(_BUFFER), there, _configuration(ours) if ours else ""]
     try:
-        return Domain(domain, ",".join(filter(None, [*there, xml])))
+        return Domain(domain, ",".join(filter(None, parts)))
     except DDSException as error:
         if error.code == DDSException.DDS_RETCODE_PRECONDITION_NOT_MET:
             raise DDSException(error.code, "this process uses the domain already, on another interface") from None
         raise
+
+
+def _configuration(settings: str) -> str:
+    return f"<CycloneDDS><Domain>{settings}</Domain></CycloneDDS>"
 
 
 def _settings(interface: str) -> str:

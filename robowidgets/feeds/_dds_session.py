@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import threading
+from collections import deque
 from collections.abc import Iterable, Mapping
 from contextlib import suppress
 from typing import Any, NamedTuple
@@ -19,6 +20,7 @@ from cyclonedds.util import duration
 
 from .._core.clock import Clock, scheduler
 from ..messages.decoding import Decode, DecodeError
+from ..messages.infrastructure import is_large
 from ._dds_domain import configured
 from ._dds_types import NODES, dds_topic, decoder, definition_of, opaque, ros_topic, ros_type, struct, type_hash
 from ._guard.mark import MARK
@@ -37,6 +39,12 @@ from ._zeros import Zeros
 from .middleware import EVENTS, MOST_UNREAD, Advert, FeedError, Listener
 
 _MANY = 1000
+_AT_ONCE = 100
+"""Messages that are taken from a reader in one call."""
+
+_DEEPEST = 10 * MOST_UNREAD
+"""Length of the queue in Cyclone DDS of a reader of each message. It fills up only while other code holds the GIL."""
+
 _LOOK = duration(milliseconds=500)
 _NEW = ViewState.Any | SampleState.NotRead | InstanceState.Any
 _LATCHED = (Policy.Durability.TransientLocal, Policy.Durability.Transient, Policy.Durability.Persistent)
@@ -72,12 +80,16 @@ class Endpoint(NamedTuple):
     topic: str
     type: str
     latched: bool
+    reliable: bool
     user_data: bytes
     type_id: Any
 
 
 class Wish(NamedTuple):
-    """A reader to create. ``definition`` comes from `definition_of`; ``each`` asks for every message."""
+    """A reader to create. ``definition`` comes from `definition_of`; ``each`` asks for every message.
+
+    ``reliable`` asks for lost packets again. That needs publishers that all offer it.
+    """
 
     topic: str
     type: str
@@ -85,12 +97,16 @@ class Wish(NamedTuple):
     described: bool
     definition: str = ""
     each: bool = False
+    reliable: bool = False
 
 
 class _Reader(NamedTuple):
+    """``waiting`` has the messages that were taken from DDS and not passed on yet."""
+
     reader: Any
     condition: Any
     decode: Decode
+    waiting: deque[Any]
 
 
 class DdsSession:
@@ -157,7 +173,8 @@ class DdsSession:
 
     def wait(self) -> None:
         """Wait for a message, a change of the topics, or `wake`."""
-        self._waitset.wait(_LOOK)
+        if not any(reader.waiting for reader in self._readers.values()):
+            self._waitset.wait(_LOOK)
         self._guard.take()
 
     def look(self) -> None:
@@ -165,7 +182,7 @@ class DdsSession:
         self._take(self._publications, self._offers)
         self._take(self._subscriptions, self._wants)
         for wish in [wish for wish in self._readers if wish.topic == NODES]:
-            self.messages(wish)
+            self.pass_on(wish)
         if self._changed:
             self._changed, self._followed = False, None
             for topic in {topic for topic, _ in list(self._writers)}:
@@ -202,27 +219,26 @@ class DdsSession:
             status = reader.reader.get_requested_incompatible_qos_status()
             if status.total_count_change > 0:
                 self._listener.on_trouble(wish.topic, not_coming(wish.topic, _policy(status)))
-            if wish.each:
-                self._report_missed(wish.topic, reader.reader)
-
-    def _report_missed(self, topic: str, reader: Any) -> None:
-        """Report the messages that the network lost, and those that found the queue full."""
-        statuses = reader.get_sample_lost_status(), reader.get_sample_rejected_status()
-        if missed := sum(status.total_count_change for status in statuses):
-            self._listener.on_missed(topic, missed)
+            if wish.each and (missed := reader.reader.get_sample_lost_status().total_count_change):
+                self._listener.on_missed(wish.topic, missed)
 
     def _set_readers(self, topics: set[str], each: frozenset[str]) -> None:
         wishes = {wish for topic in topics for wish in _wishes(topic, self._offers.values())}
-        wishes |= {wish._replace(each=True) for wish in wishes if wish.topic in each}
+        wishes |= {_wish_for_each(wish, self._offers.values()) for wish in wishes if wish.topic in each}
         for wish in self._readers.keys() - wishes:
             self._waitset.detach(self._readers.pop(wish).condition)
         for wish in wishes - self._readers.keys():
             self._create_reader(wish)
 
-    def messages(self, wish: Wish) -> None:
-        """Pass on the next message of a reader, if there is one."""
-        reader = self._readers[wish]
-        for sample in reader.reader.take(N=1):
+    def pass_on(self, wish: Wish) -> bool:
+        """Pass on the next message of a reader, if there is one; returns False if there is none."""
+        reader, replaced = self._readers[wish], 0
+        if not (wish.each and reader.waiting):
+            replaced = self._take_all(reader)
+            if wish.each and replaced:
+                self._listener.on_missed(wish.topic, replaced)
+        taken = [reader.waiting.popleft()] if reader.waiting else []
+        for sample in taken:
             if not hasattr(sample, "raw"):  # a sample without data: the publisher is gone
                 continue
             try:
@@ -232,11 +248,25 @@ class DdsSession:
             else:
                 if wish.topic != NODES:
                     self._listener.on_trouble(wish.topic, "")
-                    has_two = wish._replace(each=not wish.each) in self._readers
-                    self._listener.on_message(wish.topic, message, newest=not wish.each, each=wish.each or not has_two)
+                    each = wish.each or not any(one.each and one.topic == wish.topic for one in self._readers)
+                    self._listener.on_message(
+                        wish.topic, message, newest=not wish.each, each=each, replaced=0 if wish.each else replaced
+                    )
                 elif hasattr(message, "node_entities_info_seq"):
                     self._node_names[_guid(message.gid)] = _node_names(message)
                     self._changed = True
+        return bool(taken)
+
+    def _take_all(self, reader: _Reader) -> int:
+        """Take all messages of a reader from DDS; returns the number of those that do not fit in, and are left out."""
+        before, count = len(reader.waiting), 0
+        while samples := reader.reader.take(N=_AT_ONCE):
+            count += len(samples)
+            reader.waiting.extend(samples)
+            if len(samples) < _AT_ONCE:
+                break
+        # If the queue in DDS was full, at least one message was replaced there.
+        return before + count - len(reader.waiting) + (count >= _DEEPEST)
 
     @property
     def wishes(self) -> list[Wish]:
@@ -317,20 +347,20 @@ class DdsSession:
                 "none",
             )
             return
-        reliability = (
-            (Policy.Reliability.Reliable(0), Policy.Durability.TransientLocal)
-            if wish.latched
-            else (Policy.Reliability.BestEffort, Policy.Durability.Volatile)
+        # A queue that keeps the last ones never rejects a message: a reliable reader that does holds up its publisher.
+        room = MOST_UNREAD if wish.each else EVENTS if wish.topic == NODES else queue_depth(wish.type)
+        # Of the newest alone, the others are only counted.
+        depth = _DEEPEST if wish.each else room if is_large(wish.type) else MOST_UNREAD
+        qos = Qos(
+            Policy.Reliability.Reliable(0) if wish.latched or wish.reliable else Policy.Reliability.BestEffort,
+            Policy.Durability.TransientLocal if wish.latched else Policy.Durability.Volatile,
+            Policy.History.KeepLast(depth),
+            user_data,
         )
-        topic = Topic(self._participant, dds_topic(wish.topic), kind)
-        depth = MOST_UNREAD if wish.each else EVENTS if wish.topic == NODES else queue_depth(wish.type)
-        queue: tuple[Any, ...] = (Policy.History.KeepLast(depth),)
-        if wish.each and not wish.latched:  # full, it rejects and counts; a reliable one would hold up its publisher
-            queue = (Policy.History.KeepAll, Policy.ResourceLimits(max_samples=depth))
-        reader = DataReader(self._participant, topic, Qos(*reliability, *queue, user_data))
+        reader = DataReader(self._participant, Topic(self._participant, dds_topic(wish.topic), kind), qos)
         condition = ReadCondition(reader, _NEW)
         self._waitset.attach(condition)
-        self._readers[wish] = _Reader(reader, condition, decode)
+        self._readers[wish] = _Reader(reader, condition, decode, deque(maxlen=room))
 
     def _without_writer(self, topic: str) -> set[str]:
         """The types of speeds that subscribers of a topic expect and that have no writer yet."""
@@ -408,8 +438,9 @@ def _policy(status: Any) -> str:
 
 def _endpoint(topic: str, kind: str, sample: Any) -> Endpoint:
     qos = sample.qos
-    latched = qos[Policy.Durability] in _LATCHED and isinstance(qos[Policy.Reliability], Policy.Reliability.Reliable)
-    return Endpoint(topic, kind, latched, _user_data(sample), sample.type_id)
+    reliable = isinstance(qos[Policy.Reliability], Policy.Reliability.Reliable)
+    latched = reliable and qos[Policy.Durability] in _LATCHED
+    return Endpoint(topic, kind, latched, reliable, _user_data(sample), sample.type_id)
 
 
 def _user_data(endpoint: Any) -> bytes:
@@ -441,6 +472,12 @@ def _wishes(topic: str, offers: Iterable[Endpoint]) -> set[Wish]:
         if offer.topic == topic:
             by_type.setdefault(offer.type, []).append(offer)
     return {_wish(topic, kind, same) for kind, same in by_type.items()}
+
+
+def _wish_for_each(wish: Wish, offers: Iterable[Endpoint]) -> Wish:
+    """The reader of each message that goes with a reader; a reliable one matches no best-effort publisher."""
+    same = [offer.reliable for offer in offers if (offer.topic, offer.type) == (wish.topic, wish.type)]
+    return wish._replace(each=True, reliable=all(same))
 
 
 def _wish(topic: str, kind: str, offers: Iterable[Endpoint]) -> Wish:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Iterable, Mapping
+from functools import partial
 from typing import Any
 
 from ..messages.channel import Channel
@@ -30,7 +31,7 @@ def channel_of(offer: Any) -> Channel | None:
 def decoder(channel: Channel) -> Callable[[bytes], Any]:
     """A function that decodes the messages of a channel; both raise UnreadableError."""
     if channel.encoding == "json":
-        return _json
+        return partial(_json, channel.type)
     if not channel.type:
         raise UnreadableError(
             f"{channel.topic} comes without a type: the robot's bridge lacks the package of its messages"
@@ -60,14 +61,16 @@ def decoder(channel: Channel) -> Callable[[bytes], Any]:
     return read
 
 
-def _json(raw: bytes) -> Any:
+def _json(kind: str, raw: bytes) -> Any:
     try:
         message = json.loads(raw)
     except (ValueError, RecursionError) as error:
         raise UnreadableError(f"a message cannot be read: {len(raw)} bytes that are no JSON: {error}") from None
     if not isinstance(message, dict):
         raise UnreadableError(f"a message cannot be read: it is no JSON object but {one_line(str(message)[:100])!r}")
-    return message
+    from ..messages.encoding import as_message  # Imported lazily: a guard reads no topic.
+
+    return as_message("cdr", kind, message)
 
 
 class Graph:

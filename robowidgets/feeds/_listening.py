@@ -13,7 +13,7 @@ from typing import Any, NamedTuple, Protocol
 from .._core.clock import Scheduler
 from .._core.clock import scheduler as threads
 from .._core.log_once import LogOnce
-from .._core.rate import RateMeter
+from .._core.rate import SHORTEST, RateMeter
 from ..messages.infrastructure import is_large
 from ..samples.staleness import SEEN_FOR
 from ._callbacks import FunctionCaller
@@ -33,7 +33,7 @@ FAST = 100.0
 """Messages per second from which a topic is only glanced at, as one with large messages is."""
 
 GLANCE = 3
-"""Messages of a large topic in a glance, which give a rate."""
+"""Messages of a large topic in a glance, at least, which give a rate."""
 
 PATIENCE = 2.0
 """Seconds for which a glance lasts at most."""
@@ -66,6 +66,7 @@ class Heard:
         rate: messages per second; None while it is unknown.
         is_glanced_at: whether it is listened to now and then alone, so that its count says little.
         is_missed: whether nothing came in the whole of the last glance at it.
+        has_seen_enough: True once the end of a glance was asked for.
     """
 
     def __init__(self) -> None:
@@ -80,6 +81,7 @@ class Heard:
     def begin(self, until: float) -> None:
         """Measure the rate anew: nobody listened for a while."""
         self.until, self._first_at, self.came, self.is_measured = until, 0.0, 0, False
+        self.has_seen_enough = False
         self._meter = RateMeter()
 
     def take(self, message: Any, now: float) -> None:
@@ -88,14 +90,23 @@ class Heard:
         self.count, self.came, self.came_at, self.message = self.count + 1, self.came + 1, now, message
         self.is_missed = False
 
+    def count_replaced(self, count: int) -> None:
+        """Count messages that were left out for the next one; not before the first, whose time a rate begins with."""
+        if self.came:
+            self.count, self.came = self.count + count, self.came + count
+
     def measure(self) -> None:
         """Measure the rate; again and again, since the meter sees the counter only then."""
         rate = self._meter.rate(self.came, self.came_at)
-        passed = self.came_at - self._first_at
-        if not isfinite(rate) and self.is_glanced_at and self.came >= GLANCE and passed > 0:
-            rate = (self.came - 1) / passed
+        if not isfinite(rate) and self.is_glanced_at and self.shows_rate:
+            rate = (self.came - 1) / (self.came_at - self._first_at)
         if isfinite(rate):
             self.rate, self.is_measured = round(rate, 2), True
+
+    @property
+    def shows_rate(self) -> bool:
+        """True if a glance has seen enough messages for a rate, over a time in which a burst says little."""
+        return self.came >= GLANCE and self.came_at - self._first_at >= SHORTEST
 
     @property
     def tells_silence(self) -> bool:
@@ -217,7 +228,7 @@ class Listening:
             elif not heard.is_glanced_at or (now >= heard.again_at and not glances):
                 glances |= heard.is_glanced_at
                 heard.begin(now + PATIENCE)
-                heard.target = Target(partial(self._take, name, heard), None)
+                heard.target = Target(partial(self._take, name, heard), None, on_replaced=heard.count_replaced)
                 self._connection.attach_target(name, heard.target)
 
     def _let_go(self, name: str) -> None:
@@ -234,7 +245,8 @@ class Listening:
         """Keep a message. In the thread of the transport."""
         now = self._now()
         heard.take(message, now)
-        if heard.is_glanced_at and heard.came == GLANCE:
+        if heard.is_glanced_at and heard.shows_rate and not heard.has_seen_enough:
+            heard.has_seen_enough = True
             self._scheduler.call_at(now, partial(self._end_glance, name))
 
     def _end_glance(self, name: str) -> None:

@@ -16,14 +16,19 @@ from ..behaviors.machine import Machine
 from ..behaviors.program import ENDED
 from ..behaviors.version import Version
 from ..kinds import is_undecided
+from ..messages.infrastructure import is_infrastructure
+from ..recordings.gaps import Gaps
 from ..recordings.live_writer import LiveWriter
 from ..recordings.program_log import PROGRAM, TEXT, program_text, state_topic
 from ._subscription import Target
 from ._topics import YOURS, FeedTopic, no_such
-from .middleware import FeedError
+from .middleware import FeedError, HasOutlet
 
 if TYPE_CHECKING:
     from ._connection import Connection
+
+_MOST_NAMED = 12
+"""Topics that the text of a recorder names at most of those that it leaves out."""
 
 
 class Recorder:
@@ -51,11 +56,15 @@ class Recorder:
         self._targets: dict[str, Target] = {}
         self._missed: Counter[str] = Counter()
         """By topic, the number of messages that did not come here."""
+        # A simulated robot and a recording lose nothing on the way.
+        self._gaps: dict[str, Gaps] | None = {} if isinstance(connection.middleware, HasOutlet) else None
         self._version: Version | None = None
         self._states: dict[str, str] = {}
         self._lock = threading.Lock()
         """Held while the state of the program is compared, for microseconds."""
         self._closed = False
+        self._left_out: tuple[str, ...] | None = None
+        """The names of the topics that were left out at the end; None while it records."""
         self.refresh = CoalescedCall(self._refresh)
         try:
             self._writer = LiveWriter(self.path, self.close, connection.clock)
@@ -70,8 +79,16 @@ class Recorder:
 
     @property
     def closed(self) -> bool:
-        """Whether it records no more."""
+        """True once it records no more; the file may still lack its end, as the recorder's text shows."""
         return self._closed
+
+    @property
+    def left_out(self) -> tuple[str, ...]:
+        """The names of the topics that the robot publishes and this does not record, now or when it was closed."""
+        if self._left_out is not None:
+            return self._left_out
+        topics = (topic.name for topic in self._connection.topics if topic.offered)
+        return tuple(name for name in topics if name not in self._targets and not is_infrastructure(name))
 
     @property
     def written(self) -> Counter[str]:
@@ -88,15 +105,21 @@ class Recorder:
             "could be read"
             for name, count in list(self._missed.items())
         )
+        gaps = (
+            f"{name}: {many(count, 'message')} missing, by "
+            f"{'their numbers' if one.by_number else 'the pace of the others'}"
+            for name, one in list((self._gaps or {}).items())
+            if (count := one.missing - self._missed[name]) > 0
+        )
         unread = filter(None, map(self._connection.trouble_of, list(self._targets)))
-        return (*self._writer.problems, *missed, *missing, *unread)
+        return (*self._writer.problems, *missed, *gaps, *missing, *unread)
 
     def close(self) -> None:
         """Complete the file; doing it again does nothing. It waits for the disk for two seconds at most."""
         with self._lock:
             if self._closed:
                 return
-            self._closed = True
+            self._closed, self._left_out = True, self.left_out
         self._connection.programs.unobserve(self._on_step)
         self._connection.unobserve(self.refresh)
         for topic, target in list(self._targets.items()):
@@ -111,9 +134,20 @@ class Recorder:
 
     def __repr__(self) -> str:
         count = many(sum(self.written.values()), "message")
-        return "\n".join(
-            (f"{self.path}: {count}, {'closed' if self._closed else 'recording'}", *(f"⚠ {p}" for p in self.problems))
-        )
+        lines = [f"{self.path}: {count}, {self._state}", *(f"⚠ {problem}" for problem in self.problems)]
+        if not self._names and (left_out := self.left_out):
+            more = ", …" if len(left_out) > _MOST_NAMED else ""
+            names = f"{', '.join(left_out[:_MOST_NAMED])}{more}"
+            lines.append(f"not recorded: {names} (everything=True records all topics)")
+        return "\n".join(lines)
+
+    @property
+    def _state(self) -> str:
+        if not self._closed:
+            return "recording"
+        if self._writer.is_complete:
+            return "closed"
+        return "incomplete" if self._writer.has_failed else "still being written"
 
     # -- in the threads of the feed and of the program: they wait for nothing ------------------------------------------
 
@@ -137,6 +171,8 @@ class Recorder:
         return self._everything or bool(topic.widget) or is_undecided(topic.type)
 
     def _take(self, name: str, type_name: str, message: Any) -> None:
+        if self._gaps is not None:
+            self._gaps.setdefault(name, Gaps()).see(message)
         self._writer.add(name, type_name, self._writer.now_ns(), message)
 
     def _miss(self, name: str, count: int) -> None:

@@ -51,6 +51,14 @@ class Master:
         """The reason why the first unreachable one of these nodes cannot be reached; empty if all can."""
         return next(filter(None, map(self._unreachable, nodes)), "")
 
+    def has_ended(self, node: str) -> bool:
+        """Return True if nothing listens at the address of a node any more. One that does not answer may be there."""
+        try:
+            _call(_call(self.uri, "lookupNode", node), "getPid")
+        except MasterError as error:
+            return isinstance(error.__cause__, ConnectionRefusedError)
+        return False
+
     def _unreachable(self, node: str) -> str:
         try:
             uri = _call(self.uri, "lookupNode", node)

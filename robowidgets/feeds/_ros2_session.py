@@ -19,12 +19,16 @@ from .middleware import MOST_UNREAD, SEND_TIMEOUT, Advert, Listener, NotConnecte
 
 
 class _Wish(NamedTuple):
-    """A subscription to create. ``kept`` asks for earlier messages (transient local), ``each`` for every message."""
+    """A subscription to create. ``kept`` asks for earlier messages (transient local), ``each`` for every message.
+
+    ``reliable`` asks for lost packets again. That needs publishers that all offer it.
+    """
 
     topic: str
     type: str
     kept: bool
     each: bool = False
+    reliable: bool = False
 
 
 DISCOVERY = 2.0
@@ -162,7 +166,7 @@ class Ros2Session:
     def follow(self, topics: frozenset[str], each: frozenset[str]) -> None:
         """Subscribe to these topics, with the types that `look` found last, twice for each message; to no others."""
         wishes = {wish for topic in topics for wish in _wishes(topic, self._offers.get(topic, ()))}
-        wishes |= {wish._replace(each=True) for wish in wishes if wish.topic in each}
+        wishes |= {_wish_for_each(wish, self._offers.get(wish.topic, ())) for wish in wishes if wish.topic in each}
         for wish in self._subscriptions.keys() - wishes:
             self._node.destroy_subscription(self._subscriptions.pop(wish)[0])
         for wish in wishes - self._subscriptions.keys():
@@ -307,17 +311,18 @@ class Ros2Session:
     def _subscribe(self, wish: _Wish) -> None:
         from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
 
-        topic, kind, kept, each = wish
+        topic, kind, kept, each, reliable = wish
         try:
             known = message_class(kind)
         except LookupError as error:
             self._listener.on_trouble(topic, f"{topic} comes as {kind}: {error}")
             return
         # A best-effort subscription matches reliable publishers, too; only transient local needs a reliable one.
+        reliable = reliable or kept
         qos = QoSProfile(
             history=HistoryPolicy.KEEP_LAST,
             depth=MOST_UNREAD if each else queue_depth(kind),
-            reliability=ReliabilityPolicy.RELIABLE if kept else ReliabilityPolicy.BEST_EFFORT,
+            reliability=ReliabilityPolicy.RELIABLE if reliable else ReliabilityPolicy.BEST_EFFORT,
             durability=DurabilityPolicy.TRANSIENT_LOCAL if kept else DurabilityPolicy.VOLATILE,
         )
         try:
@@ -328,12 +333,12 @@ class Ros2Session:
     def _subscription(self, known: Any, wish: _Wish, qos: Any) -> tuple[Any, Any]:
         from rclpy.callback_groups import MutuallyExclusiveCallbackGroup
 
-        topic, twin = wish.topic, wish._replace(each=not wish.each)
+        topic = wish.topic
 
         def receive(message: Any) -> None:
             if self._is_wanted(topic):
                 self._listener.on_trouble(topic, "")
-                each = wish.each or twin not in self._subscriptions
+                each = wish.each or not any(one.each and one.topic == topic for one in self._subscriptions)
                 self._listener.on_message(topic, message, newest=not wish.each, each=each)
 
         def lost(event: Any) -> None:
@@ -403,6 +408,12 @@ def _wishes(topic: str, offers: Iterable[Any]) -> set[_Wish]:
         kept = (qos.durability, qos.reliability) == (DurabilityPolicy.TRANSIENT_LOCAL, ReliabilityPolicy.RELIABLE)
         by_type[info.topic_type] = by_type.get(info.topic_type, True) and kept
     return {_Wish(topic, kind, kept) for kind, kept in by_type.items()}
+
+
+def _wish_for_each(wish: _Wish, offers: Iterable[Any]) -> _Wish:
+    """The subscription to each message that goes with one; a reliable one matches no best-effort publisher."""
+    same = [info for info in offers if info.topic_type == wish.type]
+    return wish._replace(each=True, reliable=all(map(_is_reliable, same)))
 
 
 def _with_events(

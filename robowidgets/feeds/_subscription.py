@@ -51,11 +51,13 @@ class Target(NamedTuple):
     """What takes the messages of a topic, and its widget, if any. Functions of a program are no targets.
 
     With ``on_missed`` it takes each message, and not just the newest one, and that is told how many are missing.
+    ``on_replaced`` is called with the number of messages that were left out for the next one.
     """
 
     call: Callable[[Any], object]
     widget: SampleWidget | None
     on_missed: Callable[[int], object] | None = None
+    on_replaced: Callable[[int], object] | None = None
 
     @property
     def is_primary(self) -> bool:
@@ -108,9 +110,19 @@ def _of_widget(topic: str, method: Callable[..., object], widget: SampleWidget) 
     row = asked_of_widget(type(widget))
     if row is not None:
         call = OfSensor(method, topic) if row.gathers else method
-        return Target(call, widget, widget.miss if row.every_message else None)
+        return Target(
+            call, widget, widget.miss if row.every_message else None, None if row.gathers else _counter(widget)
+        )
     role = role_of(type(widget), getattr(method, "__name__", ""))
-    return Target(OfSensor(method, sensor_of(topic)) if role is not None and role.each else method, widget)
+    if role is not None and role.each:
+        return Target(OfSensor(method, sensor_of(topic)), widget)
+    is_update = getattr(method, "__name__", "") == "update"
+    return Target(method, widget, on_replaced=_counter(widget) if is_update else None)
+
+
+def _counter(widget: SampleWidget) -> Callable[[int], object] | None:
+    """The method by which a widget that shows a rate counts the messages that were left out."""
+    return widget.count_replaced if isinstance(widget, RobotWidget) else None
 
 
 def sorted_targets(topic: str, targets: Sequence[Any]) -> tuple[list[Target], list[Callable[[Any], object]]]:
@@ -155,18 +167,22 @@ class Subscription:
         """Whether a target takes each message."""
         return any(target.on_missed for target in self.targets)
 
-    def take(self, message: Any, *, newest: bool = True, each: bool = True) -> bool:
+    def take(self, message: Any, *, newest: bool = True, each: bool = True, replaced: int = 0) -> bool:
         """Pass a message to the targets that are ours; returns whether the status may have changed. Raises nothing.
 
         Args:
             message: the message.
             newest: whether those get it that take the newest one.
             each: whether those get it that take each.
+            replaced: the number of messages that were left out for it.
         """
         if newest:
             self._note(message)
         before = (self.receives, self._failed, self._scanners.status)
         takers = [one for one in self.targets if one.is_ours and (newest if one.on_missed is None else each)]
+        for target in takers if replaced else ():
+            if target.on_replaced is not None:
+                target.on_replaced(replaced)
         failures = [self._pass_on(target, message) for target in takers]
         if newest:
             self._scanners.see(message)

@@ -18,7 +18,7 @@ from typing import Any, Protocol
 from urllib.parse import urlsplit
 
 from .._core.clock import Clock
-from .._core.platform_fixes import acknowledge_at_once, close_when_connected, report_close_code
+from .._core.platform_fixes import acknowledge_at_once, close_when_connected, skip_large_messages
 from .._core.urls import redacted, without_secrets
 from ..samples.staleness import NO_ANSWER, ROBOT_GONE, ROBOT_SILENCE
 from .middleware import SEND_TIMEOUT, FeedError
@@ -26,7 +26,7 @@ from .middleware import SEND_TIMEOUT, FeedError
 Frame = str | bytes
 
 LARGEST = 50_000_000
-"""Bytes of the largest message that is read."""
+"""Bytes of the largest message that is read; larger ones are skipped."""
 
 PATIENCE = 5.0
 """Seconds within which a robot must answer a connection attempt."""
@@ -47,6 +47,9 @@ class BridgeCalls(Protocol):
 
     def on_frame(self, frame: Frame) -> None:
         """A frame was received."""
+
+    def on_too_large(self, start: bytes, size: int) -> None:
+        """A frame larger than `LARGEST` was skipped, of which these are the first bytes."""
 
     def deliver(self) -> None:
         """Decode the frames that were kept, and pass them on."""
@@ -84,7 +87,6 @@ class WebSocket:
         clock: that of the event loop, by which `publish` waits, too.
 
     Attributes:
-        too_big: whether it ended because of a message larger than `LARGEST`.
         is_cancelled: whether `cancel` was called.
     """
 
@@ -117,7 +119,7 @@ class WebSocket:
         self._silent = False
         self._is_refused = False
         """Whether a server answered that speaks another protocol."""
-        self.too_big = self.is_cancelled = False
+        self.is_cancelled = False
 
     @property
     def is_open(self) -> bool:
@@ -237,7 +239,7 @@ class WebSocket:
             return f"{self._shown} supports none of {', '.join(self._subprotocols)}: another program listens there"
         self._connection, self._stream = connection, stream
         stream.set_nodelay(True)
-        report_close_code(connection, self._on_close_code)
+        skip_large_messages(connection, LARGEST, self._bridge.on_too_large, self._on_part)
         connection.on_message, connection.on_pong = self._on_frame, self._on_pong
         self._opened_at = self._clock.now()
         try:
@@ -280,8 +282,9 @@ class WebSocket:
             with contextlib.suppress(asyncio.TimeoutError):
                 await asyncio.wait_for(self._ended.wait(), _GOODBYE)
 
-    def _on_close_code(self, code: int | None) -> None:
-        self.too_big = self.too_big or code == 1009
+    def _on_part(self) -> None:
+        """Note a part of a large message: it may take longer than a silence may."""
+        self._is_heard = True
 
     def _on_frame(self, frame: Frame | None) -> Any:
         """Take a frame; tornado reads the next one when the returned future, if any, is done."""
@@ -381,8 +384,6 @@ class WebSocket:
         return f"{self._shown} cannot be connected to: {redacted(one_line(str(error))) or type(error).__name__}"
 
     def _ending(self, connection: Any) -> str:
-        if self.too_big:
-            return f"a message larger than {LARGEST // 1_000_000} MB came"
         if self._silent:
             return f"the robot did not answer for {ROBOT_GONE:g} s"
         reason = one_line(connection.close_reason or "")

@@ -21,6 +21,9 @@ if TYPE_CHECKING:
     from ._dds_session import DdsSession
     from .feed import Feed
 
+_TURN = 0.01
+"""Seconds for which the messages of one topic are passed on, if each is wanted, before other topics have their turn."""
+
 
 class Dds(ThreadedMiddleware):
     """A `Middleware` that is a participant in a DDS domain.
@@ -121,8 +124,10 @@ class Dds(ThreadedMiddleware):
         session.look()
         session.follow(self._wanted, self._each)
         for wish in session.wishes:
-            if wish.topic in self._wanted and not self._closed.is_set():
-                session.messages(wish)
+            until = self._clock.now() + _TURN
+            while wish.topic in self._wanted and not self._closed.is_set() and session.pass_on(wish):
+                if not wish.each or self._clock.now() >= until:
+                    break
         if not self._closed.is_set():
             session.wait()
 

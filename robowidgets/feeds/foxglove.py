@@ -108,6 +108,11 @@ class Foxglove(Bridge):
         else:
             self._report_on_all(f"{self.where} does not speak foxglove: it said {one_line(frame[:80])!r}")
 
+    def _topic_of_start(self, start: bytes) -> str:
+        is_message = len(start) >= _DATA.size and start[0] == _MESSAGE
+        stream = self._streams.get(_DATA.unpack_from(start)[1]) if is_message else None
+        return stream.topic if stream is not None else ""
+
     async def other_bridge(self) -> str:
         """See `Bridge`."""
         is_other = await is_rosbridge(self._address)
@@ -159,9 +164,16 @@ class Foxglove(Bridge):
         text = operation.get("message")
         if operation.get("level") != _ERROR or not isinstance(text, str):
             return
+        reason = f"the robot's bridge says: {one_line(text)}"
         for topic in self._followed:
-            if re.search(rf"(?<![\w/]){re.escape(topic)}(?![\w/])", text):
-                self._listener.on_trouble(topic, f"the robot's bridge says: {one_line(text)}")
+            if _names(text, topic):
+                self._listener.on_trouble(topic, reason)
+        published = {topic for topic, _, _ in self._sent_on}
+        # foxglove_bridge does not name the topic that it cannot publish.
+        is_of_publisher = "publish" in text or "client channel" in text
+        for topic in published:
+            if _names(text, topic) or (is_of_publisher and not any(_names(text, other) for other in published)):
+                self._listener.on_unheard(topic, reason)
 
     def _start(self, topic: str) -> None:
         """Subscribe to each channel of a followed topic that can be decoded, and report when none can."""
@@ -211,6 +223,11 @@ class Foxglove(Bridge):
         frame = _CLIENT_DATA.pack(_MESSAGE, self._sent_on[key]) + payload
         self._note_sent(key, frame, is_zero=is_zero)
         return frame
+
+
+def _names(text: str, topic: str) -> bool:
+    """Return True if a text names a topic."""
+    return re.search(rf"(?<![\w/]){re.escape(topic)}(?![\w/])", text) is not None
 
 
 def _encoding_for(info: Mapping[str, Any]) -> str | None:

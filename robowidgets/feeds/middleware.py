@@ -66,11 +66,15 @@ class Listener(Protocol):
     def on_topics(self, topics: Sequence[Advert]) -> None:
         """All topics that are known now. Called when the list changes."""
 
-    def on_message(self, topic: str, message: Any, *, newest: bool = True, each: bool = True) -> None:
+    def on_message(
+        self, topic: str, message: Any, *, newest: bool = True, each: bool = True, replaced: int = 0
+    ) -> None:
         """A message of a subscribed topic: anything that the ``update`` of a widget takes.
 
         A middleware that leaves out what a newer message replaces calls it with ``newest=False`` for a message that was
         replaced already, and with ``each=False`` for one that it passes on in its place among all, too.
+        With ``replaced`` it gives the number of messages that came before this one and were left out for it, so that
+        rates count them, too.
         """
 
     def on_missed(self, topic: str, count: int) -> None:

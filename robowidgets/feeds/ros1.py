@@ -15,6 +15,7 @@ from .._core import in_browser
 from ..messages.channel import Channel
 from ._guard.mark import MARK
 from ._ros1_master import Master, MasterError, SystemState, master_of
+from ._ros1_presence import Presence
 from ._ros1_publications import SHUT_DOWN, Publications
 from ._threaded import ThreadedMiddleware
 from .middleware import Advert, FeedError, Listener, Outlet
@@ -32,6 +33,8 @@ PATIENCE = 3.0
 """Seconds without a connection to a publisher after which its address is tried."""
 
 DATA_COME = "master lost; data still come"
+
+_SPEEDS = ("geometry_msgs/Twist", "geometry_msgs/TwistStamped")
 
 _STARTING = threading.Lock()
 
@@ -62,6 +65,7 @@ class Ros1(ThreadedMiddleware):
         if master:
             os.environ["ROS_MASTER_URI"] = master  # rospy takes it from nowhere else
         self._master = Master(master or _uri_of_environment())
+        self._presence = Presence(self._master, self._look_soon)
         self._listener: Listener | None = None
         self._woken = False
         self._connected = False
@@ -214,6 +218,9 @@ class Ros1(ThreadedMiddleware):
 
     def _step(self, state: SystemState, listener: Listener) -> None:
         self._publications.state = state
+        me = self._rospy.get_name()
+        driven = [topic for topic, kind in state.types.items() if kind in _SPEEDS]
+        self._presence.look({node for topic in driven for node in state.publishers.get(topic, ()) if node != me})
         listener.on_topics(self._adverts_of(state))
         for topic, subscription in list(self._subscriptions.items()):
             if topic not in self._wanted or state.types.get(topic, subscription.kind) != subscription.kind:
@@ -266,6 +273,7 @@ class Ros1(ThreadedMiddleware):
                 [node for node in there.get(topic, ()) if not node.startswith(f"/{MARK}")]
                 for there in (state.publishers, state.subscribers)
             )
+            publishers = [node for node in publishers if node not in self._presence.ended]
             if not publishers and not subscribers:
                 continue
             offered = any(node != me or topic not in self._publications for node in publishers)

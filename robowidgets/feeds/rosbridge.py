@@ -9,6 +9,7 @@ import asyncio
 import json
 from collections import deque
 from collections.abc import Mapping
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from .._core.clock import Clock
@@ -33,6 +34,9 @@ _THROTTLE_MS = 16
 _SUBSCRIBE = "subscribe:"
 _OURS = "rosbridge_websocket"
 _TOPICS, _PUBLISHERS, _SUBSCRIBERS = "/rosapi/topics", "/rosapi/publishers", "/rosapi/subscribers"
+_ANSWERED = 3.0
+"""Seconds after which rosapi names the bridge as a publisher of a topic that we advertised, at the latest."""
+
 _CLOSING = "/robowidgets/closing"  # no such service exists: the robot answers so, and logs it
 _IN_CBOR = frozenset(
     (
@@ -76,6 +80,8 @@ class Rosbridge(Bridge):
         def advertised() -> str:
             if key not in self._advertised:
                 self._advertised.add(key)
+                self._advertised_at[topic] = self._clock.now(), message_type, self._publishers.get(topic)
+                self._later(_ANSWERED, lambda: self._call(_PUBLISHERS, topic))
                 kind = self._as_written(message_type)
                 self._write({"op": "advertise", "id": f"advertise:{topic}", "topic": topic, "type": kind})
                 self._await_match(key)
@@ -114,14 +120,24 @@ class Rosbridge(Bridge):
         if react is not None:
             react(operation)
 
+    def _topic_of_start(self, start: bytes) -> str:
+        return topic_of(start) or topic_of(start.decode(errors="ignore")) or ""
+
     def _take(self, topic: str, frame: Frame | dict[str, Any]) -> None:
         if topic in self._followed:
-            self._keep(topic, self._types.get(topic, ""), _message, frame)
+            kind = self._types.get(topic, "")
+            self._keep(topic, kind, partial(self._read, topic, kind), frame)
 
-    def _flaw(self, topic: str, message: Any) -> str:
-        ranges = message.get("ranges")
+    def _read(self, topic: str, kind: str, frame: Frame | dict[str, Any]) -> Any:
+        fields = _fields(frame)
+        ranges = fields.get("ranges")
         if isinstance(ranges, list) and None in ranges:
             self._with_null.add(topic)
+        from ..messages.encoding import as_message  # Imported lazily: a guard reads no topic.
+
+        return as_message("ros1" if self._is_ros1 else "cdr", kind, fields)
+
+    def _flaw(self, topic: str, message: Any) -> str:  # noqa: ARG002
         if topic not in self._with_null:
             return ""
         return _ONLY_NULL + ("" if self._has_cbor else "; with cbor2 installed here they can")
@@ -145,6 +161,10 @@ class Rosbridge(Bridge):
         self._subscribed_as: dict[str, str] = {}
         self._with_null: set[str] = set()
         self._advertised: set[tuple[str, str]] = set()
+        self._advertised_at: dict[str, tuple[float, str, tuple[str, ...] | None]] = {}
+        """For each topic that we advertised: the time, the type, and the publishers before, if they were known."""
+        self._publishers: dict[str, tuple[str, ...]] = {}
+        """The publishers of topics, with the bridge."""
         self._requests: deque[tuple[str, str]] = deque()
         """Services to call, each with its topic; the first one is called."""
         self._is_answered = True
@@ -225,8 +245,28 @@ class Rosbridge(Bridge):
                 self._on_topics(dict(zip(strings(values.get("topics")), strings(values.get("types")), strict=False)))
         elif isinstance(values, dict) and service in (_PUBLISHERS, _SUBSCRIBERS):
             nodes = strings(values.get(str(service).rpartition("/")[2]))
+            if service == _PUBLISHERS:
+                self._publishers[topic] = tuple(nodes)
+                self._report_refused(topic, nodes)
             self._nodes[str(service), topic] = other_nodes(nodes, _OURS)
             self._report_topics()
+
+    def _report_refused(self, topic: str, nodes: list[str]) -> None:
+        """Report a topic that we advertised if the bridge does not publish it: it tells its clients no error."""
+        if topic not in self._advertised_at:
+            return
+        at, kind, before = self._advertised_at[topic]
+        is_there = any(node.rpartition("/")[2].startswith(_OURS) for node in nodes)
+        # The node of the bridge may have another name.
+        if is_there or set(nodes) - set(nodes if before is None else before):
+            self._listener.on_unheard(topic, "")
+        elif self._clock.now() - at >= _ANSWERED:
+            package = kind.partition("/")[0]
+            self._listener.on_unheard(
+                topic,
+                f"rosbridge does not publish {topic}, so no speed arrives: is the package {package} installed on the "
+                f"robot, and the topic a {self._as_written(kind)}? The log of rosbridge says why",
+            )
 
     def _on_topics(self, types: dict[str, str]) -> None:
         if self._has_no_rosapi:
@@ -245,7 +285,8 @@ class Rosbridge(Bridge):
                 if topic in self._subscribed_as:  # else the server would wait for the old type for ever
                     self._stop(topic)
                 self._start(topic)
-
+        for topic in self._advertised_at:
+            self._call(_PUBLISHERS, topic)
         if self._asks_for_nodes:
             self._ask_about_some()
 
@@ -284,7 +325,7 @@ class Rosbridge(Bridge):
             )
 
 
-def _message(frame: Frame | dict[str, Any]) -> Any:
+def _fields(frame: Frame | dict[str, Any]) -> dict[str, Any]:
     operation = frame if isinstance(frame, dict) else read(frame)
     message = operation.get("msg")
     if not isinstance(message, dict):

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from math import nan
+from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -42,6 +44,28 @@ def encode(encoding: str, message_type: str, message: Any, definition: str = "")
         return bytes(write(_message(store, message_type, message), message_type))
     except Exception as error:  # whatever rosbags and numpy raise for a value that does not fit
         raise ValueError(f"a message does not fit {message_type}: {one_line(error)}") from None
+
+
+def as_message(encoding: str, message_type: str, fields: Mapping[str, Any]) -> Any:
+    """The fields of a message, as JSON has them, as an object with attributes, as rosbags decodes it from bytes.
+
+    Arrays of numbers are NumPy arrays, also those that JSON has as base64, and None is NaN. A message whose type is not
+    known, or does not fit, keeps the names and values that it has.
+    """
+    try:
+        return _message(store_of(Channel(0, "", message_type, encoding, "", 0)), message_type, fields)
+    except Exception:  # an unknown type, or whatever rosbags and numpy raise for a value that does not fit
+        return _guessed(fields)
+
+
+def _guessed(value: Any) -> Any:
+    if isinstance(value, Mapping):
+        return SimpleNamespace(**{str(name): _guessed(field) for name, field in value.items()})
+    if not isinstance(value, list):
+        return value
+    if value and all(item is None or (isinstance(item, (int, float)) and type(item) is not bool) for item in value):
+        return np.array(value, np.float64 if any(type(item) is not int for item in value) else None)
+    return [_guessed(item) for item in value]
 
 
 def _message(store: Typestore, type_name: str, message: Any) -> Any:

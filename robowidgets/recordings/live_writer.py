@@ -24,7 +24,7 @@ from ..repair.write import McapWriter
 log = logging.getLogger("robowidgets")
 
 MOST_WAITING = 1000
-"""Messages that wait to be written; when the disk is slower, more are dropped."""
+"""Messages of one topic that wait to be written; if writing does not keep up, further ones are dropped."""
 
 FLUSH = 1.0
 """Seconds after which messages are in the file, where they are not lost when the process dies."""
@@ -48,6 +48,7 @@ class LiveWriter:
 
     Attributes:
         written: by topic, the number of messages that were written.
+        is_complete: True once the file has its end, and with it everything that was added and not dropped.
 
     Raises:
         OSError: the file exists, or cannot be written.
@@ -66,12 +67,15 @@ class LiveWriter:
         """The frames of sensors whose places are written."""
         # A clock that is set meanwhile moves no message.
         self._epoch_ns = time.time_ns() - int(self._clock.now() * 1e9)
-        self._queue: deque[tuple[str, str, int, Any]] = deque()
+        self._queue: deque[str] = deque()
+        """The topics of the messages that wait, in their order."""
+        self._waiting: dict[str, deque[tuple[str, int, Any]]] = {}
+        """The messages that wait, by topic."""
         self._file = path.open("xb")
         self._writer = McapWriter(self._file, {"cdr"})
         self._flush_at: float | None = None
         """When what was written is to be in the file; None while all of it is."""
-        self._is_closed = self._has_ended = False
+        self._is_closed = self._has_ended = self.is_complete = False
         self._ending = threading.RLock()
         self._waiters = Waiters(self._ending, self._clock)
         self._ticket: Ticket | None = None
@@ -89,16 +93,23 @@ class LiveWriter:
         )
         return tuple(filter(None, (self._failed, *dropped, *self._unwritable.values())))
 
+    @property
+    def has_failed(self) -> bool:
+        """True if the file cannot be written any more."""
+        return bool(self._failed)
+
     def now_ns(self) -> int:
         """The time of a message that comes now, in nanoseconds since 1970."""
         return self._epoch_ns + int(self._clock.now() * 1e9)
 
     def add(self, topic: str, type_name: str, time_ns: int, message: Any, *, can_be_dropped: bool = True) -> None:
-        """Write a message or a sample, given with the type of its topic; drop it if too many wait already."""
-        if can_be_dropped and len(self._queue) >= MOST_WAITING:
+        """Write a message or a sample, given with the type of its topic; drop it if too many of the topic wait."""
+        waiting = self._waiting.setdefault(topic, deque())
+        if can_be_dropped and len(waiting) >= MOST_WAITING:
             self._dropped[topic] += 1
             return
-        self._queue.append((topic, type_name, time_ns, message))
+        waiting.append((type_name, time_ns, message))
+        self._queue.append(topic)
         if self._ticket is not None:
             self._ticket.wake()
 
@@ -118,7 +129,8 @@ class LiveWriter:
         try:
             is_closed = self._is_closed  # nothing is added after that
             while self._queue:
-                self._write(self._writer, *self._queue.popleft())
+                topic = self._queue.popleft()
+                self._write(self._writer, topic, *self._waiting[topic].popleft())
                 if self._flush_at is None:
                     self._flush_at = self._clock.now() + FLUSH
                 self._flush_if_due()
@@ -127,6 +139,7 @@ class LiveWriter:
                 return self._flush_at
             self._writer.finish()
             self._file.close()
+            self.is_complete = True
         except Exception as error:  # a full disk, above all
             self._failed = f"recording has ended: {getattr(error, 'strerror', None) or error}"
             log.error("%s: %s; the robot and its program go on", self._path, self._failed)

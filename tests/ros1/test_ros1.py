@@ -29,7 +29,7 @@ from robowidgets.feeds.middleware import SEND_TIMEOUT, Advert, FeedError
 from ..conftest import ROOT
 from ..unit.feeds.ears import Ears
 from ..unit.waiting import wait_for
-from .conftest import PACKAGES
+from .conftest import PACKAGES, PYTHON
 
 STAMPED = "geometry_msgs/msg/TwistStamped"
 
@@ -567,6 +567,33 @@ def test_other_publishers_of_a_topic_are_named(middleware, publish):
     publishers = middleware.told.advert("/named/scan").publishers
     assert list(publishers) == sorted(publishers)
     assert all(name.startswith("/scan_") for name in publishers)
+
+
+def test_a_publisher_of_speeds_that_was_killed_is_named_no_longer_and_holds_up_nothing(feed, robot, publish, master):
+    topic = "/killed/cmd_vel"
+    robot(topic)
+    script = (
+        "import rospy, time; from geometry_msgs.msg import TwistStamped; rospy.init_node('other_kernel')\n"
+        f"rospy.Publisher({topic!r}, TwistStamped, queue_size=1); print('ready', flush=True); time.sleep(600)"
+    )
+    other = subprocess.Popen([PYTHON, "-c", script], stdout=subprocess.PIPE, text=True)
+    with socket.create_server(("127.0.0.1", 0)) as silent:  # it may be there, and takes its time
+        known = _ros1_master.Master(f"http://127.0.0.1:{master.port}")
+        address = f"http://127.0.0.1:{silent.getsockname()[1]}"
+        try:
+            assert other.stdout.readline() == "ready\n"
+            known.register_publisher("/silent", topic, "geometry_msgs/TwistStamped", address)
+            driven(feed, topic)
+            wait_for(lambda: f"/other_kernel, /silent publishes {topic}, too" in feed.drive_status, "both are named")
+            other.kill()
+            other.wait()
+            assert "/other_kernel" in dict(_ros1_master._call(known.uri, "getSystemState")[0])[topic]
+            wait_for(lambda: f"/silent publishes {topic}, too" in feed.drive_status, "one is left")
+            wait_for(lambda: "/other_kernel" not in feed.drive_status, "the killed one is not named")
+        finally:
+            other.kill()
+            other.stdout.close()
+            _ros1_master._call(known.uri, "unregisterPublisher", topic, address, caller="/silent")
 
 
 def test_the_wires_name_real_nodes_with_what_they_publish_and_take(feed, publish, robot):

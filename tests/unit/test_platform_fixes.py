@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import inspect
 import json
 import os
@@ -20,13 +21,17 @@ from typing import Any
 import pytest
 from packaging.specifiers import SpecifierSet
 from packaging.version import Version
+from tornado.httpserver import HTTPServer
+from tornado.testing import bind_unused_port
+from tornado.web import Application
+from tornado.websocket import WebSocketHandler, websocket_connect
 
 from robowidgets._core import platform_fixes
 from robowidgets._core.platform_fixes import (
     let_threads_print,
     message_padding,
-    report_close_code,
     route_by_message,
+    skip_large_messages,
 )
 
 from .shells import put_in_place
@@ -133,9 +138,9 @@ thread = SimpleNamespace()
 fixes.run_beside_debugger(thread)
 decompress = decompressors["bz2"]
 fixes.bound_decompression()
-close = lambda code, reason: None
-protocol = SimpleNamespace(close=close)
-fixes.report_close_code(SimpleNamespace(protocol=protocol), print)
+read = lambda count: None
+protocol = SimpleNamespace(_read_bytes=read, _handle_message=None, params=SimpleNamespace())
+fixes.skip_large_messages(SimpleNamespace(protocol=protocol), 10, print, print)
 print(json.dumps({
     "switch interval": sys.getswitchinterval() < 0.005,
     "padding": bool(fixes.message_padding()),
@@ -151,7 +156,7 @@ print(json.dumps({
     "idle interrupt": kernel.saved_sigint_handler is not signal.SIG_IGN,
     "debugger": bool(vars(thread)),
     "decompression": decompressors["bz2"] is not decompress,
-    "close code": protocol.close is not close,
+    "large messages": protocol._read_bytes is not read,
     "pending connection": asyncio.run(close_a_pending_connection()),
 }))
 """
@@ -198,10 +203,39 @@ def test_threads_whose_identifiers_are_used_again_form_no_circle(monkeypatch: py
             seen.add(thread)
 
 
-def test_a_close_code_is_reported_and_the_connection_closed_with_it() -> None:
-    closed: list[Any] = []
-    reported: list[int | None] = []
-    protocol = SimpleNamespace(close=lambda *given: closed.append(given))
-    report_close_code(SimpleNamespace(protocol=protocol), reported.append)
-    protocol.close(1009, "message too big")
-    assert (reported, closed) == ([1009], [(1009, "message too big")])
+@pytest.mark.parametrize("part", [1000, 200_000])
+def test_a_message_that_is_too_large_is_skipped_whole_and_the_next_ones_come(
+    part: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """In one frame, and in fragments, between which pings may come."""
+    monkeypatch.setattr(platform_fixes, "_PART", part)
+    skipped: list[tuple[bytes, int]] = []
+    parts: list[int] = []
+
+    class Several(WebSocketHandler):
+        async def open(self, *_: str, **__: str) -> None:
+            await self.write_message(b"\x01" * 300_000, binary=True)
+            await self.write_message("small")
+            protocol = self.ws_connection
+            for opcode, final, size in ((1, False, 60_000), (0, False, 60_000), (9, True, 4), (0, True, 60_000)):
+                await protocol._write_frame(final, opcode, b"a" * size)
+            await self.write_message("next")
+
+    async def hear() -> list[Any]:
+        listening, port = bind_unused_port()
+        server = HTTPServer(Application([("/", Several)]))
+        server.add_socket(listening)
+        heard: list[Any] = []
+        connection = await websocket_connect(f"ws://127.0.0.1:{port}/", on_message_callback=heard.append)
+        skip_large_messages(
+            connection, 100_000, lambda start, size: skipped.append((start, size)), lambda: parts.append(1)
+        )
+        while len(heard) < 2:
+            await asyncio.sleep(0.001)
+        connection.close()
+        server.stop()
+        return heard[:2]
+
+    assert asyncio.run(hear()) == ["small", "next"]
+    assert skipped == [(b"\x01" * 1000, 300_000), (b"a" * 1000, 180_000)]
+    assert bool(parts) == (part < 300_000)

@@ -154,7 +154,9 @@ class Guarding:
         """See `Listener`."""
         self._wanted = frozenset(advert.name for advert in topics if advert.wanted)
 
-    def on_message(self, topic: str, message: Any, *, newest: bool = True, each: bool = True) -> None:
+    def on_message(
+        self, topic: str, message: Any, *, newest: bool = True, each: bool = True, replaced: int = 0
+    ) -> None:
         """See `Listener`. A guard follows no topic."""
 
     def on_missed(self, topic: str, count: int) -> None:

@@ -23,7 +23,8 @@ class Rosbridge(Server):
     without a type to a topic that is not there yet.
 
     ``topics``: names to types, which say whether it is ROS 1 or 2. ``rosapi``: whether it runs. ``publishers``,
-    ``listeners``: nodes by topic. ``delay``: seconds that each message waits in the queue.
+    ``listeners``: nodes by topic. ``missing``: packages that the robot lacks. ``delay``: seconds that each message
+    waits in the queue.
     """
 
     def __init__(self, topics: dict[str, str], port: int = 0, rosapi: bool = True, delay: float = 0.001) -> None:
@@ -35,6 +36,7 @@ class Rosbridge(Server):
         self.listeners: dict[str, list[str]] = {}
         self.subscribed: dict[str, dict[str, Any]] = {}
         self.advertised: dict[str, str] = {}
+        self.missing: set[str] = set()
         self.published: list[tuple[str, Any]] = []
         self.log: list[str] = []
         self._waiting: dict[str, deque[Any]] = {}
@@ -95,6 +97,8 @@ class Rosbridge(Server):
 
     def _advertise(self, _client: WebSocketHandler, said: dict[str, Any]) -> None:
         self._check(said["topic"], said["type"])
+        if said["type"].split("/")[0] in self.missing:
+            raise ValueError(f"Unable to import {said['type'].split('/')[0]}.msg from package")
         self.advertised[said["topic"]] = said["type"]
 
     def _publish(self, _client: WebSocketHandler, said: dict[str, Any]) -> None:
@@ -106,7 +110,7 @@ class Rosbridge(Server):
         topic = said["args"].get("topic", "")
         values = {
             "/rosapi/topics": {"topics": list(self.topics), "types": list(self.topics.values())},
-            "/rosapi/publishers": {"publishers": self.publishers.get(topic, ["/driver"])},
+            "/rosapi/publishers": {"publishers": self.publishers_of(topic)},
             "/rosapi/subscribers": {"subscribers": self.listeners.get(topic, ["/rosbridge_websocket"])},
         }
         answer = {"op": "service_response", "service": said["service"], "id": said["id"]}
@@ -116,6 +120,12 @@ class Rosbridge(Server):
             words = f"Service {said['service']} does not exist"
             self.log.append(f"call_service InvalidServiceException: {words}")
             self.tell(client, {**answer, "values": words, "result": False})
+
+    def publishers_of(self, topic: str) -> list[str]:
+        """The nodes that publish a topic, with the bridge."""
+        there = self.publishers.get(topic, ["/driver"])
+        ours = ["/rosbridge_websocket"] if topic in self.advertised else []
+        return [*there, *(name for name in ours if name not in there)]
 
     def _check(self, topic: str, kind: str | None) -> None:
         """Refuse a type that is written as the other ROS does, or is not that of the topic."""

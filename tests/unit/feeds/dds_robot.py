@@ -271,11 +271,22 @@ class Robot:
         self.names = DataWriter(self.participant, Topic(self.participant, NODES, ParticipantEntitiesInfo), Qos(*KEPT))
         self.names.write(info)
 
+    def best_effort(self, topic: str, kind: str) -> None:
+        """Publish without asking who got it from now on, as drivers of sensors do."""
+        self.writer(topic, kind, Policy.Reliability.BestEffort)
+
     def subscribers(self, topic: str, _: str) -> None:
         """Tell the user data of those who subscribe to a topic."""
+        tell([qos[Policy.Userdata].data.decode() if Policy.Userdata in qos else "" for qos in self.wanted(topic)])
+
+    def reliable_subscribers(self, topic: str) -> None:
+        """Tell, of each subscription to a topic, whether it asks for lost packets again."""
+        tell(sorted(isinstance(qos[Policy.Reliability], Policy.Reliability.Reliable) for qos in self.wanted(topic)))
+
+    def wanted(self, topic: str) -> list[Any]:
         samples = BuiltinDataReader(self.participant, BuiltinTopicDcpsSubscription).take(N=1000)
-        found = [sample.qos for sample in samples if sample.topic_name == f"rt{topic}"]
-        tell([qos[Policy.Userdata].data.decode() if Policy.Userdata in qos else "" for qos in found])
+        there = [sample for sample in samples if sample.sample_info.instance_state == InstanceState.Alive]
+        return [sample.qos for sample in there if sample.topic_name == f"rt{topic}"]
 
 
 def main(domain: int, lease: str = "10s") -> None:

@@ -23,6 +23,8 @@ class Ears:
         self.replaced: list[tuple[str, Any]] = []
         """For those alone who take each."""
         self.missed: Counter[str] = Counter()
+        self.came: Counter[str] = Counter()
+        """The number of messages that came, also those that newer ones replaced."""
         self.troubles: dict[str, str] = {}
         self.said: list[str] = []
         self.unheard: dict[str, str] = {}
@@ -41,7 +43,10 @@ class Ears:
     def on_topics(self, topics: Sequence[Advert]) -> None:
         self.topics = list(topics)
 
-    def on_message(self, topic: str, message: Any, *, newest: bool = True, each: bool = True) -> None:
+    def on_message(
+        self, topic: str, message: Any, *, newest: bool = True, each: bool = True, replaced: int = 0
+    ) -> None:
+        self.came[topic] += newest + replaced
         assert newest or each
         (self.messages if newest else self.replaced).append((topic, message))
         if newest:

@@ -15,6 +15,7 @@ import sys
 import threading
 import time
 import weakref
+from collections import deque
 from collections.abc import Callable, Iterator
 from contextlib import closing
 from pathlib import Path
@@ -26,10 +27,12 @@ import pytest
 pytest.importorskip("cyclonedds", reason="cyclonedds is not installed: pip install cyclonedds")
 
 from cyclonedds.core import DDSException
+from cyclonedds.domain import Domain
 
 from robowidgets import EventsWidget
 from robowidgets.feeds import Driving, Feed, _dds_session, _threaded, _zeros
 from robowidgets.feeds._dds_types import decoder, opaque, ros_topic, ros_type
+from robowidgets.feeds._guard.mark import MARK
 from robowidgets.feeds.dds import Dds
 from robowidgets.feeds.middleware import Advert, FeedError
 from robowidgets.messages import add_definitions, definitions
@@ -39,6 +42,7 @@ from robowidgets.samples import Level
 
 from ..clocks import ManualClock
 from ..waiting import wait_for
+from . import dds_robot
 from .bursts import EVERY, record_bursts
 from .ears import Ears
 
@@ -276,10 +280,10 @@ def test_a_truncated_message_is_told_until_a_whole_one_comes(heard: Ears) -> Non
             return samples.pop(0)
 
     wish = _dds_session.Wish("/speed", TWIST, False, False)
-    session._readers[wish] = _dds_session._Reader(Reader(), None, _dds_session.decoder(TWIST))
-    session.messages(wish)
+    session._readers[wish] = _dds_session._Reader(Reader(), None, _dds_session.decoder(TWIST), deque())
+    session.pass_on(wish)
     assert heard.words("/speed").startswith(f"a message of /speed cannot be read: 43 bytes that are no {TWIST}: ")
-    session.messages(wish)
+    session.pass_on(wish)
     assert heard.words("/speed") == ""
     assert heard.messages[0][1].linear.x == 0.5
 
@@ -657,7 +661,7 @@ def test_node_names_are_understood_from_any_distribution_and_other_messages_igno
     gid = struct.pack(f"{length}s", key)
     name = struct.pack("<I2s2xI4s", 2, b"/", 4, b"nav")
     info = b"\0\1\0\0" + gid + struct.pack("<I", 1) + name + struct.pack("<II", 0, 1) + gid
-    session._offers[UUID(bytes=key)] = _dds_session.Endpoint("/cmd_vel", TWIST, False, b"", None)
+    session._offers[UUID(bytes=key)] = _dds_session.Endpoint("/cmd_vel", TWIST, False, False, b"", None)
     samples = [[opaque(NODES_TYPE)(info)], [opaque(TWIST)(encode("cdr", TWIST, {}))]]
 
     class Reader:
@@ -666,8 +670,8 @@ def test_node_names_are_understood_from_any_distribution_and_other_messages_igno
 
     for kind in (NODES_TYPE, TWIST):
         wish = _dds_session.Wish("ros_discovery_info", kind, True, False)
-        session._readers[wish] = _dds_session._Reader(Reader(), None, decoder(kind))
-        session.messages(wish)
+        session._readers[wish] = _dds_session._Reader(Reader(), None, decoder(kind), deque())
+        session.pass_on(wish)
     session._readers.clear()
     session.look()
     assert heard.topics == [Advert("/cmd_vel", TWIST, offered=True, wanted=False, publishers=("/nav",), subscribers=())]
@@ -833,6 +837,26 @@ def test_each_line_of_rosout_is_an_event(robot: Robot) -> None:
     events.close()
 
 
+def test_the_guard_of_another_kernel_is_another_publisher_and_ours_is_not(robot: Robot) -> None:
+    told = "somebody else publishes /cmd_vel, too"
+    with Feed(Dds(DOMAIN, interface="lo")) as feed:
+        robot.hear("/cmd_vel", "Twist")
+        wait_for(lambda: any(topic.name == "/cmd_vel" for topic in feed.topics), "the robot is found")
+        for mark, is_other in ((MARK, False), ("robowidgets_guard_of_another_kernel", True)):
+            with closing(Dds(DOMAIN, interface="lo", mark=mark)) as guard:
+                ears = Ears()
+                guard.open(ears)
+                wait_for(lambda ears=ears: ears.topics, "the guard sees the robot")  # type: ignore[misc]
+                guard.publish("/cmd_vel", TWIST, {"linear": {"x": 0.25}})
+                assert robot.heard()["linear"]["x"] == 0.25
+                if is_other:
+                    wait_for(lambda: told in feed.drive_status, "it is told")
+                else:  # a writer that is made later is known later
+                    robot.do("write", "/after", "Twist", 0.5)
+                    wait_for(lambda: any(topic.name == "/after" for topic in feed.topics), "a later one is known")
+                    assert told not in feed.drive_status
+
+
 # -- recording ---------------------------------------------------------------------------------------------------------
 
 
@@ -846,17 +870,90 @@ def test_each_message_of_a_burst_is_recorded_or_counted(robot: Robot, tmp_path: 
     assert len(recorded.there) > len(EVERY) / 2
 
 
-def test_what_does_not_fit_into_the_queue_is_counted(
-    dds: Dds, heard: Ears, robot: Robot, monkeypatch: pytest.MonkeyPatch
+@pytest.mark.parametrize(
+    ("publishers", "subscriptions"), [(["write"], [False, True]), (["best_effort", "write"], [False, False])]
+)
+def test_lost_packets_are_asked_for_again_by_who_records_if_each_publisher_can_repeat_them(
+    publishers: list[str],
+    subscriptions: list[bool],
+    dds: Dds,
+    heard: Ears,
+    start: Callable[[], Robot],
 ) -> None:
-    monkeypatch.setattr(_dds_session, "MOST_UNREAD", 10)
+    robots = [start() for _ in publishers]
+    for do, robot in zip(publishers, robots, strict=True):
+        message = [[1.0], 0.5] if do == "write" else []
+        robot.do(do, "/scan", "LaserScan", *message)
+    wait_for(lambda: dds._session and len(dds._session._offers) == len(robots), "all are found")
     dds.follow(frozenset({"/scan"}), frozenset({"/scan"}))
-    publish_until(robot, lambda: heard.messages and heard.replaced, "scans come", "/scan", "LaserScan", [1.0], 0.5)
-    go_on = threading.Event()
-    heard.then = lambda *_: go_on.wait(120)
-    before = len(heard.replaced)
-    robot.do("burst", "/scan", "LaserScan", [2.0] * 50)
-    assert robot.heard() == "written"
-    go_on.set()
-    wait_for(lambda: heard.missed["/scan"] >= 30, "the rest is counted")
-    wait_for(lambda: len(heard.replaced) - before + heard.missed["/scan"] >= 50, "all are accounted for")
+
+    def asked() -> Any:
+        robots[-1].do("reliable_subscribers", "/scan")
+        return robots[-1].heard()
+
+    wait_for(lambda: asked() == subscriptions, "both subscriptions are there: of the newest, and of each")
+    publish_until(robots[-1], lambda: heard.replaced, "each comes", "/scan", "LaserScan", [1.0], 0.5)
+
+
+def buffers() -> list[int]:
+    """The sizes of the receive buffers of this process's UDP sockets."""
+    sizes = []
+    for number in os.listdir("/proc/self/fd"):
+        try:
+            one = socket.socket(fileno=os.dup(int(number)))
+        except OSError:  # not a socket, or closed meanwhile
+            continue
+        with one:
+            if one.type == socket.SOCK_DGRAM:
+                sizes.append(one.getsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF))
+    return sizes
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="the limit of the system is read from Linux's /proc")
+@pytest.mark.parametrize("interface", ["lo", None])
+def test_the_system_is_asked_for_room_for_what_comes_while_python_is_busy(
+    interface: str | None, heard: Ears, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.delenv("CYCLONEDDS_URI", raising=False)
+    most = int(Path("/proc/sys/net/core/rmem_max").read_text())
+    with closing(Dds(DOMAIN + 1, interface=interface)) as dds:
+        dds.open(heard)
+        wait_for(lambda: heard.connected, "it is connected")
+        assert max(buffers()) == 2 * min(most, 16 * 2**20), "Linux counts twice what was asked for"
+    if interface is None:
+        monkeypatch.setenv("CYCLONEDDS_URI", '<Internal><SocketReceiveBufferSize max="100kB"/></Internal>')
+        gc.collect()
+        with closing(Dds(DOMAIN + 1)) as dds:
+            dds.open(heard)
+            wait_for(lambda: heard.connected == 2, "it is connected")
+            assert max(buffers()) == 2 * 100 * 1024, "the user's own setting counts"
+
+
+def test_a_domain_that_the_program_uses_already_is_used_as_it_is(heard: Ears) -> None:
+    program = Domain(DOMAIN + 1, dds_robot.LOOPBACK)
+    with closing(Dds(DOMAIN + 1)) as dds:
+        dds.open(heard)
+        wait_for(lambda: heard.connected, "it is connected")
+    del program
+
+
+@pytest.mark.parametrize("full", ["MOST_UNREAD", "_DEEPEST"])
+def test_what_does_not_fit_into_the_queue_is_counted(
+    full: str, heard: Ears, robot: Robot, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(_dds_session, full, 10)
+    with closing(Dds(DOMAIN, interface="lo")) as dds:
+        dds.open(heard)
+        dds.follow(frozenset({"/scan"}), frozenset({"/scan"}))
+        publish_until(robot, lambda: heard.messages and heard.replaced, "scans come", "/scan", "LaserScan", [1.0], 0.5)
+        go_on = threading.Event()
+        heard.then = lambda *_: go_on.wait(120)
+        before = len(heard.replaced)
+        robot.do("burst", "/scan", "LaserScan", [2.0] * 50)
+        assert robot.heard() == "written"
+        go_on.set()
+        if full == "_DEEPEST":  # how many DDS itself replaced is not known
+            wait_for(lambda: heard.missed["/scan"] >= 1, "it is told")
+            return
+        wait_for(lambda: heard.missed["/scan"] >= 30, "the rest is counted")
+        wait_for(lambda: len(heard.replaced) - before + heard.missed["/scan"] >= 50, "all are accounted for")

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
 
-from robowidgets import MessageWidget
+from robowidgets import LaserWidget, MessageWidget
 from robowidgets._core.clock import Threads
 from robowidgets.feeds import Advert, Feed
 from robowidgets.feeds._listening import FAST, PATIENCE, PAUSE, PERIOD, Listening
@@ -152,7 +153,7 @@ def test_large_topics_are_glanced_at_one_after_the_other_for_a_few_messages(
     page.look("/left", "/right")
     clock.advance()
     assert script._followed == {"/scan", "/left"}
-    send(script, clock, "/left", PICTURE, 3, 0.04)
+    send(script, clock, "/left", PICTURE, 8, 0.04)
     assert script._followed == {"/scan"}
     clock.advance(PERIOD)
     assert page.says("/left") == {"value": "height 480, width 640", "rate": 25.0, "messages": None}
@@ -208,7 +209,7 @@ def test_a_large_topic_is_silent_once_a_whole_glance_has_missed_it(
 
     page.look("/left")
     clock.advance()
-    send(script, clock, "/left", PICTURE, 3, 0.04)
+    send(script, clock, "/left", PICTURE, 8, 0.04)
     clock.advance(PAUSE - 1)
     assert ("silent" in page.says("/left"), page.says("/left")["rate"]) == (False, 25.0)
     assert (wire().is_glanced_at, wire().rate, wire().age) == (True, 25.0, pytest.approx(PAUSE - 1, abs=0.1))
@@ -294,3 +295,32 @@ def test_the_topics_to_look_at_are_asked_for_again_after_an_error(feed: Feed, cl
     feed.connection.listening.look(told.append, names)
     clock.advance(2 * PERIOD)
     assert told
+
+
+def test_messages_that_newer_ones_replaced_count_for_the_rates_of_list_and_card(
+    feed: Feed, script: Scripted, page: Looking, clock: ManualClock, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("robowidgets._core.newest_sample.time", SimpleNamespace(monotonic=clock.now))
+    card = LaserWidget()
+    feed.connect("/scan", card)
+    page.look("/scan", "/imu")
+    clock.advance()
+    for _ in range(100):  # each has replaced four others: 200 in a second
+        for name, message in (("/scan", scan(0.5)), ("/imu", {"data": 1.0})):
+            script.listener.on_message(name, message, replaced=4)
+        clock.advance(0.025)
+        rate = card.rate
+    clock.advance(PERIOD)
+    assert page.says("/scan")["rate"] == pytest.approx(200, rel=0.02)
+    assert page.says("/imu")["rate"] == pytest.approx(200, rel=0.02)
+    assert rate == pytest.approx(200, rel=0.02)
+    assert page.says("/scan")["messages"] == 5 * 100 - 4, "all but those before the first"
+
+
+def test_a_burst_of_a_large_topic_is_no_rate(script: Scripted, page: Looking, clock: ManualClock) -> None:
+    page.look("/left")
+    clock.advance()
+    for _ in range(12):
+        send(script, clock, "/left", PICTURE, 2, 0.001)
+        clock.advance(0.1)
+    assert page.says("/left")["rate"] == pytest.approx(20, abs=3)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import errno
 import logging
+import re
 import signal
 import subprocess
 import sys
@@ -24,6 +25,7 @@ import robowidgets
 from robowidgets import Speed, Touch, TouchMode, feeds
 from robowidgets.behaviors import Drive
 from robowidgets.feeds import Advert, Feed, FeedError
+from robowidgets.feeds.middleware import Outlet
 from robowidgets.messages.channel import Channel
 from robowidgets.messages.decoding import decoder_of
 from robowidgets.messages.encoding import encode
@@ -175,6 +177,7 @@ def test_messages_of_every_middleware_are_written_as_those_of_ros_2(tmp_path: Pa
         say("/touch", Touch({"right": True}, TouchMode.EVENT))
         say("/touch", Touch({"left": False}, TouchMode.EVENT))
         recorder.close()
+        wait_for(lambda: "closed" in repr(recorder), "the file is complete")
         assert recorder.problems == ()
     messages = decoded(tmp_path / "run.mcap")
     (one,) = messages["/scan"]
@@ -231,20 +234,76 @@ def test_a_slow_disk_holds_up_nobody_and_what_is_dropped_is_told(
     monkeypatch.setattr(live_writer, "MOST_WAITING", 10)
     goes_on, write = threading.Event(), McapWriter.add
     monkeypatch.setattr(McapWriter, "add", lambda *args: goes_on.wait() and write(*args))
-    script = Scripted(SCAN)
+    script, path = Scripted(SCAN), tmp_path / "run.mcap"
     with Feed(script) as feed:
-        recorder = feed.record(tmp_path / "run.mcap")
+        recorder = feed.record(path)
         for _ in range(50):
             script.listener.on_message("/scan", scan())
         monkeypatch.setattr(live_writer, "CLOSE_TIMEOUT", 0.1)
         recorder.close()
         assert "the disk is slow: the file is not complete yet" in caplog.text
+        assert (recorder.closed, repr(recorder).splitlines()[0]) == (True, f"{path}: 0 messages, still being written")
         goes_on.set()
         wait_for(lambda: not threads_named("robowidgets-recorder"), "the file is complete")
+        assert repr(recorder).splitlines()[0] == f"{path}: {recorder.written['/scan']} messages, closed"
     kept = len(decoded(tmp_path / "run.mcap")["/scan"])
     assert 10 <= kept <= 12
     assert recorder.problems == (f"/scan: {50 - kept} messages dropped, because writing did not keep up",)
     assert f"{50 - kept} messages dropped" in caplog.text
+
+
+def test_a_flood_of_one_topic_pushes_out_no_message_of_another(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(live_writer, "MOST_WAITING", 10)
+    goes_on, write = threading.Event(), McapWriter.add
+    monkeypatch.setattr(McapWriter, "add", lambda *args: goes_on.wait() and write(*args))
+    script = Scripted(SCAN, IMU)
+    with Feed(script) as feed:
+        with feed.record(tmp_path / "run.mcap", "/scan", "/imu") as recorder:
+            for i in range(100):
+                script.listener.on_message("/imu", {"linear_acceleration": {"x": 1.0}})
+                if i % 20 == 0:
+                    script.listener.on_message("/scan", scan())
+            goes_on.set()
+            wait_for(lambda: recorder.written["/scan"] == 5, "each scan is written")
+        (problem,) = recorder.problems
+    assert re.fullmatch(r"/imu: (89|90) messages dropped, because writing did not keep up", problem)
+
+
+def test_what_the_network_has_lost_is_counted_by_the_pace_of_the_rest(tmp_path: Path) -> None:
+    class OverNetwork(Scripted):
+        outlet = Outlet("dds", {})
+
+    def stamped(number: int) -> dict[str, Any]:
+        stamp = {"sec": 1 + number // 40, "nanosec": number % 40 * 25_000_000}
+        return {**scan(), "header": {"stamp": stamp, "frame_id": "laser"}}
+
+    for script, problems in (
+        (OverNetwork(SCAN), ("/scan: 3 messages missing, by the pace of the others",)),
+        (Scripted(SCAN), ()),
+    ):
+        with Feed(script) as feed, feed.record(tmp_path / f"{len(problems)}.mcap") as recorder:
+            for number in range(100):
+                if number not in (50, 51, 70):
+                    script.listener.on_message("/scan", stamped(number))
+            assert recorder.problems == problems
+            script.listener.on_missed("/scan", 2)
+            assert ("/scan: 1 message missing, by the pace of the others" in recorder.problems) == bool(problems)
+
+
+def test_a_recorder_names_the_topics_that_it_leaves_out(tmp_path: Path) -> None:
+    camera = Advert("/camera/image_raw", "sensor_msgs/msg/Image")
+    script = Scripted(SCAN, camera, Advert("/rosout", "rcl_interfaces/msg/Log"), KOBUKI._replace(offered=False))
+    with Feed(script) as feed:
+        with feed.record(tmp_path / "run.mcap") as recorder:
+            assert recorder.left_out == ("/camera/image_raw",)
+            text = "not recorded: /camera/image_raw (everything=True records all topics)"
+            assert repr(recorder).splitlines()[-1] == text
+        script.listener.on_topics([SCAN, camera, Advert("/later", "sensor_msgs/msg/Image")])
+        assert (recorder.left_out, text in repr(recorder)) == (("/camera/image_raw",), True)
+        with feed.record(tmp_path / "all.mcap", everything=True) as recorder:
+            assert recorder.left_out == ()
+        with feed.record(tmp_path / "one.mcap", "/scan") as recorder:
+            assert "not recorded" not in repr(recorder), "the user chose"
 
 
 def test_a_full_disk_ends_the_recording_in_one_line_and_the_robot_is_driven_on(
@@ -265,6 +324,7 @@ def test_a_full_disk_ends_the_recording_in_one_line_and_the_robot_is_driven_on(
         wait_for(lambda: recorder.closed, "the recording has ended")
         wait_for(lambda: not threads_named("robowidgets-recorder"), "its thread has ended")
         assert recorder.problems == ("recording has ended: No space left on device",)
+        assert repr(recorder).startswith(f"{tmp_path / 'run.mcap'}: 1 message, incomplete\n⚠ recording has ended: ")
         assert len(caplog.records) == 1
         feed.drive(0.2)
         assert script.speeds[-1] == (0.2, 0.0)

@@ -919,6 +919,25 @@ def test_without_rclpy_it_says_what_to_do(monkeypatch: pytest.MonkeyPatch, heard
 # -- recording ---------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.parametrize(
+    ("offered", "asked"),
+    [
+        ([ReliabilityPolicy.RELIABLE], ReliabilityPolicy.RELIABLE),
+        ([ReliabilityPolicy.RELIABLE, ReliabilityPolicy.BEST_EFFORT], ReliabilityPolicy.BEST_EFFORT),
+        ([ReliabilityPolicy.UNKNOWN], ReliabilityPolicy.BEST_EFFORT),
+    ],
+)
+def test_lost_packets_are_asked_for_again_by_who_records_if_each_publisher_can_repeat_them(
+    ros2: Ros2, graph: Graph, offered: list[Any], asked: Any
+) -> None:
+    for reliability in offered:
+        offer(graph, "/scan", SCAN, QoSProfile(depth=5, reliability=reliability))
+    ros2.follow(frozenset({"/scan"}), frozenset({"/scan"}))
+    wait_for(lambda: len(subscriptions(graph)) == 2, "the newest is asked for, and each")
+    by_depth = {one.qos_profile.depth: one.qos_profile.reliability for one in subscriptions(graph)}
+    assert by_depth == {5: ReliabilityPolicy.BEST_EFFORT, 1000: asked}
+
+
 def test_each_message_of_a_burst_is_recorded_and_lost_ones_are_counted(graph: Graph, tmp_path: Path) -> None:
     publisher = offer(graph, "/scan", SCAN)
 

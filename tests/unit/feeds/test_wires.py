@@ -101,7 +101,7 @@ def test_rates_and_values_come_while_somebody_looks_and_cost_nothing_after(
     assert (told.value, told.is_heard) == ("nearest 0.5 m, 2 rays", True)
     assert told.rate == pytest.approx(10, abs=0.1)
     assert told.age == pytest.approx(0.1)
-    for _ in range(3):
+    for _ in range(7):
         script.listener.on_message("/image", {"height": 480, "width": 640})
         clock.advance(0.05)
     image = wire(wires, "/image")
