@@ -21,7 +21,7 @@ from .laser.trail import HasTrail
 from .messages import to_cloud, to_scan
 from .messages.cloud import is_cloud
 from .messages.fields import unwrap
-from .samples import Problem, Scan, Validity
+from .samples import Mount, Problem, Scan, Validity
 from .samples.age import note_arrival
 from .samples.echoes import CHOICES, Sources
 from .samples.scan import MAX_RAYS
@@ -79,7 +79,7 @@ class ArcDistances(traitlets.TraitType[Any, Any]):
 
 
 class LaserWidget(
-    HasTrail,  # trail, spread: the scans before the one on show; and from HasFootprint, footprint: the robot to scale
+    HasTrail,  # trail, spread: scans before it; and from its bases own_angles, footprint: how scanner and robot stand
     HasGhost,  # ghost: the scan that it is compared with
     HasSonars,  # sonars: the ring whose cones are on its picture
     HasDepth,  # rows, calibrate: the scan that rows of a depth image are
@@ -105,7 +105,9 @@ class LaserWidget(
             of range_max, else "sensor". The view writes it, too: at that scan, and when a person zooms.
         forward: where the robot's forward is in the picture: "up", "left", "down" or "right".
         angle_offset: radians, or text like "20deg", added to every angle, within ±2 pi, for a scanner whose header lies
-            about where it points.
+            about where it points. How the scanner stands on the robot is known by tf, or by `footprint`.
+        own_angles: whether angles are shown as the scanner counts them, if it is turned on the robot. The view writes
+            it, too.
         marks: which rays without a reading are drawn: of "too_close", "nothing_in_range", "no_measurement",
             "outside_limits".
         color_by_intensity: whether the intensities colour the dots.
@@ -229,7 +231,7 @@ class LaserWidget(
             self._refuse(error)
         else:
             with self._newest.lock:
-                self._show(scan.echo(self._echo).turned(self._offset))
+                self._show(self.mounted(scan).echo(self._echo).turned(self._offset))
 
     @property
     def scan(self) -> Scan | None:
@@ -244,7 +246,7 @@ class LaserWidget(
     def frame_of(self, sample: Any) -> tuple[dict[str, Any], bytes]:
         """See `RobotWidget`: of a scan, or of a message with a cloud or a depth image."""
         try:
-            scan = self._scan_in(sample).echo(self.echo).turned(self.angle_offset)
+            scan = self.mounted(self._scan_in(sample)).echo(self.echo).turned(self.angle_offset)
         except (TypeError, ValueError) as error:  # what a recording has of a cloud or an image
             return {"error": f"{error}."}, self._pack(_NO_SCAN)
         judged = self._watches.judged_on(scan if len(scan) else None)
@@ -312,6 +314,7 @@ class LaserWidget(
             frame_id=texts.get("frame_id", ""),
             header_problems=tuple(Problem(*problem) for problem in known),
             sources=sources,
+            mount=mount_from(texts),
         )
         note_arrival(scan, arrived)
         return scan
@@ -350,12 +353,20 @@ def about_scan(scan: Scan, offset: float = 0.0) -> dict[str, Any]:
         offset: radians that were added to the scanner's own angles.
     """
     about: dict[str, Any] = {"frame_id": scan.frame_id, **({"angle_offset": offset} if offset else {})}
+    if scan.mount and scan.mount.words:
+        about["mount"] = {**scan.mount.to_json(), "words": scan.mount.words}
     if scan.sources:
         about["made_of"] = [scan.sources.made_of, scan.sources.code]
     odd = scan.problems()
     if odd and not scan.valid.any():
         about["empty"], *odd = odd  # type: ignore[assignment]
     return {**about, "problems": odd} if odd else about
+
+
+def mount_from(about: Mapping[str, Any]) -> Mount | None:
+    """The mount in the texts on a scan, as `about_scan` wrote it; None if there is none."""
+    given = {name: value for name, value in about.get("mount", {}).items() if name != "words"}
+    return Mount(**given) if given else None
 
 
 def _metres(value: Any) -> float | None:

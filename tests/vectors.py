@@ -45,7 +45,7 @@ from robowidgets.imaging import as_numbers, statistics
 from robowidgets.messages import to_image
 from robowidgets.messages.image import layout_of
 from robowidgets.player._frames import pack
-from robowidgets.samples import Pose, staleness
+from robowidgets.samples import Mount, Pose, staleness
 from robowidgets.samples.sector import SECTORS as SECTORS_BY_NAME
 from robowidgets.samples.sector_code import for_array, for_message, for_scan
 from robowidgets.samples.stretches import sector_of, stretches
@@ -57,6 +57,10 @@ from .unit.recordings import sweeps
 FILE = Path(__file__).with_suffix(".json")
 ARRIVED = 12.5
 """Seconds of the monotonic clock."""
+
+
+MOUNTS = (None, Mount(1.5707963), Mount(-2.0, upside_down=True, by="hand"), Mount(upside_down=True))
+"""How the scanners of the codes stand on their robot."""
 
 
 def read() -> dict[str, Any]:
@@ -138,12 +142,15 @@ def _sectors_of(scan: Scan) -> list[Any]:
 
 
 def make_codes() -> list[Any]:
-    """Sectors with an offset, and their code: for a scan, for a message, for the array of the first scan."""
+    """Sectors with an offset and a mount, and their code: for a scan, for a message, for the array of a scan."""
     scan = to_scan(read()["scans"][0])
-    cases = [(sector, offset) for sector in SECTORS for offset in (0.0, 0.35)]
+    cases = [(sector, offset, mount) for sector in SECTORS for offset in (0.0, 0.35) for mount in MOUNTS]
     return [
-        [sector.start, sector.end, offset, for_scan(sector), for_message(sector, offset), for_array(sector, scan)]
-        for sector, offset in cases
+        [
+            *(sector.start, sector.end, offset, {**mount.to_json(), "words": mount.words} if mount else None),
+            *(for_scan(sector), for_message(sector, offset, mount), for_array(sector, scan)),
+        ]
+        for sector, offset, mount in cases
     ]
 
 

@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from math import radians
 from typing import Any, NamedTuple
 
 import numpy as np
 
+from ..messages.standard import turn_of
 from ..poses.frame_tree import Poses
 from ..poses.live_frames import Frames, LiveFrames, are_joined
-from ..poses.mounts import ROBOT
-from ..samples import CameraInfo, Pose, Range, Scan, Sector
+from ..poses.mounts import ROBOT, scanner_mount
+from ..samples import CameraInfo, Mount, Pose, Range, Scan, Sector
 from .model import CameraModel
 from .overlay import Overlay, ScanOnPicture, Seen, cones
 from .place import NoTransformError, ground_frame, place_in_camera
@@ -53,12 +54,14 @@ class OnScan(NamedTuple):
         forms: the shapes of a program, as the page reads them.
         offset: radians that are added to all angles.
         mounts: where a person says that sonars are on the robot, by name.
+        mounted: makes a scan one with the angles of the robot, as those of the sectors and shapes are.
     """
 
     sectors: Mapping[str, Sector] = {}
     forms: Iterable[Mapping[str, Any]] = ()
     offset: float = 0.0
     mounts: Mapping[str, Pose] = {}
+    mounted: Callable[[Scan], Scan] = lambda scan: scan
 
 
 class BesidePictures:
@@ -101,7 +104,7 @@ class BesidePictures:
                 scan = None
         if scan is not None:
             try:
-                scan = scan.turned(drawn.offset) if drawn.offset else scan
+                scan = self._mounted(drawn.mounted(scan), came).turned(drawn.offset)
                 on_picture = self._scan(model, scan, came, camera, view)
                 pixels = on_picture.pixels()
                 seen += [on_picture.area(), *on_picture.sectors(drawn.sectors), *on_picture.shapes(drawn.forms)]
@@ -136,13 +139,22 @@ class BesidePictures:
         return placed, lost
 
     def _scan(self, model: CameraModel, scan: Scan, came: int, camera: str, view: PictureView) -> ScanOnPicture:
+        mount = scan.mount or Mount()
+        turn = turn_of(mount.yaw, upside_down=mount.upside_down)
+        axes = Poses(np.zeros((1, 3)), np.array([turn])).inverse()
         if self.by_hand is not None:
-            return ScanOnPicture(model, self.by_hand, scan)
+            return ScanOnPicture(model, self.by_hand.of(axes), scan)
         frame = scan.frame_id.lstrip("/")
-        at = self._at(frame, came, scan.stamp_ns, camera, view)
+        at = self._at(frame, came, scan.stamp_ns, camera, view).of(axes)
         ground = ground_frame(self.frames, frame)
         below = self._at(ground, came, scan.stamp_ns, camera, view) if ground else None
         return ScanOnPicture(model, at, scan, below)
+
+    def _mounted(self, scan: Scan, came: int) -> Scan:
+        if scan.mount is not None:
+            return scan
+        mount = scanner_mount(self.frames, scan.frame_id, came, scan.stamp_ns)
+        return scan if mount is None else scan.mounted(mount)
 
     def _at(self, frame: str, came: int, stamp_ns: int | None, camera: str, view: PictureView) -> Poses:
         then = view.time_ns, view.stamp_ns

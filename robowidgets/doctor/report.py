@@ -17,10 +17,13 @@ from .._core.text import listed, often
 from ..kinds import KINDS
 from ..recordings.columns.scans import Scans
 from ..recordings.columns.series import Series
+from ..recordings.columns.speeds import Speeds
+from ..recordings.odometry import odometry as odometry_of
 from ..recordings.times import has_date
 from ..recordings.topics import Topic
 from ..samples import Problem
 from ..samples.scan_problems import of_ranges
+from ._mount import problem_of
 from ._timing import Timing, timing_of
 
 _HEADS = ("topic", "samples", "Hz", "jitter", "lost", "rays", "angles", "step", "limits", "frame")
@@ -59,6 +62,7 @@ class Geometry(NamedTuple):
 class TopicReport(NamedTuple):
     """What one topic holds.
 
+    ``mount`` says how a scanner stands on the robot, if its angles are not the robot's.
     ``samples`` are those that came as messages. ``rate`` is their mean number per second, None where that means
     nothing. ``timing`` is that of the scans and measured speeds. ``ray_counts`` has the number of scans for each number
     of rays, ``geometry`` is that of most scans, ``frame_ids`` are those of all; they are empty and None for other
@@ -72,6 +76,7 @@ class TopicReport(NamedTuple):
     ray_counts: dict[int, int]
     geometry: Geometry | None
     frame_ids: tuple[str, ...]
+    mount: str = ""
 
 
 class Report:
@@ -125,10 +130,14 @@ def examine(
     """
     problems = [*known, *_never_came(topics)]
     reports = []
+    odometry = series.get(odometry_of(topics) or "")
     for topic in topics:
         if topic.widget and topic.name in series and topic.count:
             report, found = _examine(topic, series[topic.name], silences.get(topic.name, _NO_SILENCES))
             reports.append(report)
+            of_topic = series[topic.name]
+            if isinstance(of_topic, Scans) and isinstance(odometry, Speeds) and (off := problem_of(of_topic, odometry)):
+                found.append(off)
             problems += [Problem(f"{topic.name}: {what}", remedy) for what, remedy in found]
     return Report(head, reports, list(dict.fromkeys(problems)))
 
@@ -153,11 +162,15 @@ def _examine(topic: Topic, series: Series[Any], silences: NDArray[np.float64]) -
     rays: dict[int, int] = {}
     geometry: Geometry | None = None
     frames: tuple[str, ...] = ()
+    mount = ""
     if isinstance(series, Scans):
         rays = series.ray_counts
         geometry, frames, of_scans = _of_scans(series)
         found += of_scans
-    return TopicReport(topic.name, int(series.said.sum()), topic.rate, timing, rays, geometry, frames), found
+        first = next(iter(series.chunks()), None)
+        mount = first.like.mount.words if first is not None and first.like.mount else ""
+    report = TopicReport(topic.name, int(series.said.sum()), topic.rate, timing, rays, geometry, frames, mount)
+    return report, found
 
 
 def _timing(series: Series[Any]) -> Timing:
@@ -230,7 +243,7 @@ def _of_scans(scans: Scans) -> tuple[Geometry | None, tuple[str, ...], list[Prob
     headers: set[Problem] = set()
     seconds = scans.seconds
     for chunk in scans.chunks():
-        like = chunk.like
+        like = chunk.like.unmounted()
         geometries[Geometry(like.angle_min, like.angle_increment, like.range_min, like.range_max)] += len(chunk)
         frames[like.frame_id] = None
         headers.update(like.header_problems)
@@ -291,7 +304,8 @@ def _cells(report: TopicReport) -> tuple[str, ...]:
     limit = "" if geometry.range_max >= np.finfo(np.float32).max else f"{geometry.range_max:.4g} m"
     limits = f"{geometry.range_min:.4g} to {limit}" if limit else f"from {geometry.range_min:.4g} m"
     frames = listed(list(map(_name_of, report.frame_ids)), 2)
-    return (*cells, rays, angles + ", clockwise" * (step < 0), f"{step:.4g}°", limits, frames)
+    angles += ", clockwise" * (step < 0) + f", {report.mount}" * bool(report.mount)
+    return (*cells, rays, angles, f"{step:.4g}°", limits, frames)
 
 
 def _name_of(frame_id: str) -> str:

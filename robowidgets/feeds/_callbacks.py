@@ -116,10 +116,17 @@ class FunctionCaller:
 
     Args:
         on_change: called with a topic whose `status_of` has changed.
+        mounted: makes a sample one with the angles of the robot.
     """
 
-    def __init__(self, on_change: Callable[[str], None], scheduler: Scheduler = threads) -> None:
-        self._on_change = on_change
+    def __init__(
+        self,
+        on_change: Callable[[str], None],
+        scheduler: Scheduler = threads,
+        *,
+        mounted: Callable[[Any], Any] = lambda sample: sample,
+    ) -> None:
+        self._on_change, self._mounted = on_change, mounted
         self._now = scheduler.clock.now
         self._lock = threading.RLock()
         self._runner = Runner(
@@ -302,7 +309,7 @@ class FunctionCaller:
 
     def _call(self, call: Call, function: ConnectedFunction, came: _Message) -> None:
         try:
-            sample = came.message if function.raw else sample_of(came.message, came.topic)
+            sample = came.message if function.raw else self._mounted(sample_of(came.message, came.topic))
             if not function.raw and isinstance(sample, HasAge):
                 note_arrival(sample, came.came_at)
         except (TypeError, ValueError) as error:

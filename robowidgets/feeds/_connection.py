@@ -21,6 +21,7 @@ from ..behaviors.robot import DrivenRobot
 from ..driving.command_watchdog import Velocity
 from ..driving.stop_all import stop_at_end
 from ..kinds import asked_of_type, topic_and_field
+from ..laser_widget import LaserWidget
 from ..messages.twist import TWIST
 from ..samples import Speed
 from ._callbacks import FunctionCaller
@@ -29,6 +30,7 @@ from ._frame_topics import FrameTopics
 from ._listening import Listening
 from ._open_feeds import open_feeds
 from ._program_inputs import FeedInputs
+from ._scanner_mounts import Held, ScannerMounts
 from ._subscription import Target, sorted_targets
 from ._subscription_table import SubscriptionTable
 from ._topics import FeedTopic, check_name, decided, topics_of, unlisted
@@ -54,6 +56,7 @@ class Connection(Observed):
     Attributes:
         clock: that clock.
         functions: the connected functions.
+        mounts: how the scanners stand on the robot.
         adverts: the topics as the middleware listed them last.
         is_closed: whether `close` was called, or this is a forked process.
         is_forked: whether it stayed with the process that was forked.
@@ -70,7 +73,9 @@ class Connection(Observed):
         self.middleware = middleware
         self._lock = threading.RLock()
         self._changed = self.clock.condition(self._lock)
-        self.functions = FunctionCaller(self._show_status)
+        self._scanner_mounts = ScannerMounts(self, self._pass_held)
+        self.mounts = self._scanner_mounts.mounts
+        self.functions = FunctionCaller(self._show_status, mounted=self.mounts.mounted)
         self._titles = TitleObservers(Threads(clock))
         self._table = SubscriptionTable(f"connecting to {middleware.where}", self.functions, self._titles, clock.now)
         self.adverts: tuple[Advert, ...] = ()
@@ -136,6 +141,9 @@ class Connection(Observed):
             raise TypeError(f"connect({topic!r}) needs a widget, or a function of a sample")
         of_widgets, functions = sorted_targets(topic, targets)
         there = {function.call for function in self.functions.functions if function.topic == topic}
+        for target in of_widgets:
+            if isinstance(target.widget, LaserWidget):
+                target.widget.take_mounts(self.mounts.mounted)
         kept = self._connect(topic, of_widgets)
         with self._lock:
             for target in of_widgets:
@@ -147,6 +155,7 @@ class Connection(Observed):
         for message in kept:
             self.functions.put(self.topic_of(topic), message, new, each=False)
         self._subscribe()
+        self._scanner_mounts.look()
         self._frame_topics.look()
         self._titles.call()
 
@@ -158,7 +167,11 @@ class Connection(Observed):
             self.functions.disconnect(topic, [*functions, *(one.call for one in of_widgets)] if targets else None)
             self._table.disconnect(topic, of_widgets if targets else None)
             self._show(topic)
+        for target in of_widgets:
+            if isinstance(target.widget, LaserWidget) and target.widget not in self.widgets:
+                target.widget.take_mounts(None)
         self._subscribe()
+        self._scanner_mounts.look()
         self._frame_topics.look()
         self._titles.call()
 
@@ -190,6 +203,7 @@ class Connection(Observed):
             finally:
                 open_feeds.discard(self)
                 self._frame_topics.look()
+                self._scanner_mounts.close()
                 with self._lock:
                     self._table.close()
                     self._changed.notify_all()
@@ -237,6 +251,7 @@ class Connection(Observed):
             self.adverts, self._listed = tuple(topics), True
             self._list_topics()
             self._changed.notify_all()
+        self._scanner_mounts.look()
         self._frame_topics.look()
         self._call_observers()
 
@@ -247,9 +262,12 @@ class Connection(Observed):
         subscription = self._table.by_topic.get(topic)
         if subscription is None or self.is_closed:
             return
-        if subscription.take(message, newest=newest, each=each, replaced=replaced):
+        waits = self._scanner_mounts.holds(topic, message, newest=newest, each=each)
+        # What takes each message takes it as it is: a recorder, a map.
+        if subscription.take(message, newest=newest and not waits, each=each, replaced=replaced):
             self._show_status(topic)
-        self.functions.put(self.topic_of(topic), message, newest=newest, each=each)
+        if not waits:
+            self.functions.put(self.topic_of(topic), message, newest=newest, each=each)
 
     def on_missed(self, topic: str, count: int) -> None:
         """See `Listener`."""
@@ -377,6 +395,10 @@ class Connection(Observed):
         self._subscribe()
         self._titles.call_later()
 
+    def mounted(self, sample: Any) -> Any:
+        """A scan with the angles of the robot, if it is known how its scanner stands; another sample as it is."""
+        return self.mounts.mounted(sample)
+
     def list_driven(self, topic: str) -> None:
         """List a topic on which only this feed publishes, so that a widget can show what is sent."""
         if topic != self._driven:
@@ -428,6 +450,7 @@ class Connection(Observed):
             new = [target for target in targets if there is None or target not in there.targets]
             kept = self._table.connect(topic, targets)
             subscription = self._table.by_topic[topic]
+        self._scanner_mounts.note(topic, targets)
         self._subscribe()
         subscription.pass_kept(kept, new)  # without the lock, as a message
         return kept
@@ -460,6 +483,15 @@ class Connection(Observed):
         subscription = self._table.by_topic.get(topic)
         if subscription is not None:
             self._table.show(subscription)
+
+    def _pass_held(self, held: Held) -> None:
+        """Pass on a message that waited for tf."""
+        subscription = self._table.by_topic.get(held.topic)
+        if subscription is None or self.is_closed:
+            return
+        if held.newest and subscription.take(held.message, each=False):
+            self._show_status(held.topic)
+        self.functions.put(self.topic_of(held.topic), held.message, newest=held.newest, each=held.each)
 
     def _follow_connected(self) -> None:
         """Have the middleware pass on the topics that are connected."""

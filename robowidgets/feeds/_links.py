@@ -33,6 +33,9 @@ class TopicLink(Protocol):
     def status_of(self, topic: str) -> str:
         """The problems of a topic."""
 
+    def mounted(self, sample: Any) -> Any:
+        """A scan with the angles of the robot, if it is known how its scanner stands; another sample as it is."""
+
     def attach(
         self, topic: str, take: Callable[[Any], object], on_missed: Callable[[int], object] | None = None
     ) -> Target:

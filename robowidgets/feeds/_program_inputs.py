@@ -97,7 +97,7 @@ class _Latest:
         topic = self._connection.topic_of(self.topic)
         for message in messages:
             try:
-                sample = sample_of(message, topic)
+                sample = self._connection.mounted(sample_of(message, topic))
             except (TypeError, ValueError) as error:
                 self._unread = f"a message of {self.topic} cannot be read: {error}"
                 continue

@@ -50,6 +50,6 @@ def scans_of(connection: Connection, topic: str, timeout: float) -> Iterator[Sca
             limit = timeout
             scan = to_scan(message)
             note_arrival(scan, arrived)
-            yield scan
+            yield connection.mounted(scan)
     finally:
         connection.detach(topic, target)

@@ -16,7 +16,7 @@ from .._core.watch import Watch
 from .._core.watching import check_watch_name, default_name
 from ..behaviors.variables import Variables
 from ..driving.command_watchdog import Velocity
-from ..samples import Scan
+from ..samples import Mount, Scan
 from ..samples.checks import finite
 from ._callbacks import ConnectedFunction
 from ._connection import Connection
@@ -147,6 +147,39 @@ class Feed:
         Programs, recorders and loops over its scans still get them.
         """
         self.connection.disconnect(topic, *targets)
+
+    def mount_of(self, frame_id: str) -> Mount | None:
+        """How a scanner stands on the robot: as `mount` says, else by tf, as far as that has come; None if unknown.
+
+        tf is followed once a widget, a function or a program takes scans.
+
+        Args:
+            frame_id: the coordinate frame of its scans.
+
+        Raises:
+            TypeError: frame_id is not a text.
+        """
+        if not isinstance(frame_id, str):
+            raise TypeError(f"frame_id: expected the name of a coordinate frame, got {frame_id!r}")
+        return self.connection.mounts.of(frame_id)
+
+    def mount(self, frame_id: str, yaw: float | str | None, *, upside_down: bool = False) -> None:
+        """Say how a scanner stands on the robot, in place of tf: angles of its scans are the robot's from now on.
+
+        Args:
+            frame_id: the coordinate frame of its scans.
+            yaw: radians, or degrees as text (``"90deg"``), by which its forward is turned from the robot's,
+                counter-clockwise; None: by tf again.
+            upside_down: True if it stands on its head.
+
+        Raises:
+            TypeError: frame_id is not a text, or yaw is not an angle. ValueError: yaw is beyond ±2 pi.
+
+        Examples:
+            >>> feed.mount("laser", "180deg", upside_down=True)  # doctest: +SKIP
+        """
+        self.mount_of(frame_id)
+        self.connection.mounts.put(frame_id, None if yaw is None else Mount.by_hand(yaw, upside_down=upside_down))
 
     def scans(self, topic: str, timeout: float = 0.5) -> Iterator[Scan]:
         """The scans of a topic from now on, each once. A loop that is slower than the scanner gets the newest.

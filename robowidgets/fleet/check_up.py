@@ -18,7 +18,7 @@ from ._fleet_table import FleetTable, date_of, without_name
 from ._gather import gather, kept_of
 from .places import PathLike
 
-_FORM = 1
+_FORM = 2
 _NUMBERS = re.compile(r"\d[\d,.:]*")
 
 

@@ -28,7 +28,7 @@ from ._gather import gather, kept_of
 from ._topics import chosen_of
 from .places import PathLike
 
-_FORM = 2
+_FORM = 3
 _STANDING = 0.01
 """m/s below which a robot stands."""
 

@@ -25,7 +25,7 @@ from ..samples.age import arrival_of
 SCAN = "sensor_msgs/msg/LaserScan"
 RANGE = "sensor_msgs/msg/Range"
 
-_DRAWN = ("_sectors", "angle_offset", "_edition")
+_DRAWN = ("_sectors", "angle_offset", "_edition", "_robot")
 """Traits of a laser widget that say what lies over the pictures."""
 
 _RECTIFIED = re.compile(r"rect|registered", re.IGNORECASE)
@@ -209,7 +209,11 @@ class HasOverlay(LargeFrameWidget[Image]):
         topic = str(self._source.get("topic") or self.title)
         rectified = bool(_RECTIFIED.search(topic)) if self.rectified is None else self.rectified
         laser = self._laser
-        drawn = OnScan() if laser is None else OnScan(dict(laser.sectors), laser.forms(), laser.angle_offset)
+        drawn = (
+            OnScan()
+            if laser is None
+            else OnScan(dict(laser.sectors), laser.forms(), laser.angle_offset, mounted=laser.mounted)
+        )
         for ring in [one for one in self._group if one.sample_name == "sonars"]:
             drawn = drawn._replace(mounts={**drawn.mounts, **{name: Pose(*at) for name, at in ring.poses.items()}})
         view = PictureView((columns, rows), sample.frame_id, sample.stamp_ns, time_ns, rectified)

@@ -319,7 +319,7 @@ def _points(chunk: ScanChunk) -> NDArray[np.float32]:
     ranges = np.where(
         (chunk.ranges >= chunk.range_min) & (chunk.ranges <= chunk.range_max), chunk.ranges, np.float32(np.nan)
     )
-    angles = chunk.like.angles
+    angles = chunk.like.unmounted().angles
     points = np.zeros((*ranges.shape, 3), np.float32)
     np.multiply(ranges, np.cos(angles), out=points[..., 0], casting="same_kind")
     np.multiply(ranges, np.sin(angles), out=points[..., 1], casting="same_kind")

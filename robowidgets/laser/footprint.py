@@ -10,6 +10,7 @@ from typing import Any
 import traitlets
 
 from .._core.freezing import FreezableWidget
+from ..samples import Mount
 from ..samples.checks import finite, in_radians
 from ..samples.sector import Asked, to_sector
 
@@ -28,6 +29,8 @@ class Footprint:
         bumpers: by the name of a touch sensor, the part of the outline that it covers: two angles counter-clockwise, or
             whatever else takes a sector.
         scanner: where the scanner is on the robot: (x, y) in metres, or (x, y, yaw) with radians or text like "180deg".
+            With a yaw, angles are the robot's, whatever tf says of the scanner.
+        upside_down: True if the scanner stands on its head, which needs a yaw.
         speed: the `SpeedWidget` whose measured speed is the arrow. None: the one in the laser's view, if there is one.
         touch: the `TouchWidget` whose sensors are the bumpers. None: the one in the laser's view, if there is one.
 
@@ -42,9 +45,12 @@ class Footprint:
     radius: float | None = None
     polygon: Sequence[tuple[float, float]] = ()
     bumpers: Mapping[str, Asked] = field(default_factory=dict)
-    scanner: Sequence[Any] = (0.0, 0.0, 0.0)
+    scanner: Sequence[Any] = (0.0, 0.0)
     speed: Any = None
     touch: Any = None
+    upside_down: bool = False
+    mount: Mount | None = field(init=False, default=None)
+    """How the scanner stands on the robot; None if no yaw was given."""
 
     def __post_init__(self) -> None:
         corners = tuple(_numbers("polygon", corner, "(x, y)") for corner in self.polygon)
@@ -61,14 +67,19 @@ class Footprint:
             object.__setattr__(self, "radius", radius)
         if not isinstance(self.bumpers, Mapping) or not all(isinstance(name, str) for name in self.bumpers):
             raise TypeError(f"bumpers: expected sectors by the names of touch sensors, got {self.bumpers!r}")
-        *place, yaw = self.scanner if len(self.scanner) == 3 else (*self.scanner, 0.0)
+        is_turned = len(self.scanner) == 3
+        *place, yaw = self.scanner if is_turned else (*self.scanner, 0.0)
         scanner = (*_numbers("scanner", place, "(x, y) or (x, y, yaw)"), in_radians("yaw of the scanner", yaw))
+        if self.upside_down and not is_turned:
+            raise ValueError(f"upside_down: expected a scanner with a yaw, (x, y, yaw), got {self.scanner!r}")
         for name, widget in (("speed", self.speed), ("touch", self.touch)):
             if widget is not None and getattr(widget, "sample_name", None) != name:
                 raise TypeError(f"{name}: expected a {name.title()}Widget, got {widget!r}")
         object.__setattr__(self, "polygon", corners)
         object.__setattr__(self, "bumpers", MappingProxyType({n: to_sector(s) for n, s in self.bumpers.items()}))
         object.__setattr__(self, "scanner", scanner)
+        mount = Mount.by_hand(yaw, upside_down=self.upside_down) if is_turned else None
+        object.__setattr__(self, "mount", mount)
 
 
 class HasFootprint(FreezableWidget):
@@ -98,7 +109,8 @@ class HasFootprint(FreezableWidget):
     def footprint(self, footprint: Footprint | None) -> None:
         if footprint is not None and not isinstance(footprint, Footprint):
             raise TypeError(f"footprint: expected a Footprint or None, got {footprint!r}")
-        self._footprint = footprint
+        before, self._footprint = self._footprint, footprint
+        self._on_footprint(before)
         if footprint is None:
             self._robot = {}
             return
@@ -107,10 +119,14 @@ class HasFootprint(FreezableWidget):
             "radius": footprint.radius,
             "polygon": [list(corner) for corner in footprint.polygon],
             "bumpers": {name: {"start": one.start, "end": one.end} for name, one in sectors.items()},
-            "scanner": list(footprint.scanner),
+            # The picture shows angles of the robot.
+            "scanner": [*footprint.scanner[:2], 0.0],
             "speed": self._model_of("speed", footprint.speed),
             "touch": self._model_of("touch", footprint.touch),
         }
+
+    def _on_footprint(self, before: Footprint | None) -> None:
+        """Take a footprint that replaces another."""
 
     def on_group(self) -> None:
         """See `FreezableWidget`: take the widgets of this group."""

@@ -189,7 +189,8 @@ class HasSectors(traitlets.HasTraits):
             raise ValueError(f"code() of a slice needs a scan: {_about_scan(None)}")
         if form == "slice":
             return for_array(asked, self.scan)
-        return for_scan(asked) if form == "scan" else for_message(asked, self.angle_offset)
+        mount = None if self.scan is None else self.scan.mount
+        return for_scan(asked) if form == "scan" else for_message(asked, self.angle_offset, mount)
 
     def highlight(self, rays: Any) -> None:
         """Light rays in the picture, until the next call; None lights none.

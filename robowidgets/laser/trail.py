@@ -9,23 +9,20 @@ from typing import Any
 import numpy as np
 import traitlets
 
-from .._core.robot_widget import RobotWidget
 from ..messages import to_pose
 from ..messages.fields import get, stamp_ns, unwrap
 from ..poses.live_frames import Frames, LiveFrames
+from ..poses.mounts import ODOM
 from ..poses.recent import RecentPoses
 from ..poses.transforms import transforms_in
 from ..samples import Pose, Scan, yaw_of
 from ..samples.age import arrival_of
-from .footprint import HasFootprint
-
-ODOM = "odom"
-"""The frame in which a robot moves without jumps (REP-105)."""
+from ._mount import HasMount
 
 MOST_SCANS = 100
 
 
-class HasTrail(HasFootprint, RobotWidget[Scan]):
+class HasTrail(HasMount):
     """A laser widget that shows earlier scans, too, of those that the page keeps."""
 
     trail = traitlets.Int(0, min=0, max=MOST_SCANS, help="How many scans before the one on show are behind it.").tag(
@@ -46,13 +43,13 @@ class HasTrail(HasFootprint, RobotWidget[Scan]):
         return proposal["value"]
 
     def scanner_at(self, robot: Pose | None) -> dict[str, Any]:
-        """What the page is told of a scan of a robot at a pose: the scanner's pose in the frame of odometry.
+        """What the page is told of a scan of a robot at a pose: in the frame of odometry, the place of the scanner.
 
-        Without a footprint the scanner is where the robot is.
+        Its heading is the robot's, as angles of the scan are. Without a footprint the scanner is where the robot is.
         """
         if robot is None:
             return {}
-        scanner = robot.offset(*self.footprint.scanner) if self.footprint else robot
+        scanner = robot.offset(self.footprint.scanner[0], self.footprint.scanner[1], 0.0) if self.footprint else robot
         return {"pose": [round(value, 5) for value in scanner]}
 
     @property
@@ -96,5 +93,5 @@ def scanner_in(frames: Frames, scan: Scan, time_ns: int) -> dict[str, Any]:
     if world == frame:
         return {}
     at = frames.poses(frame, world, np.array([time_ns], np.int64), np.array([scan.stamp_ns or 0], np.int64))
-    (x, y, _), yaw = at.positions[0], yaw_of(*at.orientations[0])
+    (x, y, _), yaw = at.positions[0], yaw_of(*at.orientations[0]) - (scan.mount.yaw if scan.mount else 0.0)
     return {"pose": [round(float(value), 5) for value in (x, y, yaw)]}

@@ -47,7 +47,7 @@ def to_map_item(message: Any) -> MapItem:
         grid = to_map_grid(message)
         return MapItem("grid", _clean(grid.frame_id), grid.stamp_ns, grid=grid)
     if isinstance(message, Scan) or has(message, "ranges", "angle_min", "angle_increment"):
-        scan = to_scan(message)
+        scan = to_scan(message).unmounted()  # its frame, and so tf, is the scanner's
         return MapItem("scan", _clean(scan.frame_id), scan.stamp_ns, points=scan.xy)
     if isinstance(message, Range) or has(message, "range", "min_range", "max_range"):
         return _cone(to_range(message))

@@ -25,7 +25,8 @@ ToMessage = Callable[[Any, int, str], tuple[str, dict[str, Any]]]
 
 
 def scan_message(scan: Scan, time_ns: int, _topic_type: str) -> tuple[str, dict[str, Any]]:
-    """A ``sensor_msgs/LaserScan``, stamped with its time."""
+    """A ``sensor_msgs/LaserScan`` with the angles of the scanner, stamped with its time."""
+    scan = scan.unmounted()
     return LASER_SCAN, {
         "header": _header(time_ns, scan.frame_id),
         "angle_min": scan.angle_min,
@@ -52,12 +53,18 @@ def range_message(measured: Range, time_ns: int, _topic_type: str) -> tuple[str,
 
 def mount_message(sample: Any, time_ns: int) -> tuple[str, dict[str, Any]] | None:
     """A ``tf2_msgs/TFMessage`` with the place of a sensor on the robot; None where its sample does not tell it."""
+    if isinstance(sample, Scan) and sample.mount and sample.mount.by == "hand" and sample.frame_id:
+        turn = turn_of(sample.mount.yaw, upside_down=sample.mount.upside_down)
+        return TF, {"transforms": [transform_fields("base_link", sample.frame_id, (0.0, 0.0, 0.0), turn, time_ns)]}
     if not isinstance(sample, Range) or sample.pose is None or not sample.frame_id:
         return None
     x, y, yaw = sample.pose
-    transform = {"translation": {"x": x, "y": y}, "rotation": {"z": sin(yaw / 2), "w": cos(yaw / 2)}}
-    header = _header(time_ns, "base_link")
-    return TF, {"transforms": [{"header": header, "child_frame_id": sample.frame_id, "transform": transform}]}
+    return TF, {"transforms": [transform_fields("base_link", sample.frame_id, (x, y, 0.0), turn_of(yaw), time_ns)]}
+
+
+def turn_of(yaw: float, *, upside_down: bool = False) -> tuple[float, float, float, float]:
+    """The quaternion x, y, z, w of a turn on the floor in radians, of a thing that stands on its head or not."""
+    return (cos(yaw / 2), sin(yaw / 2), 0.0, 0.0) if upside_down else (0.0, 0.0, sin(yaw / 2), cos(yaw / 2))
 
 
 def image_fields(image: Image) -> dict[str, Any]:

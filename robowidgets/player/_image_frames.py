@@ -54,3 +54,4 @@ class MadeScanFrames(MessageFrames):
         info = first_info(recording, choice.topic)
         if info is not None:
             widget.calibrate(info)
+        widget.take_mounts(recording.mounted)

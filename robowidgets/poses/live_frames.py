@@ -88,6 +88,11 @@ class LiveFrames:
             poses = self._history(name).at(times_ns, stamps_ns).of(poses)
         return poses
 
+    def is_static(self, frame: str, world: str) -> bool:
+        """Return True if static transforms alone lead from a frame to one above it in its `chain`."""
+        chain = self.chain(frame)
+        return all(self._rows[name][-1].static for name in chain[: chain.index(world)])
+
     def _history(self, frame: str) -> TransformHistory:
         if frame not in self._histories:
             rows = self._rows[frame]

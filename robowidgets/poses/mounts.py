@@ -3,12 +3,72 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from math import acos
 
-from ..samples import Pose, yaw_of
+import numpy as np
+
+from ..samples import Mount, Pose, yaw_of
+from ..samples.mount import MOST_TILT
+from .frame_tree import Poses
+from .live_frames import Frames
 from .transforms import Transform
 
 ROBOT = ("base_link", "base_footprint")
 """Names of the frame of the robot, the usual one first (REP-105)."""
+
+ODOM = "odom"
+"""The frame in which a robot moves without jumps (REP-105)."""
+
+
+_AHEAD = Poses(np.zeros((1, 3)), np.array([[0.5, -0.5, 0.5, 0.5]]))
+"""A frame with x ahead in that of a camera, whose z looks ahead (REP-103)."""
+
+
+def robot_frame(frames: Frames, frame: str) -> str:
+    """The frame of the robot above a frame of a sensor: by its name, else the one below odometry; empty if none is.
+
+    A robot among several may have its namespace before the names of its frames: ``"robot1/base_link"``.
+    """
+    above = frames.chain(frame)[1:]
+    plain = [name.rpartition("/")[2] for name in above]
+    named = next((name for name in (*ROBOT, ODOM) if name in plain), "")
+    at = plain.index(named) if named else 0
+    return (above[at] if named in ROBOT else above[at - 1] if at else "") if named else ""
+
+
+def scanner_mount(frames: Frames, frame_id: str, time_ns: int = 0, stamp_ns: int | None = None) -> Mount | None:
+    """How a scanner stands on its robot by tf; None if tf does not tell.
+
+    Args:
+        frames: the frames of the robot.
+        frame_id: of the scanner.
+        time_ns: log time at which it measured.
+        stamp_ns: its stamp at that time.
+    """
+    frame = frame_id.lstrip("/")
+    if not frame:
+        return None
+    if len(frames.chain(frame)) == 1:
+        # Rows of a depth image are of the frame of their camera with x ahead, which tf may not have.
+        optical = (f"{frame}_optical", frame.replace("_frame", "_optical_frame"))
+        frame = next((name for name in optical if len(frames.chain(name)) > 1), frame)
+    if frame.rpartition("/")[2] in ROBOT:
+        return Mount()
+    base = robot_frame(frames, frame)
+    if not base:
+        return None
+    at = frames.poses(frame, base, np.array([time_ns], np.int64), np.array([stamp_ns or 0], np.int64))
+    at = at.of(_AHEAD) if "_optical" in frame else at
+    return mount_of(*at.orientations[0].tolist())
+
+
+def mount_of(x: float, y: float, z: float, w: float) -> Mount:
+    """The mount of a scanner by its orientation on the robot, a quaternion of length 1."""
+    up = max(-1.0, min(1.0, 1 - 2 * (x * x + y * y)))
+    tilt = acos(abs(up))
+    if tilt > MOST_TILT:
+        return Mount(tilt=tilt)
+    return Mount(float(yaw_of(x, y, z, w)), up < 0, tilt=tilt)
 
 
 def mounts_of(transforms: Iterable[Transform]) -> dict[str, Pose]:

@@ -17,7 +17,8 @@ from ..repair import Message, RecordingError, Source
 from ..samples import Problem
 from ..samples.event import Event
 from ..samples.staleness import OPEN_END
-from .columns._decoders import Decoder
+from ._mounts import RecordedMounts
+from .columns._decoders import Decoder, ScanDecoder
 from .columns._fields import Fields
 from .columns._memory import Memory
 from .columns._messages import MessageDecoder
@@ -70,6 +71,8 @@ class Messages:
         self._readers: dict[int, MessageDecoder | str] = {}
         """By channel what reads its messages as they are, or why they cannot be read."""
         self._closed = False
+        span_ns = self.start_ns or 0, self.end_ns or 0
+        self.mounts = RecordedMounts(source.channels, self._transforms_between, span_ns)
         # Channels without a message last: of several types of a topic, the type of the first message is shown.
         by_count = sorted(source.channels, key=lambda channel: not channel.count)
         found = {channel.id: self._understand(channel) for channel in by_count}
@@ -196,6 +199,28 @@ class Messages:
         channels = [channel for channel in self._source.channels if channel.type in (ODOMETRY, *TRANSFORMS)]
         return self._read(channels, transforms_of, "Reading where the robot was")
 
+    def forget_scans(self) -> None:
+        """Read scans again whose mount has changed."""
+        self._last.clear()
+        for decoder in self._decoders.values():
+            if isinstance(decoder, ScanDecoder):
+                decoder.forget()
+
+    def _transforms_between(
+        self, channels: Sequence[Channel], start_ns: int | None, stop_ns: int | None
+    ) -> Iterator[Transform]:
+        """The transforms of tf between two times; a message without a pose is left out and noted."""
+        channels = [channel for channel in channels if channel.encoding in ENCODINGS]
+        try:
+            decoders = {channel.id: decoder_of(channel) for channel in channels}
+            for channel, time_ns, raw in self._source.messages(channels, start_ns, stop_ns):
+                try:
+                    yield from transforms_of(decoders[channel.id](raw), channel.topic, time_ns)
+                except ValueError as error:  # noqa: PERF203  # the others count
+                    self._note(channel, time_ns, error)
+        except (RecordingError, ValueError) as error:
+            self._stop(error)
+
     def texts(self, is_wanted: Callable[[str], bool]) -> Iterator[tuple[str, float, str]]:
         """Topic, seconds and text of the ``std_msgs/String`` on some topics, in the order of time."""
         channels = [channel for channel in self._source.channels if channel.type == TEXT and is_wanted(channel.topic)]
@@ -222,7 +247,10 @@ class Messages:
                 kind = kinds[0] if kinds else kind_of_shape(shape_of(channel))
             if kind is None:
                 return None, ""
-            self._decoders[channel.id] = load(kind.columns).decoder(channel, kind)
+            decoder = load(kind.columns).decoder(channel, kind)
+            if isinstance(decoder, ScanDecoder):
+                decoder.mounts = self.mounts
+            self._decoders[channel.id] = decoder
         except ValueError as error:
             return None, str(error)
         first, type_name = self._kinds.setdefault(channel.topic, (kind, channel.type))

@@ -17,7 +17,7 @@ from .._core.text import megabytes
 from ..kinds import KINDS, LASER, SPEED, TOUCH, Kind
 from ..poses.places import WITHIN, Places, to_place
 from ..repair import RecordingError
-from ..samples import Problem
+from ..samples import Mount, Problem, Scan
 from ..samples.checks import not_negative
 from ..samples.event import Event, holds, to_level, to_words
 from ..samples.state_span import StateSpan
@@ -406,6 +406,49 @@ class RecordingData:
         """The transforms of odometry and tf, in the order of time."""
         self._check_open()
         return self._messages.transforms()
+
+    def mount_of(self, frame_id: str, seconds: float | None = None) -> Mount | None:
+        """How a scanner stands on the robot: as `mount` says, else by tf; None if neither tells it.
+
+        Args:
+            frame_id: the coordinate frame of its scans.
+            seconds: when, for a scanner that moves on its robot; None: at the start.
+
+        Raises:
+            TypeError: frame_id is not a text. RecordingError: the recording is closed.
+        """
+        self._check_open()
+        if not isinstance(frame_id, str):
+            raise TypeError(f"frame_id: expected the name of a coordinate frame, got {frame_id!r}")
+        return self._messages.mounts.of(frame_id, None if seconds is None else to_ns(self.start_ns, "seconds", seconds))
+
+    def mounted(self, scan: Scan) -> Scan:
+        """A scan that was made of a message of this recording, with the angles of the robot if its mount is known."""
+        return self._messages.mounts.mounted(scan)
+
+    def mount(self, frame_id: str, yaw: float | str | None, *, upside_down: bool = False) -> None:
+        """Say how a scanner stands on the robot, in place of tf: angles of its scans are the robot's from now on.
+
+        Columns that were taken before keep their angles.
+
+        Args:
+            frame_id: the coordinate frame of its scans.
+            yaw: radians, or degrees as text (``"90deg"``), by which its forward is turned from the robot's,
+                counter-clockwise; None: by tf again.
+            upside_down: True if it stands on its head.
+
+        Raises:
+            TypeError: frame_id is not a text, or yaw is not an angle. ValueError: yaw is beyond ±2 pi.
+            RecordingError: the recording is closed.
+
+        Examples:
+            >>> recording.mount("rplidar_link", "90deg")  # doctest: +SKIP
+        """
+        self.mount_of(frame_id)
+        mount = None if yaw is None else Mount.by_hand(yaw, upside_down=upside_down)
+        self._messages.mounts.put(frame_id, mount)
+        self._messages.forget_scans()
+        self._series.clear()
 
     @property
     def labels(self) -> tuple[Label, ...]:

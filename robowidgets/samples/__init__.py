@@ -10,6 +10,7 @@ from .cloud import Cloud
 from .event import Event, Level
 from .image import Image
 from .map_grid import MapGrid
+from .mount import Mount
 from .pose import Pose, yaw_of
 from .problem import Problem
 from .range import Range
@@ -30,6 +31,7 @@ __all__ = [
     "Image",
     "Level",
     "MapGrid",
+    "Mount",
     "Pose",
     "Problem",
     "Range",

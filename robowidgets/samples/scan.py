@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import scan_problems
-from .age import HasAge, note_arrival
+from .age import HasAge, arrival_of, note_arrival
 from .checks import (
     ANGLE_ROUNDING,
     finite,
@@ -29,6 +29,7 @@ from .checks import (
 )
 from .distances import angles_of, difference, distances, inside, ray_distances
 from .echoes import Echoes, Sources, check_choice
+from .mount import Mount
 from .problem import Problem
 from .ray import Ray, Validity
 from .sector import ALL_ROUND, Asked, order_in_sector, to_sector
@@ -58,6 +59,8 @@ class Scan(HasAge):
         header_problems: what was odd in the message besides its ranges; `problems` has them, and those of the ranges.
         echoes: all echoes of each ray, of a scanner that sends several; `echo` chooses among them.
         sources: where each range stands in the data that the scan was made of; None: the data is the array of ranges.
+        mount: how the scanner stands on the robot, if that is known: then all angles are the robot's, and `unmounted`
+            has the scanner's own. `mounted` makes such a scan.
 
     Raises:
         TypeError: something is not a number.
@@ -82,6 +85,7 @@ class Scan(HasAge):
     header_problems: tuple[Problem, ...] = ()
     echoes: Echoes | None = None
     sources: Sources | None = None
+    mount: Mount | None = None
 
     def __post_init__(self) -> None:
         put = object.__setattr__
@@ -165,7 +169,9 @@ class Scan(HasAge):
 
     def __repr__(self) -> str:
         rays = f"{len(self):,} ray{'' if len(self) == 1 else 's'}"
-        sweep = f" from {degrees(self.angles[0]):.1f}° to {degrees(self.angles[-1]):.1f}°" if len(self) else ""
+        # Without the sign of a zero, which a turn leaves behind.
+        ends = [round(degrees(float(self.angles[i])), 1) + 0.0 for i in (0, -1)] if len(self) else []
+        sweep = f" from {ends[0]:.1f}° to {ends[1]:.1f}°" if ends else ""
         near = self.nearest()
         how = "no readings"
         if near:
@@ -218,7 +224,7 @@ class Scan(HasAge):
 
     @cached_property
     def angles(self) -> NDArray[np.float64]:
-        """Angle of every ray as the scanner counts it, in radians, shape (R,): a full circle may run from 0 to 2 pi."""
+        """Angle of every ray in radians, shape (R,): a full circle may run from 0 to 2 pi."""
         return angles_of(self.angle_min, self.angle_increment, len(self))
 
     @cached_property
@@ -374,15 +380,11 @@ class Scan(HasAge):
             return self
         sources = self.echoes.sources(which)
         ranges, intensities = self.echoes.at(sources.numbers)
-        chosen = replace(self, ranges=ranges, intensities=intensities, sources=sources)
-        note_arrival(chosen, self._arrived)
-        return chosen
+        return _changed(self, ranges=ranges, intensities=intensities, sources=sources)
 
     def with_echoes(self, echoes: Echoes) -> Scan:
         """The same scan with the echoes of which its ranges are the first."""
-        scan = replace(self, echoes=echoes, sources=echoes.sources("first"))
-        note_arrival(scan, self._arrived)
-        return scan
+        return _changed(self, echoes=echoes, sources=echoes.sources("first"))
 
     def turned(self, angle: float | str) -> Scan:
         """The same scan, of the same age, with every ray turned by an angle, counter-clockwise.
@@ -396,9 +398,44 @@ class Scan(HasAge):
         by = finite("angle", to_radians("angle", angle), "radians")
         if not by:
             return self
-        turned = replace(self, angle_min=self.angle_min + by)
-        note_arrival(turned, self._arrived)
-        return turned
+        return _changed(self, angle_min=self.angle_min + by)
+
+    def mounted(self, mount: Mount | None) -> Scan:
+        """Return the same scan, of the same age, of a scanner that stands on its robot like this.
+
+        All angles are the robot's then. Rays keep their indices, and distances are still measured from the scanner.
+
+        Args:
+            mount: how it stands; it replaces the mount that the scan has. None: unknown, as for `unmounted`.
+
+        Examples:
+            >>> scan = Scan([1.0, 2.0], angle_min=0.0, angle_increment=1.5708, range_min=0.1, range_max=30.0)
+            >>> turned = scan.mounted(Mount.by_hand("90deg"))
+            >>> scan.distance("front"), turned.distance("front"), turned.distance("left")
+            (1.0, nan, 1.0)
+        """
+        own = self.unmounted()
+        if mount is None or not (mount.turns_angles or mount.problems):
+            return own
+        problems = (*own.header_problems, *mount.problems)
+        if not mount.turns_angles:
+            return _changed(own, mount=mount, header_problems=problems)
+        step = -own.angle_increment if mount.upside_down else own.angle_increment
+        wound = mount.wound(own.angle_min, own.angle_min + max(0, len(own) - 1) * own.angle_increment)
+        first = wound.to_robot(own.angle_min)
+        return _changed(own, mount=wound, angle_min=first, angle_increment=step, header_problems=problems)
+
+    def unmounted(self) -> Scan:
+        """Return the same scan, of the same age, with the angles of the scanner itself."""
+        mount = self.mount
+        if mount is None:
+            return self
+        problems = tuple(problem for problem in self.header_problems if problem not in mount.problems)
+        if not mount.turns_angles:
+            return _changed(self, mount=None, header_problems=problems)
+        step = -self.angle_increment if mount.upside_down else self.angle_increment
+        first = mount.to_scanner(self.angle_min)
+        return _changed(self, mount=None, angle_min=first, angle_increment=step, header_problems=problems)
 
     @property
     def _reach(self) -> float:
@@ -412,6 +449,13 @@ class Scan(HasAge):
     @cached_property
     def _distances(self) -> NDArray[np.float64]:
         return np.where(self.valid, self.ranges, np.nan).astype(np.float64)
+
+
+def _changed(scan: Scan, **values: Any) -> Scan:
+    """The same scan, of the same age, with other values."""
+    changed = replace(scan, **values)
+    note_arrival(changed, arrival_of(scan))
+    return changed
 
 
 def _within_half_turn(angle: float) -> float:

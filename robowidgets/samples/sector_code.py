@@ -5,6 +5,7 @@ from __future__ import annotations
 from math import degrees
 
 from .checks import decimals
+from .mount import Mount
 from .scan import Scan
 from .sector import SECTORS, Sector, angles_code, radians_code
 from .stretches import expression, stretches
@@ -37,19 +38,23 @@ def for_scan(sector: Sector) -> str:
     return f"scan.distance({asked})"
 
 
-def for_message(sector: Sector, angle_offset: float = 0.0) -> str:
+def for_message(sector: Sector, angle_offset: float = 0.0, mount: Mount | None = None) -> str:
     """A function of a sensor_msgs/LaserScan, which needs NumPy alone, and its call for a message named ``msg``.
 
     Args:
         sector: in a picture of the message.
         angle_offset: radians by which the picture is turned.
+        mount: how the scanner stands on the robot, whose angles are in the picture; None: not known.
     """
     words = f"from {_degrees(sector.start)} to {_degrees(sector.end)}"
+    start = sector.start - angle_offset
+    if mount and mount.turns_angles:
+        words += f" of the robot, with the scanner {mount.words}"
+        # Upside down, the scanner comes to the end of the sector first.
+        start = mount.yaw - (sector.end - angle_offset) if mount.upside_down else start - mount.yaw
     if angle_offset:
         words += f" of a picture turned by {_degrees(angle_offset)}"
-    return MESSAGE.format(
-        start=radians_code(sector.start - angle_offset), sweep=radians_code(sector.sweep), words=words
-    )
+    return MESSAGE.format(start=radians_code(start), sweep=radians_code(sector.sweep), words=words)
 
 
 def for_array(sector: Sector, scan: Scan) -> str:

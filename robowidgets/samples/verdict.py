@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from ._traced_ranges import traced as traced_ranges
 from .checks import frozen
 from .distances import inside, ray_distances
+from .mount import Mount
 from .ray import Ray
 from .scan import Scan
 from .sector import ALL_ROUND, Asked
@@ -126,6 +127,16 @@ class _TracedScan(Scan):
         """See `Scan`."""
         turned: Scan = self._trace.of(self._scan.turned(angle))
         return turned
+
+    def mounted(self, mount: Mount | None) -> Scan:
+        """See `Scan`."""
+        mounted: Scan = self._trace.of(self._scan.mounted(mount))
+        return mounted
+
+    def unmounted(self) -> Scan:
+        """See `Scan`."""
+        unmounted: Scan = self._trace.of(self._scan.unmounted())
+        return unmounted
 
 
 _TracedScan.__name__ = "Scan"  # for errors of the function, such as an attribute that scans do not have

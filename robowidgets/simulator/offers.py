@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from functools import partial
-from math import cos, sin
 from typing import Any, NamedTuple
 
 from ..messages.standard import (
@@ -17,6 +16,7 @@ from ..messages.standard import (
     camera_info_fields,
     image_fields,
     transform_fields,
+    turn_of,
 )
 from ..messages.twist import TWIST
 from ..samples import Image
@@ -99,8 +99,9 @@ def _transforms(robot: Robot, image: Image) -> dict[str, Any]:
         **{f"sonar_{name}": ("base_link", *_raised(pose, SCANNER_UP)) for name, pose in robot.sonars.poses.items()},
     }
     stamp_ns = image.stamp_ns or 0
+    hanging = {robot.scanner.frame_id} if robot.scanner.upside_down else set()
     upright = [
-        transform_fields(parent, child, (x, y, z), (0.0, 0.0, sin(yaw / 2), cos(yaw / 2)), stamp_ns)
+        transform_fields(parent, child, (x, y, z), turn_of(yaw, upside_down=child in hanging), stamp_ns)
         for child, (parent, x, y, z, yaw) in placed.items()
     ]
     # It looks along z, with x to the right and y down (REP-103).

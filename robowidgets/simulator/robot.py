@@ -298,11 +298,12 @@ class Robot(Observed):
             self.step(min(period, max(end - self.time, _NANOSECOND)))
 
     def scan(self) -> Scan:
-        """The newest scan; the same object until the scanner, at its own rate, has taken the next."""
+        """The newest scan, with the angles of the robot; the same object until the scanner has taken the next."""
         with self._lock:
             if self._scan is None:
                 rng = np.random.default_rng((self._seed, self._scan_number))
-                self._scan = self.scanner.measure(self.world, *self._scan_pose, rng, self._scan_ns)
+                measured = self.scanner.measure(self.world, *self._scan_pose, rng, self._scan_ns)
+                self._scan = measured.mounted(self.scanner.stands)
             return self._scan
 
     def sonar(self, name: str) -> Range:

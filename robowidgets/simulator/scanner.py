@@ -9,7 +9,7 @@ from math import inf, nan, pi, radians
 import numpy as np
 from numpy.typing import NDArray
 
-from ..samples import Pose, Scan
+from ..samples import Mount, Pose, Scan
 from ..samples.checks import finite, not_negative, number, to_radians
 from ..samples.scan import MAX_RAYS
 from ._raycast import cast_rays
@@ -49,7 +49,7 @@ class Scanner:
         period_spread: by which share the time from scan to scan may vary, 0 to 0.5.
         mount: (x, y, yaw) of the scanner on the robot, metres and radians.
         upside_down: whether it is mounted upside down: it sweeps clockwise and does not know it, so that left and right
-            are swapped in its scans.
+            are swapped in what it measures. Scans of a `Robot` know it, and have the angles of the robot.
 
     Raises:
         TypeError: something is not a number.
@@ -130,6 +130,11 @@ class Scanner:
 
     def _increment(self, count: int) -> float:
         return self.field_of_view / max(count if self.field_of_view == 2 * pi else count - 1, 1)
+
+    @property
+    def stands(self) -> Mount:
+        """How it stands on the robot."""
+        return Mount.by_hand(self.mount[2], upside_down=self.upside_down)
 
     def placed(self, x: float, y: float, yaw: float) -> tuple[float, float, float]:
         """The pose of the scanner on a robot at a pose; metres and radians."""

@@ -23,10 +23,10 @@ from ..samples import Validity
 from ..samples.checks import finite
 from .robot import Robot
 
-HEADER = struct.Struct("<15d")
-"""Time, robot (x, y, yaw, radius), scan (x, y, yaw, 1 or -1 for upside down, angle_min, angle_increment, range_max),
-numbers of rays, of places on the path and of obstacles. The ranges follow, then triples (time, x, y) and
-(x, y, radius), all as float32."""
+HEADER = struct.Struct("<14d")
+"""Time, robot (x, y, yaw, radius), scan (x, y, yaw of the robot, angle_min, angle_increment, range_max), numbers of
+rays, of places on the path and of obstacles. The ranges follow, then triples (time, x, y) and (x, y, radius), all as
+float32."""
 
 PATH_SECONDS = 30.0
 _PATH_STEP = 0.05
@@ -170,15 +170,15 @@ class View(BeatingWidget, FreezableWidget):
 
     def _pack(self) -> bytes:
         robot, path = self._robot, np.array([*self._path], "<f4")
-        scan, (x, y, yaw) = robot.scan(), robot.scan_pose
+        # Its angles are the robot's, as those of the shapes that programs draw.
+        scan, (x, y, yaw) = robot.scan(), robot.scan_pose.offset(0.0, 0.0, -robot.scanner.mount[2])
         is_met = scan.validity == Validity.READING
         # A code that also stands for failed measurements does not say that the way is free.
         scanner = robot.scanner
         is_nothing = (scan.ranges == np.float32(scanner.nothing)) & (scanner.nothing not in scanner.failed)
         ranges = np.where(is_met, scan.ranges, np.where(is_nothing, np.inf, np.nan))
         obstacles = robot.world.obstacles.astype("<f4")
-        turn = -1 if scanner.upside_down else 1
-        geometry = (turn, scan.angle_min, scan.angle_increment, scan.range_max)
+        geometry = (scan.angle_min, scan.angle_increment, scan.range_max)
         counts = (len(ranges), len(path), len(obstacles))
         header = HEADER.pack(robot.time, *robot.pose, robot.radius, x, y, yaw, *geometry, *counts)
         return header + ranges.astype("<f4").tobytes() + path.tobytes() + obstacles.tobytes()

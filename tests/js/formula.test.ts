@@ -56,6 +56,24 @@ test("round numbers stay short, a negative increment stands in brackets, and an 
   assert.equal(plain(turned.radians), "0.25000 rad");
 });
 
+test("the angle of the robot is worked out from the scanner's own, upside down too, and that is worked out alone", () => {
+  const mount = { yaw: 1.5, words: "" };
+  const upright = angleFormula(sweep(-0.5 + 1.5, 0.25), 3, 0, mount);
+  assert.equal(plain(upright.names), "angle_min + 3 × increment + yaw");
+  assert.equal(plain(upright.numbers), "-0.5 + 3 × 0.25 + 1.5");
+  assert.equal(plain(upright.radians), "1.75000 rad");
+  const hanging = angleFormula(sweep(1.5 + 0.5, -0.25), 3, 0, { ...mount, upside_down: true });
+  assert.equal(plain(hanging.names), "yaw - (angle_min + 3 × increment)");
+  assert.equal(plain(hanging.numbers), "1.5 - (-0.5 + 3 × 0.25)");
+  assert.equal(plain(hanging.radians), "1.25000 rad");
+  const own = angleFormula(sweep(1.5 + 0.5 + 0.1, -0.25), 3, 0.1, { ...mount, upside_down: true }, true);
+  assert.deepEqual([own.names, own.numbers, own.radians].map(plain), [
+    "angle_min + 3 × increment",
+    "-0.5 + 3 × 0.25",
+    "0.25000 rad",
+  ]);
+});
+
 test("beyond half a turn the formula says what the label says", () => {
   const last = angleFormula(sweep(0, Math.PI / 180), 359);
   assert.equal(last.degrees, "359.00°");

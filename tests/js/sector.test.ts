@@ -54,11 +54,12 @@ for (const given of vectors.scans) {
 test("the page writes the code that Python writes", () => {
   const [first] = vectors.scans;
   assert.ok(first && vectors.codes.length);
-  for (const [start, end, offset, scan, message, slice] of vectors.codes) {
+  for (const [start, end, offset, given, scan, message, slice] of vectors.codes) {
     const sweep = toScan(first);
-    assert.equal(toCode({ start, end }, "scan", sweep, offset), scan);
-    assert.equal(toCode({ start, end }, "message", sweep, offset), message);
-    assert.equal(toCode({ start, end }, "slice", sweep, offset), slice);
+    const mount = given ?? undefined;
+    assert.equal(toCode({ start, end }, "scan", sweep, offset, mount), scan);
+    assert.equal(toCode({ start, end }, "message", sweep, offset, mount), message);
+    assert.equal(toCode({ start, end }, "slice", sweep, offset, mount), slice);
   }
 });
 

@@ -32,7 +32,6 @@ function scene(): Scene {
       x: 0,
       y: 0,
       yaw: 0,
-      turn: 1,
       angleMin: 0,
       angleIncrement: Math.PI / 2,
       rangeMax: 4,
@@ -44,7 +43,7 @@ function scene(): Scene {
 }
 
 function frame(): DataView {
-  const header = [1.5, 1, 2, 0.5, 0.2, 1, 2, 0.4, -1, -1, 0.5, 6, 2, 1, 1];
+  const header = [1.5, 1, 2, 0.5, 0.2, 1, 2, 0.4, -1, 0.5, 6, 2, 1, 1];
   const values = [3, Infinity, 0.5, 0.9, 2, 4, 5, 0.3];
   const bytes = new DataView(new ArrayBuffer(8 * header.length + 4 * values.length));
   for (const [i, value] of header.entries()) bytes.setFloat64(8 * i, value, true);
@@ -55,10 +54,7 @@ function frame(): DataView {
 test("a frame is read as Python packs it", () => {
   const { time, robot, scan, path, obstacles } = toScene(frame()) as Scene;
   assert.deepEqual([time, robot], [1.5, { x: 1, y: 2, yaw: 0.5, radius: 0.2 }]);
-  assert.deepEqual(
-    [scan.yaw, scan.turn, scan.angleMin, scan.rangeMax, [...scan.ranges]],
-    [0.4, -1, -1, 6, [3, Infinity]],
-  );
+  assert.deepEqual([scan.yaw, scan.angleMin, scan.rangeMax, [...scan.ranges]], [0.4, -1, 6, [3, Infinity]]);
   assert.deepEqual(
     path.map(({ x, y }) => [x, y].map(Math.fround)),
     [[Math.fround(0.9), 2]],
@@ -172,13 +168,12 @@ test("obstacles that were removed stay away, and edits that follow mean those th
   assert.deepEqual(shown([{ x: 9, y: 0, radius: 0.1 }, last] as typeof discs), [9, 4], "the last one was refused");
 });
 
-test("a place of the scanner's frame is where the scanner stands and looks, mirrored where it hangs upside down", () => {
+test("a place ahead and left of the scanner lies in the heading of the robot", () => {
   const scan = { ...scene().scan, x: 2, y: 1, yaw: Math.PI / 2 };
   const rounded = ({ x, y }: { x: number; y: number }) => [x, y].map((value) => Number(value.toFixed(6)));
   assert.deepEqual(rounded(toPlace(scan, [1, 0.5])), [1.5, 2]);
-  assert.deepEqual(rounded(toPlace({ ...scan, turn: -1 }, [1, 0.5])), [2.5, 2]);
-  const ray = endsOf({ ...scan, turn: -1, angleMin: Math.PI / 2 })[0];
-  assert.deepEqual(ray && rounded(ray), [3, 1], "so are its rays");
+  const ray = endsOf({ ...scan, angleMin: Math.PI / 2 })[0];
+  assert.deepEqual(ray && rounded(ray), [1, 1], "so do its rays");
 });
 
 /** A context that draws nothing, and what was called of it. */

@@ -1,6 +1,7 @@
 import { readFileSync } from "node:fs";
 import type { Stretch } from "../../robowidgets/js/laser/sector.ts";
 import type { Scan } from "../../robowidgets/js/shared/frames/scan.ts";
+import type { Mount } from "../../robowidgets/js/shared/traits.ts";
 import type { Limits } from "../../robowidgets/js/speed/traits.ts";
 import { scanOf } from "./laser.ts";
 
@@ -62,7 +63,15 @@ interface Vectors {
   silences: [step: Word, onShow: number, listed: Word][];
   steps: [times: number[], step: Word][];
   beats: { beat: number; page: number; "scan gap": number };
-  codes: [start: number, end: number, offset: number, scan: string, message: string, slice: string][];
+  codes: [
+    start: number,
+    end: number,
+    offset: number,
+    mount: Mount | null,
+    scan: string,
+    message: string,
+    slice: string,
+  ][];
 }
 
 /** The cases that Python's tests read too. */

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import pi, radians
+from math import radians
 from typing import Any
 
 import pytest
@@ -22,7 +22,7 @@ def test_the_page_gets_the_outline_the_bumpers_and_the_widgets_of_the_view() -> 
         "radius": 0.2,
         "polygon": [],
         "bumpers": {"left": {"start": radians(10), "end": radians(80)}},
-        "scanner": [0.1, 0.0, pi],
+        "scanner": [0.1, 0.0, 0.0],
         "speed": speed.model_id,
         "touch": touch.model_id,
     }

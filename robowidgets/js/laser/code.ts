@@ -1,4 +1,5 @@
 import type { Sweep } from "../shared/frames/scan.ts";
+import type { Mount } from "../shared/traits.ts";
 import { DEGREE, inDegrees, type Sector, stretchesOf, sweepOf, toExpression } from "./sector.ts";
 
 export const FORMS = ["scan", "message", "slice"] as const;
@@ -13,9 +14,9 @@ const QUARTERS: Record<string, [number, number]> = {
 };
 
 /** Python that computes the distance of a sector, for a reader to paste. `robowidgets/samples/sector_code.py` has the same texts. */
-export function toCode(sector: Sector, form: Form, sweep: Sweep, angleOffset = 0): string {
+export function toCode(sector: Sector, form: Form, sweep: Sweep, angleOffset = 0, mount?: Mount): string {
   if (form === "slice") return toArrayCode(sector, sweep);
-  return form === "scan" ? toScanCode(sector) : toMessageCode(sector, angleOffset);
+  return form === "scan" ? toScanCode(sector) : toMessageCode(sector, angleOffset, mount);
 }
 
 function toScanCode({ start, end }: Sector): string {
@@ -39,15 +40,19 @@ function toArrayCode(sector: Sector, sweep: Sweep): string {
   return found.length < 2 ? expression : `np.concatenate((${expression.replaceAll(" +", ",")}))`;
 }
 
-function toMessageCode(sector: Sector, angleOffset: number): string {
+function toMessageCode(sector: Sector, angleOffset: number, mount?: Mount): string {
   const degrees = (radians: number) => `${toDecimals(inDegrees(radians), 1)}°`;
   const turned = angleOffset ? ` of a picture turned by ${degrees(angleOffset)}` : "";
-  const words = `from ${degrees(sector.start)} to ${degrees(sector.end)}${turned}`;
+  const stands = mount ? ` of the robot, with the scanner ${mount.words}` : "";
+  const words = `from ${degrees(sector.start)} to ${degrees(sector.end)}${stands}${turned}`;
+  const yaw = mount?.yaw ?? 0;
+  // Upside down, the scanner comes to the end of the sector first.
+  const start = mount?.upside_down ? yaw - (sector.end - angleOffset) : sector.start - angleOffset - yaw;
   return `\
 import numpy as np
 
 
-def distance(msg, start=${toRadiansText(sector.start - angleOffset)}, sweep=${toRadiansText(sweepOf(sector))}):
+def distance(msg, start=${toRadiansText(start)}, sweep=${toRadiansText(sweepOf(sector))}):
     """Metres to the nearest thing, ${words}: 0 too close, inf nothing met, nan unknown."""
     r = np.array(msg.ranges, np.float32)
     angles = msg.angle_min + np.arange(r.size) * (msg.angle_increment if r.size > 1 else 0)

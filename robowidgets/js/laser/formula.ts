@@ -1,5 +1,7 @@
 import { toFixed } from "../shared/format.ts";
 import { angleOf, type Sweep } from "../shared/frames/scan.ts";
+import type { Mount } from "../shared/traits.ts";
+import { turnOf } from "./mount.ts";
 
 /** The angle of a ray as a student would work it out, line by line: names, numbers, result. */
 interface Formula {
@@ -19,26 +21,40 @@ const NBSP = "\u00A0";
  * The formula of the angle of a ray, with its numbers: with so many digits, at least five, that who types them into a
  * calculator reads the result that stands below.
  *
- * @param offset radians in the angles of the sweep that the scanner's own do not have
+ * @param offset radians that were added to the angles of the sweep
+ * @param mount how the scanner stands on the robot, whose angles those of the sweep are
+ * @param isOwn whether the angle of the scanner is worked out, without both
  */
-export function angleFormula(sweep: Sweep, index: number, offset = 0): Formula {
-  const { angleMin, angleIncrement } = sweep;
-  const angle = angleOf(sweep, index);
+export function angleFormula(sweep: Sweep, index: number, offset = 0, mount?: Mount, isOwn = false): Formula {
+  const sign = mount?.upside_down ? -1 : 1;
+  const yaw = mount ? turnOf(mount) : 0;
+  const angleMin = sign * (sweep.angleMin - offset - yaw);
+  const angleIncrement = sign * sweep.angleIncrement;
+  const angle = isOwn ? angleMin + index * angleIncrement : angleOf(sweep, index);
+  const [added, turned, way] = isOwn ? [0, 0, 1] : [offset, yaw, sign];
   const degrees = toDegreesText(angle);
   let shown = FEWEST;
   while (shown < MOST && !same(toDegreesText(Number(angle.toFixed(shown))), degrees)) shown++;
   // Of an increment as many more digits as the index has: they count so many times as much.
   const more = String(index).length;
   for (let digits = shown; ; digits++) {
-    const first = short(angleMin - offset, digits);
+    const first = short(angleMin, digits);
     const step = short(angleIncrement, digits + more);
-    const turn = short(offset, digits);
-    const result = Number(first) + index * Number(step) + Number(turn);
+    const [turn, heading] = [short(added, digits), short(turned, digits)];
+    const result = way * (Number(first) + index * Number(step)) + Number(heading) + Number(turn);
     if (digits < MOST && !same(result.toFixed(shown), angle.toFixed(shown))) continue;
     const minus = Number(step) < 0 ? `(${signed(step)})` : step;
+    const [ownNames, ownNumbers] = [
+      `angle_min +${NBSP}${index} ×${NBSP}increment`,
+      `${signed(first)} +${NBSP}${index} ×${NBSP}${minus}`,
+    ];
+    const [names, numbers] =
+      way < 0
+        ? [`yaw \u2212${NBSP}(${ownNames})`, `${signed(heading)} \u2212${NBSP}(${ownNumbers})`]
+        : [`${ownNames}${turned ? ` +${NBSP}yaw` : ""}`, `${ownNumbers}${turned ? ` ${plus(heading)}` : ""}`];
     return {
-      names: `angle_min +${NBSP}${index} ×${NBSP}increment${offset ? ` +${NBSP}angle_offset` : ""}`,
-      numbers: `${signed(first)} +${NBSP}${index} ×${NBSP}${minus}${offset ? ` ${plus(turn)}` : ""}`,
+      names: `${names}${added ? ` +${NBSP}angle_offset` : ""}`,
+      numbers: `${numbers}${added ? ` ${plus(turn)}` : ""}`,
       radians: `${toFixed(angle, shown)}${NBSP}rad`,
       degrees: `${signed(degrees)}°`,
       wrapped: wrap((angle * 180) / Math.PI),

@@ -1,6 +1,7 @@
 import { make, makeButton, setHidden, setText } from "../shared/dom.ts";
 import type { Scan } from "../shared/frames/scan.ts";
 import { type Model, setTraits } from "../shared/model.ts";
+import type { About } from "../shared/traits.ts";
 import { angleFormula } from "./formula.ts";
 import type { LaserTraits } from "./traits.ts";
 
@@ -37,18 +38,19 @@ export class FormulaFoot {
     setTraits(this.#model, { angle_unit: this.#model.get("angle_unit") === "rad" ? "deg" : "rad" });
   }
 
-  /** @param offset radians that were added to the scanner's own angles */
-  update(scan: Scan, index: number, offset: number): void {
+  update(scan: Scan, index: number, about: About): void {
     setHidden(this.element, index >= scan.count);
+    const { mount, angle_offset: offset = 0 } = about;
+    const isOwn = this.#model.get("own_angles");
     const [isOpen, unit] = [this.#model.get("formula"), this.#model.get("angle_unit")];
     this.#unfold.ariaExpanded = String(isOpen);
     setText(this.#unit, unit === "rad" ? "in degrees" : "in radians");
     this.#unit.title = `Show all angles in ${unit === "rad" ? "degrees" : "radians"} (r)`;
     setHidden(this.#formula, !isOpen);
-    const key = [isOpen, unit, scan.angleMin, scan.angleIncrement, index, offset].join();
+    const key = [isOpen, unit, scan.angleMin, scan.angleIncrement, index, isOwn, JSON.stringify(mount), offset].join();
     if (!isOpen || this.element.hidden || key === this.#key) return;
     this.#key = key;
-    const { names, numbers, radians, degrees, wrapped } = angleFormula(scan, index, offset);
+    const { names, numbers, radians, degrees, wrapped } = angleFormula(scan, index, offset, mount, isOwn);
     const strong = (text: string, isStrong: boolean) => (isStrong ? make("b", "", text) : text);
     const result = ["=\u00A0", strong(radians, unit === "rad"), " =\u00A0", strong(degrees, unit === "deg")];
     for (const [i, parts] of [[names], [numbers], result, [wrapped]].entries()) {

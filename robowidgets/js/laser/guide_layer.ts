@@ -1,19 +1,22 @@
 import { type Box, overlaps } from "../shared/box.ts";
 import { toShortMetres } from "../shared/format.ts";
-import { angleOf, type Sweep } from "../shared/frames/scan.ts";
-import type { Model } from "../shared/model.ts";
+import { angleOf, type Scan, type Sweep } from "../shared/frames/scan.ts";
+import { type Model, setTraits } from "../shared/model.ts";
 import { rimBox } from "../shared/projection.ts";
+import type { Stream } from "../shared/stream.ts";
 import { type Theme, textFont } from "../shared/theme.ts";
 import { angleFont, drawArea, drawGuides, drawRayLabels, drawRobot, indexFont } from "./draw_area.ts";
 import { drawArcLabels } from "./draw_readings.ts";
 import { type ArcLabel, arcDistances, arcLabels, type RayLabel, rayIndices, rayLabels, thinLabels } from "./guides.ts";
 import type { Depth, Layer, Painter, Stage } from "./layer.ts";
+import { shownBy } from "./mount.ts";
 import type { LaserTraits } from "./traits.ts";
 
 /** The detection area, range arcs, radial lines with their labels, and the robot. */
 export class GuideLayer implements Layer {
-  readonly traits = ["arc_count", "arc_distances", "ray_count", "ray_angles", "angle_unit"] as const;
+  readonly traits = ["arc_count", "arc_distances", "ray_count", "ray_angles", "angle_unit", "own_angles"] as const;
   readonly #model: Model<LaserTraits>;
+  readonly #stream: Stream<Scan>;
   readonly #measure: CanvasRenderingContext2D;
   readonly #painters: Partial<Record<Depth, Painter>> = {
     area: (context, { projection, sweep }, theme) => drawArea(context, projection, sweep, theme),
@@ -29,8 +32,9 @@ export class GuideLayer implements Layer {
   #arcLabels: ArcLabel[] = [];
 
   /** @param measure a context whose font may be set at any time */
-  constructor(model: Model<LaserTraits>, measure: CanvasRenderingContext2D) {
+  constructor(model: Model<LaserTraits>, stream: Stream<Scan>, measure: CanvasRenderingContext2D) {
     this.#model = model;
+    this.#stream = stream;
     this.#measure = measure;
   }
 
@@ -39,15 +43,22 @@ export class GuideLayer implements Layer {
   }
 
   lowerKey(): unknown {
-    return this.traits.map((name) => this.#model.get(name));
+    return [this.traits.map((name) => this.#model.get(name)), this.#stream.about.mount];
   }
 
   rim(sweep: Sweep, forward: number, theme: Theme): RayLabel[] {
     this.#rays = rayIndices(sweep, this.#model.get("ray_angles"), this.#model.get("ray_count"));
     const measure = ([angle, index]: [string, string]) =>
       Math.max(this.#widthOf(angle, angleFont(theme)), this.#widthOf(index, indexFont(theme)));
-    this.#rayLabels = rayLabels(sweep, this.#rays, forward, measure, this.#model.get("angle_unit"));
+    const toShown = shownBy(this.#model, this.#stream.about);
+    this.#rayLabels = rayLabels(sweep, this.#rays, forward, measure, this.#model.get("angle_unit"), toShown);
     return this.#rayLabels;
+  }
+
+  onKey({ key }: KeyboardEvent): boolean {
+    if (key !== "a" || !this.#stream.about.mount) return false;
+    setTraits(this.#model, { own_angles: !this.#model.get("own_angles") });
+    return true;
   }
 
   #drawGuides(context: CanvasRenderingContext2D, stage: Stage, theme: Theme): void {

@@ -4,6 +4,7 @@ import { angleFrom, angleOf, indexAt, isFullCircle, type Sweep, spanOf } from ".
 import type { Occupancy } from "../shared/occupancy.ts";
 import { heightOf, type Projection, RIM_MARKS, type Rim, rimBox, sweepRim, toDirection } from "../shared/projection.ts";
 import { ticks } from "../shared/ticks.ts";
+import type { ToShown } from "./mount.ts";
 
 /**
  * Distances of the range arcs in metres: the given ones; or `count` that divide the view in equal parts; or, without a
@@ -113,19 +114,26 @@ const LABEL_GAP = 1;
 /** Pixels of a letter of a label, about. */
 const LETTER = 7;
 
-/** Labels of the radial lines, outside the area. `measure` gives the width of the two lines in pixels. */
+/**
+ * Labels of the radial lines, outside the area.
+ *
+ * @param measure gives the width of the two lines in pixels
+ * @param unit in which the angle is shown
+ * @param toShown makes the angle that is shown
+ */
 export function rayLabels(
   sweep: Sweep,
   indices: number[],
   forward: number,
   measure: (lines: [string, string]) => number,
   unit: AngleUnit = "deg",
+  toShown: ToShown = (angle) => angle,
 ): RayLabel[] {
   const ends = isFullCircle(sweep) ? [] : [0, sweep.count - 1];
   const fixed = [indexAt(sweep, 0), ...ends];
   return indices.map((index) => {
     const angle = angleOf(sweep, index);
-    const lines: [string, string] = [toAngle(angle, unit), `[${index}]`];
+    const lines: [string, string] = [toAngle(toShown(angle), unit), `[${index}]`];
     const direction = toDirection(angle, forward);
     const halfWidth = measure(lines) / 2;
     const halfHeight = 15;

@@ -15,6 +15,7 @@ const KEYS = [
   ["m", "nearest ray"],
   ["f", "formula of the angle"],
   ["r", "degrees or radians"],
+  ["a", "angles of the robot or the scanner"],
   ["g", "ghost to compare with"],
   ["+ \u2212", "zoom"],
   ["space", "freeze"],

@@ -4,6 +4,7 @@ import { type AngleUnit, toAngle, toCount, toMetres } from "../shared/format.ts"
 import { CLASSES } from "../shared/frames/classes.ts";
 import { angleOf, READING, type Scan, type Validity } from "../shared/frames/scan.ts";
 import { type Model, setTraits } from "../shared/model.ts";
+import type { ToShown } from "./mount.ts";
 import type { LaserTraits } from "./traits.ts";
 
 /**
@@ -42,8 +43,9 @@ export class Legend {
   /**
    * @param reach metres of the picture, which set the decimals
    * @param unit in which the angle is shown
+   * @param toShown makes the angle that is shown
    */
-  update(scan: Scan | null, shown: string[], reach: number, unit: AngleUnit): void {
+  update(scan: Scan | null, shown: string[], reach: number, unit: AngleUnit, toShown: ToShown): void {
     for (const { name, item, count, kind } of this.#items) {
       const rays = scan?.counts[kind] ?? 0;
       setText(count, toCount(rays));
@@ -60,7 +62,7 @@ export class Legend {
         isReading ? "nearest " : "too close",
         isReading ? toMetres(scan.ranges[nearest] as number, reach) : "",
       );
-      texts.push(" at ", toAngle(angleOf(scan, nearest), unit), " ", `[${nearest}]`);
+      texts.push(" at ", toAngle(toShown(angleOf(scan, nearest)), unit), " ", `[${nearest}]`);
     }
     for (const [i, element] of this.#words.entries()) setText(element, texts[i] ?? "");
     keepWidth(this.#nearest);

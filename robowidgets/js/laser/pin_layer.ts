@@ -6,6 +6,7 @@ import { toSentence } from "../shared/popup.ts";
 import { toPixel } from "../shared/projection.ts";
 import type { Theme } from "../shared/theme.ts";
 import { type Depth, type Host, isFree, type Layer, type Painter, type Stage, type Stops } from "./layer.ts";
+import { shownBy } from "./mount.ts";
 import { describeRay } from "./text.ts";
 
 const RING = 6;
@@ -42,7 +43,11 @@ export class PinLayer implements Layer {
       this.#picked = name;
       const index = pins.get(name) ?? null;
       setTraits(model, { pinned: index });
-      if (scan && index !== null) card.say([name, ...toSentence(describeRay(scan, index, 1, model.get("angle_unit")))]);
+      if (scan && index !== null)
+        card.say([
+          name,
+          ...toSentence(describeRay(scan, index, 1, model.get("angle_unit"), "", shownBy(model, stream.about))),
+        ]);
     };
     const isPicked = pins.get(this.#picked) === model.get("pinned");
     return { names: [...pins.keys()], picked: isPicked ? this.#picked : "", pick };

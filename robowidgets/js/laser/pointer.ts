@@ -12,6 +12,7 @@ import { drawLine, drawRobot } from "./draw_area.ts";
 import { drawStripPointer } from "./draw_strip.ts";
 import { FormulaFoot } from "./formula_foot.ts";
 import type { Depth, Host, Layer, Painter, Stage, StripPainter } from "./layer.ts";
+import { shownBy } from "./mount.ts";
 import { pick } from "./pick.ts";
 import { sectorOf } from "./sector.ts";
 import { describeRay, sourceOf } from "./text.ts";
@@ -34,7 +35,7 @@ const WALK: Record<string, string> = {
 
 /** The ray under the pointer and the pinned one: their lines, rings and pop-ups. */
 export class PointerLayer implements Layer {
-  readonly traits = ["hovered", "pinned", "formula", "angle_unit"] as const;
+  readonly traits = ["hovered", "pinned", "formula", "angle_unit", "own_angles"] as const;
   readonly #host: Host;
   readonly #moreOf: (index: number) => string;
   readonly #foot: FormulaFoot;
@@ -83,7 +84,7 @@ export class PointerLayer implements Layer {
     };
     const [pinned, hovered] = this.#indices;
     if (scan && pinned !== null) {
-      this.#foot.update(scan, pinned, this.#host.stream.about.angle_offset ?? 0);
+      this.#foot.update(scan, pinned, this.#host.stream.about);
       setHidden(this.#copy.row, pinned >= scan.count);
     }
     show(this.#pinned, pinned);
@@ -116,10 +117,16 @@ export class PointerLayer implements Layer {
 
   /** The distance of the pinned ray, by its angle; as a part of the array by its index. */
   #toCode(form: Form): string {
-    const { model, stage } = this.#host;
+    const { model, stage, stream } = this.#host;
     const index = model.get("pinned") ?? 0;
     if (form === "slice") return `ranges[${index}]`;
-    return toCode(sectorOf(stage.sweep, index, index), form, stage.sweep, model.get("angle_offset"));
+    return toCode(
+      sectorOf(stage.sweep, index, index),
+      form,
+      stage.sweep,
+      model.get("angle_offset"),
+      stream.about.mount,
+    );
   }
 
   #walk(to: string): void {
@@ -151,7 +158,7 @@ export class PointerLayer implements Layer {
   #describe(scan: Scan, index: number, reach: number): PopupWords {
     const { model, stream } = this.#host;
     const more = [sourceOf(scan, index, stream.about), this.#moreOf(index)].filter(Boolean).join("\n");
-    return describeRay(scan, index, reach, model.get("angle_unit"), more);
+    return describeRay(scan, index, reach, model.get("angle_unit"), more, shownBy(model, stream.about));
   }
 
   /** The pinned ray and the one under the pointer, where that is another. */

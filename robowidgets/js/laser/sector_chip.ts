@@ -3,6 +3,7 @@ import { Chip, type ChipTexts } from "./chip.ts";
 import { placeChip } from "./chip_place.ts";
 import { type Form, toCode } from "./code.ts";
 import type { Host, Stage } from "./layer.ts";
+import { shownBy } from "./mount.ts";
 import type { Sector } from "./sector.ts";
 import type { SectorNumbers } from "./sector_numbers.ts";
 import type { Named, SectorStore } from "./sector_store.ts";
@@ -122,7 +123,17 @@ export class SectorChip {
     const { stretches, measured } = this.#numbers.look(scan, picked.sector);
     const state = this.#numbers.stateOf(picked.name);
     const { viewRange } = this.#host.stage.projection;
-    return describeSector(picked, scan, stretches, measured, state, viewRange, this.#host.model.get("angle_unit"));
+    const { model, stream } = this.#host;
+    return describeSector(
+      picked,
+      scan,
+      stretches,
+      measured,
+      state,
+      viewRange,
+      model.get("angle_unit"),
+      shownBy(model, stream.about),
+    );
   }
 
   #show(): void {
@@ -130,11 +141,12 @@ export class SectorChip {
   }
 
   #make(): Chip {
-    const { card, model, signal } = this.#host;
+    const { card, model, signal, stream } = this.#host;
     const actions = {
       toCode: (form: Form) => {
         const { picked } = this.#store;
-        return picked ? toCode(picked.sector, form, this.#host.stage.sweep, model.get("angle_offset")) : "";
+        const { sweep } = this.#host.stage;
+        return picked ? toCode(picked.sector, form, sweep, model.get("angle_offset"), stream.about.mount) : "";
       },
       say: (words: string[]) => card.say(words),
       onName: (name: string) => {

@@ -1,6 +1,7 @@
 import { type AngleUnit, toAngle, toMany, toMetres } from "../shared/format.ts";
 import { isFullCircle, READING, type Scan, type Sweep } from "../shared/frames/scan.ts";
 import type { ChipTexts } from "./chip.ts";
+import type { ToShown } from "./mount.ts";
 import { type Measured, parseRays, type Sector, type State, type Stretch, sectorOf, toExpression } from "./sector.ts";
 import type { Named } from "./sector_store.ts";
 
@@ -19,6 +20,7 @@ export function toLines({ name }: Named, measured: Measured, state: State, reach
 /**
  * @param reach metres of the picture, which set the decimals
  * @param unit in which angles are shown
+ * @param toShown makes the angles that are shown
  */
 export function describeSector(
   { name, sector }: Named,
@@ -28,13 +30,17 @@ export function describeSector(
   state: State,
   reach: number,
   unit: AngleUnit,
+  toShown: ToShown = (angle) => angle,
 ): ChipTexts {
   const { nearest, median, valid, count } = measured;
+  const ends = [toShown(sector.start), toShown(sector.end)] as const;
+  // Upside down, the scanner counts the other way round.
+  const [from, to] = toShown(1) < toShown(0) ? [ends[1], ends[0]] : ends;
   return {
     name,
     expression: toExpression(stretches, scan.count) || "no rays",
     state: state === "free" ? "" : state,
-    angles: `${toAngle(sector.start, unit)} to ${toAngle(sector.end, unit)}`,
+    angles: `${toAngle(from, unit)} to ${toAngle(to, unit)}`,
     distance: toDistance(measured, reach),
     nearest: nearest < 0 ? "" : scan.kinds[nearest] === READING ? "nearest" : "at",
     index: nearest < 0 ? "" : `[${nearest}]`,

@@ -3,6 +3,7 @@ import { meaningOf } from "../shared/frames/classes.ts";
 import { angleOf, type Scan } from "../shared/frames/scan.ts";
 import type { PopupWords } from "../shared/popup.ts";
 import type { About } from "../shared/traits.ts";
+import type { ToShown } from "./mount.ts";
 
 /** Where the range of a ray stands in what its scan was made of, by Python's template; empty where that is nothing else. */
 export function sourceOf(scan: Scan, index: number, about: About): string {
@@ -18,8 +19,16 @@ export function sourceOf(scan: Scan, index: number, about: About): string {
  * @param reach metres of the picture, which set the decimals
  * @param unit in which the angle is shown
  * @param more what else is said of the ray
+ * @param toShown makes the angle that is shown
  */
-export function describeRay(scan: Scan, index: number, reach = 1, unit: AngleUnit = "deg", more = ""): PopupWords {
+export function describeRay(
+  scan: Scan,
+  index: number,
+  reach = 1,
+  unit: AngleUnit = "deg",
+  more = "",
+  toShown: ToShown = (angle) => angle,
+): PopupWords {
   const expression = `ranges[${index}]`;
   if (index >= scan.count) {
     return {
@@ -49,7 +58,7 @@ export function describeRay(scan: Scan, index: number, reach = 1, unit: AngleUni
       : Number.isFinite(range)
         ? `${toFixed(range, 3)} m`
         : toFixed(range, 0),
-    angle: toAngle(angle, unit),
+    angle: toAngle(toShown(angle), unit),
     details: [...parts, ...(more ? [more] : [])].join("\n"),
     side: sideOf(angle),
   };

@@ -20,6 +20,7 @@ import { HelpLayer } from "./help_layer.ts";
 import { HighlightLayer } from "./highlight_layer.ts";
 import type { Host, Layer, Stage } from "./layer.ts";
 import { Legend } from "./legend.ts";
+import { MountButton, shownBy } from "./mount.ts";
 import { PinLayer } from "./pin_layer.ts";
 import { PointerLayer } from "./pointer.ts";
 import { ReadingLayer } from "./reading_layer.ts";
@@ -54,6 +55,7 @@ export class LaserView implements Host {
   readonly #pin: HTMLButtonElement;
   readonly #type: HTMLButtonElement;
   readonly #ghost: Ghost;
+  readonly #mount: MountButton;
   readonly #tell = () => this.#drawLegend();
   #strip: { view: Strip; end: AbortController } | null = null;
 
@@ -75,7 +77,7 @@ export class LaserView implements Host {
     const help = new HelpLayer(this);
     this.#layers = [
       new FreeLayer(model, stream),
-      new GuideLayer(model, this.#scene.measure),
+      new GuideLayer(model, stream, this.#scene.measure),
       new TrailLayer(this),
       new GhostLayer(this.#ghost),
       spread,
@@ -100,6 +102,8 @@ export class LaserView implements Host {
     this.#pin.append(makeIcon(GHOST));
     this.#type = makeButton("rw-type", "Type rays to see them (t)", () => sectors.askRays(), signal, "[:]");
     this.#type.append(make("span", "rw-word", "Rays"));
+    this.#mount = new MountButton(model, this.card.redraw, signal);
+    picture.append(this.#mount.element);
     this.card.addControls(farther, this.#range, closer, this.#fit, this.#pin, this.#type, help.button);
 
     const traits = [...SETTINGS, "index_view", ...this.#layers.flatMap((layer) => layer.traits)] as const;
@@ -161,12 +165,14 @@ export class LaserView implements Host {
     if (decided) setTraits(this.model, { view_range: decided });
     const { empty = [], frame_id = "", made_of: [madeOf = ""] = [] } = this.stream.about;
     const words = scan ? empty.filter(Boolean).join("\n") : this.card.waiting("scan");
-    const covered = words ? [this.#emptyBox] : [];
-    this.#scene.draw(this.#layers, scan, this.card.size, this.card.noticeHeight, covered, this.card.theme);
+    const { noticeHeight } = this.card;
+    const covered = [...(words ? [this.#emptyBox] : []), ...this.#mount.place(this.stream.about, noticeHeight)];
+    this.#scene.draw(this.#layers, scan, this.card.size, noticeHeight, covered, this.card.theme);
     this.card.update([frame_id, scan ? toMany(scan.count, "ray") : "", madeOf], "scan");
     setText(this.#empty, words);
     setHidden(this.#empty, !words);
     this.card.texts.ask(this.#tell);
+    this.#mount.update(this.stream.about);
     setText(this.#range, scan ? toShortMetres(this.#viewRange) : "");
     set(this.#type, "disabled", !scan);
     set(this.#fit, "ariaPressed", String(this.model.get("view_range") === "data"));
@@ -186,8 +192,10 @@ export class LaserView implements Host {
   }
 
   #drawLegend(): void {
-    const { shown } = this.stream;
-    this.#legend.update(shown, this.model.get("marks"), this.#viewRange, this.model.get("angle_unit"));
+    const { shown, about } = this.stream;
+    const { model } = this;
+    const toShown = shownBy(model, about);
+    this.#legend.update(shown, model.get("marks"), this.#viewRange, model.get("angle_unit"), toShown);
   }
 
   /** Draws the index view: while the trait asks for it, and below a ghost, whose difference it shows. */

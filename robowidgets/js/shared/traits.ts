@@ -51,6 +51,17 @@ export interface Moment {
   isAfterGap?: boolean;
 }
 
+/** How a scanner stands on its robot: an angle of the scanner is `yaw` plus it of the robot; upside down, `yaw` less it. */
+export interface Mount {
+  /** Radians; 0 without. */
+  yaw?: number;
+  upside_down?: boolean;
+  /** Full turns by which the angles of the scan are less. */
+  turns?: number;
+  /** For a person: "turned 90.0° by tf". */
+  words: string;
+}
+
 /** What Python says about the newest sample. */
 export interface About {
   frame_id?: string;
@@ -61,6 +72,8 @@ export interface About {
   error?: string;
   /** Radians in the angles of a scan that were added to the scanner's own; missing where none were. */
   angle_offset?: number;
+  /** How the scanner stands on the robot, where its angles are not the robot's. */
+  mount?: Mount;
   /** Of a scan that was made of other data, what that is, and the code of a part of it: `ranges[{ray}].echoes[{number}]`. */
   made_of?: [what: string, code: string];
   /** Milliseconds for which a recording has nothing newer; missing unless that is long. */

@@ -17,10 +17,8 @@ export interface Scene {
   obstacles: Disc[];
 }
 
-/** A scan, and where it was taken. */
+/** A scan with angles of the robot, and where it was taken: the place of the scanner, and the heading of the robot. */
 interface Scan extends Pose {
-  /** 1, or -1 for a scanner that hangs upside down. */
-  turn: number;
   angleMin: number;
   angleIncrement: number;
   rangeMax: number;
@@ -34,16 +32,16 @@ export function toScene(frame: unknown): Scene | null {
   if (!bytes) return null;
   const reader = new Reader(bytes);
   const [time, x, y, yaw, radius] = reader.float64s(5) as [number, number, number, number, number];
-  const [scanX, scanY, scanYaw, turn, angleMin, angleIncrement, rangeMax] = reader.float64s(7) as Seven;
+  const [scanX, scanY, scanYaw, angleMin, angleIncrement, rangeMax] = reader.float64s(6) as Six;
   const [rays, places, discs] = reader.float64s(3) as [number, number, number];
   const ranges = reader.float32s(rays);
   const path = triples(reader.float32s(3 * places)).map(([time, x, y]) => ({ time, x, y }));
   const obstacles = triples(reader.float32s(3 * discs)).map(([x, y, radius]) => ({ x, y, radius }));
-  const scan = { x: scanX, y: scanY, yaw: scanYaw, turn, angleMin, angleIncrement, rangeMax, ranges };
+  const scan = { x: scanX, y: scanY, yaw: scanYaw, angleMin, angleIncrement, rangeMax, ranges };
   return { time, robot: { x, y, yaw, radius }, scan, path, obstacles };
 }
 
-type Seven = [number, number, number, number, number, number, number];
+type Six = [number, number, number, number, number, number];
 
 function triples(values: Float32Array): [number, number, number][] {
   return Array.from({ length: values.length / 3 }, (_, i) => [...values.subarray(3 * i, 3 * i + 3)] as Triple);
@@ -58,14 +56,14 @@ export function toWalls(bytes: unknown): Float32Array {
 }
 
 /** Where on the floor something in the frame of the scanner is. */
-export function toPlace({ x, y, yaw, turn }: Scan, [ahead, left]: Metres): Place {
+export function toPlace({ x, y, yaw }: Scan, [ahead, left]: Metres): Place {
   const [cos, sin] = [Math.cos(yaw), Math.sin(yaw)];
-  return { x: x + cos * ahead - sin * turn * left, y: y + sin * ahead + cos * turn * left };
+  return { x: x + cos * ahead - sin * left, y: y + sin * ahead + cos * left };
 }
 
 /** A scan with some radians added to its angles, as a laser widget shows it; the readings stay where they are. */
 export function turnedBy(scan: Scan, radians: number): Scan {
-  return { ...scan, angleMin: scan.angleMin + radians, yaw: scan.yaw - scan.turn * radians };
+  return { ...scan, angleMin: scan.angleMin + radians, yaw: scan.yaw - radians };
 }
 
 /** The end of a ray, in the frame of the scanner: of one that met nothing that of its reach; null without a reading. */

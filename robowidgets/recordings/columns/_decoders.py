@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from ...messages import to_scan, to_speed
 from ...messages.channel import Channel
 from ...messages.decoding import decoder_of, shape_of
-from ...samples import yaw_of
+from ...samples import Scan, yaw_of
 from ._template import MessageTemplate, Rows, scan_template, speed_template
 from .chunks import SampleChunk, ScanChunk, SpeedChunk, merged, single_scan, single_speed
 
@@ -37,6 +37,16 @@ class Decoder(Protocol):
         """
 
 
+class Mounts(Protocol):
+    """How scanners stand on their robot; see `recordings._mounts.RecordedMounts`."""
+
+    def mounted(self, scan: Scan, time_ns: int) -> Scan:
+        """A scan with the angles of the robot, if its mount is known."""
+
+    def moves(self, frame_id: str) -> bool:
+        """Return True if the scanner moves on its robot."""
+
+
 class TemplateDecoder:
     """Decodes many messages at a time if they differ only in their numbers, and all others one by one.
 
@@ -48,6 +58,7 @@ class TemplateDecoder:
         self.read = decoder_of(channel)
         self.frame_ids: dict[str, None] = {}
         self._template: MessageTemplate | None = None
+        """The message that was read in full last, or None if the next one is to be read in full."""
         # Number of messages that are compared at once: fewer after messages that differed.
         self._look = _FIRST_LOOK
 
@@ -56,6 +67,10 @@ class TemplateDecoder:
         chunks = merged(self._chunks(raws, np.array(times, np.int64), note))
         self.frame_ids.update(dict.fromkeys(chunk.frame_id for chunk in chunks))
         return chunks
+
+    def forget(self) -> None:
+        """Read the next message in full."""
+        self._template = None
 
     def _chunks(self, raws: Sequence[bytes], times: NDArray[np.int64], note: NoteUnread) -> Iterator[Any]:
         at = 0
@@ -84,12 +99,19 @@ class TemplateDecoder:
 
 
 class ScanDecoder(TemplateDecoder):
-    """Decodes LaserScan-like messages."""
+    """Decodes LaserScan-like messages, into scans with the angles of the robot if `mounts` are set and known."""
+
+    mounts: Mounts | None = None
 
     def _single(self, raw: bytes, time_ns: int) -> tuple[MessageTemplate | None, ScanChunk]:
         message = self.read(raw)
         scan = to_scan(message)
-        return scan_template(raw, message, scan, self.shape, self.encoding), single_scan(scan, time_ns)
+        moves = False
+        if self.mounts is not None:
+            scan = self.mounts.mounted(scan, time_ns)
+            moves = self.mounts.moves(scan.frame_id)
+        template = None if moves else scan_template(raw, message, scan, self.shape, self.encoding)
+        return template, single_scan(scan, time_ns)
 
     def _cut(self, template: MessageTemplate, times: NDArray[np.int64], rows: Rows) -> ScanChunk:
         ranges, intensities = (template.cut(rows, part, np.dtype("<f4")) for part in (template.numbers, template.more))

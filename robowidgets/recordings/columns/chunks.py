@@ -111,7 +111,16 @@ class ScanChunk(Chunk):
         """See `Chunk`."""
         s = self.like
         counts = (self.ranges.shape[1], self.intensities.shape[1], self.echoes.shape[1])
-        return (*counts, s.angle_min, s.angle_increment, s.range_min, s.range_max, s.frame_id, s.header_problems)
+        return (
+            *counts,
+            s.angle_min,
+            s.angle_increment,
+            s.range_min,
+            s.range_max,
+            s.frame_id,
+            s.header_problems,
+            s.mount,
+        )
 
     def sample(self, i: int) -> Scan:
         """See `Chunk`."""

@@ -141,7 +141,19 @@ def test_a_scanner_is_mounted_where_it_is_told_and_may_hang_upside_down() -> Non
     assert hanging.measure(post, 0.0, 0.0, 0.0, rng).nearest().index == 0
     robot = Robot(post, scanner=replace(hanging, mount=(0.1, 0.0, 0.0)))
     header = HEADER.unpack_from(View(robot).get_state()["_frame"])
-    assert header[5:11] == pytest.approx((0.1, 0.0, 0.0, -1, -pi / 2, pi / 4)), "the view shows where its rays truly go"
+    assert header[5:10] == pytest.approx((0.1, 0.0, 0.0, pi / 2, -pi / 4)), "the view shows where its rays truly go"
+
+
+def test_a_scan_of_a_robot_has_the_angles_of_the_robot_however_its_scanner_stands() -> None:
+    post = World(obstacles=[(0.0, 2.0, 0.5)])
+    upright = Scanner(ray_count=72, field_of_view=2 * pi, **EXACT)
+    expected = Robot(post, scanner=upright).scan()
+    for scanner in (replace(upright, mount=(0.0, 0.0, 2.0)), replace(upright, mount=(0.0, 0.0, 2.0), upside_down=True)):
+        scan = Robot(post, scanner=scanner).scan()
+        assert scan.nearest().index != expected.nearest().index
+        assert scan.distance("left") == pytest.approx(expected.distance("left"), abs=0.02)
+        assert scan.distance("front") == inf
+        assert scan.unmounted().angle_min == pytest.approx(-pi), "a message has the scanner's own"
 
 
 @pytest.mark.parametrize(("given", "error", "words"), [

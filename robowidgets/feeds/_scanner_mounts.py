@@ -1,0 +1,181 @@
+"""tf of a feed, from its first scan on: how the scanners of its robot stand on it."""
+
+from __future__ import annotations
+
+import threading
+from collections import deque
+from collections.abc import Callable, Collection, Mapping
+from contextlib import suppress
+from functools import partial
+from typing import Any, NamedTuple, Protocol
+
+from .._core.clock import Clock, Threads, scheduler
+from .._core.coalesced_call import CoalescedCall
+from ..kinds import LASER, TRANSFORM_TYPES
+from ..laser_widget import LaserWidget
+from ..messages.fields import frame_id, unwrap
+from ..poses.live_mounts import LiveMounts
+from ..poses.transforms import STATIC
+from ..samples import Scan
+from ._subscription import Target
+from ._topics import FeedTopic
+from .middleware import MOST_UNREAD, FeedError
+
+GRACE = 2.0
+"""Seconds for which scans wait for tf to name their scanner: the robot may drive by them."""
+
+
+class MountLink(Protocol):
+    """A connection, as this knows it."""
+
+    clock: Clock
+
+    @property
+    def topics(self) -> tuple[FeedTopic, ...]:
+        """The topics that are known."""
+
+    @property
+    def connected(self) -> Mapping[str, Collection[Target]]:
+        """What takes the messages of each topic, but for connected functions."""
+
+    def topic_of(self, name: str) -> FeedTopic:
+        """A topic as it is known now."""
+
+    def attach_target(self, topic: str, target: Target) -> None:
+        """Pass the messages of a topic to a target."""
+
+    def detach(self, topic: str, target: Target) -> None:
+        """End that."""
+
+
+class Held(NamedTuple):
+    """A message that waits for tf.
+
+    ``newest``: what takes the newest message is to get it; ``each``: functions that take each message are.
+    """
+
+    topic: str
+    message: Any
+    newest: bool
+    each: bool
+
+
+class ScannerMounts:
+    """Listens to tf while scans are wanted, and holds scans of a scanner until tf names it, for `GRACE` at most.
+
+    Topics of tf that are not static are followed until all scanners are known by static transforms. Without tf nothing
+    is held.
+
+    Args:
+        connection: that of the feed.
+        pass_on: passes a held message to its targets.
+
+    Attributes:
+        mounts: the mounts that are known.
+        look: follows the topics of tf that are needed now, in one thread at a time.
+    """
+
+    def __init__(self, connection: MountLink, pass_on: Callable[[Held], object]) -> None:
+        self.mounts = LiveMounts()
+        self._connection, self._pass_on = connection, pass_on
+        clock = connection.clock
+        self._timers = scheduler if clock is scheduler.clock else Threads(clock)
+        self._lock = threading.RLock()
+        self._attached: dict[str, Target] = {}
+        self._scanned: frozenset[str] = frozenset()
+        """The topics with scans, and those of which a laser widget makes some."""
+        self._has_tf = self._has_messages = False
+        """If there are topics of tf; and if a message with a scan came, not a sample as of a recording."""
+        self._until: dict[str, float] = {}
+        """By the frame of a scanner that tf has not named, until when its scans are held."""
+        self._frames: set[str] = set()
+        """The frames of all scans so far."""
+        self._held: deque[Held] = deque(maxlen=MOST_UNREAD)
+        self._is_closed = False
+        self.look = CoalescedCall(self._look)
+
+    def _look(self) -> None:
+        connection = self._connection
+        tf = {topic.name for topic in connection.topics if not TRANSFORM_TYPES.isdisjoint(topic.type.split(", "))}
+        with self._lock:
+            if self._is_closed:
+                return
+            scanned = {topic for topic, targets in connection.connected.items() if self._has_scans(topic, targets)}
+            self._scanned, self._has_tf = frozenset(scanned), bool(tf)
+            are_fixed = bool(self._frames) and all(map(self.mounts.is_fixed, self._frames))
+            wanted = {name for name in tf if scanned and self._has_messages and (_is_static(name) or not are_fixed)}
+            gone = {name: self._attached.pop(name) for name in self._attached.keys() - wanted}
+            new = wanted - self._attached.keys()
+            targets = {name: Target(partial(self._take, name), None, _miss) for name in new}
+            self._attached |= targets
+        for name, target in gone.items():
+            connection.detach(name, target)
+        with suppress(FeedError):  # it was closed meanwhile
+            for name, target in targets.items():
+                connection.attach_target(name, target)
+
+    def note(self, topic: str, targets: Collection[Target]) -> None:
+        """Note, before its first message, that a topic is connected to these targets."""
+        if self._has_scans(topic, targets):
+            self._scanned |= {topic}
+
+    def holds(self, topic: str, message: Any, *, newest: bool, each: bool) -> bool:
+        """Return True for a message that waits, because tf is yet to say how its scanner stands."""
+        if topic not in self._scanned or isinstance(unwrap(message), Scan):
+            return False
+        frame = frame_id(message).lstrip("/")
+        if not self._has_messages or frame not in self._frames:
+            self._has_messages = True
+            self._frames.add(frame)
+            self.look()
+        if not self._has_tf or not frame or self.mounts.of(frame) is not None:
+            return False
+        now = self._connection.clock.now()
+        with self._lock:
+            if frame not in self._until:
+                self._until[frame] = now + GRACE
+                self._timers.call_at(self._until[frame], self._release)
+            if now >= self._until[frame]:
+                return False
+            self._held.append(Held(topic, message, newest, each))
+        return True
+
+    def close(self) -> None:
+        """Follow and hold nothing any more."""
+        with self._lock:
+            self._is_closed, self._scanned = True, frozenset()
+            self._held.clear()
+
+    def _take(self, topic: str, message: Any) -> None:
+        self.mounts.take(message, static=_is_static(topic))
+        if self._held:
+            self._release()
+
+    def _release(self) -> None:
+        """Pass on the messages that wait no longer, in their order; of each topic one is the newest."""
+        now = self._connection.clock.now()
+        waiting: deque[Held] = deque(maxlen=MOST_UNREAD)
+        passed: list[Held] = []
+        with self._lock:
+            for one in self._held:
+                frame = frame_id(one.message).lstrip("/")
+                waits = self.mounts.of(frame) is None and now < self._until[frame]
+                (waiting if waits else passed).append(one)
+            self._held = waiting
+        newest = {one.topic: number for number, one in enumerate(passed) if one.newest}
+        for number, one in enumerate(passed):
+            self._pass_on(one._replace(newest=newest.get(one.topic) == number))
+        if passed:
+            self.look()
+
+    def _has_scans(self, topic: str, targets: Collection[Target]) -> bool:
+        of_widget = any(isinstance(target.widget, LaserWidget) for target in targets)
+        return of_widget or self._connection.topic_of(topic).widget == LASER.name
+
+
+def _is_static(topic: str) -> bool:
+    return topic.rpartition("/")[2] == STATIC
+
+
+def _miss(_count: int) -> None:
+    """A later message says the same."""
