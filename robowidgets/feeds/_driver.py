@@ -15,7 +15,7 @@ from ..driving.command_watchdog import PROGRAM, ZERO, CommandWatchdog, RefusedEr
 from ..samples.staleness import PAGE_SILENCE
 from ._driving import USUAL, DriveStatus, Driving, heard_speeds, unheard
 from ._guard.guard import OFF, guard_for, release
-from ._guard.link import HasGuard
+from ._guard.link import HasGuard, NoAnswerError
 from ._links import DriveLink
 from ._twist import TwistPublisher
 from .middleware import Advert, FeedError, HasOutlet, Middleware, NotConnectedYetError
@@ -312,8 +312,10 @@ class Driver:
         here = [advert for advert in self._connection.adverts if advert.name == topic]
         try:
             sent = guard.send(self._number, topic, velocity, self.watchdog.expires, here)
-        except (FeedError, OSError):
-            if velocity != ZERO:
+        except (FeedError, OSError) as error:
+            # A zero that was published, and is not confirmed, is published again by the guard for as long as needed.
+            is_published = isinstance(error, TimeoutError) and not isinstance(error, NoAnswerError)
+            if velocity != ZERO or is_published:
                 raise
             return False
         self._twists.note_moved(topic, sent.moved)

@@ -43,6 +43,10 @@ _CLOCK = RealClock()
 _ERRORS = {kind.__name__: kind for kind in (FeedError, NotConnectedYetError, TimeoutError, ConnectionError)}
 
 
+class NoAnswerError(TimeoutError):
+    """The guard itself does not answer."""
+
+
 class Sent(NamedTuple):
     """What became of a speed: whom it did not reach, and the types in which speeds were sent on its topic."""
 
@@ -130,6 +134,7 @@ class GuardLink(Observed):
 
         Raises:
             NotConnectedYetError: it has not started, or not reached the robot.
+            NoAnswerError: it does not answer.
             FeedError, TimeoutError, ConnectionError: as `Middleware.publish`.
         """
         answer, number = _Answer(), next(self._numbers)
@@ -151,7 +156,7 @@ class GuardLink(Observed):
             if not answer.is_there:
                 self._hangs = True
                 self._hang_up()
-                raise TimeoutError(f"the guard that sends speeds has not answered for {ANSWER:g} s")
+                raise NoAnswerError(f"the guard that sends speeds has not answered for {ANSWER:g} s")
             if answer.error is None:
                 if velocity == ZERO:
                     self._moving.discard(feed)

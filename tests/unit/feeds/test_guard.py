@@ -12,7 +12,7 @@ import threading
 import time
 from collections.abc import Iterator, Sequence
 from concurrent.futures import Future
-from contextlib import ExitStack, closing, suppress
+from contextlib import ExitStack, closing, nullcontext, suppress
 from itertools import groupby
 from pathlib import Path
 from typing import Any
@@ -517,6 +517,42 @@ def test_a_guard_that_stands_still_is_ended_and_the_kernel_sends_zero_which_othe
     wait_for_speeds(robot, 0.3, 0.0)
     wait_for(lambda: shown[-1] == 0.0, "the other one shows zero")
     wait_for(lambda: not Path(f"/proc/{pid}").exists(), "the process is gone")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("error", "is_sent_here"),
+    [(TimeoutError("nobody has confirmed zero"), False), (link.NoAnswerError("the guard does not answer"), True)],
+    ids=["not confirmed", "no answer"],
+)
+def test_the_kernel_sends_a_zero_that_its_guard_cannot_but_not_one_that_is_not_confirmed(
+    robot: Rosbridge,
+    with_guards: ExitStack,
+    monkeypatch: pytest.MonkeyPatch,
+    error: Exception,
+    is_sent_here: bool,
+) -> None:
+    feed, guard = opened(with_guards, robot)
+    feed.drive(0.3)
+    sent_here: list[str] = []
+    publish = feed.connection.middleware.publish
+
+    def note(topic: str, *message: Any) -> None:
+        sent_here.append(topic)
+        publish(topic, *message)
+
+    def fail(*_: Any) -> None:
+        raise error
+
+    with monkeypatch.context() as broken:
+        broken.setattr(feed.connection.middleware, "publish", note)
+        broken.setattr(guard, "send", fail)
+        with (
+            nullcontext() if is_sent_here else pytest.raises(FeedError, match="nobody has confirmed zero; zero follows")
+        ):
+            feed.stop()
+        assert sent_here == (["/cmd_vel"] if is_sent_here else [])
+    wait_for_speeds(robot, 0.3, 0.0)
 
 
 @pytest.mark.slow
