@@ -23,7 +23,7 @@ from robowidgets import DriveWidget, feeds
 from robowidgets._core.import_path import import_path
 from robowidgets.behaviors import Drive
 from robowidgets.driving.command_watchdog import HOLD, ZERO, Velocity
-from robowidgets.feeds import Driving, FeedError, _driver
+from robowidgets.feeds import Driving, FeedError
 from robowidgets.feeds._guard import guard as kernel_side
 from robowidgets.feeds._guard import link
 from robowidgets.feeds._guard.frames import FROM_GUARD, LARGEST, TO_GUARD, DamagedError, Unpacker, packed
@@ -370,9 +370,8 @@ def robot() -> Iterator[Rosbridge]:
 
 
 @pytest.fixture
-def with_guards(monkeypatch: pytest.MonkeyPatch) -> Iterator[ExitStack]:
-    """Feeds that are opened have guards, and are closed."""
-    monkeypatch.setattr(_driver, "OFF", False)
+def with_guards() -> Iterator[ExitStack]:
+    """Closes the feeds that are opened, and waits for the end of their guards."""
     with ExitStack() as opened:
         yield opened
     wait_for(lambda: not threads_named("robowidgets-guard"), "no guard is left")
