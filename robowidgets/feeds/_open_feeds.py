@@ -23,7 +23,7 @@ class Closes(Protocol):
         """Close it."""
 
 
-class Drives(Closes, Protocol):
+class EndsDriving(Closes, Protocol):
     """What drives the robot of a feed."""
 
     def end(self) -> object:
@@ -42,7 +42,7 @@ class OpenFeed(Closes, Protocol):
         """Its programs."""
 
     @property
-    def driver(self) -> Drives:
+    def driver(self) -> EndsDriving:
         """Its driver."""
 
     def on_fork(self) -> None:
