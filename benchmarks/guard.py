@@ -255,9 +255,9 @@ class Drivers:
 
     @property
     def refused(self) -> str:
-        """The error of the first speed that was refused since; empty if none was."""
+        """The errors of the speeds that were refused since, a line for each."""
         lines = self._said.read_text().splitlines() if self._said.exists() else []
-        return next((line for line in lines if line.startswith("refused:")), "")
+        return "\n".join(line for line in lines if line.startswith("refused:"))
 
     def close(self) -> None:
         assert self._forking.stdin is not None
