@@ -78,9 +78,26 @@ drive(0.5)
 """
 """A program with speeds that hold for a minute: no zero of the hold hides a missing one."""
 
+PAUSE = "pause of both"
+PAUSED = 1.5
+"""Seconds for which the process that drives is paused with its guard."""
+
 FAULTS = {
     "kill -9": "at(); drive(60)",
     "SIGSTOP": "at(); drive(60)",
+    "SIGINT": "at(); drive(60)",
+    "SIGTERM": "at(); drive(60)",
+    "SIGHUP": "at(); drive(60)",
+    PAUSE: """
+at()
+while True:
+    try:
+        feed.drive(0.3)
+    except feeds.FeedError as error:
+        with open({said!r}, "a") as said:
+            print("refused:", error, file=said)
+    time.sleep(0.05)
+""",
     "os._exit": "at(); os._exit(3)",
     "segfault": "at(); ctypes.string_at(0)",
     "out of memory": """
@@ -116,11 +133,21 @@ time.sleep(60)
 }
 """What is done then. To a kernel, a page that is gone is one that says no more that the pad is held."""
 
+OF_ONE = {"ros2": {"SIGTERM beside rclpy": "import rclpy; rclpy.init(domain_id=7); at(); drive(60)"}}
+"""By middleware: faults that it alone has. rclpy handles SIGTERM, and the process goes on."""
+
 OURS = "ROBOWIDGETS_BENCHMARK"
 """In the environment of all that this process starts: its number."""
 os.environ[OURS] = str(os.getpid())
 
-SIGNALS = {"kill -9": signal.SIGKILL, "SIGSTOP": signal.SIGSTOP}
+SIGNALS = {
+    "kill -9": signal.SIGKILL,
+    "SIGSTOP": signal.SIGSTOP,
+    "SIGINT": signal.SIGINT,
+    "SIGTERM": signal.SIGTERM,
+    "SIGHUP": signal.SIGHUP,
+    "SIGTERM beside rclpy": signal.SIGTERM,
+}
 """Those that come from outside, in the midst of driving."""
 
 
@@ -183,6 +210,7 @@ class Drivers:
     """
 
     def __init__(self, name: str, where: str, path: Path, *, guarded: bool = True, held: float = HELD) -> None:
+        self._faults = {**FAULTS, **OF_ONE.get(name, {})}
         self._given = {"system": SYSTEM, "ros1": name == "ros1", "opened": OPEN[name].format(where=where)}
         self._beside = STAND_IN.format(path=str(path), folder=BESIDE) if name == "ros2" else ""
         self._held, self._heard, self._said = round(held * 1e6), path, path.with_name("said.txt")
@@ -194,7 +222,7 @@ class Drivers:
     def driving(self, fault: str) -> Iterator[tuple[Driven, float]]:
         """A process that drives and has a fault; with the monotonic time of that."""
         self._said.unlink(missing_ok=True)
-        what = FAULTS[fault].format(held=self._held)
+        what = self._faults[fault].format(held=self._held, said=str(self._said))
         code = self._beside + DRIVER.format(**self._given, said=str(self._said), heard=str(self._heard), fault=what)
         with ExitStack() as ends:
             server = None
@@ -211,11 +239,25 @@ class Drivers:
             pid, told = self._said.read_text().split()[:2]
             process, at = Driven(int(pid)), float(told)
             ends.callback(process.signal, signal.SIGKILL)
-            if server is not None or fault in SIGNALS:
+            if fault == PAUSE:
+                time.sleep(0.3)
+                both = [process, *(Driven(guard) for guard in guards() if _parent(guard) == process.pid)]
+                for number, pause in ((signal.SIGSTOP, PAUSED), (signal.SIGCONT, 0.0)):
+                    at = time.monotonic()
+                    for one in both:
+                        one.signal(number)
+                    time.sleep(pause)
+            elif server is not None or fault in SIGNALS:
                 time.sleep(0.3)
                 at = time.monotonic()
                 server.kill() if server is not None else process.signal(SIGNALS[fault])
             yield process, at
+
+    @property
+    def refused(self) -> str:
+        """The errors of the speeds that were refused since, a line for each."""
+        lines = self._said.read_text().splitlines() if self._said.exists() else []
+        return "\n".join(line for line in lines if line.startswith("refused:"))
 
     def close(self) -> None:
         assert self._forking.stdin is not None
@@ -300,6 +342,13 @@ def guards() -> set[int]:
     """The processes that are guards, of what this process has started."""
     found = subprocess.run(["pgrep", "-f", "robowidgets.feeds._guard.process"], stdout=subprocess.PIPE, text=True)
     return {int(pid) for pid in found.stdout.split() if _is_ours(Path(f"/proc/{pid}/environ"))}
+
+
+def _parent(pid: int) -> int:
+    """The parent of a process, or 0 if it has ended."""
+    with suppress(OSError):
+        return int(Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[1])
+    return 0
 
 
 def _is_ours(environment: Path) -> bool:

@@ -13,6 +13,7 @@ from .._core.log_once import log_in_thread
 from .._core.observed import Observed
 from .._core.platform_fixes import run_beside_debugger
 from .._core.user_threads import why_refused
+from ..samples.staleness import TO_DRIVE_BY
 from .stop_all import SEND_TIMEOUT, running, stop_driven_by_cell
 
 if TYPE_CHECKING:
@@ -42,6 +43,15 @@ HOLD = 0.5
 MAX_LINEAR, MAX_ANGULAR = 0.5, 1.0
 """Limits for which nobody gave others, m/s and rad/s."""
 
+LOOK = 0.1
+"""Seconds between two looks at the clock while a robot moves."""
+
+STANDSTILL = HOLD
+"""Seconds between two looks, or for which the computer slept, after which this process stood still."""
+
+SETTLE = TO_DRIVE_BY.longest
+"""Seconds after a standstill for which no speed is sent: by then what came before it is too old to drive by."""
+
 INTERVAL = 0.02
 """Shortest time between two speeds, in seconds; zero is sent at once."""
 
@@ -56,12 +66,14 @@ RECENT = 30.0
 
 _REAL = RealClock()
 
+_USER = object()
+
 PROGRAM = "program"
 """The driver that is not a hand on a pad."""
 
 
 class RefusedError(Exception):
-    """A speed that is not sent: it was stopped, a hand drives, or nobody waits for the caller. The text says which."""
+    """A speed that is not sent, for example because a hand drives, or after a standstill. The text says why."""
 
 
 @dataclass(eq=False)
@@ -84,10 +96,15 @@ class CommandWatchdog(Observed):
     while a zero is owed, and for a moment after that: a program that stands still sends zero at each step. Any thread
     may call any method; a method does not wait unless its description says so.
 
+    While this process stands still, nothing can send zero: it may be suspended, the computer may sleep, or code may
+    hold the GIL. After that zero is sent, and speeds are refused for a while, because their callers may go by what came
+    before the standstill.
+
     Args:
         send: the sink, a function of the three speeds of a `Velocity`.
         not_sent: errors by which the sink says that nothing reached the robot. After any other error zero is due at
             once.
+        settle: seconds after a standstill for which speeds are refused.
     """
 
     def __init__(
@@ -96,9 +113,10 @@ class CommandWatchdog(Observed):
         *,
         not_sent: type[Exception] | tuple[()] = (),
         clock: Clock = _REAL,
+        settle: float = SETTLE,
     ) -> None:
         super().__init__()
-        self._clock = clock
+        self._clock, self._settle = clock, settle
         self._send, self._not_sent = send, not_sent
         self._lock = threading.RLock()
         self._changed = clock.condition(self._lock)
@@ -114,12 +132,20 @@ class CommandWatchdog(Observed):
         """The time at which zero is due; None while nothing moves."""
         self._next_speed_at = self._next_zero_at = 0.0
         self._moved_at = float("-inf")
-        self._lost = self._stopped = self._closed = False
+        self._lost = self._closed = False
+        self._latches: set[object] = set()
+        """The owners of a latched stop; `_USER` for `stopped`."""
         self._hand, self._hand_until = "", 0.0
         self._driver = ""
         self._entered: float | None = None
         self._is_logged = False
         """Whether the log says that zero could not be sent."""
+        self._looked_at, self._slept = clock.now(), clock.slept()
+        self._asked_at = self._settled_at = float("-inf")
+        self.standstills = 0
+        """Number of standstills of this process in which the robot may have moved."""
+        self.stood = ""
+        """Text for the last standstill; empty before the first."""
         self.from_cell = False
         """Whether a cell of a notebook drives, not a thread."""
         self.stops = 0
@@ -141,16 +167,44 @@ class CommandWatchdog(Observed):
 
     @property
     def stopped(self) -> bool:
-        """Whether stop is latched: all speeds are refused until it is released. Setting it to True sends zero."""
-        return self._stopped
+        """Whether stop is latched: all speeds are refused until it is released. Setting it to True sends zero.
+
+        Setting it to False releases every latch.
+        """
+        return bool(self._latches)
 
     @stopped.setter
     def stopped(self, stopped: bool) -> None:
-        self._stopped = stopped
         if stopped:
+            self.latch(_USER)
+        else:
             with self._lock:
-                self._hand = ""  # after the release, a hand must press anew
-            self.stop()
+                self._latches.clear()
+            self._call_observers()
+
+    def latch(self, owner: object) -> None:
+        """Latch stop for an owner, and send zero. Other owners, such as the user on the page, keep their latches."""
+        with self._lock:
+            self.refuse(owner)
+            self._ask_for_zero()
+        self._call_observers()
+
+    def refuse(self, owner: object) -> None:
+        """Latch stop for an owner, and send zero only if one is owed."""
+        with self._lock:
+            self._latches.add(owner)
+            self._hand = ""  # after the release, a hand must press again
+            if self.owes_zero:
+                self._ask_for_zero()
+
+    def is_latched_by(self, owner: object) -> bool:
+        """Return True if this owner has latched stop."""
+        return owner in self._latches
+
+    def release(self, owner: object) -> None:
+        """Release the latch of one owner only."""
+        with self._lock:
+            self._latches.discard(owner)
         self._call_observers()
 
     def take(self, hand: str) -> None:
@@ -192,14 +246,19 @@ class CommandWatchdog(Observed):
 
         Raises:
             RefusedError: a hand drives; or, except for the zero of a program, stop is latched, the calling thread is
-                abandoned, or there was another stop since ``stops``.
+                abandoned, this process stood still shortly before, or there was another stop since ``stops``.
         """
         if velocity == ZERO and driver == PROGRAM and not self._hand_now():
-            return self.stop()
+            with self._lock:
+                self._look()
+                self._asked_at = self._clock.now()
+                return self._ask_for_zero()
         is_main = threading.current_thread() is threading.main_thread()
         if is_main:
             on_failed_cell(stop_driven_by_cell)
         with self._lock:
+            self._look()
+            self._asked_at = self._clock.now()
             self._check(driver)
             if stops not in (None, self.stops):
                 raise RefusedError("it was stopped meanwhile")
@@ -227,6 +286,21 @@ class CommandWatchdog(Observed):
         with self._lock:
             if self.owes_zero and self.driver in ("", PROGRAM):
                 self._ask_for_zero()
+
+    def look(self) -> int:
+        """Find a standstill that ended just now, before the thread does; returns the number of `standstills`."""
+        with self._lock:
+            self._look()
+            return self.standstills
+
+    def note_standstill(self, stood: str) -> None:
+        """Send zero and refuse speeds for a while, after a standstill that was found elsewhere.
+
+        Args:
+            stood: text for it.
+        """
+        with self._lock:
+            self._stand(stood)
 
     @property
     def expires(self) -> float:
@@ -294,6 +368,13 @@ class CommandWatchdog(Observed):
                 pass
             return request.done
 
+    def on_fork(self) -> None:
+        """Close in a forked process: the thread stayed with its parent, and may have held the lock."""
+        self._lock = threading.RLock()
+        self._changed = self._clock.condition(self._lock)
+        self._thread = self._wanted = self._zero_at = self._entered = None
+        self._speeds, self._zeros, self._closed = [], [], True
+
     # -- within --------------------------------------------------------------------------------------------------------
 
     def _hand_now(self) -> str:
@@ -302,13 +383,46 @@ class CommandWatchdog(Observed):
     def _check(self, driver: str, *, taking: bool = False) -> None:
         if self._closed:
             raise RefusedError("it is closed")
-        if self._stopped:
+        if self._latches:
             raise RefusedError("stop is latched until somebody releases it")
+        if self._clock.now() < self._settled_at:
+            raise RefusedError(
+                f"{self.stood}, and a speed may go by what came before; drive again in {self._settle:g} s"
+            )
         if driver == PROGRAM and (why := why_refused(self)):
             raise RefusedError(why)
         hand = self._hand_now()
         if driver != hand and not taking and (hand or driver != PROGRAM):
             raise RefusedError("a hand drives from a pad" if hand else "the press on the pad is over")
+
+    @property
+    def _may_move(self) -> bool:
+        return self._zero_at is not None or self._wanted is not None
+
+    def _look(self) -> None:
+        """Find a standstill since the last look. Called with the lock held.
+
+        The thread looks while the robot may move, except while the sink runs, which may take its time.
+        """
+        now, slept = self._clock.now(), self._clock.slept()
+        is_watched = self._thread is not None and self._may_move and self._entered is None
+        gap = now - self._looked_at if is_watched else 0.0
+        asleep = slept - self._slept
+        self._looked_at, self._slept = now, slept
+        if asleep > STANDSTILL and (self.owes_zero or now - self._asked_at < SETTLE):
+            self._stand("the computer has slept")
+        elif gap > STANDSTILL:
+            self._stand(f"this process stood still for {gap:.1f} s")
+
+    def _stand(self, stood: str) -> None:
+        """Send zero and refuse speeds for a while. Called with the lock held."""
+        self.stood, self._settled_at, self._hand = stood, self._clock.now() + self._settle, ""
+        self._resolve_speeds(TimeoutError(stood))
+        if self.owes_zero:
+            self.standstills += 1
+            self._ask_for_zero()
+        else:
+            self.stops += 1
 
     def _wake(self) -> None:
         if self._thread is None:
@@ -343,6 +457,7 @@ class CommandWatchdog(Observed):
                 self._entered, stops = self._clock.now(), self.stops
             error = self._call(velocity)
             with self._lock:
+                self._look()
                 self._entered = None
                 if velocity != ZERO and stops != self.stops and isinstance(error, self._not_sent):
                     error = None  # zero has replaced it meanwhile, so it is no fault that it was not sent
@@ -355,6 +470,7 @@ class CommandWatchdog(Observed):
         """Wait until a speed or zero is due, and return it; None when nothing has been owed for a moment."""
         ends_at = self._clock.now() + LINGER
         while True:
+            self._look()
             now = self._clock.now()
             if self._wanted is not None and now >= self._expires:  # it expired while the sink was busy
                 self._wanted = None
@@ -379,7 +495,7 @@ class CommandWatchdog(Observed):
                 running.discard(self)
                 return None, []
             if due > now:
-                self._changed.wait_until(due)
+                self._changed.wait_until(min(due, now + LOOK) if self._may_move else due)
                 continue
             velocity, self._wanted = self._wanted or ZERO, None
             requests, self._speeds = self._speeds, []

@@ -10,14 +10,16 @@ import traceback
 from collections import deque
 from collections.abc import Callable, Iterable, Sequence
 from contextvars import copy_context
+from functools import partial
 from types import FunctionType
 from typing import Any, NamedTuple
 from weakref import WeakSet
 
-from .._core.cells import CellRun, is_same_cell, on_cell_error, running_cell
+from .._core.cells import CellRun, is_same_cell, on_cell_error, on_interrupt, running_cell
 from .._core.clock import Scheduler
 from .._core.clock import scheduler as threads
-from .._core.log_once import LogOnce
+from .._core.inform import inform
+from .._core.log_once import LogOnce, call_in_thread
 from .._core.policies import FUNCTION
 from .._core.runner import Call, Runner
 from .._core.short_traceback import without_our_frames
@@ -36,6 +38,7 @@ CLOSING = 0.2
 """Seconds for which closing waits for a running function."""
 
 OFF = "its cell ended with an error; run the cell again, to its end"
+INTERRUPTED = "the kernel was interrupted; run its cell again"
 
 
 class ConnectedFunction(MayDrive):
@@ -165,6 +168,7 @@ class FunctionCaller:
     def connect(self, topic: str, calls: Iterable[Callable[..., object]], raw: bool, each: bool = False) -> None:
         """Call functions with the messages of a topic; they replace those that `ConnectedFunction.replaces` names."""
         on_cell_error(_switch_off)
+        on_interrupt(_interrupt_all)
         for call in calls:
             new = ConnectedFunction(topic, call, raw, each)
             how = (topic, call, raw, each)
@@ -196,14 +200,24 @@ class FunctionCaller:
         with self._lock:
             there = () if self._closed else self._functions
             here = [function for function in there if is_same_cell((function.cell, function.run), cell)]
-        for function in here:
-            function.refused = OFF
-        off = [function for function in here if function.is_off]
-        for watchdog in {watchdog for function in off for watchdog in function.driven}:
-            watchdog.stop_program()
-        for topic in {function.topic for function in off}:
-            self._on_change(topic)
+        off = _refuse(here, OFF)
+        self._show(off)
         return off
+
+    def interrupt(self) -> None:
+        """Switch off all functions as `switch_off` does. For a signal handler: it takes no lock of this object."""
+        off = [] if self._closed else _refuse([one for one in self.functions if not one.is_off], INTERRUPTED)
+        if off:
+            call_in_thread(partial(self._report_interrupt, off))
+
+    def _report_interrupt(self, off: list[ConnectedFunction]) -> None:
+        self._show(off)
+        for function in off:
+            function.context.copy().run(inform, _off_line(function))
+
+    def _show(self, changed: Sequence[ConnectedFunction]) -> None:
+        for topic in {function.topic for function in changed}:
+            self._on_change(topic)
 
     def put(
         self,
@@ -339,7 +353,26 @@ _all: WeakSet[FunctionCaller] = WeakSet()
 def _switch_off(cell: CellRun) -> list[str]:
     """Switch off what a cell that ended with an error connected; returns a line for each function that drove."""
     off = [function for caller in list(_all) for function in caller.switch_off(cell)]
-    return [f"`{function.name}` ({function.topic}) is off, and its robot got zero: {OFF}" for function in off]
+    return list(map(_off_line, off))
+
+
+def _interrupt_all() -> None:
+    for caller in list(_all):
+        caller.interrupt()
+
+
+def _refuse(functions: Sequence[ConnectedFunction], why: str) -> list[ConnectedFunction]:
+    """Let functions drive no more, and stop the robots that they drive; returns the functions that are off by that."""
+    for function in functions:
+        function.refused = why
+    off = [function for function in functions if function.is_off]
+    for watchdog in {watchdog for function in off for watchdog in function.driven}:
+        watchdog.stop_program()
+    return off
+
+
+def _off_line(function: ConnectedFunction) -> str:
+    return f"`{function.name}` ({function.topic}) is off, and its robot got zero: {function.refused}"
 
 
 def _takes_two(call: Any) -> bool:

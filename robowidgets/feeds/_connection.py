@@ -106,8 +106,8 @@ class Connection(Observed):
         except BaseException:
             open_feeds.discard(self)
             raise
-        if not self.driver.is_guarded:
-            stop_at_end()
+        # With a guard, too: at a SIGTERM that rclpy handles, the process does not end, and nor does its guard.
+        stop_at_end()
 
     @property
     def where(self) -> str:
@@ -179,6 +179,7 @@ class Connection(Observed):
         self, function: Callable[..., Any], rate: float | None, on: str | None, topics: Mapping[str, str]
     ) -> Program:
         """Run a function as the program; see `Feed.program`."""
+        self.check_open()
         self.driver.prepare()
         program = self.programs.install(function, rate, on, topics)
         self._call_observers()  # a view shows the program from now on
@@ -434,6 +435,7 @@ class Connection(Observed):
         """Close in a forked process: the threads stayed with its parent, perhaps holding the lock."""
         self._lock = threading.RLock()
         self._changed = self.clock.condition(self._lock)
+        self.driver.on_fork()
         self.is_closed = self.is_forked = True
 
     def _has_subscriber(self, topic: str) -> bool:

@@ -4,29 +4,29 @@ from __future__ import annotations
 
 import contextlib
 import itertools
+import logging
 import threading
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import partial
 
-from ..behaviors.step_clock import STALL
+from .._core.log_once import call_in_thread
 from ..driving.command_watchdog import PROGRAM, ZERO, CommandWatchdog, RefusedError, Request, Velocity
-from ..driving.stop_all import stop_at_end
-from ..samples.staleness import PAGE_SILENCE, TO_DRIVE_BY
+from ..samples.staleness import PAGE_SILENCE
 from ._driving import USUAL, DriveStatus, Driving, heard_speeds, unheard
 from ._guard.guard import OFF, guard_for, release
-from ._guard.link import HasGuard
+from ._guard.link import HasGuard, NoAnswerError
 from ._links import DriveLink
 from ._twist import TwistPublisher
 from .middleware import Advert, FeedError, HasOutlet, Middleware, NotConnectedYetError
+
+log = logging.getLogger("robowidgets")
 
 CONNECT_TIMEOUT = 2.0
 """Seconds after the first `drive` on a topic, and at the end, in which a speed waits for a subscriber to connect."""
 
 START_TIMEOUT = 30.0
 """Seconds for which the first `drive` waits for the guard to start."""
-
-AFTER_SLEEP = TO_DRIVE_BY.longest
-"""Seconds for which no speed is sent after the computer slept: by then what came before is too old to drive by."""
 
 RETRY_PAUSE = 0.05
 """Seconds between two such attempts."""
@@ -61,8 +61,6 @@ class Driver:
         self._connected_by: float | None = None
         """The time by which a subscriber should have connected; None before the first `drive` on the topic."""
         self._page_at = float("-inf")
-        self._asked_at = self._woke_at = float("-inf")
-        self._slept = self._clock.slept()
         self._by_hand = False
         self._number, self._is_prepared = next(_numbers), False
         self._outlet = middleware.outlet if isinstance(middleware, HasOutlet) and not OFF else None
@@ -71,6 +69,8 @@ class Driver:
         """The guard, be it that of the middleware."""
         self._guard_ends = self._guard_stops = 0
         """How often the guard ended, and stopped the robot, as far as that was seen to."""
+        self._standstills = 0
+        """Number of standstills of the watchdog that were reported."""
         self.watchdog = CommandWatchdog(self._send, not_sent=FeedError, clock=self._clock)
         self.watchdog.observe(self._after_send)
         if self._link is not None:
@@ -95,8 +95,6 @@ class Driver:
         guard, until = self._link, self._clock.now() + START_TIMEOUT
         while guard is not None and guard.is_starting and self._clock.now() < until:
             self._connection.wait_until(lambda: not guard.is_starting, RETRY_PAUSE)
-        if guard is not None and guard.unavailable:
-            stop_at_end()
 
     @property
     def sender(self) -> str:
@@ -144,6 +142,7 @@ class Driver:
     def drive(self, wanted: Velocity) -> None:
         """See `Feed.drive`."""
         velocity, stops = self._within(wanted), self.watchdog.stops
+        self._connection.check_open()
         self._await_guard()
         self._connection.await_subscriber(self.topic)
         if self._connected_by is None:
@@ -188,6 +187,10 @@ class Driver:
         if nobody := self._connection.nobody or self._heard_elsewhere():
             raise FeedError(f"cannot stop: {nobody}")
 
+    def end(self) -> None:
+        """Send zero if one is owed, and refuse every speed from now on; it does not wait."""
+        self.watchdog.refuse(self)
+
     def close(self) -> None:
         """Send zero if one is owed, and refuse every speed from now on. A subscriber that is connecting is awaited.
 
@@ -209,6 +212,11 @@ class Driver:
                 self._link.unobserve(self._after_guard)
             if self._outlet is not None:
                 release(self._number, self._outlet)
+
+    def on_fork(self) -> None:
+        """Close in a forked process: threads of its parent may have held the locks."""
+        self._changing = threading.Lock()
+        self.watchdog.on_fork()
 
     def page_seen(self) -> None:
         """Record that a page shows the feed or a pad of it."""
@@ -266,11 +274,6 @@ class Driver:
                 raise FeedError(f"cannot drive: {elsewhere}")
             self._connection.list_driven(self.topic)
         with self._changing:
-            if self._has_just_slept() and velocity != ZERO:
-                raise FeedError(
-                    "cannot drive: the computer has slept, and a speed may go by what came before; drive again in "
-                    f"{AFTER_SLEEP:g} s"
-                )
             is_page_gone = self._clock.now() - self._page_at > PAGE_SILENCE
             if velocity != ZERO and self._driving.needs_page and is_page_gone:
                 raise FeedError(
@@ -281,14 +284,6 @@ class Driver:
                 return self.watchdog.drive(velocity, self._driving.hold, driver, stops)
             except RefusedError as error:
                 raise FeedError(f"cannot drive: {error}") from None
-
-    def _has_just_slept(self) -> bool:
-        """Whether who drives has gone on after a sleep of the computer. Its samples are no older by the usual clock."""
-        now, slept = self._clock.now(), self._clock.slept()
-        if slept - self._slept > STALL and now - self._asked_at < AFTER_SLEEP:
-            self._woke_at = now
-        self._asked_at, self._slept = now, slept
-        return now - self._woke_at < AFTER_SLEEP
 
     @property
     def _is_reached_by_guard(self) -> bool:
@@ -317,8 +312,10 @@ class Driver:
         here = [advert for advert in self._connection.adverts if advert.name == topic]
         try:
             sent = guard.send(self._number, topic, velocity, self.watchdog.expires, here)
-        except (FeedError, OSError):
-            if velocity != ZERO:
+        except (FeedError, OSError) as error:
+            # A zero that was published, and is not confirmed, is published again by the guard for as long as needed.
+            is_published = isinstance(error, TimeoutError) and not isinstance(error, NoAnswerError)
+            if velocity != ZERO or is_published:
                 raise
             return False
         self._twists.note_moved(topic, sent.moved)
@@ -364,16 +361,22 @@ class Driver:
         guard = self._link
         if guard is None:
             return
-        is_new = (guard.ends, guard.stops) != (self._guard_ends, self._guard_stops)
-        if guard.stops != self._guard_stops:
-            self._status.stalled = guard.told
+        has_ended, has_stopped = guard.ends != self._guard_ends, guard.stops != self._guard_stops
         self._guard_ends, self._guard_stops = guard.ends, guard.stops
-        if is_new and self.watchdog.owes_zero:
+        if has_stopped:
+            self._status.stalled = guard.told
+            self.watchdog.note_standstill(guard.told)
+        elif has_ended and self.watchdog.owes_zero:
             self.watchdog.stop()
         self._connection.on_driving()
 
     def _after_send(self) -> None:
         watchdog = self.watchdog
+        if self._standstills < watchdog.standstills:
+            self._standstills = watchdog.standstills
+            if not self.is_guarded:  # else the guard reports the same standstill
+                self._status.stalled = f"{watchdog.stood}: the robot was stopped after it"
+                call_in_thread(partial(log.warning, "%s: %s", self._connection.where, self._status.stalled))
         if self._by_hand and watchdog.sent == ZERO and not watchdog.driver:
             self._by_hand, self._status.cut = False, ""  # the press is over, and so is the cut of its speed
         if watchdog.error is None:

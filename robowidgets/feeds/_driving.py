@@ -112,8 +112,8 @@ class DriveStatus:
         unheard: for each topic, the reason why a subscriber does not receive speeds, as the middleware reports it.
         refused: the reason why the last speed was not published for some of the subscribers; empty if it was for all.
         taken: a text for the topic that was taken in place of the usual one; empty if none was.
-        stalled: for how long the kernel was silent, so that the guard stopped the robot; empty if it was not, or since
-            the last `stop`.
+        stalled: text for the standstill after which the robot was stopped; empty if there was none since the last
+            `stop`.
     """
 
     def __init__(self) -> None:
@@ -134,8 +134,12 @@ class DriveStatus:
         return list(filter(None, reasons))
 
     def log(self, where: str, topic: str, adverts: Sequence[Advert] | None) -> None:
-        """Log each reason once, a cut only once whatever its numbers: speeds may come at any rate."""
-        for reason in filter(None, (self.taken, *self.reasons(topic, adverts))):
+        """Log each reason once, a cut only once whatever its numbers: speeds may come at any rate.
+
+        A standstill is logged when it is found.
+        """
+        reasons = (reason for reason in self.reasons(topic, adverts) if reason != self.stalled)
+        for reason in filter(None, (self.taken, *reasons)):
             self._log(f"{where}: {reason}", "cut" if reason == self.cut else reason)
 
 

@@ -23,6 +23,13 @@ class Closes(Protocol):
         """Close it."""
 
 
+class EndsDriving(Closes, Protocol):
+    """What drives the robot of a feed."""
+
+    def end(self) -> object:
+        """Send zero if one is owed, and refuse every speed from now on; it does not wait."""
+
+
 class OpenFeed(Closes, Protocol):
     """The connection of a feed, as far as it is closed."""
 
@@ -35,7 +42,7 @@ class OpenFeed(Closes, Protocol):
         """Its programs."""
 
     @property
-    def driver(self) -> Closes:
+    def driver(self) -> EndsDriving:
         """Its driver."""
 
     def on_fork(self) -> None:
@@ -48,11 +55,10 @@ open_feeds: set[OpenFeed] = set()
 
 def _close_all() -> None:
     there, until = list(open_feeds), time.monotonic() + END_TIMEOUT
-    for one in there:  # no program may drive after the zeros
+    for one in there:  # nobody may drive after the zeros
         _try(one.programs.close)
+        _try(one.driver.end)
     stop_all()  # before closing, which may take seconds for each feed
-    for one in there:  # nor may anybody else, while other feeds are closed
-        _try(one.driver.close)
     for one in there:
         if time.monotonic() > until:
             log.error("the process ends without waiting for a feed to close: %s", one.where)

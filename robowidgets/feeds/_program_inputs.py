@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from .._core.clock import RealClock
 from ..behaviors.odometer import Odometer
 from ..behaviors.robot import ODOMETRY, POSE, NotReadyError
 from ..kinds import (
@@ -30,6 +31,8 @@ from ._links import TopicLink
 from ._probes import Probes
 from ._subscription import Target
 from ._topics import queue_length, sample_of
+
+_CLOCK = RealClock()
 
 MOST_POSES = 1000
 """Messages of odometry that wait for a step, each of which counts for the way."""
@@ -52,6 +55,8 @@ class _Latest:
         self._lock = threading.Lock()
         self._messages: deque[Any] = deque()
         self._times: deque[float] = deque(maxlen=STEPS)
+        self._slept = 0.0
+        """Seconds for which the computer had slept when the newest message came."""
         self._sample: Any = None
         self._unread = ""
         """Why the newest message could not be read; empty: it was, or there is none."""
@@ -82,12 +87,12 @@ class _Latest:
     def why_not_ready(self, name: str) -> str:
         """Why there is no newest sample that can be read, or only one that is too old; empty where there is one."""
         with self._lock:
-            times = list(self._times)
+            times, slept = list(self._times), _CLOCK.slept() - self._slept
         if not times:
             return self._connection.status_of(self.topic) or f"waiting for {self.topic}"
         rule = TO_DRIVE_BY if self._kind else TO_DRIVE_BY_NAMED
         step = min((later - earlier for earlier, later in pairwise(times[-3:])), default=0.0)
-        is_silent = time.monotonic() - times[-1] > (self._silence or rule).after(step)
+        is_silent = time.monotonic() + slept - times[-1] > (self._silence or rule).after(step)
         if is_silent and (self._kind.goes_stale if self._kind else is_steady(np.array(times))):
             return self._connection.status_of(self.topic) or f"no {name} comes on {self.topic} any more"
         return self._unread
@@ -117,6 +122,7 @@ class _Latest:
                 self._messages = deque(maxlen=kept if self.odometer is None else MOST_POSES)
             self._messages.append(message)
             self._times.append(time.monotonic())
+            self._slept = _CLOCK.slept()
         self._on_message()
 
 

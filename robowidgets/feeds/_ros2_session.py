@@ -94,6 +94,7 @@ class Ros2Session:
         self._counts: dict[str, int] = {}
         """For each topic, the number of its subscribers at the last look, without those of ours."""
         self._publishing = threading.Lock()
+        self._published_at = float("-inf")
         self._unheard: set[str] = set()
         rclpy.init(args=[], context=self._context, domain_id=domain_id, signal_handler_options=SignalHandlerOptions.NO)
         with ExitStack() as made:
@@ -198,6 +199,7 @@ class Ros2Session:
             if found:
                 self._clock.sleep(_MATCH_LAG)
             self._publishers[key].publish(fill(message_class(message_type)(), message))
+            self._published_at = self._clock.now()
             subscribers = self._counts.get(topic, 0)
             if not is_zero(message):
                 self._zeros.note_speed(topic, subscribers)
@@ -225,7 +227,7 @@ class Ros2Session:
             self._publishing.release()
 
     def close(self) -> None:
-        """Wait a moment until every subscriber has what was published, perhaps a zero; then end everything."""
+        """Wait until every subscriber has what was published just now, perhaps a zero; then end everything."""
         with self._publishing:
             with suppress(Exception):  # the session was shut down, or its middleware has no acknowledgements
                 self._await_acknowledgements()
@@ -290,8 +292,8 @@ class Ros2Session:
     def _await_acknowledgements(self) -> None:
         from rclpy.duration import Duration
 
-        until = self._clock.now() + SEND_TIMEOUT
-        for publisher in self._publishers.values():
+        until = self._published_at + SEND_TIMEOUT  # who has not confirmed by then may be gone
+        for publisher in self._publishers.values() if self._clock.now() < until else ():
             # In short steps, because rclpy holds the GIL while it waits.
             while not publisher.wait_for_all_acked(Duration(seconds=_ACK_POLL)) and self._clock.now() < until:
                 pass

@@ -90,7 +90,7 @@ class StopAll:
         return self.problems
 
     def release(self) -> None:
-        """Send no more zeros, and let the feeds drive again, but for those that were stopped before.
+        """Send no more zeros, and let the feeds drive again, except those that someone else has stopped as well.
 
         No program of these feeds goes on by that alone: somebody runs it. Whoever else sends speeds all the time moves
         the robot again, such as a program in another notebook.
@@ -137,8 +137,6 @@ class _Standstill:
         self._hold: object = None
         """Another object each time that it is held; None while it is not."""
         self._ticket: Ticket | None = None
-        self._was_stopped = False
-        """Whether stop was latched before."""
 
     @property
     def holds(self) -> bool:
@@ -154,7 +152,7 @@ class _Standstill:
 
     def hold(self) -> None:
         if self._hold is None:
-            self.answered, self._was_stopped = False, self._feed.stopped
+            self.answered = False
             hold = self._hold = object()
             self._ticket = self._scheduler.start(partial(self._turn, hold), "robowidgets-standstill")
         elif self._ticket is not None:
@@ -166,8 +164,7 @@ class _Standstill:
             if self._ticket is not None:
                 self._ticket.leave()
             self._pause()  # one that was started since the last zero, too
-            if not self._was_stopped:
-                self._feed.stopped = False
+            self._feed.watchdog.release(self)
             self.tell("")
 
     def tell(self, problem: str) -> None:
@@ -186,12 +183,13 @@ class _Standstill:
             problem = "cannot stop: its feed is closed; open it again"
         else:
             try:
-                if not self._feed.stopped:
+                watchdog = self._feed.watchdog
+                if not watchdog.is_latched_by(self):
                     try:
-                        self._feed.stopped = True
+                        watchdog.latch(self)
                     finally:
-                        if self._hold is None and not self._was_stopped:  # it was let go meanwhile
-                            self._feed.stopped = False
+                        if self._hold is not hold:  # it was let go meanwhile
+                            watchdog.release(self)
                 self._pause()
                 self._feed.stop()
             except (FeedError, OSError) as error:

@@ -21,7 +21,8 @@ from .offers import MakeOffers
 from .real_time import RealTime
 from .robot import Robot
 
-SERVE = "import sys; sys.path[:] = {path!r}; from robowidgets.simulator.robot_process import serve; serve()"
+SERVE = "import sys; sys.path += {path!r}; from robowidgets.simulator.robot_process import serve; serve()"
+"""The standard library comes first in the path: a file of the user with such a name is not imported."""
 
 STATE, WORLD, MISSED = "state", "world", "missed"
 """Names of messages that are not those of a topic."""
@@ -152,7 +153,7 @@ class RobotProcess:
     def _start(self) -> tuple[subprocess.Popen[bytes], int]:
         """Start a process; the number of its end of the socket of its guard, or 0."""
         ours, its = socket.socketpair() if self._guard else (None, None)
-        command = [sys.executable, "-c", SERVE.format(path=import_path())]
+        command = [sys.executable, "-I", "-c", SERVE.format(path=import_path())]
         number = its.fileno() if its else 0
         # In a session of its own an interrupt of the kernel does not reach it.
         process = subprocess.Popen(

@@ -2,16 +2,12 @@
 
 from __future__ import annotations
 
-import os
 import threading
 from collections import Counter
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-
-# A feed publishes in this process, where a test sees and steers it. Tests of the guard have one all the same.
-os.environ.setdefault("ROBOWIDGETS_GUARD", "off")
 
 from . import lock_order
 
@@ -44,6 +40,14 @@ def pacer() -> Iterator[Pacer]:
     with pacer._turn:
         for sender in {*pacer._due, *pacer._timers}:
             pacer.forget(sender)
+
+
+@pytest.fixture
+def kernel_sends(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Let the kernel send speeds by itself, without a guard: the test sees and steers what this process publishes."""
+    from robowidgets.feeds import _driver
+
+    monkeypatch.setattr(_driver, "OFF", True)
 
 
 @pytest.fixture

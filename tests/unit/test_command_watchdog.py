@@ -11,7 +11,17 @@ from itertools import pairwise
 
 import pytest
 
-from robowidgets.driving.command_watchdog import HOLD, INTERVAL, PROGRAM, ZERO, CommandWatchdog, RefusedError, Velocity
+from robowidgets.driving.command_watchdog import (
+    HOLD,
+    INTERVAL,
+    PROGRAM,
+    SETTLE,
+    STANDSTILL,
+    ZERO,
+    CommandWatchdog,
+    RefusedError,
+    Velocity,
+)
 from robowidgets.driving.stop_all import running, stop_all, stop_driven_by_cell
 
 from .clocks import ManualClock
@@ -347,6 +357,102 @@ def test_by_hand_what_a_slow_sink_kept_waiting_too_long_is_not_sent(
         watchdog.sent_in_time(late)
     clock.settle()
     assert sink.speeds == [FORWARD, ZERO]
+
+
+def stand(clock: ManualClock, how: str) -> None:
+    """Let the process stand still for longer than a speed may hold; whoever waits has not noticed yet."""
+    clock.settle()
+    if how == "sleep":
+        clock.asleep += STANDSTILL + 0.1
+    else:
+        clock._now += STANDSTILL + 0.1
+
+
+@pytest.mark.parametrize("how", ["pause", "sleep"])
+@pytest.mark.parametrize("first", ["the thread", "a caller"])
+def test_after_a_standstill_zero_is_sent_and_no_speed_for_a_while(
+    clock: ManualClock, timed: tuple[CommandWatchdog, Sink], how: str, first: str
+) -> None:
+    watchdog, sink = timed
+    watchdog.drive(FORWARD, hold=60.0)
+    clock.advance(1.0)
+    stand(clock, how)
+    if first == "the thread":
+        clock.advance(0.2)
+    for _ in range(2):
+        with pytest.raises(RefusedError, match=r"stood still for 0\.7 s|the computer has slept") as refused:
+            watchdog.drive(FORWARD, hold=60.0)
+        assert str(refused.value).endswith("a speed may go by what came before; drive again in 2 s")
+        clock.advance(0.2)
+        assert sink.speeds == [FORWARD, ZERO]
+    assert watchdog.standstills == 1
+    clock.advance(SETTLE)
+    watchdog.drive(LEFT)
+    clock.settle()
+    assert sink.speeds == [FORWARD, ZERO, LEFT]
+
+
+def test_a_speed_that_was_requested_before_a_standstill_is_not_sent_after_it(
+    clock: ManualClock, timed: tuple[CommandWatchdog, Sink]
+) -> None:
+    watchdog, sink = timed
+    watchdog.drive(FORWARD, hold=60.0)
+    clock.settle()
+    with watchdog._lock:  # its thread cannot send meanwhile
+        waiting = watchdog.drive(LEFT, hold=60.0)
+        clock._now += 3.0
+        stops = watchdog.stops
+    clock.advance(0.1)
+    assert waiting.done
+    assert sink.speeds == [FORWARD, ZERO]
+    assert watchdog.stops > stops, "who waits with a speed is refused"
+
+
+def test_a_press_is_over_after_a_standstill(clock: ManualClock, timed: tuple[CommandWatchdog, Sink]) -> None:
+    watchdog, sink = timed
+    watchdog.take("pad")
+    watchdog.drive(FORWARD, driver="pad")
+    clock.advance(0.1)
+    stand(clock, "pause")
+    clock.advance(SETTLE + 0.2)
+    with pytest.raises(RefusedError, match="the press on the pad is over"):
+        watchdog.drive(FORWARD, driver="pad")
+    assert sink.speeds == [FORWARD, ZERO]
+
+
+@pytest.mark.parametrize("moves", [True, False])
+def test_neither_a_slow_sink_nor_a_pause_at_rest_is_a_standstill(
+    clock: ManualClock, timed: tuple[CommandWatchdog, Sink], moves: bool
+) -> None:
+    watchdog, sink = timed
+    if moves:
+        sink.gate.clear()
+        watchdog.drive(FORWARD, hold=60.0)
+        wait_for(lambda: sink.got, "the sink is called")
+        clock.advance(3.0, hangs=("robowidgets-drive",))
+        sink.gate.set()
+    else:
+        watchdog.stop()
+        stand(clock, "pause")
+    clock.settle()
+    watchdog.drive(LEFT, hold=60.0)
+    clock.advance(INTERVAL)
+    assert (watchdog.standstills, sink.speeds[-1]) == (0, LEFT)
+
+
+def test_a_latch_is_released_by_its_owner_and_each_by_the_user(watchdog: CommandWatchdog, sink: Sink) -> None:
+    one, other = object(), object()
+    for owner in (one, other):
+        watchdog.latch(owner)
+    watchdog.stopped = True
+    watchdog.release(one)
+    watchdog.release(other)
+    with pytest.raises(RefusedError, match="stop is latched"):
+        watchdog.drive(FORWARD)
+    watchdog.latch(one)
+    watchdog.stopped = False
+    drive(watchdog, FORWARD)
+    assert sink.speeds[-1] == FORWARD
 
 
 def test_an_interrupt_while_its_thread_starts_stops_it_and_starts_no_second_one(

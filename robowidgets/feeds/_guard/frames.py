@@ -17,7 +17,7 @@ LARGEST = 60_000
 TO_GUARD: dict[str, tuple[Any, ...]] = {
     "open": (str, dict),
     "beat": (),
-    "drive": (int, int, str, list, float, int, list),
+    "drive": (int, int, str, list, float, float, int, list),
     "zero": (int, int, str, list),
     "again": (),
     "close": (int,),
@@ -26,8 +26,9 @@ TO_GUARD: dict[str, tuple[Any, ...]] = {
 
 - ``open``: middleware, what to make it of.
 - ``beat``: the kernel is alive.
-- ``drive``: feed, number, topic, speed, the monotonic time at which it expires, count of stops of the guard that the
-  kernel knows of, adverts of the topic.
+- ``drive``: feed, number, topic, speed, the monotonic time at which it expires, the time at which it was sent by a
+  clock that goes on while the computer sleeps, count of stops of the guard that the kernel knows of, adverts of the
+  topic.
 - ``zero``: feed, number, topic, adverts of the topic.
 - ``again``: the robot can be reached; a pause before the next attempt is over.
 - ``close``: a feed that sends no more.
@@ -41,7 +42,7 @@ FROM_GUARD: dict[str, tuple[Any, ...]] = {
     "unheard": (str, str),
     "slow": (),
     "done": (int, int, str, str, str, list),
-    "stopped": (int, float),
+    "stopped": (int, float, str),
 }
 """By the name of a message from a guard: the types of its parts.
 
@@ -50,7 +51,8 @@ FROM_GUARD: dict[str, tuple[Any, ...]] = {
 - ``unheard``: topic, and why a subscriber does not receive it.
 - ``slow``: the robot took long for one message of a speed, which may have others; each is waited for for a while.
 - ``done``: feed, number, class and text of the error or empty, for whom it was refused, types in which it was sent.
-- ``stopped``: count of its stops, seconds for which the kernel was silent.
+- ``stopped``: count of its stops, seconds for which the kernel was silent, text for a standstill of the guard itself or
+  empty.
 """
 
 

@@ -17,7 +17,8 @@ from typing import NamedTuple
 
 from ..._core.import_path import import_path
 from ..middleware import Outlet
-from .link import GuardLink
+from .link import ENDED, GuardLink
+from .mark import SERVER_ENDED
 
 log = logging.getLogger("robowidgets")
 
@@ -32,19 +33,25 @@ NONE_HERE = {"emscripten": "in a browser no process can be started", "win32": "o
 STARTS, OVER = 3, 60.0
 """Number of times that a guard is started, at most, within so many seconds."""
 
+READY_TIMEOUT = 25.0
+"""Seconds within which its process must be ready; else the kernel sends speeds."""
+
 END = 14.0
 """Seconds after which a guard that was told to end is killed: it may go on trying to send zero."""
 
 START = """
 import sys, types
-sys.path[:] = {path!r}
+sys.path += {path!r}
 for name, folder in {packages!r}:
     sys.modules[name] = package = types.ModuleType(name)
     package.__path__ = [folder]
 from robowidgets.feeds._guard.process import main
 main({server})
 """
-"""Starts the process without the ``__init__`` of packages, which import widgets, and much else."""
+"""Starts the process without the ``__init__`` of packages, which import widgets, and much else.
+
+The standard library comes first in its path: a file of the user with such a name is not imported.
+"""
 
 
 class Guard(GuardLink):
@@ -67,6 +74,8 @@ class Guard(GuardLink):
         # That in which the feed was opened: a process that is started later is like the first.
         self._environment = dict(os.environ)
         self._server = _server()
+        self._server_has_ended = False
+        """True if the process ended because the server of this kernel has: the kernel ends, too, and sends nothing."""
         self.pid = 0
         self._thread: threading.Thread | None = None
 
@@ -88,11 +97,14 @@ class Guard(GuardLink):
                 return
             starts.append(time.monotonic())
             self._is_starting = True
+            self._has_been_ready, reason = False, ""
             try:
                 reason = self._guard_once()
             except OSError as error:
                 self.unavailable = f"no process can be started here: {error}"
-                reason = ""
+            else:
+                if not (self._has_been_ready or self._is_closed or self.unavailable or self._server_has_ended):
+                    self.unavailable = f"its process does not start: {reason.removeprefix(ENDED).strip()}"
             if self.unavailable:
                 self._is_starting = False
                 self._say(log.warning, f"the kernel sends speeds by itself: {self.unavailable}")
@@ -109,9 +121,10 @@ class Guard(GuardLink):
         """Run a process until it ends; returns why, empty where it should."""
         ours, its = socket.socketpair()
         with ours, its, tempfile.TemporaryFile() as said:
-            # -S: what sitecustomize and .pth files of a user do is not done. In a session of its own an interrupt of a
-            # terminal, and a signal to the group of the kernel, does not reach it.
-            command = [sys.executable, "-S", "-c", _code(self._server)]
+            # -I: no module is imported from the folder of the notebook. -S: what sitecustomize and .pth files of a user
+            # do is not done. In a session of its own an interrupt of a terminal, and a signal to the group of the
+            # kernel, does not reach it.
+            command = [sys.executable, "-I", "-S", "-c", _code(self._server)]
             process = subprocess.Popen(
                 command,
                 stdin=its.fileno(),
@@ -122,13 +135,13 @@ class Guard(GuardLink):
             )
             its.close()
             self.pid = process.pid
-            self.listen(ours, "open", *self._outlet)
+            self.listen(ours, "open", *self._outlet, ready_timeout=READY_TIMEOUT)
             reason = self.down
             with suppress(subprocess.TimeoutExpired):
                 process.wait(0.1 if self._hangs else END)
             process.kill()
             code = process.wait()
-            self.pid = 0
+            self.pid, self._server_has_ended = 0, code == SERVER_ENDED
             said.seek(max(0, said.seek(0, os.SEEK_END) - 2000))
             last = said.read().decode(errors="replace").strip().splitlines()[-1:]
             self.down = f"{reason} ({'; '.join([f'code {code}', *last])})"
@@ -194,5 +207,12 @@ def release(feed: int, outlet: Outlet) -> None:
             there.guard.close()
 
 
+def _forget_all() -> None:
+    """Forget the guards of the parent of this forked process, a thread of which may have held the lock."""
+    global _sharing
+    _sharing = threading.Lock()
+    _shared.clear()
+
+
 if hasattr(os, "register_at_fork"):
-    os.register_at_fork(after_in_child=_shared.clear)
+    os.register_at_fork(after_in_child=_forget_all)

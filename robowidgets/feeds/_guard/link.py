@@ -15,6 +15,7 @@ from functools import partial
 from typing import Any, NamedTuple, Protocol, runtime_checkable
 from weakref import WeakSet
 
+from ..._core.clock import RealClock
 from ..._core.log_once import call_in_thread
 from ..._core.observed import Observed
 from ...driving.command_watchdog import ZERO, Velocity
@@ -37,7 +38,13 @@ WORKS = 0.05
 
 ENDED = "the guard that sends speeds has ended"
 
+_CLOCK = RealClock()
+
 _ERRORS = {kind.__name__: kind for kind in (FeedError, NotConnectedYetError, TimeoutError, ConnectionError)}
+
+
+class NoAnswerError(TimeoutError):
+    """The guard itself does not answer."""
 
 
 class Sent(NamedTuple):
@@ -66,7 +73,7 @@ class GuardLink(Observed):
     Attributes:
         unavailable: why no guard can be had here, so that the kernel sends speeds; empty if one can.
         down: why no speed can be sent now; empty if one can be.
-        told: what it told last of a kernel that was silent; empty if it never was.
+        told: text for the last standstill, of the kernel or of the guard; empty before the first.
         stops: number of times that it stopped the robot for that.
         ends: number of its processes that ended, though they should not.
         up_at: the monotonic time at which it reached the robot last.
@@ -86,7 +93,7 @@ class GuardLink(Observed):
         self._lock = threading.RLock()
         self._changed = threading.Condition(self._lock)
         self._socket: socket.socket | None = None
-        self._is_ready = self._is_up = self._is_closed = self._hangs = False
+        self._is_ready = self._is_up = self._is_closed = self._hangs = self._has_been_ready = False
         self._is_starting = True
         self._known_stops = 0
         """Those of the process that is there now, which it has told."""
@@ -127,6 +134,7 @@ class GuardLink(Observed):
 
         Raises:
             NotConnectedYetError: it has not started, or not reached the robot.
+            NoAnswerError: it does not answer.
             FeedError, TimeoutError, ConnectionError: as `Middleware.publish`.
         """
         answer, number = _Answer(), next(self._numbers)
@@ -138,7 +146,8 @@ class GuardLink(Observed):
             if velocity == ZERO:
                 frame = packed("zero", feed, number, topic, there)
             else:
-                frame = packed("drive", feed, number, topic, list(velocity), expires, self._known_stops, there)
+                sent_at = _CLOCK.now() + _CLOCK.slept()
+                frame = packed("drive", feed, number, topic, list(velocity), expires, sent_at, self._known_stops, there)
                 self._moving.add(feed)
             self._answers[number] = answer
             self._write(frame)
@@ -147,7 +156,7 @@ class GuardLink(Observed):
             if not answer.is_there:
                 self._hangs = True
                 self._hang_up()
-                raise TimeoutError(f"the guard that sends speeds has not answered for {ANSWER:g} s")
+                raise NoAnswerError(f"the guard that sends speeds has not answered for {ANSWER:g} s")
             if answer.error is None:
                 if velocity == ZERO:
                     self._moving.discard(feed)
@@ -166,12 +175,13 @@ class GuardLink(Observed):
         """Whether another feed of this process drives the robot now."""
         return bool(self._moving - {feed})
 
-    def listen(self, guard: socket.socket, *first: Any) -> None:
+    def listen(self, guard: socket.socket, *first: Any, ready_timeout: float = float("inf")) -> None:
         """Hear what a guard says, and tell it that the kernel is alive, until it hangs up.
 
         Args:
             guard: the socket.
             first: the name of the first message to it, and its parts.
+            ready_timeout: seconds within which it must say that it is ready.
         """
         guard.setblocking(False)
         with self._lock:
@@ -182,7 +192,8 @@ class GuardLink(Observed):
         reason = ENDED
         try:
             with suppress(OSError):  # it ended before it had read all
-                self._hear(guard)
+                if not self._hear(guard, time.monotonic() + ready_timeout):
+                    reason, self._hangs = f"it is not ready after {ready_timeout:g} s", True
         except DamagedError as error:
             reason = f"the guard that sends speeds said what makes no sense: {error}"
             self._hangs = True
@@ -211,7 +222,9 @@ class GuardLink(Observed):
             self._changed.notify_all()
 
     def leave(self) -> None:
-        """Leave it to the parent of this forked process."""
+        """Leave it to the parent of this forked process, a thread of which may have held the lock."""
+        self._lock = threading.RLock()
+        self._changed = threading.Condition(self._lock)
         self._is_closed = True
         if self._socket is not None:
             self._socket.close()
@@ -240,7 +253,8 @@ class GuardLink(Observed):
             self.ends += 1
             self._call_observers()
 
-    def _hear(self, guard: socket.socket) -> None:
+    def _hear(self, guard: socket.socket, ready_by: float) -> bool:
+        """Hear a guard until it hangs up; returns False if it is not ready in time."""
         frames, poll = Unpacker(FROM_GUARD), select.poll()
         poll.register(guard, select.POLLIN)
         while True:
@@ -248,10 +262,12 @@ class GuardLink(Observed):
             if self._moving:
                 self._beat()
             if not ready:
+                if not self._has_been_ready and time.monotonic() > ready_by:
+                    return False
                 continue
             data = guard.recv(1 << 16)
             if not data:
-                return
+                return True
             for name, parts in frames.take(data):
                 getattr(self, f"_on_{name}")(*parts)
 
@@ -282,7 +298,7 @@ class GuardLink(Observed):
 
     def _on_ready(self) -> None:
         with self._lock:
-            self._is_ready = True
+            self._is_ready = self._has_been_ready = True
             self.down = "the guard that sends speeds has not reached the robot yet"
 
     def _on_failed(self, reason: str) -> None:
@@ -316,9 +332,14 @@ class GuardLink(Observed):
                 answer.sent, answer.is_there = Sent(refused, moved), True
                 self._changed.notify_all()
 
-    def _on_stopped(self, stops: int, seconds: float) -> None:
-        why = "code held the interpreter lock (GIL)" if self._share > WORKS else "its process stood still"
-        self.told = f"the kernel was silent for {seconds:.1f} s, because {why}: the guard stopped the robot meanwhile"
+    def _on_stopped(self, stops: int, seconds: float, stood: str) -> None:
+        if stood:
+            self.told = f"{stood}: the robot was stopped after it"
+        else:
+            why = "code held the interpreter lock (GIL)" if self._share > WORKS else "its process stood still"
+            self.told = (
+                f"the kernel was silent for {seconds:.1f} s, because {why}: the guard stopped the robot meanwhile"
+            )
         self._known_stops = stops
         self.stops += 1
         self._say(log.warning, self.told)

@@ -25,6 +25,7 @@ from .._threaded import ThreadedMiddleware
 from .._twist import TwistPublisher
 from ..middleware import Advert, FeedError, Listener, Middleware, NotConnectedYetError
 from .frames import TO_GUARD, DamagedError, Unpacker, packed
+from .mark import SERVER_ENDED
 
 SILENCE = HOLD
 """Seconds without a word of the kernel after which zero is sent while the robot moves."""
@@ -77,7 +78,7 @@ class Guarding:
         self._ending: list[_Feed] = []
         """Those that are closed, whose robot has not got its zero yet."""
         self._heard_at = clock.now()
-        self._stops = 0
+        self._stops = self._standstills = 0
         self._silent_since: float | None = None
         self._up_at: float | None = None
         """The time at which the robot was reached first."""
@@ -90,9 +91,10 @@ class Guarding:
         Raises:
             DamagedError: a part of it makes no sense.
         """
+        self._find_standstill()
         now = self._clock.now()
         if self._silent_since is not None:
-            self._tell("stopped", self._stops, now - self._silent_since)
+            self._tell("stopped", self._stops, now - self._silent_since, "")
             self._silent_since = None
         self._heard_at = now
         if name == "open":
@@ -107,7 +109,8 @@ class Guarding:
             self._close(*parts)
 
     def look(self) -> float:
-        """Send zero if the kernel has been silent for too long; returns the seconds until the next look."""
+        """Send zero after a standstill, of this process or of the kernel; returns the seconds until the next look."""
+        self._find_standstill()
         if self._silent_since is not None or not any(feed.moves for feed in self._all):
             return ALIVE
         left = self._heard_at + SILENCE - self._clock.now()
@@ -118,6 +121,19 @@ class Guarding:
         for feed in self._all:
             feed.watchdog.stop()
         return ALIVE
+
+    def _find_standstill(self) -> None:
+        """Refuse what the kernel requested before a standstill of this process, after which a watchdog sends zero."""
+        found = [(feed.watchdog.look(), feed.watchdog.stood) for feed in self._all]
+        standstills, before = sum(count for count, _ in found), self._standstills
+        self._standstills = standstills
+        if standstills > before:
+            self._stops += 1
+            self._heard_at, self._silent_since = self._clock.now(), None
+            for feed in self._all:
+                feed.watchdog.stop()
+            stood = next(stood for _, stood in found if stood)
+            self._tell("stopped", self._stops, 0.0, stood.replace("this process", "the guard"))
 
     def finish(self) -> None:
         """Send zero for all that moves, and go on trying for a while; then disconnect."""
@@ -224,13 +240,22 @@ class Guarding:
         return self._feeds.setdefault(number, _Feed(number, self, self._tell, self._clock))
 
     def _drive(
-        self, feed: int, number: int, topic: str, speed: list[Any], expires: float, stops: int, adverts: list[Any]
+        self,
+        feed: int,
+        number: int,
+        topic: str,
+        speed: list[Any],
+        expires: float,
+        sent_at: float,
+        stops: int,
+        adverts: list[Any],
     ) -> None:
         velocity, there, left = _velocity(speed), _adverts(adverts), expires - self._clock.now()
+        is_old = self._clock.now() + self._clock.slept() - sent_at > SILENCE  # it waited during a standstill
         why = self.why_too_early(topic, there)
         if stops != self._stops:
             self._tell("done", feed, number, "FeedError", "the guard has stopped the robot meanwhile", "", [])
-        elif left <= 0:
+        elif left <= 0 or is_old:
             self._tell("done", feed, number, "FeedError", "the speed came too late", "", [])
         elif why:
             self._tell("done", feed, number, "NotConnectedYetError", why, "", [])
@@ -259,7 +284,8 @@ class _Feed:
         self._asked: list[tuple[int, Request]] = []
         self._answering = threading.Lock()
         self._twists = TwistPublisher(guarding, clock)
-        self.watchdog = CommandWatchdog(self._send, not_sent=FeedError, clock=clock)
+        # The kernel refuses what may go by what came before a standstill. Here only what it requested before is old.
+        self.watchdog = CommandWatchdog(self._send, not_sent=FeedError, clock=clock, settle=0.0)
         self.watchdog.observe(self._answer)
 
     @property
@@ -416,11 +442,16 @@ def main(server: int = 0) -> None:
     try:
         serve(kernel, [ended, *_end_of(server)])
         code = 0
-    except BaseException:  # the kernel tells the text
+    except BaseException as error:  # the kernel reports the text
         traceback.print_exc()
+        code = SERVER_ENDED if isinstance(error, _ServerEndedError) else 1
     finally:
         sys.stderr.flush()
         os._exit(code)
+
+
+class _ServerEndedError(RuntimeError):
+    """The server that started the kernel has ended."""
 
 
 def _end_of(server: int) -> list[int]:
@@ -435,7 +466,7 @@ def _end_of(server: int) -> list[int]:
     except OSError:  # of a system that forbids it
         return []
     if has_ended:
-        raise RuntimeError("the server that started this kernel has ended, and so will the kernel")
+        raise _ServerEndedError("the server that started this kernel has ended, and so will the kernel")
     return [end]
 
 

@@ -12,9 +12,8 @@ import pytest
 
 from robowidgets._core.clock import Clock, scheduler
 from robowidgets.behaviors import Drive
-from robowidgets.driving.command_watchdog import RETRY, RefusedError, Velocity
+from robowidgets.driving.command_watchdog import RETRY, SETTLE, RefusedError, Velocity
 from robowidgets.feeds import Advert, Driving, Feed, FeedError
-from robowidgets.feeds._driver import AFTER_SLEEP
 from robowidgets.feeds._guard.link import GuardLink
 from robowidgets.feeds.middleware import NotConnectedYetError
 
@@ -579,7 +578,8 @@ def test_who_drives_on_after_the_computer_slept_is_refused_until_what_came_befor
     assert {speed for speed, _ in script.speeds} == {0.0}
     clock.advance(0.2)
     feed.drive(0.2)
-    clock.advance(AFTER_SLEEP)
+    feed.stop()
+    clock.advance(SETTLE)
     clock.asleep += 3600.0
     feed.drive(0.3)  # nobody drove before the sleep
     assert [speed for speed, _ in script.speeds if speed] == [0.2, 0.3]

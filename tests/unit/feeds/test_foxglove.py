@@ -474,6 +474,7 @@ def test_a_widget_of_a_user_s_class_whose_update_hangs_holds_back_neither_speed_
         real.server.stop()
 
 
+@pytest.mark.usefixtures("kernel_sends")
 def test_zero_follows_a_speed_that_is_sent_after_it_was_given_up(monkeypatch: pytest.MonkeyPatch) -> None:
     frame_on, told = Foxglove._frame_on, threading.Event()
 
@@ -497,6 +498,7 @@ def test_zero_follows_a_speed_that_is_sent_after_it_was_given_up(monkeypatch: py
         assert speeds == [0.25, 0.0]
 
 
+@pytest.mark.usefixtures("kernel_sends")
 def test_a_robot_that_was_lost_while_it_drove_is_stopped_though_its_server_takes_time_to_introduce_itself() -> None:
     class Slow(OldFoxglove):
         def on_open(self, client: Any) -> None:

@@ -12,7 +12,7 @@ import threading
 import time
 from collections.abc import Iterator, Sequence
 from concurrent.futures import Future
-from contextlib import ExitStack, closing, suppress
+from contextlib import ExitStack, closing, nullcontext, suppress
 from itertools import groupby
 from pathlib import Path
 from typing import Any
@@ -23,7 +23,7 @@ from robowidgets import DriveWidget, feeds
 from robowidgets._core.import_path import import_path
 from robowidgets.behaviors import Drive
 from robowidgets.driving.command_watchdog import HOLD, ZERO, Velocity
-from robowidgets.feeds import Driving, FeedError, _driver
+from robowidgets.feeds import Driving, FeedError
 from robowidgets.feeds._guard import guard as kernel_side
 from robowidgets.feeds._guard import link
 from robowidgets.feeds._guard.frames import FROM_GUARD, LARGEST, TO_GUARD, DamagedError, Unpacker, packed
@@ -34,6 +34,7 @@ from ..clocks import ManualClock
 from ..waiting import threads_named, wait_for
 from .bridge import Rosbridge
 from .scripted import CMD_VEL, Scripted
+from .test_feed import in_other_hands
 
 TOPIC = [["/cmd_vel", CMD_VEL.type, False, True]]
 FORWARD = [0.3, 0.0, 0.0]
@@ -41,9 +42,9 @@ FORWARD = [0.3, 0.0, 0.0]
 
 def test_messages_come_whole_however_their_bytes_come() -> None:
     frames = Unpacker(TO_GUARD)
-    data = packed("beat") + packed("drive", 1, 2, "/cmd_vel", FORWARD, 3.5, 0, TOPIC)
+    data = packed("beat") + packed("drive", 1, 2, "/cmd_vel", FORWARD, 3.5, 3.0, 0, TOPIC)
     got = [message for byte in data for message in frames.take(bytes([byte]))]
-    assert got == [("beat", []), ("drive", [1, 2, "/cmd_vel", FORWARD, 3.5, 0, TOPIC])]
+    assert got == [("beat", []), ("drive", [1, 2, "/cmd_vel", FORWARD, 3.5, 3.0, 0, TOPIC])]
 
 
 @pytest.mark.parametrize(
@@ -53,7 +54,7 @@ def test_messages_come_whole_however_their_bytes_come() -> None:
         packed("beat").replace(b"\x00\x00\x00\x08", (LARGEST + 1).to_bytes(4, "big")),
         packed("beep"),
         packed("drive", 1, 2, "/cmd_vel", FORWARD),
-        packed("drive", 1, 2, "/cmd_vel", FORWARD, "soon", 0, TOPIC),
+        packed("drive", 1, 2, "/cmd_vel", FORWARD, "soon", 3.0, 0, TOPIC),
         packed("close", True),
         b"not at all a message",
     ],
@@ -83,7 +84,9 @@ class Guarded:
     def drive(self, hold: float = HOLD, **changed: Any) -> Any:
         """Drive forward; what was told of it."""
         self._number += 1
-        asked = {"speed": FORWARD, "expires": self.clock.now() + hold, "stops": self.stops, **changed}
+        now = self.clock.now()
+        asked = {"speed": FORWARD, "expires": now + hold, "sent_at": now + self.clock.slept(), "stops": self.stops}
+        asked.update(changed)
         self.guarding.take("drive", [1, self._number, "/cmd_vel", *asked.values(), TOPIC])
         self.clock.settle()
         return self.told[-1]
@@ -131,7 +134,7 @@ def test_a_kernel_that_was_silent_is_told_for_how_long_and_must_know_it_before_i
     guarded.drive(hold=60.0)
     guarded.pass_time(10.0)
     assert guarded.drive(hold=60.0)[3:5] == ("FeedError", "the guard has stopped the robot meanwhile")
-    assert ("stopped", 1, pytest.approx(10.0)) in guarded.told
+    assert ("stopped", 1, pytest.approx(10.0), "") in guarded.told
     assert guarded.speeds == [0.3, 0.0]
     guarded.stops = 1
     assert guarded.drive()[3] == ""
@@ -145,6 +148,33 @@ def test_a_robot_at_rest_needs_no_sign_of_life(guarded: Guarded) -> None:
     assert guarded.speeds == [0.3, 0.0]
     guarded.guarding.take("beat", [])
     assert not [told for told in guarded.told if told[0] == "stopped"]
+
+
+@pytest.mark.parametrize("how", ["pause", "sleep"])
+def test_after_a_standstill_of_its_own_a_guard_sends_zero_and_refuses_what_was_requested_before(
+    guarded: Guarded, how: str
+) -> None:
+    guarded.drive(hold=60.0)
+    sent_at = guarded.clock.now()
+    if how == "sleep":
+        guarded.clock.asleep += 3.0
+    else:
+        guarded.clock._now += 3.0
+    refused = {"hold": 60.0, "sent_at": guarded.clock.now() + guarded.clock.slept()}
+    assert guarded.drive(**refused)[3:5] == ("FeedError", "the guard has stopped the robot meanwhile")
+    told = next(told for told in guarded.told if told[0] == "stopped")
+    assert told == (
+        "stopped",
+        1,
+        0.0,
+        "the computer has slept" if how == "sleep" else "the guard stood still for 3.0 s",
+    )
+    guarded.clock.advance(0.1)
+    assert guarded.speeds == [0.3, 0.0]
+    guarded.stops = 1
+    assert guarded.drive(hold=60.0, sent_at=sent_at)[3:5] == ("FeedError", "the speed came too late")
+    assert guarded.drive()[3] == ""
+    assert guarded.speeds == [0.3, 0.0, 0.3]
 
 
 def test_a_speed_that_comes_too_late_is_not_sent(guarded: Guarded) -> None:
@@ -340,9 +370,8 @@ def robot() -> Iterator[Rosbridge]:
 
 
 @pytest.fixture
-def with_guards(monkeypatch: pytest.MonkeyPatch) -> Iterator[ExitStack]:
-    """Feeds that are opened have guards, and are closed."""
-    monkeypatch.setattr(_driver, "OFF", False)
+def with_guards() -> Iterator[ExitStack]:
+    """Closes the feeds that are opened, and waits for the end of their guards."""
     with ExitStack() as opened:
         yield opened
     wait_for(lambda: not threads_named("robowidgets-guard"), "no guard is left")
@@ -356,6 +385,18 @@ def opened(stack: ExitStack, robot: Rosbridge) -> tuple[feeds.Feed, kernel_side.
     assert guard is not None
     wait_for(lambda: not guard.down, "the guard stands")
     return feed, guard
+
+
+ENDS_WHEN_READY = kernel_side.START.replace(
+    "main({server})",
+    """from robowidgets.feeds._guard.frames import packed
+import os
+os.write(0, packed("ready"))
+print("no room")
+sys.exit(3)
+""",
+)
+"""Starts a guard that ends as soon as it has said that it is ready."""
 
 
 def shown_by(feed: feeds.Feed) -> list[float]:
@@ -478,17 +519,125 @@ def test_a_guard_that_stands_still_is_ended_and_the_kernel_sends_zero_which_othe
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize(
+    ("error", "is_sent_here"),
+    [(TimeoutError("nobody has confirmed zero"), False), (link.NoAnswerError("the guard does not answer"), True)],
+    ids=["not confirmed", "no answer"],
+)
+def test_the_kernel_sends_a_zero_that_its_guard_cannot_but_not_one_that_is_not_confirmed(
+    robot: Rosbridge,
+    with_guards: ExitStack,
+    monkeypatch: pytest.MonkeyPatch,
+    error: Exception,
+    is_sent_here: bool,
+) -> None:
+    feed, guard = opened(with_guards, robot)
+    feed.drive(0.3)
+    sent_here: list[str] = []
+    publish = feed.connection.middleware.publish
+
+    def note(topic: str, *message: Any) -> None:
+        sent_here.append(topic)
+        publish(topic, *message)
+
+    def fail(*_: Any) -> None:
+        raise error
+
+    with monkeypatch.context() as broken:
+        broken.setattr(feed.connection.middleware, "publish", note)
+        broken.setattr(guard, "send", fail)
+        with (
+            nullcontext() if is_sent_here else pytest.raises(FeedError, match="nobody has confirmed zero; zero follows")
+        ):
+            feed.stop()
+        assert sent_here == (["/cmd_vel"] if is_sent_here else [])
+    wait_for_speeds(robot, 0.3, 0.0)
+
+
+@pytest.mark.slow
 def test_drives_are_refused_when_guards_die_again_and_again(
     robot: Rosbridge, with_guards: ExitStack, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     feed, guard = opened(with_guards, robot)
-    monkeypatch.setattr(kernel_side, "START", "import sys; print('no room'); sys.exit(3)")
+    monkeypatch.setattr(kernel_side, "START", ENDS_WHEN_READY)
     os.kill(guard.pid, signal.SIGKILL)
     wait_for(lambda: "open the feed again" in guard.down, "no other one is started")
     with pytest.raises(FeedError, match=r"cannot drive: .*ended \(code 3; no room\); it has ended 3 times"):
         feed.drive(0.3)
     feed.stop()
     wait_for_speeds(robot, 0.0)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("start", "why"),
+    [
+        ("import sys; print('no room'); sys.exit(3)", r"its process does not start: (code 3; no room)"),
+        ("input()", "its process does not start: it is not ready after 0.1 s"),
+    ],
+    ids=["ends", "hangs"],
+)
+def test_where_a_guard_does_not_start_the_kernel_sends_and_says_so(
+    robot: Rosbridge,
+    with_guards: ExitStack,
+    monkeypatch: pytest.MonkeyPatch,
+    caplog: pytest.LogCaptureFixture,
+    start: str,
+    why: str,
+) -> None:
+    monkeypatch.setattr(kernel_side, "START", start)
+    monkeypatch.setattr(kernel_side, "READY_TIMEOUT", 0.1)
+    feed = with_guards.enter_context(feeds.rosbridge(robot.address))
+    feed.drive(0.3)
+    feed.stop()
+    wait_for_speeds(robot, 0.3, 0.0)
+    assert f"the kernel itself sends speeds ({why}" in repr(feed)
+    wait_for(lambda: "the kernel sends speeds by itself: its process does not start" in caplog.text, "it is logged")
+
+
+@pytest.mark.slow
+def test_a_guard_imports_the_standard_library_whatever_lies_in_the_folder_of_the_notebook(
+    robot: Rosbridge, with_guards: ExitStack, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    for name in ("types", "json", "selectors"):
+        (tmp_path / f"{name}.py").write_text("raise RuntimeError('of the user')")
+    monkeypatch.syspath_prepend(tmp_path)  # as a host does that names the folder
+    feed, guard = opened(with_guards, robot)
+    monkeypatch.chdir(tmp_path)
+    os.kill(guard.pid, signal.SIGKILL)
+    wait_for(lambda: guard.ends == 1 and not guard.down, "another guard stands, in this folder")
+    feed.drive(0.3)
+    assert not guard.unavailable
+    wait_for_speeds(robot, 0.3)
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="this system cannot fork")
+def test_a_forked_process_refuses_to_drive_whoever_held_the_locks(robot: Rosbridge, with_guards: ExitStack) -> None:
+    feed, guard = opened(with_guards, robot)
+    feed.drive(0.3)
+    reading, writing = os.pipe()
+    with in_other_hands(guard._lock), in_other_hands(kernel_side._sharing), in_other_hands(feed.driver._changing):
+        child = os.fork()
+        if child == 0:
+            try:
+                signal.alarm(20)
+                for use in (lambda: feed.drive(0.2), feed.stop, lambda: feed.program(print)):
+                    with pytest.raises(FeedError, match="stayed with the process that was forked"):
+                        use()
+                feed.driving = Driving(hold=1.0)
+                feed.stopped = True
+                feed.close()
+                kernel_side.guard_for(0, kernel_side.Outlet("rosbridge", {}), "a robot")
+                os.write(writing, b"refused")
+            finally:
+                os._exit(0)
+    os.close(writing)
+    with open(reading) as answer:
+        assert answer.read() == "refused"
+    os.waitpid(child, 0)
+    feed.stop()
+    wait_for_speeds(robot, 0.3, 0.0)
 
 
 @pytest.mark.slow

@@ -13,31 +13,52 @@ from ..waiting import wait_for
 
 pytest.importorskip("playwright", reason="the benchmarks, whose robots these are, need Playwright")
 
-from benchmarks.guard import FAULTS, Drivers, guards, heard, robot
+from benchmarks.guard import FAULTS, OF_ONE, PAUSE, SIGNALS, Drivers, guards, heard, robot
 from benchmarks.stopping import available
 
 EVERY = "foxglove"
-"""The middleware on which every fault is tried; on the others, one that ends the process, and one that freezes it."""
-TRIED = [(name, fault) for name in available() for fault in (FAULTS if name == EVERY else ("kill -9", "SIGSTOP"))]
+"""The middleware on which every fault is tried; on the others, those of signals and pauses."""
+UNGUARDED = ("SIGINT", "SIGTERM", "SIGHUP")
+"""The signals after which a kernel without a guard sends zero, too."""
+
+
+def _faults(name: str) -> list[str]:
+    return [*(FAULTS if name == EVERY else (*SIGNALS.keys() & FAULTS.keys(), PAUSE)), *OF_ONE.get(name, ())]
+
+
+TRIED = [
+    ((name, guarded), fault)
+    for name in available()
+    for guarded in (True, False)
+    for fault in sorted(_faults(name))
+    if guarded or fault.startswith(UNGUARDED)
+]
 
 
 @pytest.fixture(scope="module")
 def there(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[Drivers, Path]]:
-    """What drives the robot of a middleware, and the log of the robot."""
-    path = tmp_path_factory.mktemp("robot") / "heard.txt"
+    """What drives the robot of a middleware, with or without a guard, and the log of the robot."""
+    (name, guarded), path = request.param, tmp_path_factory.mktemp("robot") / "heard.txt"
     path.touch()
-    with robot(request.param, path) as where, closing(Drivers(request.param, where, path)) as drivers:
+    with robot(name, path) as where, closing(Drivers(name, where, path, guarded=guarded)) as drivers:
         yield drivers, path
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("there", "fault"), TRIED, indirect=["there"])
+@pytest.mark.parametrize(
+    ("there", "fault"),
+    TRIED,
+    indirect=["there"],
+    ids=[f"{name}-{'guard' if guarded else 'kernel'}-{fault}" for (name, guarded), fault in TRIED],
+)
 def test_the_robot_gets_zero_and_nothing_moves_after_it(there: tuple[Drivers, Path], fault: str) -> None:
     drivers, path = there
     before = guards()
     with drivers.driving(fault) as (process, at):
         wait_for(lambda: heard(path, at) and heard(path, at)[-1][1] == 0.0, "zero comes")
         zero = next(time for time, speed in heard(path, at) if speed == 0.0)
+        if fault == PAUSE:
+            wait_for(lambda: "stood still" in drivers.refused, "the next speed is refused")
         if not fault.startswith("GIL"):  # a cell or a step goes on, and may drive again
             process.signal(signal.SIGKILL)
             wait_for(lambda: guards() <= before, "no guard is left behind")

@@ -193,13 +193,25 @@ def test_a_function_of_a_failed_cell_that_never_drove_is_called_on_but_may_not_d
     assert kernel.heard == []
 
 
-def test_an_interrupt_of_its_cell_leaves_a_function_connected(kernel: Kernel) -> None:
-    request = kernel.start("behave", BEHAVE.format(body="feed.drive(0.3)") + "time.sleep(60)")
+@pytest.mark.parametrize("between_cells", [False, True], ids=["in its cell", "between cells"])
+def test_an_interrupt_switches_off_a_function_that_drives_until_its_cell_runs_again(
+    kernel: Kernel, between_cells: bool
+) -> None:
+    behave = BEHAVE.format(body="feed.drive(0.3)")
+    request = kernel.start("behave", HOLD + behave + ("" if between_cells else "time.sleep(60)"))
     wait_for(lambda: kernel.heard, "it drives")
+    if between_cells:
+        assert kernel.end_of(request)["status"] == "ok"
     kernel.manager.interrupt_kernel()
-    assert kernel.end_of(request)["ename"] == "KeyboardInterrupt"
-    since = time.monotonic()
-    wait_for(lambda: 0.3 in kernel.heard_since(since), "it drives on")
+    if not between_cells:
+        assert kernel.end_of(request)["ename"] == "KeyboardInterrupt"
+    wait_for(lambda: kernel.heard[-1][1] == 0.0, "zero is sent long before the hold ends")
+    more = "seen = []\nfeed.connect('/scan', seen.append)\nwhile len(seen) < 3: time.sleep(0.01)"
+    assert kernel.run("more scans", more)["status"] == "ok"
+    assert "is off: the kernel was interrupted; run its cell again" in kernel.printed("print", "print(feed)")
+    assert kernel.heard[-1][1] == 0.0
+    kernel.run("behave", behave)
+    wait_for(lambda: kernel.heard[-1][1] == 0.3, "it drives again")
 
 
 def test_an_unending_function_is_replaced_by_running_its_cell_again(kernel: Kernel) -> None:

@@ -563,6 +563,17 @@ def test_a_ros_that_does_not_start_is_told_and_tried_again(
     ros2.close()
 
 
+@pytest.mark.parametrize(("seconds", "asks"), [(NEVER, 1), (0.0, 0)], ids=["just now", "a while ago"])
+def test_a_close_waits_for_subscribers_only_shortly_after_a_message(
+    ros2: Ros2, graph: Graph, robot: Robot, monkeypatch: pytest.MonkeyPatch, seconds: float, asks: int
+) -> None:
+    ros2.publish("/cmd_vel", TWIST, ZERO)
+    publishers = [end for node in graph.nodes for end in node.publishers if end.topic_name == "/cmd_vel"]
+    monkeypatch.setattr(_ros2_session, "SEND_TIMEOUT", seconds)
+    ros2.close()
+    assert [publisher.acked for publisher in publishers] == [asks]
+
+
 def test_a_hundred_opens_and_closes_leave_no_thread_and_no_node(graph: Graph) -> None:
     threads = threading.active_count()
     for _ in range(100):

@@ -1,7 +1,11 @@
-"""Signals in a program that uses rclpy beside a feed; its robot logs every command as it leaves the program."""
+"""Signals in a program that uses rclpy as a feed does, with and without a guard.
+
+Its robot logs every command as it leaves the program or the guard.
+"""
 
 from __future__ import annotations
 
+import os
 import signal
 import subprocess
 import sys
@@ -12,19 +16,17 @@ import pytest
 
 from ...conftest import ROOT
 from ..waiting import wait_for
-from .kernel import Log
 
 pytestmark = pytest.mark.slow
 
-STAND_IN = """
-import pytest, signal, threading, time
-from tests.unit.feeds.fake_rclpy import get_message, install
-graph, log = install(pytest.MonkeyPatch()), open({path!r}, "a", buffering=1)
-base = graph.node("base").create_subscription(get_message("geometry_msgs/msg/Twist"), "/cmd_vel", lambda _: None, 10)
-base.receive = lambda message: print((time.monotonic(), message.linear.x, message.angular.z), file=log)
+BESIDE = Path(__file__).with_name("beside")
+STAND_IN = f"""
+import os, signal, sys, threading, time
+sys.path.insert(0, {str(BESIDE)!r})
 import rclpy
 from robowidgets import feeds
 """
+"""A guard finds the stand-in in the path of its kernel, and has a network of its own with the same robot."""
 OPEN = "feed = feeds.ros2(domain_id=7); feed.driving = feeds.Driving(hold=60.0)"
 INIT = "rclpy.init(domain_id=7)"
 INIT_WITHOUT = "rclpy.init(domain_id=7, signal_handler_options=rclpy.signals.SignalHandlerOptions.NO)"
@@ -43,32 +45,46 @@ except feeds.FeedError:
 SLEEP = "\ntime.sleep(60)"
 
 
+@pytest.fixture(params=["on", "off"], ids=["guard", "kernel"])
+def environment(request: pytest.FixtureRequest, tmp_path: Path) -> dict[str, str]:
+    """The environment of a program, with a guard or without."""
+    return {**os.environ, "ROBOT_LOG": str(tmp_path / "heard.txt"), "ROBOWIDGETS_GUARD": request.param}
+
+
+Ended = Callable[[str, int], tuple[int, str, float]]
+
+
 @pytest.fixture
-def ended(tmp_path: Path, start: Callable[..., subprocess.Popen[str]]) -> Callable[[str, int], tuple[int, str, float]]:
+def ended(environment: dict[str, str], start: Callable[..., subprocess.Popen[str]]) -> Ended:
     """Ends a program that drives by a signal: its exit code, what it printed, and the last speed of the robot."""
-    path = tmp_path / "heard.txt"
-    log = Log(path)
+    path = Path(environment["ROBOT_LOG"])
+    path.touch()
+
+    def heard() -> list[float]:
+        lines = path.read_text().split("\n")[:-1]
+        return [float(line.split()[1]) for line in lines]
 
     def end(program: str, number: int) -> tuple[int, str, float]:
         process = start(
-            [sys.executable, "-c", STAND_IN.format(path=str(path)) + program],
+            [sys.executable, "-c", STAND_IN + program],
             cwd=ROOT,
+            env=environment,
             stdout=subprocess.PIPE,
             stderr=subprocess.DEVNULL,
             text=True,
         )
-        wait_for(lambda: len(log.heard()) > 5, "it drives")
+        wait_for(lambda: len(heard()) > 5, "it drives")
         process.send_signal(number)
         printed, _ = process.communicate(timeout=120)
-        return process.returncode, printed, log.heard()[-1][1]
+        if environment["ROBOWIDGETS_GUARD"] == "on":
+            wait_for(lambda: heard()[-1] == 0.0, "the guard has sent zero")
+        return process.returncode, printed, heard()[-1]
 
     return end
 
 
 @pytest.mark.parametrize("program", [f"{INIT}\n{OPEN}", f"{OPEN}\n{INIT}"], ids=["before", "after"])
-def test_sigterm_sends_zero_and_lets_a_program_of_rclpy_end_itself(
-    ended: Callable[[str, int], tuple[int, str, float]], program: str
-) -> None:
+def test_sigterm_sends_zero_and_lets_a_program_of_rclpy_end_itself(ended: Ended, program: str) -> None:
     assert ended(program + CLEAN_UP, signal.SIGTERM) == (0, "cleaned up\n", 0.0)
 
 
@@ -88,14 +104,14 @@ def test_sigterm_sends_zero_and_lets_a_program_of_rclpy_end_itself(
     ],
 )
 def test_a_signal_that_rclpy_does_not_handle_sends_zero_before_it_ends_the_process(
-    ended: Callable[[str, int], tuple[int, str, float]], program: str, number: int
+    ended: Ended, program: str, number: int
 ) -> None:
     assert ended(program + DRIVE + SLEEP, number) == (-number, "", 0.0)
 
 
 @pytest.mark.parametrize("since", ["", "signal.signal(signal.SIGINT, signal.default_int_handler)"], ids=["C", "cell"])
 def test_an_interrupt_sends_zero_at_once_though_rclpy_handles_signals_or_did_in_an_earlier_cell(
-    tmp_path: Path, since: str
+    environment: dict[str, str], since: str
 ) -> None:
     program = f"""
 signal.signal(signal.SIGINT, signal.default_int_handler)
@@ -109,8 +125,9 @@ except KeyboardInterrupt:
     print(rclpy.ok())
 """
     done = subprocess.run(
-        [sys.executable, "-c", STAND_IN.format(path=str(tmp_path / "heard.txt")) + program],
+        [sys.executable, "-c", STAND_IN + program],
         cwd=ROOT,
+        env=environment,
         capture_output=True,
         text=True,
         check=True,

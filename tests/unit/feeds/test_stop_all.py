@@ -12,6 +12,7 @@ import pytest
 
 from robowidgets import feeds
 from robowidgets.behaviors import Drive
+from robowidgets.driving.command_watchdog import CommandWatchdog
 from robowidgets.feeds import Feed
 
 from ..waiting import threads_named, wait_for
@@ -88,6 +89,21 @@ class TestStopAll:
         assert script.speeds[-1] == (0.0, 0.0)
         everybody.release()
 
+    def test_a_release_leaves_a_stop_that_someone_pressed_meanwhile(self, opened: ExitStack) -> None:
+        red, script = scripted(opened)
+        everybody, others = feeds.StopAll({"red": red}), feeds.StopAll({"red": red})
+        everybody.stop(60)
+        others.stop(60)
+        red.stopped = True  # as the button of the robot does
+        everybody.release()
+        others.release()
+        assert red.stopped
+        with pytest.raises(feeds.FeedError, match="stop is latched"):
+            red.drive(0.2)
+        red.stopped = False
+        red.drive(0.2)
+        assert script.speeds[-1] == (0.2, 0.0)
+
     def test_a_program_stays_paused_after_the_release_and_a_latch_that_was_there_stays(self, opened: ExitStack) -> None:
         red, script = scripted(opened)
         blue, _ = scripted(opened)
@@ -116,17 +132,13 @@ class TestStopAll:
         everybody = feeds.StopAll({"red": red})
         there, go = threading.Event(), threading.Event()
 
-        real: Any = vars(Feed)["stopped"]
-
-        def stopped(feed: Feed) -> bool:
-            is_stopped: bool = real.fget(feed)
-            if threading.current_thread().name == "robowidgets-standstill":
-                there.set()
-                go.wait(240)
-            return is_stopped
+        def latch(owner: object) -> None:
+            there.set()
+            go.wait(240)
+            CommandWatchdog.latch(red.watchdog, owner)
 
         with monkeypatch.context() as patched:
-            patched.setattr(Feed, "stopped", property(stopped, real.fset))
+            patched.setattr(red.watchdog, "latch", latch)
             everybody.stop(timeout=0)
             assert there.wait(240)
             everybody.release()
