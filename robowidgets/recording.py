@@ -109,6 +109,7 @@ class Recording(RecordingData):
         # Imported lazily: reading samples needs no check-up.
         from .doctor.report import examine
 
+        self.check_topics()
         series = {name: self.series(name) for name in shown(self.topics)}
         for one in series.values():
             len(one)  # Reads it, which finds the problems of its clock and of its messages.

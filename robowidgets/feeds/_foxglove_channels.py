@@ -6,8 +6,8 @@ import json
 from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
-from ..messages.channel import Channel
-from ._bridge import UnreadableError, full_type, other_nodes, strings
+from ..messages.channel import Channel, full_type
+from ._bridge import UnreadableError, other_nodes, strings
 from ._websocket import one_line
 from .middleware import Advert
 

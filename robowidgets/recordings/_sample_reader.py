@@ -43,6 +43,7 @@ _LEAST = 20
 _REPAIR = "robowidgets repair writes all that can be read to a file that every tool reads"
 _SILENT = "did its node or its sensor start late, or stop early?"
 _LEFT_OUT = "see what publishes them"
+_LEFT_OVER = "nodes of ROS ignore them, too; if a field is missing, record with the definitions that its publisher has"
 _SEVERAL = "do two sensors publish to one topic? Give each its own"
 
 Found = TypeVar("Found")
@@ -64,6 +65,9 @@ class Messages:
         """For each topic its kind, and the message type that decided it."""
         self._left_out: dict[str, str] = {}
         self._stopped: list[str] = []
+        self._left_over: defaultdict[int, list[str]] = defaultdict(list)
+        """Topics by the number of bytes that follow the last field of their messages."""
+        self._has_looked = False
         # Of each topic the sample that `last` found last, and the time before which none follows: in a long silence the
         # same one is wanted again and again.
         self._last: dict[tuple[str, bool], tuple[Moment, int]] = {}
@@ -84,12 +88,17 @@ class Messages:
             if topic.problem and topic.count:
                 alike[topic.problem].append(topic.name)
         unread = [f"{listed(names)}: {problem}" for problem, names in alike.items()]
+        left_over = [
+            f"{listed(names)}: {many(left, 'byte')} after each message that its definition does not describe, ignored"
+            for left, names in self._left_over.items()
+        ]
         found = (
             (self._source.problems, _REPAIR),
             (unread, ""),
             (self._silences, _SILENT),
             (self._about_frames(), _SEVERAL),
             (self._stopped, _REPAIR),
+            (left_over, _LEFT_OVER),
             (self._left_out.values(), _LEFT_OUT),
         )
         return tuple(Problem(line, remedy) for lines, remedy in found for line in lines)
@@ -207,6 +216,41 @@ class Messages:
         """Close the file; doing it again does nothing."""
         self._closed = True
         self._source.close()
+
+    def check_topics(self) -> None:
+        """Read the first message of each topic, once: what makes a topic unreadable is among the problems then."""
+        if self._has_looked or self._closed:
+            return
+        self._has_looked = True
+        problems: dict[tuple[str, str], str] = {}
+        for channel in self._source.channels:
+            reader = self._reader(channel) if channel.count else ""
+            if isinstance(reader, str):
+                problems.setdefault((channel.topic, channel.type), reader)
+                continue
+            try:
+                first = next(self._source.messages([channel]), None)
+                if first is not None:
+                    self._check(reader, first)
+            except RecordingError as error:
+                self._stop(error)
+        self.topics = tuple(
+            topic if topic.problem else topic._replace(problem=problems.get((topic.name, topic.type), ""))
+            for topic in self.topics
+        )
+
+    def _check(self, reader: MessageDecoder, message: Message) -> None:
+        """Note what is wrong with a message of a channel, and what its definition does not describe."""
+        channel, time_ns, raw = message
+        try:
+            left = reader.left_over(raw)
+        except ValueError as error:
+            self._note(channel, time_ns, error)
+            return
+        if left:
+            self._left_over[left].append(channel.topic)
+        if channel.id in self._decoders and channel in self._shown[channel.topic]:
+            list(self._moments([message]))
 
     def _understand(self, channel: Channel) -> tuple[Kind | None, str]:
         """Make the decoder of a channel; returns its kind, and the reason if it cannot be read."""

@@ -509,6 +509,7 @@ class RecordingData:
         return self._table().to_html()
 
     def _table(self) -> Table:
+        self.check_topics()
         return table_of(self._heading(), self.topics, self.problems)
 
     def _heading(self) -> str:
@@ -532,6 +533,14 @@ class RecordingData:
             UnknownTopicError: there is none; or there are several, as `UnnamedTopicError`.
         """
         return only(self.path.name, self.topics, widget, self.preferred)
+
+    def check_topics(self) -> None:
+        """Read the first message of each topic, once: what makes a topic unreadable is in `problems` then.
+
+        `info` and `doctor` begin with it.
+        """
+        if not self._closed:
+            self._messages.check_topics()
 
     def why_unreadable(self, name: str) -> str:
         """Why no message of a topic can be read; empty if they can be, whether a widget shows them or not."""

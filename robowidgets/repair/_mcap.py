@@ -8,7 +8,7 @@ from binascii import crc32
 from pathlib import Path
 from typing import NamedTuple
 
-from ..messages.channel import Channel, definition_text
+from ..messages.channel import Channel, definition_text, full_type
 from ._byte_range import ByteRange, find
 from ._found_messages import Damage, Walk
 from ._record_reader import MAX_TEXT, Record, RecordReader
@@ -81,8 +81,7 @@ class _Reader(RecordReader):
         channels = []
         for number, (schema_id, topic, encoding) in self.named.items():
             schema = self.schemas.get(schema_id, _Schema("", "", ""))
-            name = schema.name.replace("/", "/msg/") if schema.encoding == "ros1msg" else schema.name
-            channels.append(Channel(number, topic, name, encoding, schema.text, 0))
+            channels.append(Channel(number, topic, full_type(schema.name), encoding, schema.text, 0))
         return channels
 
     def record(self, data: ByteRange, record: Record, chunk: int, damage: Damage) -> None:
