@@ -13,12 +13,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._core.tables import Table
-from .._core.text import listed, often
+from .._core.text import listed, many, often
 from ..kinds import KINDS
 from ..recordings.columns.scans import Scans
 from ..recordings.columns.series import Series
 from ..recordings.times import has_date
-from ..recordings.topics import Topic
+from ..recordings.topics import UPDATES, Topic, updates_in
 from ..samples import Problem
 from ..samples.scan_problems import of_ranges
 from ._timing import Timing, timing_of
@@ -123,7 +123,7 @@ def examine(
         known: the problems that were found before, of the file and of its clock.
         silences: start and end in seconds of the silences that these name, by topic, shape (K, 2).
     """
-    problems = [*known, *_never_came(topics)]
+    problems = [*known, *_never_came(topics), *_updated(topics)]
     reports = []
     for topic in topics:
         if topic.widget and topic.name in series and topic.count:
@@ -143,6 +143,14 @@ def _never_came(topics: Sequence[Topic]) -> Iterator[Problem]:
         yield Problem(
             f"{listed(names)}: no message came",
             "does its node run, and does its quality of service fit the recorder's?",
+        )
+
+
+def _updated(topics: Sequence[Topic]) -> Iterator[Problem]:
+    for name, count in updates_in(topics).items():
+        yield Problem(
+            f"{name}: {many(count, 'update')} on {name}{UPDATES} change it, and a map does not draw them",
+            "record whole grids: always_send_full_costmap: true in the parameters of its costmap",
         )
 
 

@@ -11,11 +11,12 @@ from .._core.text import listed, many
 from ..kinds import Kind, is_standard, is_undecided, kind_of_message, kind_of_shape, kinds_of_type, load
 from ..messages.channel import Channel
 from ..messages.decoding import ENCODINGS, decoder_of, one_line, shape_of
+from ..messages.event import LOG_TYPES, line_level
 from ..messages.standard import ODOMETRY
 from ..poses.transforms import TRANSFORMS, Transform, transforms_of
 from ..repair import Message, RecordingError, Source
 from ..samples import Problem
-from ..samples.event import Event
+from ..samples.event import Event, Level
 from ..samples.staleness import OPEN_END
 from .columns._decoders import Decoder
 from .columns._fields import Fields
@@ -36,6 +37,9 @@ _BURST_SHARE = 0.1
 _SHORTEST_LOOK_NS = 1_000_000
 _MOST_AT_ONCE = 64
 """Messages that are decoded together while samples are iterated over."""
+
+_FIRST_ONES = 100
+"""Messages at the start of a topic that are read in any case: what is said once is said there."""
 
 _LEAST = 20
 """Messages that a topic needs for a usual step: with fewer, a long pause or a short burst means little."""
@@ -118,18 +122,49 @@ class Messages:
             self._stop(error)
         yield from self._moments(batch)
 
-    def messages(self, topics: Collection[str], start_ns: int | None, stop_ns: int | None) -> Iterator[TimedMessage]:
-        """The messages of topics, of any type, from ``start_ns`` up to, not including, ``stop_ns``."""
+    def messages(
+        self,
+        topics: Collection[str],
+        start_ns: int | None,
+        stop_ns: int | None,
+        *,
+        every: int = 1,
+        is_wanted: Callable[[Message], bool] | None = None,
+    ) -> Iterator[TimedMessage]:
+        """The messages of topics, of any type, from ``start_ns`` up to, not including, ``stop_ns``.
+
+        Args:
+            topics: names of topics.
+            start_ns: the start in nanoseconds, or None.
+            stop_ns: the end in nanoseconds, or None.
+            every: about every second, third and so on is read; see `Thinning`.
+            is_wanted: returns True for a message that is to be read; None: all are.
+        """
         channels = [channel for topic in topics for channel in self._readable(topic)]
+        thinning = Thinning(every)
         try:
             for message in self._source.messages(channels, start_ns, stop_ns):
-                yield from self._as_messages([message])
+                if thinning.keeps(message[0]) and (is_wanted is None or is_wanted(message)):
+                    yield from self._as_messages([message])
         except RecordingError as error:
             self._stop(error)
 
-    def events(self, topics: Collection[str], stop_ns: int | None) -> Iterator[tuple[int, Event]]:
-        """The events on topics up to, not including, a time, about in the order of their times, which each has."""
-        return read_events(self.messages(topics, None, stop_ns), self._note_left_out)
+    def events(self, topics: Collection[str], stop_ns: int | None, every_line: int = 1) -> Iterator[tuple[int, Event]]:
+        """The events on topics up to, not including, a time, about in the order of their times, which each has.
+
+        Of lines of logs below a warning only every ``every_line``-th is read; 0: none.
+        """
+        lines: defaultdict[int, int] = defaultdict(int)
+
+        def is_wanted(message: Message) -> bool:
+            channel, _, raw = message
+            if channel.type not in LOG_TYPES or line_level(channel.type, channel.encoding, raw) >= Level.WARN:
+                return True
+            lines[channel.id] += 1
+            return every_line > 0 and (lines[channel.id] - 1) % every_line == 0
+
+        wanted = None if every_line == 1 else is_wanted
+        return read_events(self.messages(topics, None, stop_ns, is_wanted=wanted), self._note_left_out)
 
     def fields(self, topic: str, memory: Memory) -> Fields:
         """The messages of a topic as columns of their fields.
@@ -200,10 +235,18 @@ class Messages:
         series: Series[Any] = load(self._kinds[topic][0].columns)(store, self.start_ns or 0)
         return series
 
-    def transforms(self) -> Iterator[Transform]:
-        """The transforms of odometry and tf, in the order of time."""
-        channels = [channel for channel in self._source.channels if channel.type in (ODOMETRY, *TRANSFORMS)]
-        return self._read(channels, transforms_of, "Reading where the robot was")
+    def transforms(self, every: int = 1) -> Iterator[Transform]:
+        """The transforms of odometry and tf, in the order of time; of many, of about every ``every``-th message."""
+        return self._read(self._transforming, transforms_of, "Reading where the robot was", every)
+
+    @property
+    def transform_count(self) -> int:
+        """The number of messages that `transforms` reads."""
+        return sum(channel.count for channel in self._transforming)
+
+    @property
+    def _transforming(self) -> list[Channel]:
+        return [channel for channel in self._source.channels if channel.type in (ODOMETRY, *TRANSFORMS)]
 
     def texts(self, is_wanted: Callable[[str], bool]) -> Iterator[tuple[str, float, str]]:
         """Topic, seconds and text of the ``std_msgs/String`` on some topics, in the order of time."""
@@ -285,19 +328,22 @@ class Messages:
             return None
 
     def _read(
-        self, channels: Sequence[Channel], read: Callable[[Any, str, int], Iterable[Found]], what: str
+        self, channels: Sequence[Channel], read: Callable[[Any, str, int], Iterable[Found]], what: str, every: int = 1
     ) -> Iterator[Found]:
         """What a function finds in messages that are no samples: it takes a message, its topic and its time."""
         channels = [channel for channel in channels if channel.encoding in ENCODINGS]
+        thinning = Thinning(every)
         try:
             decoders = {channel.id: decoder_of(channel) for channel in channels}
             with Progress(sum(channel.count for channel in channels), what) as bar:
                 for channel, time_ns, raw in self._source.messages(channels):
+                    bar.update(1)
+                    if not thinning.keeps(channel):
+                        continue
                     try:
                         yield from read(decoders[channel.id](raw), channel.topic, time_ns)
                     except ValueError as error:
                         self._note(channel, time_ns, error)
-                    bar.update(1)
         except (RecordingError, ValueError) as error:
             self._stop(error)
 
@@ -432,6 +478,31 @@ class Messages:
         line = f"the file can be read no further: {one_line(error)}"
         if line not in self._stopped:
             self._stopped.append(line)
+
+
+class Thinning:
+    """Chooses messages of each channel: the first hundred, the last one, and about every second, third and so on.
+
+    The rest are chosen by no rhythm: messages of several publishers may alternate on a topic. Each time the same ones
+    are.
+
+    Args:
+        every: of how many messages one is chosen.
+    """
+
+    def __init__(self, every: int) -> None:
+        self._every = every
+        self._numbers: defaultdict[int, int] = defaultdict(int)
+
+    def keeps(self, channel: Channel) -> bool:
+        """Return True if the next message of a channel is chosen."""
+        if self._every <= 1:
+            return True
+        number = self._numbers[channel.id]
+        self._numbers[channel.id] = number + 1
+        # By the golden ratio, the bits of which follow no rhythm of a robot.
+        scattered = (number * 0x9E3779B1 & 0xFFFFFFFF) >> 8
+        return number < _FIRST_ONES or number + 1 == channel.count or scattered % self._every == 0
 
 
 def _is_alike(one: MessageDecoder | str, other: MessageDecoder | str) -> bool:

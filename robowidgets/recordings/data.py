@@ -196,6 +196,15 @@ class RecordingData:
         self._check_readable(topic)
         return self._messages.messages([topic], *span_ns(self.start_ns, start, end))
 
+    def thinned_messages(self, topic: str, every: int) -> Iterator[TimedMessage]:
+        """The messages of a topic of which about every second, third and so on is read, with the first and the last.
+
+        Raises:
+            UnknownTopicError, RecordingError: as `messages`.
+        """
+        self._check_readable(topic)
+        return self._messages.messages([topic], None, None, every=every)
+
     def message_at(self, topic: str, seconds: float) -> TimedMessage | None:
         """The last message of a topic of any type, at a time or before it; None if there is none yet.
 
@@ -265,8 +274,16 @@ class RecordingData:
         what = (f" of {least.name} or more" if least else "") + (f" with {words!r}" if words else "")
         return Events(sorted(found, key=lambda one: one.time_ns), what)
 
-    def timed_events(self, topics: Collection[str] = (), stop_ns: int | None = None) -> Iterator[tuple[int, Event]]:
-        """The events on topics, or on all that tell of any, about in the order of their times in nanoseconds."""
+    def timed_events(
+        self, topics: Collection[str] = (), stop_ns: int | None = None, *, every_line: int = 1
+    ) -> Iterator[tuple[int, Event]]:
+        """The events on topics, or on all that tell of any, about in the order of their times in nanoseconds.
+
+        Args:
+            topics: names of topics.
+            stop_ns: the time at which to stop, not included; None: the end.
+            every_line: of lines of logs below a warning only every second, third and so on; 0: none of them.
+        """
         self._check_open()
         telling = [topic.name for topic in self.topics if has_events(topic)]
         for name in topics:
@@ -275,7 +292,7 @@ class RecordingData:
                 there = ", ".join(telling) or "none"
                 raise UnknownTopicError(f"{self.path.name}: {name!r} tells of no events: those that do are {there}")
         end_ns = stop_ns if stop_ns is not None else (self.end_ns or 0) + 1
-        found = self._messages.events(list(topics) or telling, stop_ns)
+        found = self._messages.events(list(topics) or telling, stop_ns, every_line)
         return ((time_ns, event) for time_ns, event in found if time_ns < end_ns)
 
     def _seconds(self, time_ns: int) -> float:
@@ -399,10 +416,19 @@ class RecordingData:
         """
         return self._of_kind(topic, TOUCH, Touches)
 
-    def transforms(self) -> Iterator[Transform]:
-        """The transforms of odometry and tf, in the order of time."""
+    def transforms(self, every: int = 1) -> Iterator[Transform]:
+        """The transforms of odometry and tf, in the order of time.
+
+        Args:
+            every: about every second, third and so on of the messages of each topic is read, and its first ones.
+        """
         self._check_open()
-        return self._messages.transforms()
+        return self._messages.transforms(every)
+
+    @property
+    def transform_count(self) -> int:
+        """The number of messages that `transforms` reads."""
+        return self._messages.transform_count
 
     @property
     def labels(self) -> tuple[Label, ...]:
