@@ -114,7 +114,8 @@ class Recording(RecordingData):
         for one in series.values():
             len(one)  # Reads it, which finds the problems of its clock and of its messages.
         silences = {name: clock.silences for name, clock in self._note_clocks().items()}
-        return examine(self._heading(), self.topics, series, self._with_remedies(), silences)
+        transforms = list(self.transforms(odometry=False))
+        return examine(self._heading(), self.topics, series, self._with_remedies(), silences, transforms)
 
     def show(
         self,

@@ -235,9 +235,10 @@ class Messages:
         series: Series[Any] = load(self._kinds[topic][0].columns)(store, self.start_ns or 0)
         return series
 
-    def transforms(self, every: int = 1) -> Iterator[Transform]:
-        """The transforms of odometry and tf, in the order of time; of many, of about every ``every``-th message."""
-        return self._read(self._transforming, transforms_of, "Reading where the robot was", every)
+    def transforms(self, every: int = 1, odometry: bool = True) -> Iterator[Transform]:
+        """The transforms of tf, and of odometry, in the order of time; of many, of about every ``every``-th message."""
+        channels = [channel for channel in self._transforming if odometry or channel.type != ODOMETRY]
+        return self._read(channels, transforms_of, "Reading where the robot was", every)
 
     @property
     def transform_count(self) -> int:

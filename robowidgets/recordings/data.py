@@ -416,14 +416,15 @@ class RecordingData:
         """
         return self._of_kind(topic, TOUCH, Touches)
 
-    def transforms(self, every: int = 1) -> Iterator[Transform]:
+    def transforms(self, every: int = 1, *, odometry: bool = True) -> Iterator[Transform]:
         """The transforms of odometry and tf, in the order of time.
 
         Args:
             every: about every second, third and so on of the messages of each topic is read, and its first ones.
+            odometry: whether those of odometry are among them.
         """
         self._check_open()
-        return self._messages.transforms(every)
+        return self._messages.transforms(every, odometry)
 
     @property
     def transform_count(self) -> int:

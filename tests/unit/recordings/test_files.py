@@ -342,6 +342,18 @@ class TestFilesWithoutMetadata:
         with pytest.raises(RecordingError, match=r"2 recordings in this folder: open one of them: run_0\.mcap, run_1"):
             open(folder)
 
+    def test_that_each_lack_another_slow_topic_are_one(self, tmp_path: Path) -> None:
+        """A part of an MCAP recording lists only the topics with a message in it."""
+        folder = tmp_path / "runs"
+        folder.mkdir()
+        for number in range(3):
+            (part,) = topics.write(
+                tmp_path / f"part_{number}",
+                {name: [(10.0 * number + i, 1.0) for i in range(9)] for name in ("/scan", "/back", f"/slow_{number}")},
+            ).glob("*.mcap")
+            shutil.copy(part, folder / f"run_{number}.mcap")
+        assert read_count(folder) == {"/scan": 27, "/back": 27, "/slow_0": 9, "/slow_1": 9, "/slow_2": 9}
+
     def test_that_hold_other_topics_are_not(self, tmp_path: Path) -> None:
         folder = self.folder(tmp_path, messages(60))
         (other,) = topics.write(tmp_path / "other", {"/other_scan": [(1000, 1.0)]}).glob("*.mcap")

@@ -18,6 +18,7 @@ from robowidgets.messages.encoding import encode
 START_NS = 1_700_000_000_000_000_000
 SCAN = {
     "angle_min": -1.0,
+    "angle_max": 1.0,
     "angle_increment": 0.1,
     "range_min": 0.1,
     "range_max": 10.0,
