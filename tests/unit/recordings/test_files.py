@@ -362,6 +362,21 @@ class TestFilesWithoutMetadata:
             open(folder)
 
 
+@pytest.mark.parametrize("write", [write_indexed_mcap, write_bag])
+def test_a_file_whose_line_ends_git_changed_is_called_that(tmp_path: Path, write: Callable[..., Path]) -> None:
+    path = write(tmp_path / "drive", messages(30))
+    raw, kind = path.read_bytes(), "mcap" if write is write_indexed_mcap else "bag"
+    changed = tmp_path / f"changed.{kind}"
+    changed.write_bytes(raw.replace(b"\r\n", b"\n") if kind == "mcap" else raw.replace(b"\n", b"\r\n"))
+    with pytest.raises(RecordingError, match=rf"whose line ends git has changed for good: .*`\*\.{kind} binary`"):
+        open(changed)
+
+
+def test_a_file_from_a_checkout_that_changes_line_ends(data: Path) -> None:
+    with pytest.raises(RecordingError, match="whose line ends git has changed"):
+        open(data / "reports/git_line_ends/drive.mcap")
+
+
 class TestDatabases:
     def test_that_were_cut_within_their_last_page_give_no_zeros(self, tmp_path: Path) -> None:
         held = messages(60)
