@@ -56,11 +56,14 @@ def full_type(name: str) -> str:
 
 
 def definition_text(encoding: str, type_name: str, text: str) -> str:
-    """The text of a definition as `Channel` holds it; empty when it is in a language that is not ROS's."""
+    """The text of a definition as `Channel` holds it; empty when it is in a language that is not read.
+
+    That of protobuf is its bytes in base64.
+    """
     text = text.replace("\r\n", "\n")
     if encoding in _IDL and text and not text.startswith(_LINE):
         return f"{_LINE}\nIDL: {type_name}\n{text}"
-    return text if encoding in _MESSAGE or encoding in _IDL else ""
+    return text if encoding in _MESSAGE or encoding in _IDL or encoding == "protobuf" else ""
 
 
 def is_idl(definition: str) -> bool:

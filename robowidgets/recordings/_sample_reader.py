@@ -12,6 +12,7 @@ from ..kinds import Kind, is_standard, is_undecided, kind_of_message, kind_of_sh
 from ..messages.channel import Channel
 from ..messages.decoding import ENCODINGS, decoder_of, one_line, shape_of
 from ..messages.event import LOG_TYPES, line_level
+from ..messages.protobuf import NO_PROTOBUF, has_protobuf
 from ..messages.standard import ODOMETRY
 from ..poses.transforms import TRANSFORMS, Transform, transforms_of
 from ..repair import Message, RecordingError, Source
@@ -457,6 +458,8 @@ class Messages:
         """Why messages in the encoding of a channel cannot be read; empty if they can."""
         if channel.encoding in ENCODINGS:
             return ""
+        if channel.encoding == "protobuf" and not has_protobuf():
+            return NO_PROTOBUF
         return f"its messages are encoded as {channel.encoding!r}: expected {' or '.join(ENCODINGS)}"
 
     def _note(self, channel: Channel, time_ns: int, error: Exception) -> None:

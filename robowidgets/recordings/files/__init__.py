@@ -24,6 +24,7 @@ from ...samples.staleness import PARTS_PAUSE
 from . import _rosbags
 from ._chain import Chain
 from ._fallback import FallbackSource
+from ._plain import in_ros
 
 _OPENERS = {
     b"#ROSBAG V2.0\n": _rosbags.open_bag,
@@ -50,7 +51,7 @@ def open_source(path: Path) -> Source:
         RecordingError: the path does not exist, or nothing of it can be read. The text gives the reason.
     """
     try:
-        return _open(path.parent if path.name == METADATA else path)
+        return in_ros(_open(path.parent if path.name == METADATA else path))
     except OSError as error:
         raise RecordingError(f"{path}: cannot be read: {error.strerror or error}") from None
 
