@@ -9,7 +9,7 @@ from collections.abc import Callable, Mapping, Sequence
 from math import inf
 from typing import Any
 
-Fields = Mapping[str, Any]
+PlainFields = Mapping[str, Any]
 
 _POINT_FIELDS = {1: 2, 2: 1, 3: 4, 4: 3, 5: 6, 6: 5, 7: 7, 8: 8}
 """The numbers of sensor_msgs/PointField by those of foxglove.PackedElementField."""
@@ -25,7 +25,7 @@ def time_of(value: Any) -> dict[str, int]:
     return {"sec": int(value.get("sec", 0)), "nanosec": int(value.get("nanosec", value.get("nsec", 0)))}
 
 
-def _header(fields: Fields, frame: str = "frame_id") -> dict[str, Any]:
+def _header(fields: PlainFields, frame: str = "frame_id") -> dict[str, Any]:
     return {"stamp": time_of(fields.get("timestamp")), "frame_id": str(fields.get(frame, ""))}
 
 
@@ -34,7 +34,7 @@ def _number(value: Any, names: Sequence[str]) -> int:
     return names.index(value) if isinstance(value, str) and value in names else int(value or 0)
 
 
-def _scan(fields: Fields) -> dict[str, Any]:
+def _scan(fields: PlainFields) -> dict[str, Any]:
     ranges = fields.get("ranges") or ()
     start, end = (float(fields.get(name) or 0.0) for name in ("start_angle", "end_angle"))
     return {
@@ -48,17 +48,17 @@ def _scan(fields: Fields) -> dict[str, Any]:
     }
 
 
-def _log(fields: Fields) -> dict[str, Any]:
+def _log(fields: PlainFields) -> dict[str, Any]:
     same = {name: fields.get(name, "") for name in ("name", "file")}
     level = 10 * _number(fields.get("level"), _LEVELS)
     return {"stamp": time_of(fields.get("timestamp")), "level": level, "msg": fields.get("message", ""), **same}
 
 
-def _image(fields: Fields) -> dict[str, Any]:
+def _image(fields: PlainFields) -> dict[str, Any]:
     return {"header": _header(fields), **_same(fields, "height", "width", "encoding", "step", "data")}
 
 
-def _cloud(fields: Fields) -> dict[str, Any]:
+def _cloud(fields: PlainFields) -> dict[str, Any]:
     step, data = int(fields.get("point_stride") or 0), fields.get("data") or b""
     size = len(data) if isinstance(data, (bytes, bytearray)) else len(data) * 3 // 4 - str(data)[-2:].count("=")
     width = size // step if step else 0
@@ -75,14 +75,14 @@ def _cloud(fields: Fields) -> dict[str, Any]:
     return {"header": _header(fields), "fields": columns, "data": data, **layout}
 
 
-def _fix(fields: Fields) -> dict[str, Any]:
+def _fix(fields: PlainFields) -> dict[str, Any]:
     kind = _number(fields.get("position_covariance_type"), _COVARIANCES)
     more = {"position_covariance": fields["position_covariance"]} if fields.get("position_covariance") else {}
     place = _same(fields, "latitude", "longitude", "altitude")
     return {"header": _header(fields), **place, "position_covariance_type": kind, **more}
 
 
-def _transform(fields: Fields) -> dict[str, Any]:
+def _transform(fields: PlainFields) -> dict[str, Any]:
     return {
         "header": _header(fields, "parent_frame_id"),
         "child_frame_id": str(fields.get("child_frame_id", "")),
@@ -90,17 +90,17 @@ def _transform(fields: Fields) -> dict[str, Any]:
     }
 
 
-def _calibration(fields: Fields) -> dict[str, Any]:
+def _calibration(fields: PlainFields) -> dict[str, Any]:
     # NumPy takes an empty array for one that is left out.
     matrices = {name.lower(): fields[name] for name in "DKRP" if fields.get(name)}
     return {"header": _header(fields), **_same(fields, "height", "width", "distortion_model"), **matrices}
 
 
-def _same(fields: Fields, *names: str) -> dict[str, Any]:
+def _same(fields: PlainFields, *names: str) -> dict[str, Any]:
     return {name: fields[name] for name in names if fields.get(name) is not None}
 
 
-_MESSAGES: dict[str, tuple[str, Callable[[Fields], dict[str, Any]]]] = {
+_MESSAGES: dict[str, tuple[str, Callable[[PlainFields], dict[str, Any]]]] = {
     "LaserScan": ("sensor_msgs/msg/LaserScan", _scan),
     "PoseInFrame": ("geometry_msgs/msg/PoseStamped", lambda one: {"header": _header(one), **_same(one, "pose")}),
     "PosesInFrame": ("geometry_msgs/msg/PoseArray", lambda one: {"header": _header(one), **_same(one, "poses")}),
@@ -121,7 +121,7 @@ _MESSAGES: dict[str, tuple[str, Callable[[Fields], dict[str, Any]]]] = {
 }
 
 
-def as_ros(schema: str) -> tuple[str, Callable[[Fields], dict[str, Any]]] | None:
+def as_ros(schema: str) -> tuple[str, Callable[[PlainFields], dict[str, Any]]] | None:
     """Return the type of ROS that a schema of Foxglove is read as, and a function that makes its fields, or None.
 
     Args:

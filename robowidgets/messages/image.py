@@ -11,9 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..samples.image import BAYER, CHANNELS, Image
+from ._rvl import from_rvl
 from .byte_fields import byte_array
 from .fields import describe, frame_id, get, has, stamp_ns, unwrap
-from .rvl import from_rvl
 
 IMAGE_TYPES = frozenset({"sensor_msgs/msg/Image", "sensor_msgs/msg/CompressedImage"})
 

@@ -94,7 +94,7 @@ class PlainSource:
         return channel._replace(type=type_name, encoding="cdr", definition=definition)
 
     def _own(self, channel: Channel, read: Callable[[bytes], Any]) -> tuple[str, str, Callable[[Any], dict[str, Any]]]:
-        """The type of a channel of no schema of Foxglove, its definition, and what makes fields of a message."""
+        """The type of a channel of no Foxglove schema, its definition, and what makes fields of a message."""
         if channel.encoding == "json" and _is_known(channel.type):
             return channel.type, "", dict
         raws = [raw for _, _, raw in islice(self._source.messages([channel]), _LOOKED_AT)]
