@@ -31,7 +31,7 @@ from .columns.series import Series
 from .columns.speeds import Speeds
 from .columns.touches import Touches
 from .events import Events, RecordedEvent, has_events
-from .files import open_source
+from .files import open_as_ros
 from .labels import Label, LabelFile, LabelledSpan, labelled_span, with_clock
 from .odometry import places_of
 from .program_log import PROGRAM, STATES, ProgramVersion, spans_of, version_of
@@ -77,7 +77,7 @@ class RecordingData:
         self._file = fetch(path) if is_url(path) else held(Path(os.fsdecode(path)).expanduser())
         self._path, self._url = self._file.path, self._file.url
         try:
-            self._messages = Messages(open_source(self._path))
+            self._messages = Messages(open_as_ros(self._path))
         except BaseException:
             self._file.close()
             raise

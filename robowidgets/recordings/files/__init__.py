@@ -51,9 +51,14 @@ def open_source(path: Path) -> Source:
         RecordingError: the path does not exist, or nothing of it can be read. The text gives the reason.
     """
     try:
-        return in_ros(_open(path.parent if path.name == METADATA else path))
+        return _open(path.parent if path.name == METADATA else path)
     except OSError as error:
         raise RecordingError(f"{path}: cannot be read: {error.strerror or error}") from None
+
+
+def open_as_ros(path: Path) -> Source:
+    """Return the same source, with messages in JSON and protobuf as messages of ROS 2. Raises as `open_source`."""
+    return in_ros(open_source(path))
 
 
 def _open(path: Path) -> Source:
