@@ -7,7 +7,7 @@ import time
 from collections.abc import Iterable, Sequence
 from copy import deepcopy
 from dataclasses import dataclass, field, replace
-from math import inf, isfinite, nan
+from math import isfinite, nan
 from typing import Any, ClassVar
 
 import numpy as np
@@ -146,7 +146,6 @@ class PathWidget(DrawsShapes[PathPoint]):
         self._track = Path()
         self._recent = RecentPoses()
         self._began: float | None = None
-        self._complete_until = inf
         self._is_path_new = False
         self._path_due = 0.0
         super().__init__(**kwargs)
@@ -473,9 +472,9 @@ class PathWidget(DrawsShapes[PathPoint]):
         path = _part(self.points, start, end).tobytes()
         return {"_path": path, "_tracks": pack_tracks(tracks), "_grids": pack_grids(grids)}
 
-    def show_whole(self, path: Path, until: float = inf) -> None:
-        """Show a recording's path, of which a player then shows one moment; complete up to a time in seconds."""
-        self._track, self._complete_until = path, until
+    def show_whole(self, path: Path) -> None:
+        """Show a recording's path, of which a player then shows one moment."""
+        self._track = path
         self._path = path.points.tobytes()
 
     def show_map(
@@ -493,10 +492,7 @@ class PathWidget(DrawsShapes[PathPoint]):
 
     def frame_of(self, sample: PathPoint) -> tuple[dict[str, Any], bytes]:
         """See `RobotWidget`."""
-        about: dict[str, Any] = {"frame_id": sample.frame_id, **self._drawn_on(sample)}
-        if sample.time > self._complete_until:
-            about["notes"] = [f"no path after {self._complete_until:.0f} s: reading all of it takes long"]
-        return about, self._pack(sample)
+        return {"frame_id": sample.frame_id, **self._drawn_on(sample)}, self._pack(sample)
 
     def _to_point(self, message: Any, fields: dict[str, Any]) -> PathPoint:
         named = [name for name in fields if name != "time"]

@@ -109,11 +109,13 @@ class Recording(RecordingData):
         # Imported lazily: reading samples needs no check-up.
         from .doctor.report import examine
 
+        self.check_topics()
         series = {name: self.series(name) for name in shown(self.topics)}
         for one in series.values():
             len(one)  # Reads it, which finds the problems of its clock and of its messages.
         silences = {name: clock.silences for name, clock in self._note_clocks().items()}
-        return examine(self._heading(), self.topics, series, self._with_remedies(), silences)
+        transforms = list(self.transforms(odometry=False))
+        return examine(self._heading(), self.topics, series, self._with_remedies(), silences, transforms)
 
     def show(
         self,

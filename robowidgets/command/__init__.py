@@ -59,6 +59,7 @@ def _print_info(arguments: argparse.Namespace) -> int:
     if file is None:
         return _print_many(fleet.summary(*arguments.files), arguments)
     with robowidgets.open(file) as recording:
+        recording.check_topics()
         facts = {
             "path": recording.url or str(recording.path),
             "start_ns": recording.start_ns,

@@ -13,18 +13,21 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._core.tables import Table
-from .._core.text import listed, often
+from .._core.text import listed, many, often
 from ..kinds import KINDS
+from ..messages.standard import LASER_SCAN, ODOMETRY, RANGE
+from ..poses.transforms import Transform
 from ..recordings.columns.scans import Scans
 from ..recordings.columns.series import Series
 from ..recordings.columns.speeds import Speeds
 from ..recordings.odometry import odometry as odometry_of
 from ..recordings.times import has_date
-from ..recordings.topics import Topic
+from ..recordings.topics import UPDATES, Topic, updates_in
 from ..samples import Problem
 from ..samples.scan_problems import of_ranges
 from ._mount import problem_of
 from ._timing import Timing, timing_of
+from ._transforms import TransformCheck
 
 _HEADS = ("topic", "samples", "Hz", "jitter", "lost", "rays", "angles", "step", "limits", "frame")
 _RIGHT = (1, 2, 3, 4, 5, 7)
@@ -118,6 +121,7 @@ def examine(
     series: Mapping[str, Series[Any]],
     known: Sequence[Problem],
     silences: Mapping[str, NDArray[np.float64]],
+    transforms: Iterable[Transform] = (),
 ) -> Report:
     """The check-up of a recording. It reads the topics from start to end.
 
@@ -127,13 +131,16 @@ def examine(
         series: the samples of those that a widget shows.
         known: the problems that were found before, of the file and of its clock.
         silences: start and end in seconds of the silences that these name, by topic, shape (K, 2).
+        transforms: all of the recording.
     """
-    problems = [*known, *_never_came(topics)]
+    tf = TransformCheck(transforms)
+    problems = [*known, *_never_came(topics), *_updated(topics), *tf.problems()]
+    is_dated = tf.is_dated or any(_has_dated_stamps(one) for one in series.values())
     reports = []
     odometry = series.get(odometry_of(topics) or "")
     for topic in topics:
         if topic.widget and topic.name in series and topic.count:
-            report, found = _examine(topic, series[topic.name], silences.get(topic.name, _NO_SILENCES))
+            report, found = _examine(topic, series[topic.name], silences.get(topic.name, _NO_SILENCES), is_dated)
             reports.append(report)
             of_topic = series[topic.name]
             if isinstance(of_topic, Scans) and isinstance(odometry, Speeds) and (off := problem_of(of_topic, odometry)):
@@ -155,10 +162,20 @@ def _never_came(topics: Sequence[Topic]) -> Iterator[Problem]:
         )
 
 
-def _examine(topic: Topic, series: Series[Any], silences: NDArray[np.float64]) -> tuple[TopicReport, list[Problem]]:
+def _updated(topics: Sequence[Topic]) -> Iterator[Problem]:
+    for name, count in updates_in(topics).items():
+        yield Problem(
+            f"{name}: {many(count, 'update')} on {name}{UPDATES} change it, and a map does not draw them",
+            "record whole grids: always_send_full_costmap: true in the parameters of its costmap",
+        )
+
+
+def _examine(
+    topic: Topic, series: Series[Any], silences: NDArray[np.float64], is_dated: bool
+) -> tuple[TopicReport, list[Problem]]:
     is_paced = bool(topic.widget and KINDS[topic.widget].goes_stale and not topic.commanded)
     timing = _timing(series) if is_paced else Timing()
-    found = [*_of_timing(timing, series.seconds, silences), *(_of_stamps(series) if is_paced else ())]
+    found = [*_of_timing(timing, series.seconds, silences), *(_of_stamps(topic, series, is_dated) if is_paced else ())]
     rays: dict[int, int] = {}
     geometry: Geometry | None = None
     frames: tuple[str, ...] = ()
@@ -219,11 +236,30 @@ def _of_timing(timing: Timing, seconds: NDArray[np.float64], silences: NDArray[n
         )
 
 
-def _of_stamps(series: Series[Any]) -> Iterator[Problem]:
-    """The problem of stamps by another clock than the recorder's. One of a simulation is another on purpose."""
+def _has_dated_stamps(series: Series[Any]) -> bool:
+    stamps = series.stamps_ns
+    return len(stamps) > 0 and has_date(int(np.median(stamps)))
+
+
+def _of_stamps(topic: Topic, series: Series[Any], is_dated: bool) -> Iterator[Problem]:
+    """The problem of stamps by another clock than the recorder's. One of a simulation is another on purpose.
+
+    Args:
+        topic: the topic.
+        series: its samples.
+        is_dated: whether other stamps of the recording are dates, so that no simulation has made them.
+    """
     times, stamps = series.times_ns, series.stamps_ns
-    dated = [has_date(int(part.min())) for part in (times, stamps) if part.size]
-    if len(stamps) < _LEAST_STAMPS or not all(dated):
+    if len(stamps) < _LEAST_STAMPS or not has_date(int(times.min())):
+        return
+    if is_dated and not has_date(int(stamps.max())) and (stamps.any() or _is_stamped(topic.type)):
+        behind = float(np.median(times - stamps)) / 1e9
+        kind = "seconds since a start" if stamps.any() else "0"
+        yield Problem(
+            f"stamps are {behind:,.0f} s behind the recorder's clock: they are {kind}, others are dates",
+            "give its driver the time (micro-ROS: rmw_uros_sync_session), or tf finds no transforms",
+        )
+    if not has_date(int(stamps.min())):
         return
     skew = float(np.median(stamps - times)) / 1e9
     if abs(skew) > _SKEW_S:
@@ -232,6 +268,11 @@ def _of_stamps(series: Series[Any]) -> Iterator[Problem]:
             f"stamps are {size} {'ahead of' if skew > 0 else 'behind'} the recorder's clock",
             "set the clocks of the robot and the recorder (chrony, NTP), or tf finds no transforms",
         )
+
+
+def _is_stamped(type_name: str) -> bool:
+    """Return True for types whose messages have a stamp, of which 0 is no date; a Twist has none."""
+    return type_name.endswith("Stamped") or type_name in (LASER_SCAN, ODOMETRY, RANGE)
 
 
 def _of_scans(scans: Scans) -> tuple[Geometry | None, tuple[str, ...], list[Problem]]:

@@ -257,12 +257,6 @@ class Bridge(ThreadedMiddleware):
             self._listener.on_trouble(topic, reason)
 
 
-def full_type(name: str) -> str:
-    """A type in the spelling of ROS 2: ``sensor_msgs/msg/LaserScan`` for ``sensor_msgs/LaserScan``."""
-    package, slash, rest = name.partition("/")
-    return f"{package}/msg/{rest}" if slash and "/" not in rest else name
-
-
 def short_type(name: str) -> str:
     """A type in the spelling of ROS 1: ``sensor_msgs/LaserScan``."""
     return name.replace("/msg/", "/")

@@ -7,8 +7,8 @@ from collections.abc import Callable, Iterable, Mapping
 from functools import partial
 from typing import Any
 
-from ..messages.channel import Channel
-from ._bridge import UnreadableError, full_type, other_nodes, strings
+from ..messages.channel import Channel, full_type
+from ._bridge import UnreadableError, other_nodes, strings
 from ._websocket import one_line
 from .middleware import Advert
 

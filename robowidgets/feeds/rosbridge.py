@@ -13,8 +13,9 @@ from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from .._core.clock import Clock
+from ..messages.channel import full_type
 from ..messages.twist import TWIST, TWIST_STAMPED
-from ._bridge import Bridge, UnreadableError, full_type, other_nodes, short_type, strings
+from ._bridge import Bridge, UnreadableError, other_nodes, short_type, strings
 from ._other_bridge import is_foxglove
 from ._rosbridge_frames import has_cbor, read, topic_of
 from ._twist import is_zero

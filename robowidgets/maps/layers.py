@@ -36,6 +36,8 @@ class Layer:
     def __init__(self, number: int, name: str) -> None:
         self.number, self.name = number, name
         self.item: MapItem | None = None
+        self.is_placed = False
+        """True once an item had a place: the frame of a pose that never has one says nothing about the map."""
         self.frame: str | None = ""
         """The frame of the map that it is on; None: nothing joins it to one."""
         self.seconds = 0.0
@@ -116,7 +118,10 @@ class Layers:
         """Show the newest item of a layer."""
         layer = self._layer(name)
         item, self._plane = by_plane(item, self._plane)
-        if layer.item is None or (layer.item.kind, layer.item.frame_id) != (item.kind, item.frame_id):
+        is_placed = layer.is_placed or not item.is_nowhere
+        before = layer.item and (layer.item.kind, layer.item.frame_id, layer.is_placed)
+        if before != (item.kind, item.frame_id, is_placed):
+            layer.is_placed = is_placed
             self._listing += 1
         layer.item, layer.seconds, layer.time_ns, layer.placed = item, seconds, time_ns, None
         if item.child_frame_id and item.frame_id and item.pose == item.pose:
@@ -236,7 +241,9 @@ class Layers:
         """Choose the frames; in another one, ways begin anew, since those before are in the one before."""
         if self._settled == (self.listing, self.asked):
             return
-        self._worlds = worlds_of_map(self.frames, [layer.item for layer in self if layer.item is not None], self.asked)
+        placed = [layer.item for layer in self if layer.item is not None and layer.is_placed]
+        there = placed or [layer.item for layer in self if layer.item is not None]
+        self._worlds = worlds_of_map(self.frames, there, self.asked)
         for layer in self:
             frame = "" if layer.item is None else world_of(self.frames, self._worlds, layer.item.frame_id)
             if frame == layer.frame:

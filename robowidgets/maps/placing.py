@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
-from math import cos, sin
+from math import cos, isfinite, sin
 from typing import NamedTuple
 
 import numpy as np
@@ -88,10 +88,11 @@ def poses_in(
 
 def by_plane(item: MapItem, plane: LocalPlane | None) -> tuple[MapItem, LocalPlane | None]:
     """A fix as metres east and north of the first one, which it is where there was none; other items as they are."""
-    if item.fix is not None and plane is None:
-        plane = LocalPlane(*item.fix)
-    if item.fix is None or plane is None:
+    if item.fix is None:
         return item, plane
+    if not isfinite(item.fix[0]):
+        return replace(item, frame_id=EAST_NORTH), plane
+    plane = plane or LocalPlane(*item.fix)
     return replace(item, frame_id=EAST_NORTH, pose=Pose(*plane.east_north(*item.fix), NOWHERE.yaw)), plane
 
 

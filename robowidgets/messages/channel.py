@@ -49,11 +49,21 @@ _IDL = ("ros2idl", "omgidl")
 _LINE = "=" * 80
 
 
+def full_type(name: str) -> str:
+    """Return a type in the spelling of ROS 2: ``sensor_msgs/msg/LaserScan`` for ``sensor_msgs/LaserScan``."""
+    package, slash, rest = name.partition("/")
+    return f"{package}/msg/{rest}" if slash and "/" not in rest else name
+
+
 def definition_text(encoding: str, type_name: str, text: str) -> str:
-    """The text of a definition as `Channel` holds it; empty when it is in a language that is not ROS's."""
+    """The text of a definition as `Channel` holds it; empty when it is in a language that is not read.
+
+    That of protobuf is its bytes in base64.
+    """
+    text = text.replace("\r\n", "\n")
     if encoding in _IDL and text and not text.startswith(_LINE):
         return f"{_LINE}\nIDL: {type_name}\n{text}"
-    return text if encoding in _MESSAGE or encoding in _IDL else ""
+    return text if encoding in _MESSAGE or encoding in _IDL or encoding == "protobuf" else ""
 
 
 def is_idl(definition: str) -> bool:

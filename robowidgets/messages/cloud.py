@@ -105,6 +105,9 @@ def _of_bytes(message: Any) -> Cloud:
             )
         )
         row_step = width * step
+    elif height > 1 and row_step == height * width * step == data.size:
+        # Some drivers send the size of all rows.
+        row_step = width * step
     needed = (height - 1) * row_step + width * step if height and width else 0
     if data.size < needed:
         raise ValueError(

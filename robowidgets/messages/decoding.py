@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterator
-from functools import lru_cache
+from functools import lru_cache, partial
 from typing import TYPE_CHECKING, Any
 from weakref import WeakKeyDictionary
 
@@ -31,6 +31,8 @@ _MOST_KEPT = 256
 _LONGEST_KEPT = 1 << 16
 """Characters of a definition that is kept."""
 _IDL_HEAD = re.compile(r"^=+\nIDL: .*\n", re.MULTILINE)
+_IDL_DIRECTIVE = re.compile(r"^[ \t]*#.*$", re.MULTILINE)
+"""A line for the preprocessor of IDL, such as ``#include``, which rosbags takes for a mistake."""
 
 # Comments and constants say nothing about bytes and cost time; and a constant whose name is not in capitals (Button0 of
 # kobuki_msgs/ButtonEvent) rosbags takes for a field.
@@ -71,6 +73,8 @@ def decoder_of(channel: Channel) -> Decode:
     store, type_name, encoding = store_of(channel), channel.type, channel.encoding
     _read_from[store.types[type_name]] = channel
     read = store.deserialize_ros1 if encoding == "ros1" else store.deserialize_cdr
+    if may_go_on(channel):
+        read = partial(_read_start, store, encoding)
 
     def decode(raw: bytes) -> Any:
         try:
@@ -81,6 +85,27 @@ def decoder_of(channel: Channel) -> Decode:
     return decode
 
 
+def may_go_on(channel: Channel) -> bool:
+    """Return True if the bytes of a message may go on after its last field.
+
+    Nodes read what the definition says and ignore the rest. A definition that is not from the file itself may be of
+    another version of the type: bytes after the last field then say that the fields before are perhaps others.
+    """
+    return bool(channel.definition.strip())
+
+
+def _read_start(store: Typestore, encoding: str, raw: memoryview, type_name: str) -> Any:
+    """Return the message at the start of some bytes. Raises whatever rosbags and struct raise."""
+    definition = store.get_msgdef(type_name)
+    if encoding == "ros1":
+        return definition.deserialize_ros1(raw, 0, definition.cls, store)[0]
+    if len(raw) < _CDR_HEAD or bytes(raw[:2]) not in (b"\0\0", b"\0\1"):
+        raise DecodeError("they begin with no encapsulation of CDR")
+    read = definition.deserialize_cdr_le if raw[1] else definition.deserialize_cdr_be
+    return read(raw[_CDR_HEAD:], 0, definition.cls, store)[0]
+
+
+_CDR_HEAD = 4
 _read_from: WeakKeyDictionary[type, Channel] = WeakKeyDictionary()
 """The classes of messages that were decoded, each with a channel that has them."""
 
@@ -177,7 +202,7 @@ def parsed(type_name: str, definition: str) -> Types:
         return dict(get_types_from_msg(_NEEDLESS.sub("", definition.replace("\r", "") + "\n"), type_name))
     types: Types = {}
     for part in _IDL_HEAD.split(definition)[1:]:
-        types.update(get_types_from_idl(part))
+        types.update(get_types_from_idl(_IDL_DIRECTIVE.sub("", part)))
     return types
 
 

@@ -90,8 +90,9 @@ def _turtlebot3(message: Any) -> Said:
     return bits(message, "bumper", {1: "front", 2: "back"})
 
 
-_HAZARDS = ("backup limit", "bump", "cliff", "stall", "wheel", "proximity")
-_FRAME_STARTS = {"bump": "bump_", "cliff": "cliff_", "wheel": "wheel_drop_", "proximity": "ir_intensity_"}
+_HAZARDS = {1: "bump", 2: "cliff", 4: "wheel"}
+"""The hazards that a sensor at the body feels. A limit on backing up, a stall, and something near are no touch."""
+_FRAME_STARTS = {"bump": "bump_", "cliff": "cliff_", "wheel": "wheel_drop_"}
 _CREATE3 = (
     *("left", "front left", "front center", "front right", "right"),
     *("cliff side left", "cliff front left", "cliff front right", "cliff side right"),
@@ -100,17 +101,19 @@ _CREATE3 = (
 
 
 def _hazards(message: Any) -> Said:
-    return {_hazard(f"detections[{i}]", d): True for i, d in enumerate(_items(message, "detections"))}
+    names = (_hazard(f"detections[{i}]", d) for i, d in enumerate(_items(message, "detections")))
+    return {name: True for name in names if name}
 
 
 def _hazard(where: str, detection: Any) -> str:
+    """Return the name of the sensor that felt a hazard, or an empty text if it is no touch."""
     frame = get(detection, "header.frame_id")
     if frame is MISSING or not has(detection, "type"):
         raise TypeError(f"{where}: expected a hazard with header.frame_id and type, got {describe(detection)}")
-    kind_code = integer(detection, "type")
-    # A newer robot may know more kinds: such a hazard goes by its number, so that the others are not lost with it.
-    kind = _HAZARDS[kind_code] if 0 <= kind_code < len(_HAZARDS) else f"hazard {kind_code}"
-    start = _FRAME_STARTS.get(kind, "")
+    kind = _HAZARDS.get(integer(detection, "type"))
+    if kind is None:
+        return ""
+    start = _FRAME_STARTS[kind]
     place = "" if frame == "base_link" else str(frame).removeprefix(start).replace("_", " ")
     return place if kind == "bump" and str(frame).startswith(start) else f"{kind} {place}".strip()
 

@@ -17,6 +17,11 @@ TEXT_TYPE = "std_msgs/msg/String"
 Timed = tuple[int, Event]
 """An event with its time in nanoseconds."""
 
+_ROS2_LINE, _ROS1_LINE = "rcl_interfaces/msg/Log", "rosgraph_msgs/msg/Log"
+_ROS2_LEVEL_AT = 12
+"""The level follows the encapsulation of CDR and the stamp."""
+_ROS1_FRAME_AT = 16
+"""The level follows the header: a number, a stamp, and the name of a frame after its length."""
 _ROS1_LEVELS = {1: Level.DEBUG, 2: Level.INFO, 4: Level.WARN, 8: Level.ERROR, 16: Level.FATAL}
 _STATUS_LEVELS = {0: Level.INFO, 1: Level.WARN, 2: Level.ERROR, 3: Level.WARN}
 _STATUS_WORDS = {0: "OK", 3: "stale"}
@@ -37,12 +42,18 @@ class _Dialect(NamedTuple):
     fits: Callable[[Any], bool]
 
 
-_LINE = _Dialect(("rcl_interfaces/msg/Log", "rosgraph_msgs/msg/Log"), _with("msg", "level", "name"))
+_LINE = _Dialect((_ROS2_LINE, _ROS1_LINE), _with("msg", "level", "name"))
 _STATUSES = _Dialect(("diagnostic_msgs/msg/DiagnosticArray",), _with("status", of=Sequence))
 _STATUS = _Dialect(("diagnostic_msgs/msg/DiagnosticStatus",), _with("message", "level", "name"))
 _JOY = _Dialect(("sensor_msgs/msg/Joy",), _with("buttons", "axes"))
 _TEXT = _Dialect((TEXT_TYPE,), _with("data", of=str))
 _DIALECTS = (_LINE, _STATUSES, _STATUS, _JOY, _TEXT)
+
+LOG_TYPES = frozenset(_LINE.types)
+"""The message types of lines of a log."""
+
+SEVERE_TYPES = LOG_TYPES | frozenset(_STATUSES.types + _STATUS.types)
+"""The message types whose events have a level."""
 
 SAID_TYPES: frozenset[str] = frozenset(name for dialect in _DIALECTS for name in dialect.types)
 """The message types of which an `EventReader` reads what they say."""
@@ -175,6 +186,23 @@ class EventReader:
             if is_news and one.state is not before:
                 found.append((time_ns, Event(touch_text(sensor, one.state), topic=self._topic, stamp_ns=stamp)))
         return found
+
+
+def line_level(type_name: str, encoding: str, raw: bytes) -> Level:
+    """Return the level of a line of a log by its bytes, without reading them; FATAL if that cannot be told.
+
+    Args:
+        type_name: one of `LOG_TYPES`.
+        encoding: ``cdr`` or ``ros1``.
+        raw: the message.
+    """
+    if (type_name, encoding) == (_ROS2_LINE, "cdr") and len(raw) > _ROS2_LEVEL_AT:
+        return Level.at_most(raw[_ROS2_LEVEL_AT])
+    if (type_name, encoding) == (_ROS1_LINE, "ros1"):
+        at = _ROS1_FRAME_AT + int.from_bytes(raw[_ROS1_FRAME_AT - 4 : _ROS1_FRAME_AT], "little")
+        if len(raw) > at:
+            return _ROS1_LEVELS.get(raw[at], Level.INFO)
+    return Level.FATAL
 
 
 def touch_text(sensor: str, state: TouchState) -> str:

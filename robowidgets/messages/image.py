@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..samples.image import BAYER, CHANNELS, Image
+from ._rvl import from_rvl
 from .byte_fields import byte_array
 from .fields import describe, frame_id, get, has, stamp_ns, unwrap
 
@@ -201,11 +202,12 @@ def _of_compressed(message: Any) -> Image:
 
 
 def _of_compressed_depth(data: bytes, named: str, how: str, common: dict[str, Any]) -> Image:
-    """A depth image of image_transport: 12 bytes, and a PNG of 16 bits."""
+    """A depth image of image_transport: 12 bytes, and a PNG of 16 bits or the same packed as RVL."""
     packed = data[_DEPTH_CONFIG.size :]
-    if not packed.startswith(_PNG):
-        raise ValueError(f"data: expected 12 bytes and a PNG for {how!r}, got another packing, such as RVL")
-    values = unpacked(packed)
+    is_png = packed.startswith(_PNG)
+    if not is_png and "rvl" not in how.lower():
+        raise ValueError(f"data: expected 12 bytes and a PNG for {how!r}, got another packing")
+    values = unpacked(packed) if is_png else from_rvl(packed)
     if values.dtype != np.uint16 or values.ndim != 2:
         raise ValueError(f"data: expected a PNG of 16 bit in one channel, got {values.dtype}, shape {values.shape}")
     if not named.startswith("32FC1"):

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from rosbags.interfaces import Nodetype
 
 from .channel import Channel
-from .decoding import DecodeError, store_of
+from .decoding import DecodeError, may_go_on, store_of
 
 TIMES = ("time", "duration")
 """Types of leaves of which each value is two numbers, the seconds and the nanoseconds."""
@@ -118,9 +118,10 @@ class Layout:
         counts: for each array of messages, the number of messages, within each message that has the array.
         is_big_endian: whether the most significant byte of a number comes first.
         ends: whether a zero follows each text.
+        left: the number of bytes after the last field, without padding.
     """
 
-    __slots__ = ("_ends", "_fixed", "_lengths", "_texts", "counts", "is_big_endian", "sizes", "starts")
+    __slots__ = ("_ends", "_fixed", "_lengths", "_texts", "counts", "is_big_endian", "left", "sizes", "starts")
 
     def __init__(
         self,
@@ -132,8 +133,10 @@ class Layout:
         counts: Sequence[Sequence[int]],
         is_big_endian: bool,
         ends: bool,
+        left: int = 0,
     ) -> None:
         self.is_big_endian, self._texts, self._ends = is_big_endian, tuple(texts), ends
+        self.left = left
         self.starts, self.sizes, self.counts = (
             tuple(np.array(one, np.int64) for one in column) for column in (starts, sizes, counts)
         )
@@ -225,6 +228,7 @@ class Layouts:
 
     def __init__(self, channel: Channel) -> None:
         self.type, self._is_cdr = channel.type, channel.encoding != "ros1"
+        self.may_go_on = may_go_on(channel)
         self.leaves: list[Leaf] = []
         self._arrays = 0
         self._types: Mapping[str, Any] = store_of(channel).fielddefs
@@ -304,6 +308,7 @@ class _Walk:
 
     def __init__(self, raw: bytes, layouts: Layouts) -> None:
         self._raw, self._type, self._is_cdr = raw, layouts.type, layouts.is_cdr
+        self._may_go_on = layouts.may_go_on
         self._base = self._at = _LENGTH if layouts.is_cdr else 0
         if layouts.is_cdr and raw[:2] not in (b"\x00\x00", b"\x00\x01"):
             raise self._error("they begin with no encapsulation of CDR")
@@ -319,10 +324,12 @@ class _Walk:
         for node in nodes:
             self._pass(node)
         left = len(self._raw) - self._at
-        if left > (3 if self._is_cdr else 0):  # CDR pads messages to four bytes
+        if left <= (3 if self._is_cdr else 0):  # CDR pads messages to four bytes
+            left = 0
+        elif not self._may_go_on:
             raise self._error(f"{left} bytes are left over")
         columns = (self._starts, self._sizes, self._counts)
-        return Layout(self._raw, self._lengths, self._texts, *columns, self._is_big_endian, self._is_cdr)
+        return Layout(self._raw, self._lengths, self._texts, *columns, self._is_big_endian, self._is_cdr, left)
 
     def _pass(self, node: _Node) -> None:
         count = self._length() if node.count is None else node.count

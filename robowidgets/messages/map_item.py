@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from ..samples import MapGrid, Pose, Range, Scan, Speed, Validity, yaw_of
-from ..samples.map_item import NOWHERE, MapItem, Scatter
+from ..samples.map_item import NO_FIX, NOWHERE, MapItem, Scatter
 from .fields import describe, frame_id, get, has, stamp_ns, unwrap
 from .map_grid import is_map_grid, to_map_grid
 from .pose import pose_of
@@ -104,9 +104,10 @@ def _of_fix(message: Any, frame: str, stamp: int | None) -> MapItem:
     latitude, longitude, altitude = (_number(message, name) for name in ("latitude", "longitude", "altitude"))
     status = get(message, "status.status", 0)
     known = isfinite(latitude) and isfinite(longitude) and status is not None and status > _NO_FIX
+    known = known and not latitude == longitude == 0  # which receivers send before they have one
     if known and not (abs(latitude) <= 90 and abs(longitude) <= 360):
         raise ValueError(f"expected a latitude within ±90 degrees, got {latitude:g}, longitude {longitude:g}")
-    fix = (latitude, longitude, altitude if isfinite(altitude) else 0.0) if known else None
+    fix = (latitude, longitude, altitude if isfinite(altitude) else 0.0) if known else NO_FIX
     has_covariance = get(message, "position_covariance_type", 0) not in (0, None)
     # Rows of three, of east, north and up.
     covariance = get(message, "position_covariance", None) if has_covariance else None

@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-import time
 from bisect import bisect_right
 from collections.abc import Iterable, Iterator, Sequence
 from math import nan
 
-from .._core.progress import without_bars
 from .._core.text import many
 from .._core.timed_frame import FRAME_HEADER, TimedFrame
 from .._widget_choice import WidgetChoice
 from ..events_widget import MOST_CHARACTERS, MOST_TEXT, EventsWidget
 from ..kinds import TOUCH
-from ..messages.event import SAID_TYPES
+from ..messages.event import LOG_TYPES, SEVERE_TYPES
 from ..recordings import RecordingData
 from ..recordings.events import mark_text
 from ..recordings.program_log import PROGRAM, STATES
@@ -22,14 +20,11 @@ from ..samples.event_log import EventLog, EventRow, shortened, thinned
 from ._frames import BEFORE
 from ._touch_marks import Mark, joined
 
-LONGEST = 2.0
-"""Seconds for which the events of a recording are read before it is shown."""
-
 MOST_ROWS = 5000
 """Rows of a recording that the page gets."""
 
-MOST_READ = 20_000
-"""Messages that are read at most for marks: they take a moment. With more, a player begins without marks of events."""
+MOST_LINES = 50_000
+"""Lines of logs below a warning that are read about at most: of more, evenly chosen ones."""
 
 MARKED = Level.WARN
 """The least level that is marked when a player begins: the bar stays readable."""
@@ -63,30 +58,27 @@ class EventFrames:
 
 def event_marks(recording: RecordingData) -> list[Mark]:
     """Start, end and text of the errors and warnings, in seconds from the start."""
-    topics = [topic.name for topic in recording.topics if topic.type in SAID_TYPES and not topic.problem]
-    if not topics or sum(topic.count for topic in recording.topics if topic.name in topics) > MOST_READ:
-        return []
+    topics = [topic.name for topic in recording.topics if topic.type in SEVERE_TYPES and not topic.problem]
     marks = []
-    with without_bars():
-        for at_ns, event in recording.timed_events(topics):
-            if event.level >= MARKED:
-                seconds = (at_ns - (recording.start_ns or 0)) / 1e9
-                marks.append((seconds, seconds, mark_text(event.level, event.source, event.text)))
+    for at_ns, event in recording.timed_events(topics, every_line=0) if topics else ():
+        if event.level >= MARKED:
+            seconds = (at_ns - (recording.start_ns or 0)) / 1e9
+            marks.append((seconds, seconds, mark_text(event.level, event.source, event.text)))
     return joined(marks)
 
 
 def _rows_of(recording: RecordingData, topics: Sequence[str]) -> tuple[Sequence[EventRow], list[str]]:
     """The rows for the page, and what is said of those that are left out."""
     also = [topic.name for topic in recording.topics if topic.widget == TOUCH.name or _is_of_program(topic.name)]
-    log, notes, began = EventLog(None, MOST_TEXT, 50 * MOST_CHARACTERS), [], time.monotonic()
+    log, notes = EventLog(None, MOST_TEXT, None), []
     start_ns = recording.start_ns or 0
-    with without_bars():
-        for at_ns, event in recording.timed_events(dict.fromkeys((*topics, *also))):
-            seconds = (at_ns - start_ns) / 1e9
-            log.add(event, seconds)
-            if time.monotonic() - began > LONGEST:
-                notes.append(f"no events after {seconds:.0f} s: reading all takes long; recording.events() has them")
-                break
+    lines = sum(topic.count for topic in recording.topics if topic.name in topics and topic.type in LOG_TYPES)
+    every = -(-lines // MOST_LINES) or 1
+    for at_ns, event in recording.timed_events(dict.fromkeys((*topics, *also)), every_line=every):
+        log.add(event, (at_ns - start_ns) / 1e9)
+    if every > 1:
+        left = f"1 of {every} lines below a warning in {lines:,}, and all others"
+        notes.append(f"{left}; recording.events() has all")
     rows = sorted(log.rows, key=lambda row: row.seconds)
     kept = thinned(rows, MOST_ROWS)
     if len(kept) < len(rows):

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from heapq import merge
@@ -46,11 +45,14 @@ _LEAST = 1e-3
 BEFORE = -1.0
 """The ``seconds`` of a frame that shows that nothing was measured yet."""
 
-LONGEST_PATH = 2.0
-"""Seconds for which the path of a recording is read before it is shown."""
+MOST_POSES = 200_000
+"""Poses that make a path: of more, evenly chosen ones."""
 
 LOOKED_AT = 20
 """Samples of a topic from which its usual rate is found."""
+
+OF_TOPIC = "recorded"
+"""In the texts on a frame of a `TreeFrames`, its topic. Its time of arrival is in seconds from the start."""
 
 NEW = "new"
 """In the texts on a frame, the roles whose samples came with it: none, where no message did. Missing: all of them."""
@@ -123,7 +125,7 @@ class TreeFrames(MessageFrames):
         timed = super()._shown(seconds, now)
         sequence, rate, stamp, _ = FRAME_HEADER.unpack_from(timed.frame)
         head = FRAME_HEADER.pack(sequence, rate, stamp, seconds)
-        about = {**timed.about, "recorded": self._choice.topic}
+        about = {**timed.about, OF_TOPIC: self._choice.topic}
         return TimedFrame(seconds, about, head + timed.frame[FRAME_HEADER.size :])
 
 
@@ -258,7 +260,7 @@ class PathFrames(SampleFrames):
     def __init__(self, recording: RecordingData, choice: WidgetChoice, widget: PathWidget) -> None:
         super().__init__(recording, choice, widget)
         if not len(widget.points):
-            widget.show_whole(*_path_of(recording, choice.topic))
+            widget.show_whole(_path_of(recording, choice.topic))
 
     def _frame(self, seconds: float, sample: Any) -> TimedFrame:
         x, y, yaw = sample.pose
@@ -347,17 +349,18 @@ def _static_transforms(recording: RecordingData) -> Iterator[Transform]:
                     yield from transforms_of(moment.message, topic.name, moment.time_ns)
 
 
-def _path_of(recording: RecordingData, topic: str) -> tuple[Path, float]:
-    """The path of a topic of odometry, and the time up to which it is complete: not to the end if that takes long."""
-    path, began = Path(), time.monotonic()
-    start_ns = recording.start_ns or 0
-    with without_bars():
-        for chunk in recording.speeds(topic).chunks():
-            for time_ns, pose in zip(chunk.times_ns.tolist(), chunk.poses.tolist(), strict=True):
-                path.add((time_ns - start_ns) / 1e9, Pose(*pose), clock=time_ns / 1e9)
-            if time.monotonic() - began > LONGEST_PATH:
-                return path, (int(chunk.times_ns[-1]) - start_ns) / 1e9
-    return path, inf
+def _path_of(recording: RecordingData, topic: str) -> Path:
+    """Return the path of a topic of odometry, by all of its poses or, of very many, by evenly chosen ones."""
+    path, start_ns = Path(), recording.start_ns or 0
+    speeds = recording.speeds(topic)
+    step = -(-len(speeds) // MOST_POSES) or 1
+    for chunk in speeds.chunks():
+        times, poses = chunk.times_ns, chunk.poses
+        # Of each chunk the last pose, too: the way ends where the robot does.
+        chosen = np.unique(np.append(np.arange(0, len(times), step), np.arange(len(times))[-1:]))
+        for time_ns, pose in zip(times[chosen].tolist(), poses[chosen].tolist(), strict=True):
+            path.add((time_ns - start_ns) / 1e9, Pose(*pose), clock=time_ns / 1e9)
+    return path
 
 
 def _header(sample: Any) -> bytes:

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import time
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from heapq import merge
 from math import isfinite, nan
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from .._core.progress import without_bars
 from .._core.text import many
 from .._core.timed_frame import FRAME_HEADER, TimedFrame
 from .._widget_choice import WidgetChoice
@@ -25,13 +23,16 @@ from ..poses.mounts import ROBOT
 from ..poses.path import Path
 from ..poses.transforms import TRANSFORMS
 from ..recordings import RecordingData
-from ..recordings.topics import Moment, TimedMessage
+from ..recordings.topics import UPDATES, Moment, TimedMessage, updates_in
 from ..samples import Pose
 from ..samples.map_item import SENSED, MapItem
 from ._frames import BEFORE, NEW, PathFrames, Track
 
-LONGEST = 3.0
-"""Seconds for which the transforms, and then each layer, are read before the map is shown."""
+MOST_POSES = 30_000
+"""Messages of a layer with a way that are read about at most: of more, evenly chosen ones."""
+
+MOST_TRANSFORMS = 100_000
+"""Messages with transforms that are read about at most."""
 
 MOST_GRIDS = 20
 """Large grids of a layer that a page gets; of more, every second, every third, and so on."""
@@ -80,11 +81,14 @@ class WholeMap:
         """That of the first fix, for all layers."""
         self.errors: dict[str, str] = {}
         self.grids: dict[str, list[_LargeGrid]] = {}
-        with without_bars():
-            self.tree = FrameTree(self._in_time(recording.transforms(), "transforms"))
-            self._read(recording)
+        every = -(-recording.transform_count // MOST_TRANSFORMS) or 1
+        if every > 1:
+            self.notes.append(f"transforms: about 1 of {every} of {many(recording.transform_count, 'message')}")
+        self.tree = FrameTree(recording.transforms(every))
+        self._read(recording)
         self.base = next((name for name in ROBOT if frames and self.tree.history(name)), "")
-        worlds = worlds_of_map(self.tree, self._firsts.values(), asked)
+        firsts = self._firsts.values()
+        worlds = worlds_of_map(self.tree, [item for item in firsts if not item.is_nowhere] or firsts, asked)
         self.frame = worlds[0] or (self.tree.chain(self.base)[-1] if self.base else "")
         worlds[0] = self.frame
         first_frames = {name: item.frame_id for name, item in self._firsts.items()}
@@ -109,12 +113,16 @@ class WholeMap:
                 about["most"] = item.grid.most
             if item and not item.frame_id:
                 about["note"] = "names no frame"
+            if updates := self._updates.get(name):
+                about["note"] = f"{many(updates, 'update')} on {name}{UPDATES} not drawn"
+            if every := self._thinned.get(name):
+                about["note"] = f"its way by about 1 of {every} of {many(self._counts[name], 'message')}"
             if (large := self.grids.get(name)) and self._counts[name] > len(large):
                 about["note"] = f"{len(large)} of {many(self._counts[name], 'map')} shown"
             layers.append(about)
         frames: dict[str, None] = {}
         for item in self._firsts.values():
-            if item.frame_id and item.kind not in SENSED:
+            if item.frame_id and item.kind not in SENSED and not item.is_nowhere:
                 frames |= dict.fromkeys(reversed(self.tree.chain(item.frame_id)))
         return {"layers": layers, "frames": list(frames)}
 
@@ -175,7 +183,9 @@ class WholeMap:
                 continue
             world = self.frame_of.get(name) or self.frame
             placed = place(self.tree, world, told.item, told.time_ns, number, told.seconds)
-            if placed is None:
+            if name in self._firsts and self._firsts[name].is_nowhere:
+                missing[name] = "not drawn: none of its messages has a place"
+            elif placed is None:
                 missing[name] = f"not drawn: no transform to {world}"
             else:
                 shown.append(placed._replace(version=told.version))
@@ -184,12 +194,15 @@ class WholeMap:
     def _read(self, recording: RecordingData) -> None:
         """Read the first item of each layer, and of those with a way all poses; of large grids all of them."""
         self._firsts: dict[str, MapItem] = {}
+        self._thinned: dict[str, int] = {}
         self._rows: dict[str, list[tuple[float, float, float, float, int, int]]] = {}
         self._counts = {topic.name: topic.count or 0 for topic in recording.topics}
+        self._updates = updates_in(recording.topics)
         for name in self.names:
             rows = self._rows[name] = []
             step = max(1, -(-self._counts[name] // MOST_GRIDS))
-            for i, moment in enumerate(self._in_time(recording.messages(name), name)):
+            every = max(1, -(-self._counts[name] // MOST_POSES))
+            for i, moment in enumerate(recording.thinned_messages(name, every)):
                 if i % step and name in self.grids:
                     continue
                 try:
@@ -197,10 +210,13 @@ class WholeMap:
                 except (TypeError, ValueError) as error:
                     self.errors.setdefault(name, f"not drawn: {error}")
                     continue
-                self._firsts.setdefault(name, item)
+                if name not in self._firsts or self._firsts[name].is_nowhere:
+                    self._firsts[name] = item
                 if item.grid is not None and not is_small(item.grid):
                     self._keep(name, moment, item)
                 elif item.kind == "pose" and kind_of(name, item) == "pose":
+                    if every > 1:
+                        self._thinned[name] = every
                     if isfinite(item.pose.x):
                         rows.append((moment.seconds, *item.pose, moment.time_ns, item.stamp_ns or 0))
                 else:
@@ -212,16 +228,6 @@ class WholeMap:
         stub = MapItem("grid", item.frame_id, item.stamp_ns, item.grid.origin)
         told = _Told(stub, moment.seconds, moment.time_ns, packed.version)
         self.grids.setdefault(name, []).append(_LargeGrid(told, packed))
-
-    def _in_time(self, found: Iterable[Any], what: str) -> Iterator[Any]:
-        """What is found within the time that a map may take, and a note where that was not all."""
-        began = time.monotonic()
-        for i, one in enumerate(found):
-            yield one
-            if i % 64 == 0 and time.monotonic() - began > LONGEST:
-                at = (one.time_ns - self._start_ns) / 1e9
-                self.notes.append(f"{what}: not read after {at:.0f} s: reading all of it takes long")
-                return
 
 
 class MapFrames:

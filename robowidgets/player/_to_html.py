@@ -25,7 +25,7 @@ from ..recordings.times import has_date, to_ns
 from ..repair import RecordingError
 from ..scanogram_widget import ScanogramWidget
 from ..speed_widget import SpeedWidget
-from ._frames import Track
+from ._frames import OF_TOPIC, Track
 from ._overview import is_planar, whole_drive
 from ._parts import PagedPlayer, followers
 
@@ -240,7 +240,12 @@ def _segment(
 
 
 def _without_arrival(timed: TimedFrame) -> TimedFrame:
-    """A frame without the time at which its sample was read here, which tells a page nothing."""
+    """A frame without the time at which its sample was read here, which tells a page nothing.
+
+    The fields of a message keep theirs, which are seconds from the start of the recording.
+    """
+    if OF_TOPIC in timed.about:
+        return timed
     sequence, rate, stamp_ns, _ = FRAME_HEADER.unpack_from(timed.frame)
     head = FRAME_HEADER.pack(sequence, rate, stamp_ns, 0.0)
     return timed._replace(frame=head + timed.frame[FRAME_HEADER.size :])

@@ -11,11 +11,13 @@ from .._core.text import listed, many
 from ..kinds import Kind, is_standard, is_undecided, kind_of_message, kind_of_shape, kinds_of_type, load
 from ..messages.channel import Channel
 from ..messages.decoding import ENCODINGS, decoder_of, one_line, shape_of
+from ..messages.event import LOG_TYPES, line_level
+from ..messages.protobuf import NO_PROTOBUF, has_protobuf
 from ..messages.standard import ODOMETRY
 from ..poses.transforms import TRANSFORMS, Transform, transforms_of
 from ..repair import Message, RecordingError, Source
 from ..samples import Problem
-from ..samples.event import Event
+from ..samples.event import Event, Level
 from ..samples.staleness import OPEN_END
 from ._mounts import RecordedMounts
 from .columns._decoders import Decoder, ScanDecoder
@@ -38,12 +40,16 @@ _SHORTEST_LOOK_NS = 1_000_000
 _MOST_AT_ONCE = 64
 """Messages that are decoded together while samples are iterated over."""
 
+_FIRST_ONES = 100
+"""Messages at the start of a topic that are read in any case: what is said once is said there."""
+
 _LEAST = 20
 """Messages that a topic needs for a usual step: with fewer, a long pause or a short burst means little."""
 
 _REPAIR = "robowidgets repair writes all that can be read to a file that every tool reads"
 _SILENT = "did its node or its sensor start late, or stop early?"
 _LEFT_OUT = "see what publishes them"
+_LEFT_OVER = "nodes of ROS ignore them, too; if a field is missing, record with the definitions that its publisher has"
 _SEVERAL = "do two sensors publish to one topic? Give each its own"
 
 Found = TypeVar("Found")
@@ -65,6 +71,9 @@ class Messages:
         """For each topic its kind, and the message type that decided it."""
         self._left_out: dict[str, str] = {}
         self._stopped: list[str] = []
+        self._left_over: defaultdict[int, list[str]] = defaultdict(list)
+        """Topics by the number of bytes that follow the last field of their messages."""
+        self._has_looked = False
         # Of each topic the sample that `last` found last, and the time before which none follows: in a long silence the
         # same one is wanted again and again.
         self._last: dict[tuple[str, bool], tuple[Moment, int]] = {}
@@ -87,12 +96,17 @@ class Messages:
             if topic.problem and topic.count:
                 alike[topic.problem].append(topic.name)
         unread = [f"{listed(names)}: {problem}" for problem, names in alike.items()]
+        left_over = [
+            f"{listed(names)}: {many(left, 'byte')} after each message that its definition does not describe, ignored"
+            for left, names in self._left_over.items()
+        ]
         found = (
             (self._source.problems, _REPAIR),
             (unread, ""),
             (self._silences, _SILENT),
             (self._about_frames(), _SEVERAL),
             (self._stopped, _REPAIR),
+            (left_over, _LEFT_OVER),
             (self._left_out.values(), _LEFT_OUT),
         )
         return tuple(Problem(line, remedy) for lines, remedy in found for line in lines)
@@ -112,18 +126,49 @@ class Messages:
             self._stop(error)
         yield from self._moments(batch)
 
-    def messages(self, topics: Collection[str], start_ns: int | None, stop_ns: int | None) -> Iterator[TimedMessage]:
-        """The messages of topics, of any type, from ``start_ns`` up to, not including, ``stop_ns``."""
+    def messages(
+        self,
+        topics: Collection[str],
+        start_ns: int | None,
+        stop_ns: int | None,
+        *,
+        every: int = 1,
+        is_wanted: Callable[[Message], bool] | None = None,
+    ) -> Iterator[TimedMessage]:
+        """The messages of topics, of any type, from ``start_ns`` up to, not including, ``stop_ns``.
+
+        Args:
+            topics: names of topics.
+            start_ns: the start in nanoseconds, or None.
+            stop_ns: the end in nanoseconds, or None.
+            every: about every second, third and so on is read; see `Thinning`.
+            is_wanted: returns True for a message that is to be read; None: all are.
+        """
         channels = [channel for topic in topics for channel in self._readable(topic)]
+        thinning = Thinning(every)
         try:
             for message in self._source.messages(channels, start_ns, stop_ns):
-                yield from self._as_messages([message])
+                if thinning.keeps(message[0]) and (is_wanted is None or is_wanted(message)):
+                    yield from self._as_messages([message])
         except RecordingError as error:
             self._stop(error)
 
-    def events(self, topics: Collection[str], stop_ns: int | None) -> Iterator[tuple[int, Event]]:
-        """The events on topics up to, not including, a time, about in the order of their times, which each has."""
-        return read_events(self.messages(topics, None, stop_ns), self._note_left_out)
+    def events(self, topics: Collection[str], stop_ns: int | None, every_line: int = 1) -> Iterator[tuple[int, Event]]:
+        """The events on topics up to, not including, a time, about in the order of their times, which each has.
+
+        Of lines of logs below a warning only every ``every_line``-th is read; 0: none.
+        """
+        lines: defaultdict[int, int] = defaultdict(int)
+
+        def is_wanted(message: Message) -> bool:
+            channel, _, raw = message
+            if channel.type not in LOG_TYPES or line_level(channel.type, channel.encoding, raw) >= Level.WARN:
+                return True
+            lines[channel.id] += 1
+            return every_line > 0 and (lines[channel.id] - 1) % every_line == 0
+
+        wanted = None if every_line == 1 else is_wanted
+        return read_events(self.messages(topics, None, stop_ns, is_wanted=wanted), self._note_left_out)
 
     def fields(self, topic: str, memory: Memory) -> Fields:
         """The messages of a topic as columns of their fields.
@@ -194,10 +239,19 @@ class Messages:
         series: Series[Any] = load(self._kinds[topic][0].columns)(store, self.start_ns or 0)
         return series
 
-    def transforms(self) -> Iterator[Transform]:
-        """The transforms of odometry and tf, in the order of time."""
-        channels = [channel for channel in self._source.channels if channel.type in (ODOMETRY, *TRANSFORMS)]
-        return self._read(channels, transforms_of, "Reading where the robot was")
+    def transforms(self, every: int = 1, odometry: bool = True) -> Iterator[Transform]:
+        """The transforms of tf, and of odometry, in the order of time; of many, of about every ``every``-th message."""
+        channels = [channel for channel in self._transforming if odometry or channel.type != ODOMETRY]
+        return self._read(channels, transforms_of, "Reading where the robot was", every)
+
+    @property
+    def transform_count(self) -> int:
+        """The number of messages that `transforms` reads."""
+        return sum(channel.count for channel in self._transforming)
+
+    @property
+    def _transforming(self) -> list[Channel]:
+        return [channel for channel in self._source.channels if channel.type in (ODOMETRY, *TRANSFORMS)]
 
     def forget_scans(self) -> None:
         """Read scans again whose mount has changed."""
@@ -232,6 +286,41 @@ class Messages:
         """Close the file; doing it again does nothing."""
         self._closed = True
         self._source.close()
+
+    def check_topics(self) -> None:
+        """Read the first message of each topic, once: what makes a topic unreadable is among the problems then."""
+        if self._has_looked or self._closed:
+            return
+        self._has_looked = True
+        problems: dict[tuple[str, str], str] = {}
+        for channel in self._source.channels:
+            reader = self._reader(channel) if channel.count else ""
+            if isinstance(reader, str):
+                problems.setdefault((channel.topic, channel.type), reader)
+                continue
+            try:
+                first = next(self._source.messages([channel]), None)
+                if first is not None:
+                    self._check(reader, first)
+            except RecordingError as error:
+                self._stop(error)
+        self.topics = tuple(
+            topic if topic.problem else topic._replace(problem=problems.get((topic.name, topic.type), ""))
+            for topic in self.topics
+        )
+
+    def _check(self, reader: MessageDecoder, message: Message) -> None:
+        """Note what is wrong with a message of a channel, and what its definition does not describe."""
+        channel, time_ns, raw = message
+        try:
+            left = reader.left_over(raw)
+        except ValueError as error:
+            self._note(channel, time_ns, error)
+            return
+        if left:
+            self._left_over[left].append(channel.topic)
+        if channel.id in self._decoders and channel in self._shown[channel.topic]:
+            list(self._moments([message]))
 
     def _understand(self, channel: Channel) -> tuple[Kind | None, str]:
         """Make the decoder of a channel; returns its kind, and the reason if it cannot be read."""
@@ -269,19 +358,22 @@ class Messages:
             return None
 
     def _read(
-        self, channels: Sequence[Channel], read: Callable[[Any, str, int], Iterable[Found]], what: str
+        self, channels: Sequence[Channel], read: Callable[[Any, str, int], Iterable[Found]], what: str, every: int = 1
     ) -> Iterator[Found]:
         """What a function finds in messages that are no samples: it takes a message, its topic and its time."""
         channels = [channel for channel in channels if channel.encoding in ENCODINGS]
+        thinning = Thinning(every)
         try:
             decoders = {channel.id: decoder_of(channel) for channel in channels}
             with Progress(sum(channel.count for channel in channels), what) as bar:
                 for channel, time_ns, raw in self._source.messages(channels):
+                    bar.update(1)
+                    if not thinning.keeps(channel):
+                        continue
                     try:
                         yield from read(decoders[channel.id](raw), channel.topic, time_ns)
                     except ValueError as error:
                         self._note(channel, time_ns, error)
-                    bar.update(1)
         except (RecordingError, ValueError) as error:
             self._stop(error)
 
@@ -394,6 +486,8 @@ class Messages:
         """Why messages in the encoding of a channel cannot be read; empty if they can."""
         if channel.encoding in ENCODINGS:
             return ""
+        if channel.encoding == "protobuf" and not has_protobuf():
+            return NO_PROTOBUF
         return f"its messages are encoded as {channel.encoding!r}: expected {' or '.join(ENCODINGS)}"
 
     def _note(self, channel: Channel, time_ns: int, error: Exception) -> None:
@@ -416,6 +510,31 @@ class Messages:
         line = f"the file can be read no further: {one_line(error)}"
         if line not in self._stopped:
             self._stopped.append(line)
+
+
+class Thinning:
+    """Chooses messages of each channel: the first hundred, the last one, and about every second, third and so on.
+
+    The rest are chosen by no rhythm: messages of several publishers may alternate on a topic. Each time the same ones
+    are.
+
+    Args:
+        every: of how many messages one is chosen.
+    """
+
+    def __init__(self, every: int) -> None:
+        self._every = every
+        self._numbers: defaultdict[int, int] = defaultdict(int)
+
+    def keeps(self, channel: Channel) -> bool:
+        """Return True if the next message of a channel is chosen."""
+        if self._every <= 1:
+            return True
+        number = self._numbers[channel.id]
+        self._numbers[channel.id] = number + 1
+        # By the golden ratio, the bits of which follow no rhythm of a robot.
+        scattered = (number * 0x9E3779B1 & 0xFFFFFFFF) >> 8
+        return number < _FIRST_ONES or number + 1 == channel.count or scattered % self._every == 0
 
 
 def _is_alike(one: MessageDecoder | str, other: MessageDecoder | str) -> bool:

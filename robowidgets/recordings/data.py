@@ -31,7 +31,7 @@ from .columns.series import Series
 from .columns.speeds import Speeds
 from .columns.touches import Touches
 from .events import Events, RecordedEvent, has_events
-from .files import open_source
+from .files import open_as_ros
 from .labels import Label, LabelFile, LabelledSpan, labelled_span, with_clock
 from .odometry import places_of
 from .program_log import PROGRAM, STATES, ProgramVersion, spans_of, version_of
@@ -77,7 +77,7 @@ class RecordingData:
         self._file = fetch(path) if is_url(path) else held(Path(os.fsdecode(path)).expanduser())
         self._path, self._url = self._file.path, self._file.url
         try:
-            self._messages = Messages(open_source(self._path))
+            self._messages = Messages(open_as_ros(self._path))
         except BaseException:
             self._file.close()
             raise
@@ -199,6 +199,15 @@ class RecordingData:
         self._check_readable(topic)
         return self._messages.messages([topic], *span_ns(self.start_ns, start, end))
 
+    def thinned_messages(self, topic: str, every: int) -> Iterator[TimedMessage]:
+        """The messages of a topic of which about every second, third and so on is read, with the first and the last.
+
+        Raises:
+            UnknownTopicError, RecordingError: as `messages`.
+        """
+        self._check_readable(topic)
+        return self._messages.messages([topic], None, None, every=every)
+
     def message_at(self, topic: str, seconds: float) -> TimedMessage | None:
         """The last message of a topic of any type, at a time or before it; None if there is none yet.
 
@@ -268,8 +277,16 @@ class RecordingData:
         what = (f" of {least.name} or more" if least else "") + (f" with {words!r}" if words else "")
         return Events(sorted(found, key=lambda one: one.time_ns), what)
 
-    def timed_events(self, topics: Collection[str] = (), stop_ns: int | None = None) -> Iterator[tuple[int, Event]]:
-        """The events on topics, or on all that tell of any, about in the order of their times in nanoseconds."""
+    def timed_events(
+        self, topics: Collection[str] = (), stop_ns: int | None = None, *, every_line: int = 1
+    ) -> Iterator[tuple[int, Event]]:
+        """The events on topics, or on all that tell of any, about in the order of their times in nanoseconds.
+
+        Args:
+            topics: names of topics.
+            stop_ns: the time at which to stop, not included; None: the end.
+            every_line: of lines of logs below a warning only every second, third and so on; 0: none of them.
+        """
         self._check_open()
         telling = [topic.name for topic in self.topics if has_events(topic)]
         for name in topics:
@@ -278,7 +295,7 @@ class RecordingData:
                 there = ", ".join(telling) or "none"
                 raise UnknownTopicError(f"{self.path.name}: {name!r} tells of no events: those that do are {there}")
         end_ns = stop_ns if stop_ns is not None else (self.end_ns or 0) + 1
-        found = self._messages.events(list(topics) or telling, stop_ns)
+        found = self._messages.events(list(topics) or telling, stop_ns, every_line)
         return ((time_ns, event) for time_ns, event in found if time_ns < end_ns)
 
     def _seconds(self, time_ns: int) -> float:
@@ -402,10 +419,20 @@ class RecordingData:
         """
         return self._of_kind(topic, TOUCH, Touches)
 
-    def transforms(self) -> Iterator[Transform]:
-        """The transforms of odometry and tf, in the order of time."""
+    def transforms(self, every: int = 1, *, odometry: bool = True) -> Iterator[Transform]:
+        """The transforms of odometry and tf, in the order of time.
+
+        Args:
+            every: about every second, third and so on of the messages of each topic is read, and its first ones.
+            odometry: whether those of odometry are among them.
+        """
         self._check_open()
-        return self._messages.transforms()
+        return self._messages.transforms(every, odometry)
+
+    @property
+    def transform_count(self) -> int:
+        """The number of messages that `transforms` reads."""
+        return self._messages.transform_count
 
     def mount_of(self, frame_id: str, seconds: float | None = None) -> Mount | None:
         """How a scanner stands on the robot: as `mount` says, else by tf; None if neither tells it.
@@ -555,6 +582,7 @@ class RecordingData:
         return self._table().to_html()
 
     def _table(self) -> Table:
+        self.check_topics()
         return table_of(self._heading(), self.topics, self.problems)
 
     def _heading(self) -> str:
@@ -576,6 +604,14 @@ class RecordingData:
             UnknownTopicError: there is none; or there are several, as `UnnamedTopicError`.
         """
         return only(self.path.name, self.topics, widget, self.preferred)
+
+    def check_topics(self) -> None:
+        """Read the first message of each topic, once: what makes a topic unreadable is in `problems` then.
+
+        `info` and `doctor` begin with it.
+        """
+        if not self._closed:
+            self._messages.check_topics()
 
     def why_unreadable(self, name: str) -> str:
         """Why no message of a topic can be read; empty if they can be, whether a widget shows them or not."""

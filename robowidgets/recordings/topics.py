@@ -14,6 +14,12 @@ _MADE = re.compile(r"filter|merged|multi|combined|fused|throttle|downsampled|cro
 """Parts of the names of topics that a program makes of others."""
 
 
+UPDATES = "_updates"
+"""The end of the name of a topic with parts of grids that change the grid on the topic before it."""
+
+_UPDATE_TYPE = "map_msgs/msg/OccupancyGridUpdate"
+
+
 class Topic(NamedTuple):
     """One topic of a recording.
 
@@ -149,6 +155,12 @@ def only(name: str, topics: Iterable[Topic], widget: str, preferred: Collection[
     if not there:
         raise UnknownTopicError(f"{name} has no {noun}")
     raise UnnamedTopicError(f"{name} has several topics of {noun} ({', '.join(there)})", there, widget)
+
+
+def updates_in(topics: Iterable[Topic]) -> dict[str, int]:
+    """Return the topics of grids that other messages change, with the numbers of these messages."""
+    updates = {topic.name: topic.count for topic in topics if topic.type == _UPDATE_TYPE and topic.count}
+    return {name.removesuffix(UPDATES): count for name, count in updates.items() if name.endswith(UPDATES)}
 
 
 def likeliest(topics: Iterable[Topic]) -> Topic:

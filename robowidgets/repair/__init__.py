@@ -5,7 +5,7 @@ whatever lengths it claims. `Source.problems` lists the repairs; `write.write` w
 """
 
 from ._carmen import is_carmen
-from ._clock import JITTER_NS, LEAP_NS, REAL_FROM_NS, RESET_NS, Arrivals, has_clock_step, joined
+from ._clock import JITTER_NS, LEAP_NS, REAL_FROM_NS, RESET_NS, Arrivals, has_clock_step, joined, may_precede_clock
 from ._open import SUFFIX, find_files, is_being_written, natural, open_repaired
 from ._sqlite import files_beside, is_cut
 from .source import Message, RecordingError, Source
@@ -27,6 +27,7 @@ __all__ = [
     "is_carmen",
     "is_cut",
     "joined",
+    "may_precede_clock",
     "natural",
     "open_repaired",
 ]

@@ -66,7 +66,8 @@ class _Reader(RecordReader):
         name, head = self.file.name, self.file.read(0, HEAD)
         if head.startswith(MAGIC):
             return
-        if version := _VERSION.match(head):
+        version = _VERSION.match(head)
+        if version and version[1] != b"2.0":
             raise RecordingError(
                 f"{name}: a bag of format {version[1].decode()}: only ROS 1 bags of format 2.0 can be read; "
                 f"with ROS 1 installed, `rosbag filter {quote(name)} new.bag True` writes it as 2.0"

@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from .._core.text import often
+from .._core.text import many, often
 from ..samples.staleness import ENDED, usual_step
 
 Times = NDArray[np.int64]
@@ -65,12 +65,24 @@ def joined(parts: Iterable[Arrivals]) -> Arrivals:
 
 
 def has_clock_step(arrivals: Arrivals) -> bool:
-    """Whether the clock was set back, or far ahead."""
-    return _leaps(arrivals.times) or bool(_steps_back(arrivals))
+    """Whether the clock was set back, or far ahead, or began later than the recorder."""
+    return bool(_before_clock(arrivals.times).any()) or _leaps(arrivals.times) or bool(_steps_back(arrivals))
+
+
+def may_precede_clock(first_ns: int, last_ns: int) -> bool:
+    """Return True if a recording from one time to another may have messages from before its clock began."""
+    return first_ns == 0 and last_ns > RESET_NS
 
 
 def repaired(arrivals: Arrivals) -> tuple[Times, str]:
     """Monotonic times of the same messages, and a line on the problems of the clock; empty if there are none."""
+    early = _before_clock(arrivals.times)
+    if early.any():
+        count = int(early.sum())
+        clock_starts = int(arrivals.times[~early].min())
+        times, line = repaired(arrivals._replace(times=np.where(early, clock_starts, arrivals.times)))
+        about = f"the clock began only after {many(count, 'message')} at time 0, which are put at its start"
+        return times, "; ".join(filter(None, (about, line)))
     steps = _steps_back(arrivals)
     if not steps and not _leaps(arrivals.times):
         return arrivals.times, ""
@@ -128,8 +140,9 @@ def make_monotonic(times: Sequence[int]) -> tuple[list[int], ClockProblems]:
 
     After a small step back (up to `RESET_NS`) the last time is repeated until the clock has caught up. A larger step
     back, if the clock stays there, and a leap ahead by more than `LEAP_NS` shift all later times, so that they continue
-    from the last one. After a leap the result is dated by the first time from 1990 on; without a leap, or without such
-    a time, by the first.
+    from the last one; as does a step back by more than a second to the start of a clock without a date, as of a
+    simulator that is reset. After a leap the result is dated by the first time from 1990 on; without a leap, or without
+    such a time, by the first.
     """
     result: list[int] = []
     latest = times[0] if times else 0
@@ -139,7 +152,8 @@ def make_monotonic(times: Sequence[int]) -> tuple[list[int], ClockProblems]:
         if now < latest:
             behind = latest - now
             furthest = max(furthest, behind)
-            if behind > RESET_NS and _goes_on(times[i : i + 2]):
+            is_reset = behind > RESET_NS or (behind > SECOND and time < REAL_FROM_NS and time <= times[0] + SECOND)
+            if is_reset and _goes_on(times[i : i + 2]):
                 shift += behind
             now = latest
         elif now - latest > LEAP_NS:
@@ -169,6 +183,19 @@ def _described(back: int, problems: ClockProblems) -> str:
         date = np.datetime64(problems.start // SECOND, "s").astype("datetime64[D]")
         lines.append(f"jumps ahead {often(problems.leaps)}, by {by}: time goes on from where it was, dated {date}")
     return f"the clock {'; it '.join(lines)}" if lines else ""
+
+
+def _before_clock(times: Times) -> NDArray[np.bool_]:
+    """Return, for each message, True if it came before the clock began.
+
+    A recorder that waits for the clock of a simulation has the time 0 until then.
+    """
+    early: NDArray[np.bool_] = times == 0
+    count = int(early.sum())
+    is_before = 0 < count < len(times) and bool(early[:count].all())
+    if not is_before or not may_precede_clock(int(times.min()), int(times[count:].min())):
+        return np.zeros(len(times), bool)
+    return early
 
 
 def _leaps(times: Times) -> bool:

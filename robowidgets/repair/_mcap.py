@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import re
 import struct
+from base64 import b64encode
 from binascii import crc32
 from pathlib import Path
 from typing import NamedTuple
 
-from ..messages.channel import Channel, definition_text
+from ..messages.channel import Channel, definition_text, full_type
 from ._byte_range import ByteRange, find
 from ._found_messages import Damage, Walk
 from ._record_reader import MAX_TEXT, Record, RecordReader
@@ -81,8 +82,7 @@ class _Reader(RecordReader):
         channels = []
         for number, (schema_id, topic, encoding) in self.named.items():
             schema = self.schemas.get(schema_id, _Schema("", "", ""))
-            name = schema.name.replace("/", "/msg/") if schema.encoding == "ros1msg" else schema.name
-            channels.append(Channel(number, topic, name, encoding, schema.text, 0))
+            channels.append(Channel(number, topic, full_type(schema.name), encoding, schema.text, 0))
         return channels
 
     def record(self, data: ByteRange, record: Record, chunk: int, damage: Damage) -> None:
@@ -144,6 +144,8 @@ class _Reader(RecordReader):
             if record.op == _SCHEMA:
                 (number,) = struct.unpack_from("<H", raw)
                 name, encoding, text = _strings(raw[2:], 3)
+                if encoding == "protobuf":  # bytes, not text
+                    text = b64encode(_values(raw[2:], 3)[-1]).decode()
                 schema = _Schema(name, encoding, definition_text(encoding, name, text))
                 self.schemas.setdefault(number, schema)
             else:
@@ -196,12 +198,16 @@ def _chunk_at(data: ByteRange, pos: int, outer_end: int) -> Record | None:
 
 
 def _strings(raw: bytes, count: int) -> list[str]:
-    """The first strings of a record, each after its length; struct.error if some are missing."""
-    strings = []
+    """The first strings of a record; struct.error if some are missing."""
+    return [value.decode("utf-8", errors="replace") for value in _values(raw, count)]
+
+
+def _values(raw: bytes, count: int) -> list[bytes]:
+    """The first strings of a record as bytes, each after its length; struct.error if some are missing."""
+    values: list[bytes] = []
     pos = 0
     for _ in range(count):
         (size,) = struct.unpack_from("<I", raw, pos)
-        (value,) = struct.unpack_from(f"{size}s", raw, pos + 4)
-        strings.append(value.decode("utf-8", errors="replace"))
+        values += struct.unpack_from(f"{size}s", raw, pos + 4)
         pos += 4 + size
-    return strings
+    return values

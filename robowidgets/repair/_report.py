@@ -19,6 +19,12 @@ _FORMATS = {
     b"\x89HDF": "an HDF5 file",
     b"version https://git-lfs": "a pointer of Git LFS, not the file; `git lfs pull` in the checkout fetches it",
 }
+_BY_GIT = "whose line ends git has changed for good: copy the original again, with `*.{0} binary` in .gitattributes"
+_CHANGED_BY_GIT = {
+    b"\x89MCAP0\n": f"one {_BY_GIT.format('mcap')}",
+    b"#ROSBAG V2.0\r\n": f"one {_BY_GIT.format('bag')}",
+}
+"""CR LF became LF, or LF became CR LF, also between bytes that are no lines."""
 _TAR_AT = 257
 HEAD = _TAR_AT + 8
 """Bytes at the start of a file that tell its format."""
@@ -26,7 +32,7 @@ HEAD = _TAR_AT + 8
 
 def format_of(head: bytes) -> str:
     """The format of a file by its first bytes, or a description of them; what to do where it could be unpacked."""
-    for magic, name in _FORMATS.items():
+    for magic, name in (*_CHANGED_BY_GIT.items(), *_FORMATS.items()):
         if head.startswith(magic):
             return name
     if head[_TAR_AT:].startswith(b"ustar"):

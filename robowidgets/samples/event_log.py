@@ -4,12 +4,17 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Sequence
+from math import inf
 from typing import NamedTuple
 
 from .event import Event, Level
 
 _LONGEST_NAME = 200
 """Characters of the names of sources and topics that are kept."""
+
+
+_SHORT = 60
+"""Characters to which texts below a warning are cut before those of errors and warnings are."""
 
 
 class EventRow(NamedTuple):
@@ -35,15 +40,16 @@ class EventLog:
     Args:
         most_rows: rows that are kept; older ones are forgotten. None: all.
         most_text: characters of a text that are kept.
-        most_characters: characters of all texts that are kept.
+        most_characters: characters of all texts that are kept. None: all.
 
     Attributes:
         count: the number of events so far.
         first: the number of the first row that is kept.
     """
 
-    def __init__(self, most_rows: int | None, most_text: int, most_characters: int) -> None:
-        self._most_text, self._most_characters = most_text, most_characters
+    def __init__(self, most_rows: int | None, most_text: int, most_characters: int | None) -> None:
+        self._most_text = most_text
+        self._most_characters = inf if most_characters is None else most_characters
         self._rows: deque[EventRow] = deque(maxlen=most_rows)
         self.count = 0
         self._made = self._characters = 0
@@ -105,8 +111,12 @@ def thinned(rows: Sequence[EventRow], most: int) -> list[EventRow]:
 
 
 def shortened(rows: Sequence[EventRow], most_characters: int) -> list[EventRow]:
-    """The rows with texts so short that together they have at most so many characters."""
-    most = max((len(row.text) for row in rows), default=0)
-    while sum(min(most, len(row.text)) for row in rows) > most_characters:
-        most //= 2
-    return [row._replace(text=row.text[:most]) for row in rows]
+    """The rows with texts so short that together they have at most so many characters, errors and warnings last."""
+    most = severe = max((len(row.text) for row in rows), default=0)
+    while sum(min(severe if row.level >= Level.WARN else most, len(row.text)) for row in rows) > most_characters:
+        if most > _SHORT:
+            most //= 2
+        else:
+            severe //= 2
+            most = min(most, severe)
+    return [row._replace(text=row.text[: severe if row.level >= Level.WARN else most]) for row in rows]

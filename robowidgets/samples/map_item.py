@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from math import nan
+from math import isfinite, nan
 from typing import Literal, NamedTuple
 
 import numpy as np
@@ -19,6 +19,9 @@ SENSED = ("scan", "cone")
 """What is seen from a robot: it tells less of the frame of the floor than what has a place on it."""
 
 NOWHERE = Pose(nan, nan, nan)
+
+
+NO_FIX = (nan, nan, nan)
 
 
 class Scatter(NamedTuple):
@@ -42,7 +45,8 @@ class MapItem(HasAge):
         points: shape (N, 2), of a path or a scan: x and y in metres; of a cone, its sensor
             and then its arc; (N, 3) of poses: their yaw, too.
         grid: of a grid, that.
-        fix: of a fix of a satellite receiver, its latitude and longitude in degrees and its altitude in metres.
+        fix: of a satellite receiver, its latitude and longitude in degrees and its altitude in metres; `NO_FIX` while
+            it has none.
         child_frame_id: of odometry, the frame whose pose it is; empty: the message names none.
     """
 
@@ -55,3 +59,8 @@ class MapItem(HasAge):
     grid: MapGrid | None = None
     fix: tuple[float, float, float] | None = None
     child_frame_id: str = ""
+
+    @property
+    def is_nowhere(self) -> bool:
+        """True for a pose that is not known: its frame says nothing about a map."""
+        return self.kind == "pose" and not (isfinite(self.pose.x) and isfinite(self.pose.y))

@@ -257,6 +257,23 @@ test("joints are rows: what was not sent or not measured is a dash, a wheel coun
   assert.equal(pan?.cells[1]?.bar, null);
 });
 
+test("joints without names go by their index", () => {
+  const none = fieldsOf([{ name: "name", kind: "messages", type: "", count: 0, children: [] }], [[0, []]])[0] as Field;
+  const seen = new Seen();
+  const sent = (values: number[]) => [none, array("position", values), array("velocity", []), array("effort", [])];
+  toTable(sent([1, 2, 3]), seen);
+  const rows = toTable(sent([0.5, 2, 3]), seen)?.rows ?? [];
+  assert.deepEqual(
+    rows.map(({ name, index, cells }) => [name, index, cells[0]?.text]),
+    [
+      ["", "[0]", "0.5"],
+      ["", "[1]", "2"],
+      ["", "[2]", "3"],
+    ],
+  );
+  assert.deepEqual(rows[0]?.cells[0]?.bar, { low: 0.5, high: 1, value: 0.5, from: 0.5, ends: ["", ""] });
+});
+
 test("a battery shows per cent, its cells, and no bar where nobody knows the ends", () => {
   const names = { "2": "DISCHARGING" };
   const fields = fieldsOf(

@@ -165,6 +165,14 @@ def field(name: str, offset: int, datatype: int = 7, count: int = 1) -> dict:
 XYZ = [field("x", 0), field("y", 4), field("z", 8)]
 
 
+def test_a_row_step_of_all_rows_is_that_of_one() -> None:
+    message = cloud_message(points_of(6, OVER))
+    of_rows = to_cloud({**message, "height": 2, "width": 3, "row_step": 3 * message["point_step"]})
+    of_all = to_cloud({**message, "height": 2, "width": 3, "row_step": 6 * message["point_step"]})
+    assert of_all.points.tobytes() == of_rows.points.tobytes()
+    assert of_all.problems == ()
+
+
 @pytest.mark.parametrize(
     ("changed", "what"),
     [

@@ -159,6 +159,14 @@ class TestTheLog:
         assert max(gaps) < 15
         assert thinned(log.rows, 100) == list(log.rows)
 
+    def test_texts_of_errors_and_warnings_are_shortened_last(self) -> None:
+        log = EventLog(None, 1000, None)
+        for i in range(10):
+            log.add(Event(f"{i}" * 1000, Level.ERROR if i == 5 else Level.INFO), float(i))
+        by_level = {row.level: len(row.text) for row in shortened(log.rows, 3000)}
+        assert by_level == {Level.ERROR: 1000, Level.INFO: 125}
+        assert sum(len(row.text) for row in shortened(log.rows, 300)) <= 300
+
     def test_texts_are_shortened_until_all_have_room(self) -> None:
         log = EventLog(None, 1000, 10**6)
         for i in range(10):

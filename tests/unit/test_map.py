@@ -22,7 +22,7 @@ from robowidgets.messages.map_grid import to_map_grid
 from robowidgets.messages.map_item import to_map_item
 from robowidgets.poses.local_plane import LocalPlane
 from robowidgets.samples import Pose
-from robowidgets.samples.map_item import Scatter
+from robowidgets.samples.map_item import NO_FIX, Scatter
 
 from .. import map_scene as scene
 from .recordings import recorded
@@ -130,10 +130,26 @@ class TestFixes:
         assert path.get_state()["_about"]["frame_id"] == EAST_NORTH == "east, north of the first fix"
 
     def test_no_fix_is_nowhere(self) -> None:
-        assert to_map_item(fix(52.0, 4.0, status=-1)).fix is None
-        assert to_map_item(fix(nan, 4.0)).fix is None
+        for none in (fix(52.0, 4.0, status=-1), fix(nan, 4.0), fix(0.0, 0.0)):
+            item = to_map_item(none)
+            assert (item.fix, item.is_nowhere) == (NO_FIX, True)
         with pytest.raises(ValueError, match="latitude within ±90"):
             to_map_item(fix(152.0, 4.0))
+
+    def test_a_receiver_that_has_no_fix_at_first_is_drawn_from_its_first_fix_on(self) -> None:
+        path = PathWidget()
+        path.put("/fix", fix(nan, nan, status=-1))
+        path.put("/fix", fix(52.0, 4.0))
+        path.put("/fix", fix(52.001, 4.0))
+        assert shown(path)["/fix"].pose.y == pytest.approx(111.26, abs=0.01)
+        assert (path.get_state()["_about"]["frame_id"], missing(path)) == (EAST_NORTH, {})
+
+    def test_a_receiver_without_a_fix_is_no_frame_of_the_map(self) -> None:
+        path = PathWidget()
+        path.put("/fix", fix(0.0, 0.0))
+        path.put("/pose", stamped("odom", 1.0, 2.0, 0.0))
+        assert shown(path)["/pose"].pose[:2] == (1.0, 2.0)
+        assert path.get_state()["_about"]["frame_id"] == "odom"
 
 
 class TestGrids:
@@ -582,6 +598,92 @@ def played(path: Path, *topics: str, **more: Any) -> Any:
 def map_of(player: Any) -> Any:
     (view,) = [view for view in player.views if isinstance(view.widget, PathWidget)]
     return view
+
+
+def way_of(player: Any) -> Any:
+    """The frame of the map, and the ways of its layers by their numbers."""
+    whole = map_of(player).widget.whole_map
+    return whole.frame, dict(whole.tracks())
+
+
+class TestWhatIsReadOfARecording:
+    def test_a_receiver_that_has_no_fix_at_first_has_its_way_from_the_first_fix_on(self, tmp_path: Path) -> None:
+        fixes = [fix(nan, nan, status=-1), *(fix(52.0 + i * 1e-5, 4.0) for i in range(10))]
+        messages = [(float(i), "/fix", one) for i, one in enumerate(fixes)]
+        player = played(recorded.write(tmp_path / "x", {"/fix": "sensor_msgs/msg/NavSatFix"}, messages), "/fix")
+        frame, ways = way_of(player)
+        assert frame == EAST_NORTH
+        assert (ways[0][0, 0], ways[0][-1, 2]) == (1.0, pytest.approx(10.01, abs=0.01))
+        player.close()
+
+    def test_a_drive_that_begins_without_a_fix_is_on_show(self, data: Path) -> None:
+        player = played(data / "reports/gps_cold_start/gps_nan.mcap", "/fix")
+        frame, ways = way_of(player)
+        assert (frame, ways[0][0, 0]) == (EAST_NORTH, pytest.approx(4.0))
+        assert hypot(*ways[0][-1, 1:3]) == pytest.approx(72.5, abs=0.05)
+        player.close()
+
+    def test_a_frame_in_which_nothing_has_a_place_is_not_chosen(self, tmp_path: Path) -> None:
+        types = {"/fix": "sensor_msgs/msg/NavSatFix", "/dvl": "geometry_msgs/msg/PoseStamped"}
+        poses = [(i / 10, "/dvl", scene.plain(stamped("odom", float(i), 0.0, 0.0, i / 10))) for i in range(50)]
+        player = played(recorded.write(tmp_path / "x", types, [(0.0, "/fix", fix(nan, nan, -1)), *poses]), *types)
+        (frame, ways), view = way_of(player), map_of(player)
+        assert (frame, ways[1][-1, 1]) == ("odom", 49.0)
+        assert view.widget._map["frames"] == ["odom"]
+        (*_, last) = view.track.frames(1.0, 2.0)
+        assert last.about["missing"] == {"/fix": "not drawn: none of its messages has a place"}
+        player.close()
+
+    def test_a_diver_is_on_show_in_the_frame_with_its_way(self, data: Path) -> None:
+        player = played(data / "reports/map_chooses_empty_frame/diver.mcap", "/fix", "/dvl", "/depth")
+        frame, ways = way_of(player)
+        assert (frame, ways[1][-1, 1]) == ("odom", pytest.approx(49.5))
+        player.close()
+
+    def test_a_way_of_very_many_poses_goes_by_evenly_chosen_ones_to_its_end(
+        self, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    ) -> None:
+        monkeypatch.setattr("robowidgets.player._map_frames.MOST_POSES", 150)
+        poses = [(i / 200, "/pose", scene.plain(stamped("world", i / 10, 0.0, 0.0, i / 200))) for i in range(1200)]
+        path = recorded.write(tmp_path / "x", {"/pose": "geometry_msgs/msg/PoseStamped"}, poses)
+        ways = []
+        for _ in range(2):
+            player = played(path, "/pose")
+            ways.append(way_of(player)[1][0])
+            (layer,) = map_of(player).widget._map["layers"]
+            player.close()
+        assert layer["note"] == "its way by about 1 of 8 of 1,200 messages"
+        assert ways[0].tobytes() == ways[1].tobytes()
+        assert (ways[0][0, 1], ways[0][-1, 1]) == (0.0, 119.9)
+        assert 200 < len(ways[0]) < 300
+        assert np.diff(ways[0][:, 0]).max() < 0.5
+
+    def test_transforms_of_a_very_long_drive_are_chosen_so_that_no_publisher_is_left_out(
+        self, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    ) -> None:
+        monkeypatch.setattr("robowidgets.player._map_frames.MOST_TRANSFORMS", 1000)
+        frames = [("map", "odom"), ("odom", "base_link")]  # in turns
+        tf = [(i / 50, "/tf", scene.plain(scene.tf(*frames[i % 2], (i / 100, 0.0, 0.0), i / 50))) for i in range(4000)]
+        player = played(recorded.write(tmp_path / "x", {"/tf": scene.TYPES["/tf"]}, tf), "/tf")
+        whole = map_of(player).widget.whole_map
+        for name in ("odom", "base_link"):
+            times = whole.tree.history(name).times_ns
+            assert times[-1] - times[0] > 78e9
+            assert np.diff(times).max() < 2e9
+        assert whole.notes == ["transforms: about 1 of 4 of 4,000 messages"]
+        player.close()
+
+    def test_updates_of_a_grid_that_are_not_drawn_are_named(self, tmp_path: Path) -> None:
+        types = {"/map": scene.TYPES["/map"], "/map_updates": "map_msgs/msg/OccupancyGridUpdate"}
+        grid = scene.plain(scene.occupancy(MapGrid(np.zeros((20, 20), np.uint8), 0.05)))
+        update = {"x": 1, "y": 2, "width": 1, "height": 1, "data": np.array([99], np.int8)}
+        path = recorded.write(tmp_path / "x", types, [(0.0, "/map", grid), (1.0, "/map_updates", update)])
+        player = played(path, "/map")
+        (layer,) = map_of(player).widget._map["layers"]
+        assert layer["note"] == "1 update on /map_updates not drawn"
+        player.close()
+        with robowidgets.open(path) as recording:
+            assert "/map: 1 update on /map_updates change it, and a map does not draw them" in str(recording.doctor())
 
 
 class TestPlayer:

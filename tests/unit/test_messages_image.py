@@ -7,6 +7,7 @@ import base64
 import io
 import struct
 import sys
+from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
@@ -14,6 +15,7 @@ import numpy as np
 import PIL.Image
 import pytest
 
+import robowidgets
 from robowidgets.imaging import HEADER, Form, as_numbers, checked_region, pack, statistics
 from robowidgets.messages import to_image
 from robowidgets.messages.image import layout_of
@@ -45,6 +47,33 @@ def compressed(kind: str, values: np.ndarray[Any, Any], before: bytes = b"", sai
 
 
 RAMP = np.arange(6 * 8 * 4).reshape(6, 8, 4)
+
+
+def rvl(pixels: np.ndarray[Any, Any]) -> bytes:
+    """A depth image as compressed_depth_image_transport packs it with RVL."""
+    nibbles: list[int] = []
+
+    def put(number: int) -> None:
+        while number > 7:
+            nibbles.append(8 | (number & 7))
+            number >>= 3
+        nibbles.append(number)
+
+    left, before = pixels.ravel().tolist(), 0
+    while left:
+        empty = next((i for i, one in enumerate(left) if one), len(left))
+        full = next((i for i, one in enumerate(left[empty:]) if not one), len(left) - empty)
+        put(empty)
+        put(full)
+        for one in left[empty : empty + full]:
+            step = one - before
+            put(2 * step if step >= 0 else -2 * step - 1)
+            before = one
+        left = left[empty + full :]
+    nibbles += [0] * (-len(nibbles) % 8)
+    words = [int("".join(f"{one:x}" for one in nibbles[i : i + 8]), 16) for i in range(0, len(nibbles), 8)]
+    rows, columns = pixels.shape
+    return struct.pack(f"<II{len(words)}I", columns, rows, *words)
 
 
 class TestImages:
@@ -265,8 +294,38 @@ class TestRefused:
             to_image({"format": "jpeg", "data": data})
 
     def test_another_packing_of_depth_is_named(self) -> None:
-        with pytest.raises(ValueError, match="got another packing, such as RVL"):
-            to_image({"format": "16UC1; compressedDepth rvl", "data": bytes(40)})
+        with pytest.raises(ValueError, match="expected 12 bytes and a PNG for 'compressedDepth zlib', got another"):
+            to_image({"format": "16UC1; compressedDepth zlib", "data": bytes(40)})
+
+    @pytest.mark.parametrize(
+        ("packed", "text"),
+        [
+            (b"", "expected the size of an image in RVL, got 0 bytes"),
+            (struct.pack("<II", 0, 4), "the picture is empty or damaged: 4 rows of 0 pixels in RVL"),
+            (struct.pack("<III", 8, 1, 0x08000000), "damaged or cut off: 0 of 8 pixels"),
+            (struct.pack("<III", 8, 1, 0xFFFFFFFF), "damaged or cut off: 0 of 8 pixels"),
+            (struct.pack("<IIIII", 8, 1, *3 * [0xFFFFFFFF])[:-1] + b"\0", "damaged or cut off|without an end"),
+        ],
+    )
+    def test_rvl_that_is_none_is_said_in_one_line(self, packed: bytes, text: str) -> None:
+        with pytest.raises(ValueError, match=text):
+            to_image({"format": "16UC1; compressedDepth rvl", "data": bytes(12) + packed})
+
+    @pytest.mark.parametrize("holes", [0.0, 0.4, 1.0])
+    def test_rvl_has_the_pixels_that_were_packed(self, holes: float) -> None:
+        chance = np.random.default_rng(3)
+        pixels = chance.integers(1, 65536, (13, 17)).astype(np.uint16)
+        pixels[chance.random(pixels.shape) < holes] = 0
+        image = to_image({"format": "16UC1; compressedDepth rvl", "data": bytes(12) + rvl(pixels)})
+        assert (image.encoding, image.depth_scale) == ("16UC1", 0.001)
+        assert np.array_equal(image.pixels, pixels)
+
+    def test_rvl_of_a_camera_has_its_millimetres(self, data: Path) -> None:
+        expected = np.load(data / "reports/depth_rvl/millimetres.npy")
+        with robowidgets.open(data / "reports/depth_rvl/rvl.mcap") as recording:
+            read = [to_image(one.message).pixels for one in recording.messages("/depth/compressedDepth")]
+        assert len(read) == 3
+        assert all(np.array_equal(one, expected) for one in read)
 
     @pytest.mark.parametrize(
         ("values", "text"),

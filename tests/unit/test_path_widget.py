@@ -244,17 +244,16 @@ def path_at(seconds: float) -> tuple[float, float]:
         return x, y
 
 
-def test_reading_a_path_that_takes_long_ends_early_and_a_note_says_so_from_there_on(
+def test_a_path_of_very_many_poses_goes_by_evenly_chosen_ones_from_start_to_end(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr("robowidgets.player._frames.LONGEST_PATH", -1.0)
+    monkeypatch.setattr("robowidgets.player._frames.MOST_POSES", 100)
     monkeypatch.setattr("robowidgets.recordings.columns._store.BATCH_BYTES", 100_000)
     with open(SAMPLE) as recording:
         player = recording.show("/odom")
-    view = next(view for view in player.views if isinstance(view.widget, PathWidget))
-    end = view.widget.points[-1, 0]
-    assert end < 30
-    first, *_, last = view.track.frames(end - 1, end + 1)
-    assert "notes" not in first.about
-    assert last.about["notes"] == [f"no path after {end:.0f} s: reading all of it takes long"]
+        times = recording.speeds("/odom").seconds
+    points = next(view.widget for view in player.views if isinstance(view.widget, PathWidget)).points
+    assert (points[0, 0], points[-1, 0]) == pytest.approx((times[0], times[-1]))
+    assert 40 < len(points) < 150 < len(times)
+    assert np.diff(points[:, 0]).max() < 10
     player.close()

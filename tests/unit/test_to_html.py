@@ -19,8 +19,10 @@ import pytest
 
 import robowidgets
 from robowidgets._core import output_file
+from robowidgets._core.timed_frame import FRAME_HEADER, TimedFrame
 from robowidgets.export import html
-from robowidgets.export.segments import _pack_column
+from robowidgets.export.segments import _pack_column, segment
+from robowidgets.player import _to_html
 from robowidgets.recordings import UnknownTopicError
 from robowidgets.recordings.files import open_source
 from robowidgets.repair import RecordingError, Source
@@ -290,3 +292,20 @@ def test_a_page_has_no_picture_of_scans_that_it_has(tmp_path: Path) -> None:
         (page,) = parts(recording.to_html(tmp_path / "a.html").read_text(encoding="utf-8"), "page")
     assert b'"scanogram":{"model":' in page
     assert b'"cells"' not in page
+
+
+def test_a_message_in_a_page_has_its_own_time(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    packed: list[TimedFrame] = []
+
+    def spy(number: int, tracks: Any) -> bytes:
+        packed.extend(timed for frames, _ in tracks for timed in frames)
+        return segment(number, tracks)
+
+    monkeypatch.setattr(_to_html, "segment", spy)
+    with robowidgets.open(robowidgets.SAMPLE) as recording:
+        recording.to_html(tmp_path / "x.html", topics=["/odom as message"], start=20, end=30)
+        times = recording.fields("/odom").seconds
+    arrivals = [FRAME_HEADER.unpack_from(timed.frame)[3] for timed in packed]
+    assert 200 <= len(set(arrivals)) <= len(times)
+    assert set(arrivals) <= {*times}
+    assert min(arrivals) == pytest.approx(20.0, abs=0.1)

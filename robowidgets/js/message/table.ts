@@ -85,14 +85,17 @@ function toJoints(by: Map<string, Field>, seen: Seen): Table {
     const field = by.get(name) as Field;
     return field.node.kind === "numbers" ? elementsOf(field, 0, summaryOf(field).count) : [];
   });
-  const rows = texts.map(({ value }, i): TableRow => {
+  // Without names, joints go by their index.
+  const count = Math.max(texts.length, ...columns.map((column) => column.length));
+  const rows = Array.from({ length: count }, (_, i): TableRow => {
+    const value = texts[i]?.value ?? "";
     const cells = columns.map((column, c) => {
       const field = column[i];
       const head = JOINT_COLUMNS[c]?.[0];
       if (!field) return { text: "\u2014", unit: "", more: "", isNone: true, bar: null };
       const number = toNumber(field.value);
       if (Number.isNaN(number)) return { text: "\u2014", unit: "", more: "", isNone: true, bar: null };
-      const [low, high] = seen.with(`${head} ${toText(value)}`, number);
+      const [low, high] = seen.with(`${head} ${toText(value) || i}`, number);
       const text = toReadable(field.value, field.node.type, 4);
       // Beyond a turn it is a wheel.
       const turns = head === "position" && Math.max(-low, high) > 2 * Math.PI ? number / (2 * Math.PI) : null;
@@ -102,8 +105,8 @@ function toJoints(by: Map<string, Field>, seen: Seen): Table {
     });
     return { key: `name[${i}]`, name: toText(value), index: `[${i}]`, cells, inner: [], level: null };
   });
-  const count = (names.value as [number])[0] - rows.length;
-  const more = count > 0 ? `${toCount(count)} more joints in the tree. ` : "";
+  const left = (names.value as [number])[0] - rows.length;
+  const more = left > 0 ? `${toCount(left)} more joints in the tree. ` : "";
   const note = `${more}Bars go from the least to the greatest that this page has seen. \u2014 is not measured (NaN), or not sent.`;
   return { kind: "joints", heads: JOINT_COLUMNS.map(([name, unit]) => ({ name, unit })), rows, note };
 }

@@ -37,6 +37,10 @@ class MessageDecoder:
         stamps = [i for i, leaf in enumerate(self.leaves) if leaf.name == "header.stamp" and leaf.type == "time"]
         self._stamp = FieldPath(stamps[0]) if stamps else None
 
+    def left_over(self, raw: bytes) -> int:
+        """Return the number of bytes after the last field of a message. Raises DecodeError if it cannot be read."""
+        return self._layouts.of(raw).left
+
     def decode(self, raws: Sequence[bytes], times: Sequence[int], note: NoteUnread) -> list[Any]:
         """See `Decoder`."""
         kept: list[int] = []

@@ -24,6 +24,7 @@ from ...samples.staleness import PARTS_PAUSE
 from . import _rosbags
 from ._chain import Chain
 from ._fallback import FallbackSource
+from ._plain import in_ros
 
 _OPENERS = {
     b"#ROSBAG V2.0\n": _rosbags.open_bag,
@@ -53,6 +54,11 @@ def open_source(path: Path) -> Source:
         return _open(path.parent if path.name == METADATA else path)
     except OSError as error:
         raise RecordingError(f"{path}: cannot be read: {error.strerror or error}") from None
+
+
+def open_as_ros(path: Path) -> Source:
+    """Return the same source, with messages in JSON and protobuf as messages of ROS 2. Raises as `open_source`."""
+    return in_ros(open_source(path))
 
 
 def _open(path: Path) -> Source:
@@ -145,13 +151,14 @@ def counts_up(names: Sequence[str]) -> bool:
 
 
 def _follow_on(files: Sequence[Path]) -> bool:
-    """Whether each file that can be read has the topics of the one before, and goes on where that ends.
+    """Whether each file that can be read has most topics of the one before, and goes on where that ends.
 
+    A file lists only topics with messages in it: some part lacks those that seldom have one, another part others.
     A clock may have been set meanwhile, back or far ahead. A file that starts no later than the one before is a copy of
     it, one that starts minutes after its end is another drive.
     """
     return all(
-        (topics <= later_topics or later_topics <= topics)
+        2 * len(topics & later_topics) >= min(len(topics), len(later_topics))
         and later_start >= max(end - RESET_NS, min(start + 1, end))
         and not PARTS_PAUSE * _SECOND < later_start - end <= LEAP_NS
         for (topics, start, end), (later_topics, later_start, _) in pairwise(_parts(files))

@@ -18,7 +18,7 @@ from rosbags.rosbag1 import Reader as BagReader
 from rosbags.rosbag2.storage_mcap import ChunkInfo, McapReader
 from rosbags.rosbag2.storage_sqlite3 import Sqlite3Reader
 
-from ...repair import JITTER_NS, LEAP_NS, Arrivals, RecordingError, joined
+from ...repair import JITTER_NS, LEAP_NS, Arrivals, RecordingError, joined, may_precede_clock
 
 _MOST_CHUNKS = 1000
 """Most chunks of an MCAP file whose indexes are read: with more, a slow disk would take seconds."""
@@ -41,7 +41,7 @@ def arrivals_in_bag(reader: BagReader) -> Arrivals:
 def arrivals_in_mcap(reader: McapReader) -> Arrivals:
     """The order of arrival: the first and the last time in each chunk, as if each of its channels had messages then.
 
-    Of all messages if time goes back from chunk to chunk or within one, or leaps in one.
+    Of all messages if time goes back from chunk to chunk or within one, leaps in one, or may have begun late.
 
     Raises:
         RecordingError: the contents of an index are impossible.
@@ -49,7 +49,8 @@ def arrivals_in_mcap(reader: McapReader) -> Arrivals:
     path, chunks = _chunks(reader)
     starts, ends = (np.array([chunk[i] for chunk in chunks], np.int64) for i in (0, 1))
     is_back = (starts[1:] < np.maximum.accumulate(ends)[:-1] - JITTER_NS).any()
-    if is_back or (ends - LEAP_NS > starts).any() or _goes_back_within(path, chunks):
+    may_precede = len(chunks) > 0 and may_precede_clock(int(starts.min()), int(ends.max()))
+    if is_back or may_precede or (ends - LEAP_NS > starts).any() or _goes_back_within(path, chunks):
         return _by_message(path, chunks)
     counts = np.array([len(chunk.channel_count) for chunk in chunks], np.int64)
     ids = [number for chunk in chunks for number in (*chunk.channel_count, *chunk.channel_count)]

@@ -6,6 +6,7 @@ Files are read by rosbags only in this folder.
 from __future__ import annotations
 
 from bisect import bisect_left
+from collections import Counter
 from collections.abc import Callable, Collection, Iterator
 from functools import cached_property
 from pathlib import Path
@@ -18,12 +19,14 @@ from rosbags.rosbag2.storage_mcap import McapReader
 from rosbags.rosbag2.storage_sqlite3 import Sqlite3Reader
 
 from ..._core.platform_fixes import bound_decompression
-from ...messages.channel import Channel, definition_text
+from ...messages.channel import Channel, definition_text, full_type
 from ...messages.compression import plain
 from ...repair import Arrivals, Message, RecordingError, is_cut
 from ._index import arrivals_in_bag, arrivals_in_database, arrivals_in_mcap, span_in_mcap
 
 _NEVER = 2**63 - 1
+_SCHEMALESS = "__schemaless__"
+"""The type that rosbags gives a channel whose schema it has not read."""
 
 
 bound_decompression()
@@ -35,13 +38,28 @@ def open_bag(path: Path) -> RosbagsSource:
 
 
 def open_mcap(path: Path) -> RosbagsSource:
-    """A ``.mcap`` with an index. Raises as `open_bag`, and RecordingError when there is no index."""
+    """A ``.mcap`` with an index. Raises as `open_bag`, and RecordingError if index or summary is not complete."""
     reader = McapReader(path)
     source = RosbagsSource(reader, arrivals_in_mcap, span_in_mcap)
-    if not reader.chunks and source.start_ns is not None:
+    if (reader.chunks or reader.metadata.message_count) and not _is_summary_complete(reader):
         source.close()
-        raise RecordingError("without an index rosbags reads messages in one way only, from the start to the end")
+        raise RecordingError(f"{path}: rosbags leaves out what the summary of the file does not repeat")
     return source
+
+
+def _is_summary_complete(reader: McapReader) -> bool:
+    """Return True if the index and the summary name each channel with its schema, and each message."""
+    counts: Counter[int] = Counter()
+    for chunk in reader.chunks:
+        counts.update(chunk.channel_count)
+    named = {connection.id: connection for connection in reader.connections}
+    is_empty = not any(chunk.message_end_time for chunk in reader.chunks)
+    return (
+        sum(counts.values()) == reader.metadata.message_count
+        and (reader.metadata.message_count > 0 or is_empty)
+        and all(named[number].msgcount == count if number in named else not count for number, count in counts.items())
+        and all(connection.msgtype != _SCHEMALESS for connection in reader.connections)
+    )
 
 
 def open_sqlite(path: Path) -> RosbagsSource:
@@ -135,7 +153,7 @@ def _channel(connection: Connection) -> Channel:
     return Channel(
         id=connection.id,
         topic=connection.topic,
-        type=connection.msgtype,
+        type=full_type(connection.msgtype),
         encoding=getattr(connection.ext, "serialization_format", "ros1"),
         definition=_text(connection.msgdef, connection.msgtype),
         count=connection.msgcount,

@@ -15,8 +15,9 @@ import robowidgets
 from robowidgets import RecordingError
 from robowidgets.samples.problem import LONGEST
 
-from . import hazards, sweeps
+from . import hazards, recorded, sweeps
 from .test_digest import TOLD
+from .test_mcap_dialects import SCAN
 
 GOOD = [2.0] * 11
 """As many rays as the header of `sweeps.scan` implies."""
@@ -143,6 +144,81 @@ class TestTiming:
     def test_stamps_of_a_simulation_are_meant_so(self, report: Callable[..., Any]) -> None:
         scans = [(seconds, sweeps.scan(round((seconds + 1) * 1e9), GOOD)) for seconds in steady(0, 5)]
         assert lines(report(scans)) == []
+
+
+ODOM, TF = "nav_msgs/msg/Odometry", "tf2_msgs/msg/TFMessage"
+
+
+def odometry(seconds: float) -> dict[str, Any]:
+    return {"header": recorded.stamped(recorded.START_NS + round(seconds * 1e9), "odom"), "child_frame_id": "base"}
+
+
+def tf(seconds: float, x: float, parent: str = "odom") -> dict[str, Any]:
+    header = recorded.stamped(recorded.START_NS + round(seconds * 1e9), parent)
+    transform = {"translation": {"x": x}, "rotation": {"w": 1.0}}
+    return {"transforms": [{"header": header, "child_frame_id": "base_link", "transform": transform}]}
+
+
+class TestStampsThatAreNoDates:
+    @pytest.mark.parametrize(
+        ("since_ns", "said"),
+        [
+            (
+                35 * 10**9,
+                "stamps are 1,699,999,965 s behind the recorder's clock: they are seconds since a start, others",
+            ),
+            (0, "stamps are 1,700,000,002 s behind the recorder's clock: they are 0, others"),
+        ],
+        ids=["since boot", "zero"],
+    )
+    @pytest.mark.parametrize("other", [ODOM, TF])
+    def test_are_named_where_others_are_dates(self, tmp_path: Path, since_ns: int, said: str, other: str) -> None:
+        fields = odometry if other == ODOM else (lambda seconds: tf(seconds, 0.0))
+        messages: list[Any] = []
+        for i in range(50):
+            stamp = recorded.stamped(since_ns + i * 10**8 if since_ns else 0, "laser")
+            messages += [(i / 10, "/scan", {**SCAN, "header": stamp}), (i / 10, "/other", fields(i / 10))]
+        path = recorded.write(tmp_path / "x", {"/scan": "sensor_msgs/msg/LaserScan", "/other": other}, messages)
+        with robowidgets.open(path) as recording:
+            assert lines(recording.doctor()) == [f"/scan: {said} are dates"]
+
+    def test_speeds_without_a_header_have_none(self, tmp_path: Path) -> None:
+        types = {"/speed": "geometry_msgs/msg/Twist", "/odom": ODOM}
+        messages: list[Any] = []
+        for i in range(50):
+            messages += [(i / 10, "/speed", {}), (i / 10, "/odom", odometry(i / 10))]
+        with robowidgets.open(recorded.write(tmp_path / "x", types, messages)) as recording:
+            assert lines(recording.doctor()) == []
+
+    @pytest.mark.parametrize("name", ["microros_stamps", "zero_stamps"])
+    def test_of_a_microcontroller_are_named(self, data: Path, name: str) -> None:
+        with robowidgets.open(data / f"reports/stamps_since_boot/{name}.mcap") as recording:
+            (line,) = lines(recording.doctor())
+        assert re.match(r"/scan: stamps are 1,7(59,999,9|60,000,0)\d\d s behind the recorder's clock", line)
+
+
+class TestTransforms:
+    def drive(self, folder: Path, messages: Iterable[Any]) -> list[str]:
+        with robowidgets.open(recorded.write(folder / "x", {"/tf": TF}, messages)) as recording:
+            return [line for line in lines(recording.doctor()) if "widget" not in line]
+
+    @pytest.mark.parametrize("turns", [(0, 1), (0, 0, 1), (0, 0, 0, 1, 1)], ids=str)
+    def test_two_publishers_of_one_are_named(self, tmp_path: Path, turns: tuple[int, ...]) -> None:
+        own = [(i / 50, "/tf", tf(i / 50, i / 250 + 0.3 * turns[i % len(turns)])) for i in range(300)]
+        (line,) = self.drive(tmp_path, own)
+        assert re.fullmatch(
+            r"tf: two publishers of odom->base_link, 0\.(29|30|31) m apart: it jumps between them", line
+        )
+
+    def test_two_parents_of_one_frame_are_named(self, tmp_path: Path) -> None:
+        own = [(i / 50, "/tf", tf(i / 50, i / 250, ("odom", "map")[i % 2])) for i in range(300)]
+        assert self.drive(tmp_path, own) == ["base_link has 2 parents in tf: odom, map"]
+
+    @pytest.mark.parametrize("noise", [0.0, 0.005, 0.05])
+    def test_one_publisher_that_drives_or_is_unsure_is_none(self, tmp_path: Path, noise: float) -> None:
+        shake = np.random.default_rng(1).normal(0, noise, 300)
+        own = [(i / 50, "/tf", tf(i / 50, 0.02 * i * (noise == 0) + shake[i])) for i in range(300)]
+        assert self.drive(tmp_path, own) == []
 
 
 def test_releases_without_a_message_are_no_samples(tmp_path: Path) -> None:

@@ -8,10 +8,13 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from rosbags.rosbag1 import Writer as BagWriter
+from rosbags.typesys import Stores, get_typestore
 
 import robowidgets
 from robowidgets import EventsWidget, conditions
 from robowidgets.command import main
+from robowidgets.messages.encoding import encode
 from robowidgets.player import _event_frames
 from robowidgets.recording import Recording
 from robowidgets.recordings import RecordingError, UnknownTopicError
@@ -57,6 +60,25 @@ def path(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def recording(path: Path) -> Iterator[Recording]:
     with robowidgets.open(path) as opened:
         yield opened
+
+
+def write_log(folder: Path, encoding: str) -> Path:
+    """A log of 302 lines in 30 s, among them a warning and an error; the frame of the first has a long name."""
+    lines = [(i / 10, "/rosout", line(f"tick {i}")) for i in range(300)]
+    warn, error = (30, 40) if encoding == "cdr" else (4, 8)
+    lines += [(5.0, "/rosout", line("hot", warn, "motor")), (29.5, "/rosout", line("overcurrent", error, "motor"))]
+    lines.sort(key=lambda one: one[0])
+    if encoding == "cdr":
+        return recorded.write(folder / "x", {"/rosout": LOG}, lines)
+    with BagWriter(folder / "x.bag") as writer:
+        store = get_typestore(Stores.ROS1_NOETIC)
+        connection = writer.add_connection("/rosout", "rosgraph_msgs/msg/Log", typestore=store)
+        for number, (seconds, _, fields) in enumerate(lines):
+            one = {**fields, "header": recorded.stamped(0, "" if number else "a frame")}
+            one["level"] = 2 if one["level"] == 20 else one["level"]
+            raw = encode("ros1", "rosgraph_msgs/msg/Log", one)
+            writer.write(connection, recorded.START_NS + round(seconds * 1e9), raw)
+    return folder / "x.bag"
 
 
 class TestTheTable:
@@ -185,12 +207,6 @@ class TestThePlayer:
         assert [mark[0] for mark in player.marks] == [1.0, 6.0]
         player.close()
 
-    def test_begins_without_marks_where_reading_them_takes_long(
-        self, recording: Recording, monkeypatch: pytest.MonkeyPatch
-    ) -> None:
-        monkeypatch.setattr(_event_frames, "MOST_READ", 3)
-        assert _event_frames.event_marks(recording) == []
-
     def test_has_the_rows_that_matter_most_and_says_so(
         self, recording: Recording, monkeypatch: pytest.MonkeyPatch
     ) -> None:
@@ -202,16 +218,21 @@ class TestThePlayer:
         assert timed.about["notes"][0].startswith("4 of 7 rows: errors and warnings first")
         player.close()
 
-    def test_reads_no_longer_than_a_moment_and_says_up_to_where(
-        self, recording: Recording, monkeypatch: pytest.MonkeyPatch
+    @pytest.mark.parametrize("encoding", ["cdr", "ros1"])
+    def test_has_every_warning_of_a_long_log_and_says_what_is_left_out(
+        self, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, encoding: str
     ) -> None:
-        monkeypatch.setattr(_event_frames, "LONGEST", -1.0)
-        player = recording.show("/rosout")
+        monkeypatch.setattr(_event_frames, "MOST_LINES", 30)
+        with robowidgets.open(write_log(tmp_path, encoding)) as log:
+            player = log.show("/rosout")
         (view,) = player.views
-        assert len(view.widget.rows) == 1
-        assert next(iter(view.track.frames(0.0, 1.0))).about["notes"] == [
-            "no events after 0 s: reading all takes long; recording.events() has them"
-        ]
+        severe = [(row.seconds, row.text) for row in view.widget.rows if row.level >= Level.WARN]
+        assert severe == [(pytest.approx(5.0), "hot"), (pytest.approx(29.5), "overcurrent")]
+        assert [mark[2] for mark in player.marks] == ["WARN: motor: hot", "ERROR: motor: overcurrent"]
+        assert len(view.widget.rows) == 2 + 28
+        assert view.widget.rows[-1].seconds > 29
+        (note,) = next(iter(view.track.frames(0.0, 1.0))).about["notes"]
+        assert note == "1 of 11 lines below a warning in 302, and all others; recording.events() has all"
         player.close()
 
     def test_a_page_of_a_stretch_has_the_rows_of_it_alone(self, recording: Recording, tmp_path: Path) -> None:

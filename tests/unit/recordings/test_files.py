@@ -342,12 +342,39 @@ class TestFilesWithoutMetadata:
         with pytest.raises(RecordingError, match=r"2 recordings in this folder: open one of them: run_0\.mcap, run_1"):
             open(folder)
 
+    def test_that_each_lack_another_slow_topic_are_one(self, tmp_path: Path) -> None:
+        """A part of an MCAP recording lists only the topics with a message in it."""
+        folder = tmp_path / "runs"
+        folder.mkdir()
+        for number in range(3):
+            (part,) = topics.write(
+                tmp_path / f"part_{number}",
+                {name: [(10.0 * number + i, 1.0) for i in range(9)] for name in ("/scan", "/back", f"/slow_{number}")},
+            ).glob("*.mcap")
+            shutil.copy(part, folder / f"run_{number}.mcap")
+        assert read_count(folder) == {"/scan": 27, "/back": 27, "/slow_0": 9, "/slow_1": 9, "/slow_2": 9}
+
     def test_that_hold_other_topics_are_not(self, tmp_path: Path) -> None:
         folder = self.folder(tmp_path, messages(60))
         (other,) = topics.write(tmp_path / "other", {"/other_scan": [(1000, 1.0)]}).glob("*.mcap")
         shutil.copy(other, folder / "run_1.mcap")
         with pytest.raises(RecordingError, match="2 recordings in this folder"):
             open(folder)
+
+
+@pytest.mark.parametrize("write", [write_indexed_mcap, write_bag])
+def test_a_file_whose_line_ends_git_changed_is_called_that(tmp_path: Path, write: Callable[..., Path]) -> None:
+    path = write(tmp_path / "drive", messages(30))
+    raw, kind = path.read_bytes(), "mcap" if write is write_indexed_mcap else "bag"
+    changed = tmp_path / f"changed.{kind}"
+    changed.write_bytes(raw.replace(b"\r\n", b"\n") if kind == "mcap" else raw.replace(b"\n", b"\r\n"))
+    with pytest.raises(RecordingError, match=rf"whose line ends git has changed for good: .*`\*\.{kind} binary`"):
+        open(changed)
+
+
+def test_a_file_from_a_checkout_that_changes_line_ends(data: Path) -> None:
+    with pytest.raises(RecordingError, match="whose line ends git has changed"):
+        open(data / "reports/git_line_ends/drive.mcap")
 
 
 class TestDatabases:

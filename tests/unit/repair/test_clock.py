@@ -487,3 +487,33 @@ class TestTimesAtTheirLimits:
 def test_messages_of_the_same_time_stay_in_the_order_of_the_file(tmp_path: Path) -> None:
     source = written(tmp_path, *[(5.0, 1), (0.0, 2)] * 50)
     assert numbers(source) == [*range(1, 100, 2), *range(0, 100, 2)]
+
+
+@pytest.mark.parametrize("kind", ONE_FILE)
+class TestAClockWithoutADate:
+    def test_that_begins_after_the_recorder_leaves_the_drive_on_the_whole_axis(self, tmp_path: Path, kind: str) -> None:
+        times = [0.0] * 5 + [900 + i / 10 for i in range(100)]
+        with robowidgets.open(KINDS[kind](tmp_path, drive([time - EPOCH for time in times]))) as recording:
+            assert recording.problems == (
+                "the clock began only after 10 messages at time 0, which are put at its start",
+            )
+            assert (recording.start_ns, recording.duration) == (900 * 10**9, pytest.approx(9.9))
+            assert order(recording) == list(range(105))
+
+    def test_that_is_reset_within_ten_seconds_goes_on(self, tmp_path: Path, kind: str) -> None:
+        times = [0.3 + i / 10 for i in range(80)] + [i / 10 for i in range(200)]
+        with robowidgets.open(KINDS[kind](tmp_path, drive([time - EPOCH for time in times]))) as recording:
+            assert recording.problems[0].startswith("the clock goes back once, by up to 8.20 s")
+            assert len(set(recording.scans(SCAN).times_ns.tolist())) == 279
+            assert order(recording) == list(range(280))
+
+    def test_that_starts_at_0_and_goes_on_is_right(self, tmp_path: Path, kind: str) -> None:
+        times = [i / 10 - EPOCH for i in range(200)]
+        with robowidgets.open(KINDS[kind](tmp_path, drive(times))) as recording:
+            assert (recording.problems, recording.duration) == ((), pytest.approx(19.9))
+
+
+def test_a_recorder_that_waited_for_the_clock_of_a_simulation(data: Path) -> None:
+    with robowidgets.open(data / "reports/before_the_clock/simtime_before_clock.mcap") as recording:
+        assert recording.duration == pytest.approx(9.9)
+        assert "the clock began only after 5 messages at time 0" in recording.info()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import struct
+from base64 import b64encode
 from binascii import crc32
 from collections.abc import Callable
 from pathlib import Path
@@ -88,10 +89,11 @@ def test_names_ros1_messages_as_such(tmp_path: Path) -> None:
     [
         ("ros2msg", "# sensor_msgs/msg/LaserScan\n"),
         ("ros2idl", "=" * 80 + "\nIDL: sensor_msgs/msg/LaserScan\n# sensor_msgs/msg/LaserScan\n"),
-        ("protobuf", ""),
+        ("protobuf", b64encode(b"# sensor_msgs/msg/LaserScan\n").decode()),
+        ("flatbuffer", ""),
     ],
 )
-def test_gives_definitions_only_in_languages_of_ros(tmp_path: Path, schema: str, definition: str) -> None:
+def test_gives_definitions_only_in_languages_that_are_read(tmp_path: Path, schema: str, definition: str) -> None:
     source = open_repaired(
         [write(tmp_path / "x.mcap", mcap_head("json", schema), mcap_messages(messages(3)), MCAP_END)]
     )
