@@ -52,6 +52,7 @@ class PlayerWidget(FrontEndWidget):
     )
     _leader = traitlets.Dict(help="The player that this one follows, and where to; empty: none.").tag(sync=True)
     _status = traitlets.Unicode().tag(sync=True)
+    _unpacking = traitlets.Int(help="Bytes of the data that an exported page unpacks; 0 with a kernel.").tag(sync=True)
     _note = traitlets.Unicode(help="A line under it, which stays.").tag(sync=True)
 
     def open(self) -> None:

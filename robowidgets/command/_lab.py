@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import os
+import warnings
 from asyncio import Future
 from collections.abc import Callable
 from importlib.util import find_spec
@@ -54,7 +55,10 @@ def run(
     os.environ.pop("JUPYTER_TOKEN", None)
     from jupyterlab.labapp import LabApp
 
-    server = LabApp.initialize_server(arguments(notebook, port, browser))
+    with warnings.catch_warnings():
+        # Options that the server itself reads by their old names; a user can do nothing about them.
+        warnings.filterwarnings("ignore", r"ServerApp\.\w+ config is deprecated", DeprecationWarning)
+        server = LabApp.initialize_server(arguments(notebook, port, browser))
     server.web_app.settings["page_config_hook"] = _without_announcements
 
     try:

@@ -90,6 +90,10 @@ class DrivenFeed(Protocol):
     def drive_status(self) -> str:
         """Why the robot may not move as commanded; empty if it may."""
 
+    @property
+    def idle_motion(self) -> str:
+        """What moves the robot while no speeds are sent; empty if it stands still then."""
+
 
 class DrivingWidget(NamedWidget):
     """A widget with a Stop, which shows who drives. It uses a watchdog: a feed's, or its own."""
@@ -101,7 +105,7 @@ class DrivingWidget(NamedWidget):
 
     _state = traitlets.Dict(
         help="ready: whether there is something to drive; driver: 'program', the name of a press, or nobody; speed: "
-        "(m/s, rad/s, m/s to the left) sent last; stopped: whether stop is latched; error, cause, status, topic, "
+        "(m/s, rad/s, m/s to the left) sent last; stopped: whether stop is latched; error, cause, status, idle, topic, "
         "sender: texts; number: of the message."
     ).tag(sync=True, echo_update=False)
 
@@ -245,6 +249,7 @@ class DrivingWidget(NamedWidget):
             "error": self._error_text(),
             "cause": self._cause,
             "status": "" if feed is None else feed.drive_status,
+            "idle": "" if feed is None else feed.idle_motion,
             "topic": "" if feed is None else feed.driver.topic,
             "sender": "" if feed is None else feed.driver.sender,
         }

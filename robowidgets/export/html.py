@@ -9,6 +9,7 @@ from html import escape
 from numbers import Real
 from pathlib import Path
 from typing import Any, NamedTuple
+from urllib.parse import quote
 
 from .._core.front_end import STATIC, built_file
 from .._core.output_file import whole_file
@@ -32,6 +33,25 @@ _BREAKS_OUT = ("</script", "<script", "<!--", "</style")
 
 _MADE = "Made with robowidgets. This page loads nothing from the web, and sends nothing."
 _NO_SCRIPT = "This page has not started: it needs a browser of 2023 or later that runs scripts."
+
+
+MAIL_SIZE = 20_000_000
+"""Bytes of a file above which most mail servers refuse it."""
+
+
+class WrittenPage(type(Path())):  # type: ignore[misc]  # the class of paths of the system, which Python 3.10 needs
+    """The path of a page that was written; a notebook shows it as a link with its size."""
+
+    def _repr_html_(self) -> str | None:
+        if not self.is_file():
+            return None
+        try:
+            link = quote(self.resolve().relative_to(Path.cwd()).as_posix())
+        except ValueError:
+            link = self.resolve().as_uri()
+        size = self.stat().st_size
+        mail = f" \u00b7 most mail refuses more than {megabytes(MAIL_SIZE)}" if size > MAIL_SIZE else ""
+        return f'<a href="{escape(link)}" target="_blank">{escape(self.name)}</a> \u00b7 {megabytes(size)}{mail}'
 
 
 class Heading(NamedTuple):
@@ -101,7 +121,7 @@ class Page(NamedTuple):
                         self._check(size, path, max_size, "more than ")
         except OSError as error:
             raise type(error)(f"{path} was not written: {error.strerror or error}") from None
-        return path
+        return WrittenPage(path)
 
     def _segments(self) -> Iterator[bytes]:
         """All segments, with a progress bar."""

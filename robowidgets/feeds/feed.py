@@ -98,6 +98,11 @@ class Feed:
         return self.driver.status
 
     @property
+    def idle_motion(self) -> str:
+        """What moves the robot while no speeds are sent; empty if it stands still then."""
+        return ""
+
+    @property
     def stopped(self) -> bool:
         """Whether stop is latched: all driving is refused until it is released.
 

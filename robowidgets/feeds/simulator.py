@@ -142,8 +142,14 @@ class SimulatorFeed(Feed):
 
     def __init__(self, robot: Robot, hz: float, wander: bool, process: bool) -> None:
         self.robot = robot
+        self._wanders = wander
         super().__init__(Simulated(robot, hz, wander, process))
         self.driving = replace(self.driving, max_lateral=min(robot.motors.max_lateral, self.driving.max_linear))
+
+    @property
+    def idle_motion(self) -> str:
+        """See `Feed`."""
+        return "the simulation wanders by itself" if self._wanders else ""
 
     def room_view(self) -> View:
         """See `Feed`."""

@@ -370,6 +370,12 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
             if not wide and not scanogram:  # nothing else needs the room
                 wide = [widget for widget in widgets if widget.column == "map"]
             small, added = ([widget for widget in some if widget not in wide] for some in (others, added))
+            # A picture that is named first has the first place.
+            named = next(iter(self._entries()), "")
+            first = next((view.widget for view in self.views if view.choice.topic == named), None)
+            if first in added and first.column == "wide":
+                wide = [first, *wide]
+            small, added = ([widget for widget in some if widget not in wide] for some in (small, added))
             screen.arrange([scanogram] if scanogram else [], wide, small, added)
             return [self._problems, self.bar, self.topic_list, screen]
         above = [self._problems, *([self.bar, *([scanogram] if scanogram else [])] if moves else [])]

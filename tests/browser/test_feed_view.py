@@ -114,7 +114,7 @@ def test_in_narrow_cells_nothing_is_cut_and_stop_comes_first(
     plain_page: Callable[..., PlainPage], theme: str, scale: int
 ) -> None:
     nb = opened(plain_page, "turtlebot3", theme=theme, scale=scale)
-    for width in (860, 600, 400, 320):
+    for width in (799, 600, 400, 320):
         nb.resize(width, 720)
         at = boxes(nb)
         assert at["feed"]["width"] == width
@@ -223,3 +223,24 @@ def test_in_jupyterlab_all_of_it_is_in_view_at_1280_by_720_and_in_a_narrow_windo
     assert notebook_at is not None
     assert stop_at is not None
     assert 0 <= stop_at["y"] - notebook_at["y"] < 20, "Stop stays at the top of the notebook"
+
+
+@pytest.mark.parametrize("width", [376, 848, 1280])
+def test_the_list_of_topics_neither_moves_nor_covers_stop(plain_page: Callable[..., PlainPage], width: int) -> None:
+    nb = plain_page([ROBOT.format(robot="turtlebot3"), RUN, SHOW], height=720)
+    nb.resize(width, 720)
+    shown = nb.output(2)
+    stop, bar, listed = (shown.locator(one) for one in (".rw-stop-bar .rw-stop", ".rw-stop-bar", ".rw-topics"))
+    expect(shown.locator(".rw-topics-rail")).to_be_visible()
+    before = stop.bounding_box()
+    shown.locator(".rw-topics-rail").click()
+    expect(shown.locator(".rw-topics-fold")).to_be_visible()
+    assert stop.bounding_box() == before
+    over, below = bar.bounding_box(), listed.bounding_box()
+    assert over
+    assert below
+    assert below["y"] >= over["y"] + over["height"], "it stands below all of the bar"
+    assert stop.evaluate_all(COVERED) == []
+    shown.locator(".rw-topics-fold").click()
+    expect(shown.locator(".rw-topics-rail")).to_be_visible()
+    assert stop.bounding_box() == before

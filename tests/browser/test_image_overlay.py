@@ -150,3 +150,24 @@ def test_a_depth_image_is_a_laser_by_a_click_in_the_list_of_topics(
     expect(made.locator(".rw-header")).to_contain_text("/camera/depth/image_rect_raw")
     assert "/camera/depth/image_rect_raw as scan" in nb.python("print(player.arrangement)")
     shoot(view, "depth-as-laser")
+
+
+def test_a_camera_that_is_named_first_stands_above_the_laser(
+    plain_page: Callable[..., PlainPage], tmp_path: Path
+) -> None:
+    folder = camera_drive.write(tmp_path / "drive")
+    opens = f"import robowidgets\nrecording = robowidgets.open({str(folder)!r})"
+    image = next(name for name, type_ in camera_drive.types(camera_drive.robot()).items() if "Image" in type_)
+    scan = next(name for name, type_ in camera_drive.types(camera_drive.robot()).items() if "LaserScan" in type_)
+    nb = plain_page([opens, f"recording.show({image!r}, {scan!r})", f"recording.show({scan!r}, {image!r})"])
+    nb.resize(1280, 900)
+    places = []
+    for cell in (1, 2):
+        shown = nb.output(cell)
+        expect(shown.locator(".rw-image")).to_be_visible()
+        camera, laser = (shown.locator(one).bounding_box() for one in (".rw-image", ".rw-laser"))
+        assert camera
+        assert laser
+        places.append((camera["y"] - laser["y"], camera["x"] - laser["x"]))
+    assert places[0][0] < 0, "named first, it stands first"
+    assert places[1][0] >= 0

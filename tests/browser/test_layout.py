@@ -209,3 +209,35 @@ def test_the_boxes_of_cards_that_are_put_into_a_shadow_root_know_of_them(plain_p
     expect(row.locator(".rw-room")).to_have_count(2)
     expect(row).to_have_attribute("data-rw-holds", "card laser speed")
     expect(row.locator(".rw-laser").locator("..")).to_have_css("margin-right", "6px")
+
+
+def test_a_recording_in_a_cell_of_848_pixels_has_its_scanogram_beside_the_laser_in_the_first_screen(
+    plain_page: Callable[..., PlainPage],
+) -> None:
+    nb = plain_page(["import robowidgets\nrecording = robowidgets.open(robowidgets.SAMPLE)", "recording.show()"])
+    for width in (800, 848):
+        nb.resize(width, 720)
+        whole, laser, scanogram = (
+            nb.output(1).locator(one).bounding_box() for one in (".rw-recording", ".rw-laser", ".rw-scanogram")
+        )
+        assert whole
+        assert laser
+        assert scanogram
+        assert whole["height"] <= 570
+        assert scanogram["x"] + scanogram["width"] < laser["x"]
+        assert scanogram["y"] == laser["y"]
+        assert of_each(nb.output(1).locator(".rw-card"), CUT) == []
+
+
+def test_headers_of_two_lines_keep_their_controls_in_a_cell_of_256_pixels(plain_page: Callable[..., PlainPage]) -> None:
+    nb = plain_page(["import robowidgets\nrecording = robowidgets.open(robowidgets.SAMPLE)", "recording.show()"])
+    nb.resize(256)
+    assert (
+        nb.output(1)
+        .locator(".rw-screen .rw-header")
+        .evaluate_all(
+            """(headers) => headers.filter((header) => header.offsetWidth && [...header.querySelectorAll("button")].some(
+            (button) => button.getBoundingClientRect().bottom > header.getBoundingClientRect().bottom)).length"""
+        )
+        == 0
+    )

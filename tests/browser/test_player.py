@@ -452,7 +452,7 @@ def test_all_of_a_recording_stands_on_one_screen(plain_page: Open) -> None:
         at = boxes(nb)
         assert at["recording"][2] == width
         assert at["recording"][3] == 562
-        assert at["player"][3] == 40
+        assert at["player"][3] == 62
         left, right = at["scanogram"], at["laser"]
         assert left[2] / right[2] == pytest.approx(62 / 38, abs=0.01)
         assert left[1] == right[1]
@@ -478,7 +478,7 @@ def test_all_of_a_recording_stands_on_one_screen(plain_page: Open) -> None:
     nb.resize(400, 720)
     at = boxes(nb)
     tops = [at[name][1] for name in ("player", "laser", "scanogram", "speed", "touch")]
-    assert tops == sorted(tops), "below 900 px the rays stand under the bar"
+    assert tops == sorted(tops), "below 800 px the rays stand under the bar"
     assert all(width <= 400 for _, _, width, _ in at.values())
     shoot(nb.output(1), "recording-show-light-400")
     nb.theme("dark")
@@ -767,3 +767,32 @@ slow.follow(fast)"""
     # On a busy machine the first may have played on to where it turns back, and the second stays.
     wait_for(lambda: nb.python(told).split() == [now_there.text_content(), "False", "False"], "Python knows")
     shoot(nb.output(1), "same-place")
+
+
+def test_the_slider_has_a_row_of_its_own_and_many_marks_are_a_density(plain_page: Callable[..., PlainPage]) -> None:
+    open_it = "import robowidgets\nrecording = robowidgets.open(robowidgets.SAMPLE)"
+    nb = plain_page([open_it, "player = recording.show()\nplayer"])
+    slider, bar = nb.output(1).locator(".rw-player .rw-slider"), nb.output(1).locator(".rw-player")
+    for width in (256, 376, 990, 1280):
+        nb.resize(width)
+        inside, outside = slider.bounding_box(), bar.bounding_box()
+        assert inside
+        assert outside
+        assert inside["width"] >= outside["width"] - 24
+    nb.python("player.marks = [(i * 58 / 5000, i * 58 / 5000, 'mark') for i in range(5000)]")
+    expect(nb.output(1).locator(".rw-play-dense").first).to_be_attached()
+    assert nb.output(1).locator(".rw-play-marks > *").count() < 500
+    nb.python("player.marks = [(10, 11, 'first'), (40, 41, 'second')]")
+    expect(nb.output(1).locator(".rw-play-dense")).to_have_count(0)
+    expect(nb.output(1).locator(".rw-play-mark")).to_have_count(2)
+
+
+def test_a_finger_finds_44_pixels_of_slider_and_buttons(plain_page: Callable[..., PlainPage]) -> None:
+    open_it = "import robowidgets\nrecording = robowidgets.open(robowidgets.SAMPLE)"
+    nb = plain_page([open_it, "recording.show()"], touch=True)
+    nb.resize(376)
+    for part in nb.output(1).locator(".rw-player :is(.rw-slider, .rw-play)").all():
+        box = part.bounding_box()
+        assert box
+        assert box["height"] >= 44
+        assert box["width"] >= 44

@@ -60,11 +60,11 @@ def test_a_speed_is_said_with_spaces(plain_page: Callable[..., PlainPage]) -> No
     expect(card.locator(".rw-heading")).to_have_text(["linear m/s", "angular rad/s"])
     last = card.locator('[data-axis="5"]')
     expect(last.locator(".rw-axis-name")).to_have_text("z yaw")
-    expect(last.locator(".rw-axis-state")).to_have_text("▼ under limit")
+    expect(last.locator(".rw-axis-state")).to_have_text("▼ over limit")
     card.get_by_role("application").focus()
     nb.page.keyboard.press("End")
     expect(card.locator("[aria-live=polite]")).to_have_text(
-        "yaw (angular.z), −3.0000 rad/s, right, under the limit of −1, off the scale, limits −1 to 1, commanded 0.0000"
+        "yaw (angular.z), −3.0000 rad/s, right, over the limit of 1, off the scale, limits −1 to 1, commanded 0.0000"
     )
     nb.page.keyboard.press("Escape")
     expect(card.locator("[aria-live=polite]")).to_have_text("")

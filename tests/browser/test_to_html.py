@@ -346,3 +346,33 @@ def shows_the_number(one: Sent, row: str, text: str) -> bool:
         return False
     assert float(number[0].replace(",", "")) == pytest.approx(value, rel=0.01, abs=0.006), (one.topic, row, text)
     return True
+
+
+def test_a_print_has_all_pictures_on_white_without_buttons_and_leaves_the_screen_as_it_was(
+    offline: Callable[..., Page], file: Path
+) -> None:
+    page = offline(file, viewport={"width": 1280, "height": 800})
+    expect(page.locator(".rw-tile").first).to_be_visible()
+    page.evaluate("""() => {
+        window.printed = [];
+        addEventListener("beforeprint", () => printed.push(
+            [...document.querySelectorAll("canvas.rw-layer")].map((canvas) => canvas.width / canvas.clientWidth)));
+    }""")
+    document = page.pdf(format="A4")
+    assert min(page.evaluate("() => printed[0]")) >= 2.9, "sharp enough for paper"
+    # A canvas that is printed call by call clears those below: each is a picture of pixels.
+    pixels = [int(width) for width in re.findall(rb"/Subtype /Image\s+/Width (\d+)", document)]
+    assert sum(width > 1000 for width in pixels) >= 5, pixels
+    assert not page.locator("html.rw-printing").count()
+    page.emulate_media(media="print", color_scheme="dark")
+    expect(page.locator("html.rw-printing")).to_be_attached()
+    expect(page.locator(".rw-laser")).to_have_attribute("data-rw-theme", "light")
+    for button in page.locator(".rw-card button:not(.rw-tile, .rw-class), .rw-page-data").all():
+        expect(button).to_be_hidden()
+    assert page.locator(".rw-card").evaluate_all(
+        "(cards) => cards.every((card) => getComputedStyle(card).breakInside === 'avoid')"
+    )
+    shoot(page.locator("body"), "page-printed")
+    page.emulate_media(media="screen", color_scheme="light")
+    expect(page.locator("html.rw-printing")).to_have_count(0)
+    expect(page.locator(".rw-freeze").first).to_be_visible()

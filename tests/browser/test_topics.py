@@ -122,7 +122,7 @@ def test_a_click_puts_a_topic_on_the_screen_and_takes_it_off(
 
 def test_keys_walk_fold_filter_and_show(plain_page: Open, path: Path) -> None:
     nb = opened(plain_page, path, height=720)
-    nb.resize(1264, 720)
+    nb.resize(1264, 780)  # all groups fit
     shown = nb.output(2)
     shown.locator(".rw-topics-rail").focus()
     nb.page.keyboard.press("Enter")

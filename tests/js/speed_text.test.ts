@@ -100,6 +100,8 @@ test("a state past a limit has a mark and words", () => {
   assert.deepEqual(stateWords("over"), ["▲", "over", "limit"]);
   assert.deepEqual(stateWords("under"), ["▼", "under", "limit"]);
   assert.deepEqual(stateWords("within"), ["", "", ""]);
+  assert.deepEqual(stateWords("under", [-1, 1]), ["▼", "over", "limit"], "too fast to the other side");
+  assert.deepEqual(stateWords("under", [0.1, 1]), ["▼", "under", "limit"], "too slow");
 });
 
 test("the pop-up tells an axis exactly", () => {
@@ -119,11 +121,11 @@ test("the pop-up tells an axis exactly", () => {
     expression: "yaw (angular.z)",
     direction: "right",
     value: "−1.2346 rad/s",
-    alarm: "under the limit of −1",
+    alarm: "over the limit of 1",
     details: [
       ["limits", "−1 to 1"],
       ["commanded", "−0.5000"],
-      ["least", "−1.5000 under the limit of −1"],
+      ["least", "−1.5000 over the limit of 1"],
       ["greatest", "0.2500"],
     ],
   });
@@ -157,7 +159,7 @@ test("a positive speed goes the way REP-103 says", () => {
 
 test("one line says what is past its limits", () => {
   assert.equal(summary([0.5, 0, 0, 0, 0, 0]), "within limits");
-  assert.equal(summary([1.5, 0, 0, 0, 0, -2]), "linear.x over the limit of 1, yaw under the limit of −1");
+  assert.equal(summary([1.5, 0, 0, 0, 0, -2]), "linear.x over the limit of 1, yaw over the limit of 1");
   assert.equal(summary([1.5, 2, 0, 0, 0, -2]), "3 past their limits");
   assert.equal(summary(NONE), "");
   assert.equal(summarize([], []), "");

@@ -185,6 +185,7 @@ const say = (more: Partial<Told>, other: Partial<Situation> = {}) => toDriverTex
 
 test("the bar tells who drives and how fast", () => {
   assert.equal(say({}).text, "nobody drives");
+  assert.equal(say({ idle: "the simulation wanders by itself" }).text, "the simulation wanders by itself");
   assert.equal(say({ speed: [0.1, 0, 0] }).text, "stopping");
   const speed = "0.20\u00A0m/s,\u00A0\u22120.50\u00A0rad/s";
   assert.equal(say({ driver: "program", speed: [0.2, -0.5, 0] }).text, `a program drives /cmd_vel: ${speed}`);

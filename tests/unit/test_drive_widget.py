@@ -760,6 +760,7 @@ class TestProgram:
             "error": "",
             "cause": "",
             "status": "",
+            "idle": "",
             "topic": "",
             "sender": "",
         }

@@ -60,10 +60,13 @@ async function show(
   const scripts = new Map<string, Script>();
   for (const { id, widget } of facts.models) scripts.set(id, scriptOf(widget, facts, widgets));
   if (signal.aborted) return { facts, models };
+  const player = models.get(facts.player);
+  // Base64 has four characters for three bytes.
+  const packed = parts.reduce((sum, { textContent }) => sum + (textContent?.length ?? 0), 0);
+  player?.set("_unpacking", Math.round((packed * 3) / 4));
   // All models are there before the first is initialised: a player moves the others.
   for (const [id, model] of models) scripts.get(id)?.initialize?.({ model, signal });
   place.append(build(facts.shown, models, scripts, signal));
-  const player = models.get(facts.player);
   if (player) play(facts, models, player, parts).catch((error) => explain(`This page cannot be played: ${error}`));
   return { facts, models };
 }

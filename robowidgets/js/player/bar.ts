@@ -1,3 +1,4 @@
+import { watchSize } from "../shared/canvas.ts";
 import { make, makeButton, makeIcon, mount, PAUSE, PLAY, set, setHidden, setText } from "../shared/dom.ts";
 import { isPlain, on } from "../shared/events.ts";
 import { MINUTE, toClock, toFixed, toMinutes } from "../shared/format.ts";
@@ -8,6 +9,7 @@ import { perAnimationFrame } from "../shared/schedule.ts";
 import { StateBand } from "../shared/states/band.ts";
 import { statesAt, toWords } from "../shared/states/states.ts";
 import { followTheme, type Theme } from "../shared/theme.ts";
+import { toDensity } from "./density.ts";
 import { actionOf, isBarsAlone, SPEEDS, usesItself } from "./keys.ts";
 import { Labels } from "./labels.ts";
 import { MarkList } from "./mark_list.ts";
@@ -46,6 +48,8 @@ export class PlayerBar {
   readonly #theme: () => Theme;
   #drawn: unknown[] = [];
   #icon = "";
+  /** Pixels of the slider on which marks stand. */
+  #width = 0;
 
   constructor(model: Model<PlayerTraits>, element: HTMLElement, playback: Playback, signal: AbortSignal) {
     this.#model = model;
@@ -87,6 +91,11 @@ export class PlayerBar {
     mount(element, this.#root, signal);
 
     playback.listen(draw, signal);
+    const onSize = ({ width }: { width: number }) => {
+      this.#width = width;
+      draw();
+    };
+    watchSize(this.#marks, onSize, signal);
     this.#theme = followTheme(this.#root, signal, draw);
     draw();
   }
@@ -175,7 +184,7 @@ export class PlayerBar {
     const { held } = this.#playback;
     const [from, to] = (held ?? []).map((time) => toMinutes(time, 0, duration));
     const part = held && `${NO_KERNEL}: it has ${from} to ${to}${duration < MINUTE ? " s" : ""}`;
-    const waiting = waits ? (part ?? "waiting for the kernel") : "";
+    const waiting = waits ? (part ?? this.#waiting) : "";
     setText(this.#words, this.#model.get("_status") || waiting || this.#labels.words || this.#playback.lost);
     // They leave the knob free.
     this.#words.classList.toggle("rw-left", shown - begin > (duration - begin) / 2);
@@ -185,6 +194,12 @@ export class PlayerBar {
     const { marks } = this.#playback;
     setHidden(this.#walk, marks.length === 0);
     this.#list.update(marks, shown);
+  }
+
+  /** What is waited for: the kernel, or in a page in a file its own data. */
+  get #waiting(): string {
+    const bytes = this.#model.get("_unpacking");
+    return bytes ? `unpacking ${toFixed(bytes / 1e6, 1)} MB` : "waiting for the kernel";
   }
 
   #drawClock(time: number): void {
@@ -213,19 +228,26 @@ export class PlayerBar {
     const marks = this.#model.get("marks");
     const selection = this.#model.get("selection");
     // Compare by identity: there may be thousands of marks, and this runs in every frame while it plays.
-    const drawn = [marks, selection, begin, duration];
+    const drawn = [marks, selection, begin, duration, this.#width];
     if (drawn.every((one, i) => one === this.#drawn[i])) return;
     this.#drawn = drawn;
-    const makeMark = (className: string, start: number, end: number, label: string) => {
+    const makeMark = (className: string, left: number, width: number, label: string) => {
       const mark = make("span", className);
-      mark.style.left = `${(100 * (start - begin)) / (duration - begin)}%`;
-      mark.style.width = `${(100 * (end - start)) / (duration - begin)}%`;
+      mark.style.left = `${left}%`;
+      mark.style.width = `${width}%`;
       mark.title = label;
       return mark;
     };
-    this.#marks.replaceChildren(
-      ...(selection ? [makeMark("rw-play-selected", ...selection, "selected")] : []),
-      ...marks.map(([start, end, label]) => makeMark("rw-play-mark", start, end, label)),
-    );
+    const toPart = (time: number) => (100 * (time - begin)) / (duration - begin);
+    const [from, to] = (selection ?? [begin, begin]).map(toPart) as [number, number];
+    const elements = selection ? [makeMark("rw-play-selected", from, to - from, "selected")] : [];
+    const width = this.#width || 1;
+    for (const { left, width: wide, count, share, label } of toDensity(marks, begin, duration, width)) {
+      const name = count > 1 ? "rw-play-dense" : "rw-play-mark";
+      const mark = makeMark(name, (100 * left) / width, (100 * wide) / width, label);
+      if (count > 1) mark.style.setProperty("--rw-share", `${Math.round(100 * share)}%`);
+      elements.push(mark);
+    }
+    this.#marks.replaceChildren(...elements);
   }
 }

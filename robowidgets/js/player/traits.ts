@@ -35,6 +35,8 @@ export interface PlayerTraits {
   /** Why the recording can be read no further; else empty. */
   _status: string;
   _note: string;
+  /** Bytes of the data that an exported page unpacks; 0 with a kernel. */
+  _unpacking: number;
 }
 
 /** Another player, and when the robot of this one was where the robot of that one is. */

@@ -1,6 +1,7 @@
 import type { Point, Size } from "./box.ts";
 import { make } from "./dom.ts";
 import { on, onAbort } from "./events.ts";
+import { isPrinting, onPrint } from "./print.ts";
 
 export type Context = CanvasRenderingContext2D;
 
@@ -35,6 +36,9 @@ export class Canvas {
     }
     this.context.setTransform(ratio, 0, 0, ratio, 0, 0);
     this.context.clearRect(0, 0, width, height);
+    // Chromium prints what is drawn after a canvas is cleared as it was called, the clearing included, which clears the
+    // canvases below. Using its pixels in between has it print pixels.
+    if (isPrinting()) make("canvas", "").getContext("2d")?.drawImage(element, 0, 0, 1, 1);
     return this.context;
   }
 }
@@ -90,8 +94,15 @@ export function fill(context: Context, color: string): void {
   context.fill();
 }
 
+/** Device pixels per pixel on paper, which shows finer lines than a screen. */
+const PAPER_RATIO = 3;
+
+function screenRatio(): number {
+  return isPrinting() ? Math.max(PAPER_RATIO, devicePixelRatio) : devicePixelRatio;
+}
+
 /** The size of an element, at a pixel ratio or the screen's. */
-export function sizeOf({ clientWidth, clientHeight }: HTMLElement, ratio = devicePixelRatio): Surface {
+export function sizeOf({ clientWidth, clientHeight }: HTMLElement, ratio = screenRatio()): Surface {
   return { width: clientWidth, height: clientHeight, ratio };
 }
 
@@ -116,6 +127,10 @@ class Sizes {
       this.#watchers.delete(element);
       this.#observer.unobserve(element);
     };
+  }
+
+  constructor() {
+    onPrint("sizes", () => this.#tell([...this.#watchers.keys()] as HTMLElement[]));
   }
 
   #tell(elements: HTMLElement[]): void {

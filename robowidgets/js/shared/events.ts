@@ -1,4 +1,6 @@
-type Events = HTMLElementEventMap & Pick<WindowEventMap, "pagehide"> & Pick<DocumentEventMap, "visibilitychange">;
+type Events = HTMLElementEventMap &
+  Pick<WindowEventMap, "afterprint" | "beforeprint" | "pagehide"> &
+  Pick<DocumentEventMap, "visibilitychange">;
 
 /** Calls back on events of a target, until the signal aborts. */
 export function on<K extends keyof Events>(

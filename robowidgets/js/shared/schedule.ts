@@ -1,4 +1,5 @@
 import { onAbort } from "./events.ts";
+import { isPrinting, onPrint } from "./print.ts";
 
 /** Between two updates of text. People read no faster, and laying out text is slower than drawing dots. */
 const READING_MS = 100;
@@ -33,8 +34,21 @@ class Frames {
   #last: Set<() => void> | null = null;
   /** Whether others than those that go first rest. */
   #isResting = false;
+  readonly #printed = new Set<Drawing>();
+
+  /** Draws all that waits: a print has no animation frames. */
+  print(): void {
+    for (const drawing of [...this.#waiting]) this.#draw(drawing);
+  }
 
   ask(drawing: Drawing): void {
+    if (isPrinting() && !this.#last && !this.#printed.has(drawing)) {
+      // One that asks for its next drawing, as while a recording plays, has that after the print.
+      this.#printed.add(drawing);
+      attempt(drawing.draw);
+      this.#printed.delete(drawing);
+      return;
+    }
     if (!this.#waiting.size && !this.#last) requestAnimationFrame(() => this.#run());
     this.#waiting.add(drawing);
   }
@@ -100,7 +114,11 @@ const KEY: unique symbol = Symbol.for("robowidgets frames") as never;
 const page = globalThis as { [KEY]?: Frames };
 
 function frames(): Frames {
-  page[KEY] ??= new Frames();
+  if (!page[KEY]) {
+    const made = new Frames();
+    page[KEY] = made;
+    onPrint("drawings", () => made.print());
+  }
   return page[KEY];
 }
 

@@ -1,4 +1,5 @@
 import { on, onAbort } from "./events.ts";
+import { isPrinting, onPrint } from "./print.ts";
 
 /** Variables `--rw-...` of the stylesheet, with values for light and dark. */
 const NAMES = [
@@ -23,6 +24,8 @@ const prefersDark = () => matchMedia("(prefers-color-scheme: dark)");
 export const forcesColors = () => matchMedia("(forced-colors: active)");
 
 function isDark(): boolean {
+  // Paper is white.
+  if (isPrinting()) return false;
   // The system's colours hold whatever the host's theme, and this query tells how dark they are.
   if (forcesColors().matches) return prefersDark().matches;
   const { body, documentElement: root } = document;
@@ -85,6 +88,7 @@ export function followTheme(element: HTMLElement, signal: AbortSignal, callback 
     observer.observe(host, { attributes: true, attributeFilter: attributes });
   }
   onAbort(signal, () => observer.disconnect());
+  onAbort(signal, onPrint("colours", follow));
   for (const query of [prefersDark(), forcesColors()]) on(query, "change", follow, signal);
   follow();
   return () => {

@@ -4,6 +4,7 @@ import type { AxisFacts } from "./facts.ts";
 import { judge, type State } from "./limits.ts";
 import { isOff, toHeight, toHeightOnTrack } from "./scale.ts";
 import { stateWords, toShort, toValueText } from "./text.ts";
+import type { Limits } from "./traits.ts";
 
 /** The bar of one axis on its track, with limits, command and peaks, and its words below. */
 export class Column {
@@ -56,7 +57,7 @@ export class Column {
     mark(this.#value, "long", String(text.length > 5));
     setHidden(this.#command, commanded === null);
     setText(this.#commandNumber, Number.isNaN(commanded) ? "\u2013" : toValueText(commanded, decimals));
-    this.#say(measured === null ? "within" : judge(measured, limits));
+    this.#say(measured === null ? "within" : judge(measured, limits), limits);
   }
 
   #drawLimits({ limits, scale }: AxisFacts, labelled: boolean, clearance: number): void {
@@ -100,10 +101,11 @@ export class Column {
     mark(line, "off", isOff(value, scale) ? (value > 0 ? "up" : "down") : "");
   }
 
-  #say(state: State): void {
-    if (this.#state.dataset.said === state) return;
-    this.#state.dataset.said = state;
-    const [sign, word, more] = stateWords(state);
+  #say(state: State, limits: Limits | null): void {
+    const [sign, word, more] = stateWords(state, limits);
+    const said = `${sign} ${word}`;
+    if (this.#state.dataset.said === said) return;
+    this.#state.dataset.said = said;
     this.#state.replaceChildren(
       ...(sign ? [make("span", "rw-mark", sign), " "] : []),
       word,

@@ -27,17 +27,27 @@ export function toShort(value: number): string {
 }
 
 /** The mark and the words of a state; the second word is hidden in a narrow card. */
-export function stateWords(state: State): [mark: string, word: string, more: string] {
+export function stateWords(state: State, limits: Limits | null = null): [mark: string, word: string, more: string] {
+  if (isBackwards(limits, state)) return ["\u25BC", "over", "limit"];
   if (state === "over") return ["\u25B2", "over", "limit"];
   if (state === "under") return ["\u25BC", "under", "limit"];
   return ["", "", ""];
+}
+
+/** Return true if a speed is too large in the direction of the negative sign. */
+function isBackwards(limits: Limits | null, state: State): boolean {
+  return state === "under" && limits !== null && limits[0] < 0;
 }
 
 /** A speed past its limits in words: "over the limit of 1"; nothing for one within them. */
 function toStateText(value: number, limits: Limits | null): string {
   const state = judge(value, limits);
   if (!limits || (state !== "over" && state !== "under")) return "";
-  return `${state} the limit of ${toShort(limits[state === "over" ? 1 : 0])}`;
+  const limit = limits[state === "over" ? 1 : 0];
+  // A speed to the right is over its limit, as one to the left: the direction says which way.
+  return isBackwards(limits, state)
+    ? `over the limit of ${toShort(-limit)}`
+    : `${state} the limit of ${toShort(limit)}`;
 }
 
 /** What the pop-up says of one axis. */

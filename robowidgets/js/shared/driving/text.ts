@@ -55,7 +55,7 @@ export function toDriverText(situation: Situation): Text {
   const topic = told.topic && ` ${told.topic}`;
   if (told.driver === "program") return { text: `a program drives${topic}: ${toSpeed(told)}`, hint, kind: "drive" };
   if (told.driver) return { text: `a hand drives${topic} from a pad: ${toSpeed(told)}`, hint, kind: "drive" };
-  return rest(isMoving(told) ? "stopping" : "nobody drives", hint);
+  return rest(isMoving(told) ? "stopping" : told.idle || "nobody drives", hint);
 }
 
 /** Whether the speed that was sent last is not zero. */
