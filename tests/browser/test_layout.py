@@ -236,7 +236,8 @@ def test_headers_of_two_lines_keep_their_controls_in_a_cell_of_256_pixels(plain_
         nb.output(1)
         .locator(".rw-screen .rw-header")
         .evaluate_all(
-            """(headers) => headers.filter((header) => header.offsetWidth && [...header.querySelectorAll("button")].some(
+            """(headers) => headers.filter((header) => header.offsetWidth && [...header.querySelectorAll("button")]
+            .some(
             (button) => button.getBoundingClientRect().bottom > header.getBoundingClientRect().bottom)).length"""
         )
         == 0

@@ -59,7 +59,7 @@ def test_a_speed_is_said_with_spaces(plain_page: Callable[..., PlainPage]) -> No
     card = nb.page.get_by_role("group", name="speed /odom", exact=True)
     expect(card.locator(".rw-heading")).to_have_text(["linear m/s", "angular rad/s"])
     last = card.locator('[data-axis="5"]')
-    expect(last.locator(".rw-axis-name")).to_have_text("z yaw")
+    expect(last.locator(".rw-axis-name")).to_have_text("yaw")
     expect(last.locator(".rw-axis-state")).to_have_text("▼ over limit")
     card.get_by_role("application").focus()
     nb.page.keyboard.press("End")

@@ -25,8 +25,7 @@ export class Column {
   constructor(axis: Axis) {
     this.axis = axis;
     this.root.dataset.axis = String(axis.index);
-    const name = make("div", "rw-axis-name", axis.word ? "" : axis.letter);
-    if (axis.word) name.append(make("span", "rw-axis-letter", axis.letter), ` ${axis.word}`);
+    const name = make("div", "rw-axis-name", axis.word || axis.letter);
     this.track.append(this.#bar, ...this.#peaks, ...this.#limits);
     const lane = make("div", "rw-lane");
     lane.append(this.track, make("div", "rw-zero"), this.#tick, ...this.#labels);
