@@ -79,6 +79,16 @@ class TestItems:
         assert to_map_item(scene.odometry(Pose(1.0, 2.0, 0.0), 3.0)).scatter is None, "all 0 is not known"
         assert to_map_item(scene.odometry(Pose(1.0, 2.0, 0.0), 3.0)).child_frame_id == "base_link"
 
+    def test_points_and_transforms_have_a_place(self) -> None:
+        header = {"frame_id": "/map", "stamp": {"sec": 1, "nanosec": 0}}
+        point = to_map_item({"header": header, "point": {"x": 1.0, "y": 2.0, "z": 3.0}})
+        assert (point.kind, point.frame_id, point.pose[:2], point.stamp_ns) == ("pose", "map", (1.0, 2.0), 10**9)
+        assert np.isnan(point.pose.yaw)
+        turn = {"x": 0.0, "y": 0.0, "z": sin(0.25), "w": cos(0.25)}
+        transform = {"translation": {"x": 1.0, "y": 2.0, "z": 0.0}, "rotation": turn}
+        placed = to_map_item({"header": header, "child_frame_id": "marker", "transform": transform})
+        assert (placed.frame_id, placed.pose) == ("map", pytest.approx((1.0, 2.0, 0.5)))
+
     def test_a_sonar_is_a_cone_up_to_what_it_met_or_as_far_as_it_sees(self) -> None:
         met = to_map_item(Range(2.0, 0.1, 4.0, field_of_view=0.5, frame_id="/sonar"))
         assert (met.kind, met.frame_id, met.pose) == ("cone", "sonar", (0.0, 0.0, 0.0))
