@@ -376,7 +376,6 @@ PLOTTED: dict[str, tuple[str, ...]] = {
     **{f"std_msgs/msg/{name}": ("data",) for name in ("Float32", "Float64", *_WHOLE_NUMBERS)},
     "sensor_msgs/msg/Imu": ("angular_velocity.z", "linear_acceleration.x", "linear_acceleration.y"),
     "sensor_msgs/msg/MagneticField": tuple(f"magnetic_field.{axis}" for axis in _XYZ),
-    "sensor_msgs/msg/BatteryState": ("voltage", "percentage"),
     "sensor_msgs/msg/Illuminance": ("illuminance",),
     "sensor_msgs/msg/FluidPressure": ("fluid_pressure",),
     "sensor_msgs/msg/Temperature": ("temperature",),
