@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..poses.live_frames import Held, LiveFrames, held_between, notes_on
+from ..poses.live_frames import OldTransform, LiveFrames, held_between, notes_on
 from ..poses.local_plane import LocalPlane
 from ..poses.path import Path
 from ..poses.transforms import Transform
@@ -43,7 +43,7 @@ class Layer:
         self.seconds = 0.0
         self.time_ns = 0
         self.placed: Placed | None = None
-        self.held: Held | None = None
+        self.held: OldTransform | None = None
         """The old transform by which it is placed."""
         self.track = Path()
         self.plans: list[tuple[float, Floats]] = []

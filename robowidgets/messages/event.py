@@ -73,7 +73,7 @@ _DIALECTS = (_LINE, _STATUSES, _STATUS, _JOY, _TEXT, _PARAMETERS, _GOALS, _CAMER
 LOG_TYPES = frozenset(_LINE.types)
 """The message types of lines of a log."""
 
-SEVERE_TYPES = LOG_TYPES | frozenset(_STATUSES.types + _STATUS.types)
+SEVERE_TYPES = LOG_TYPES | frozenset(_STATUSES.types + _STATUS.types + _GOALS.types)
 """The message types whose events have a level."""
 
 SAID_TYPES: frozenset[str] = frozenset(name for dialect in _DIALECTS for name in dialect.types)

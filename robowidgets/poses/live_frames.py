@@ -115,7 +115,7 @@ class LiveFrames:
         return self._history(frame) if frame in self._rows else None
 
 
-class Held(NamedTuple):
+class OldTransform(NamedTuple):
     """A transform that was old at the time for which it was taken: seconds since its last message.
 
     Seconds below 0 are those until its first one.
@@ -143,13 +143,13 @@ def joined(frames: Frames, frame: str, world: str, times_ns: Times, stamps_ns: T
     return inner if common == world else frames.poses(world, common, times_ns, stamps_ns).inverse().of(inner)
 
 
-def held_between(frames: Frames, frame: str, world: str, time_ns: int, stamp_ns: int | None) -> Held | None:
+def held_between(frames: Frames, frame: str, world: str, time_ns: int, stamp_ns: int | None) -> OldTransform | None:
     """Return the transform between two frames that is the oldest at a time; None if all are newer than `HELD_S`."""
     up, down = frames.chain(frame), frames.chain(world)
     moving = [name for name in (*up, *down) if (name in up) != (name in down)]
     times, stamps = np.array([time_ns], np.int64), np.array([stamp_ns or 0], np.int64)
     found = [
-        Held(history.parent, name, float(history.held_s(times, stamps)[0]))
+        OldTransform(history.parent, name, float(history.held_s(times, stamps)[0]))
         for name in moving
         if (history := frames.history(name)) is not None
     ]
@@ -157,9 +157,9 @@ def held_between(frames: Frames, frame: str, world: str, time_ns: int, stamp_ns:
     return oldest if oldest is not None and abs(oldest.seconds) > HELD_S else None
 
 
-def notes_on(held: Iterable[Held | None]) -> list[str]:
+def notes_on(held: Iterable[OldTransform | None]) -> list[str]:
     """Return a note for each transform that was old, for a person."""
-    oldest: dict[tuple[str, str], Held] = {}
+    oldest: dict[tuple[str, str], OldTransform] = {}
     for one in held:
         if one is not None:
             known = oldest.setdefault((one.parent, one.child), one)
