@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..poses.live_frames import OldTransform, LiveFrames, held_between, notes_on
+from ..poses.live_frames import LiveFrames, OldTransform, held_between, notes_on
 from ..poses.local_plane import LocalPlane
 from ..poses.path import Path
 from ..poses.transforms import Transform
