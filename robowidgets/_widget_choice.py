@@ -156,18 +156,19 @@ class AskedFor(NamedTuple):
 
 
 def wish_of(name: str, known: Collection[str]) -> AskedFor:
-    """What a name asks for, among the topics there are.
-
-    Raises:
-        ValueError: it asks for a widget of fields, and names none.
-    """
+    """What a name asks for, among the topics there are."""
     shown, by, row = name.rpartition(AS)
     if name not in known and by and row in _rows():
-        wish = AskedFor(*topic_and_field(shown, known), row)
-        if row in ASKED and ASKED[row].of_fields and not wish.field:
-            raise ValueError(f"{name!r} names no field of its messages to show; name one, as '{shown}.FIELD'")
-        return wish
+        return AskedFor(*topic_and_field(shown, known), row)
     return AskedFor(*topic_and_field(name, known))
+
+
+def why_no_plot(wish: AskedFor, types: str) -> str:
+    """Return why the widget that is asked for shows nothing of a topic: it needs a field; empty if it shows some."""
+    row = ASKED.get(wish.row)
+    if row is None or not row.of_fields or wish.field or row.fields_of(types):
+        return ""
+    return f"'{wish.topic}{AS}{wish.row}' names no field of its messages to show; name one, as '{wish.topic}.FIELD'"
 
 
 def wishes(entries: Iterable[Entry], known: Collection[str]) -> list[AskedFor]:
@@ -200,7 +201,8 @@ def choose_widgets(topics: Iterable[Shown], entries: Sequence[Entry] | None = No
     more = _asked_for(asked, known)
     for entry in entries:
         if not isinstance(entry, str):
-            more += [choice for choice in _asked_for(wishes(entry, known), known) if choice not in more]
+            fields = [one for wish in wishes(entry, known) for one in (_fields_of(wish, known) or [wish])]
+            more += [choice for choice in _asked_for(fields, known) if choice not in more]
     gathering = {choice.shown: choice for choice in more if choice.gathers and not choice.fields}
     joining = [choice for choice in chosen if choice.second in gathering]
     for choice in joining:
@@ -312,27 +314,50 @@ def _by_kind(listed: list[Shown]) -> tuple[WidgetChoice, ...]:
     return (*chosen, *more)
 
 
+def _row_of(wish: AskedFor, topic: Shown) -> Asked | None:
+    """Return the row of the widget that a topic without a kind, or a field, has; None if it has another widget."""
+    if wish.row == LASER.name and not SCAN.types.isdisjoint(topic.type.split(", ")):
+        return SCAN
+    if wish.row:
+        return ASKED.get(wish.row)
+    if wish.field:
+        return asked_of_fields()
+    return None if topic.widget else asked_of_type(topic.type)
+
+
+def _fields_of(wish: AskedFor, known: Mapping[str, Shown]) -> list[AskedFor]:
+    """Return the fields that are shown of a topic that is asked for by its name alone; empty for another widget."""
+    topic = known.get(wish.topic)
+    row = _row_of(wish, topic) if topic is not None and not wish.field else None
+    if topic is None or row is None or not row.of_fields:
+        return []
+    return [AskedFor(topic.name, field) for field in row.fields_of(topic.type)]
+
+
 def _asked_for(asked: Sequence[AskedFor], known: Mapping[str, Shown]) -> list[WidgetChoice]:
     """The widgets of topics without a kind, and of fields: the most useful first."""
     found: dict[str, list[str]] = {}
-    for name, field, row_name in dict.fromkeys(asked):
-        topic = known.get(name)
-        row = ASKED.get(row_name)
-        if row_name == LASER.name and topic is not None and not SCAN.types.isdisjoint(topic.type.split(", ")):
-            row = SCAN
-        if row is None and topic is not None and not row_name and (field or not topic.widget):
-            row = asked_of_fields() if field else asked_of_type(topic.type)
-        if topic is not None and row is not None and name not in found.setdefault(row.name, []):
-            found[row.name].append(name)
+    plots: list[WidgetChoice] = []
+    for wish in dict.fromkeys(asked):
+        topic = known.get(wish.topic)
+        row = None if topic is None else _row_of(wish, topic)
+        if row is None:
+            continue
+        if row.of_fields and not wish.field:
+            if fields := tuple(f"{one.topic}.{one.field}" for one in _fields_of(wish, known)):
+                plots.append(WidgetChoice(row, ((row.roles[0], wish.topic),), fields=fields))
+        elif wish.topic not in found.setdefault(row.name, []):
+            found[row.name].append(wish.topic)
     # Of topics that are not there yet, too.
     fields = tuple(dict.fromkeys(f"{wish.topic}.{wish.field}" for wish in asked if wish.field))
     choices: list[WidgetChoice] = []
-    for row in sorted((row for row in ASKED.values() if row.name in found), key=lambda row: not row.types):
-        names = found[row.name]
-        for group in [names] if row.gathers else [[name] for name in names]:
+    for row in sorted(ASKED.values(), key=lambda row: not row.types):
+        names = found.get(row.name, [])
+        for group in ([names] if names else []) if row.gathers else [[name] for name in names]:
             others = [one.name for one in known.values() if one.name not in group and row.takes_along(one.type)]
             parts = (*((row.roles[0], name) for name in group), *((_ALONG, name) for name in others))
             choices.append(WidgetChoice(row, parts, fields=fields if row.of_fields else ()))
+        choices += [one for one in dict.fromkeys(plots) if one.kind is row and one not in choices]
     return choices
 
 

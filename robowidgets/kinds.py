@@ -111,6 +111,8 @@ class Asked(TopicWidget):
             joins or completes the others.
         of_fields: of one that gathers, whether it shows single fields of topics, ``"/odom.twist.twist.linear.x"``. The
             widget class takes them as positional arguments.
+        fields: of one of fields, the fields that it shows of a topic that is asked for by its name alone, by message
+            type. Such a topic has a widget of its own. `types` are the keys.
     """
 
     types: frozenset[str] = frozenset()
@@ -120,10 +122,15 @@ class Asked(TopicWidget):
     gathers: bool = False
     along: frozenset[str] = frozenset()
     of_fields: bool = False
+    fields: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
 
     def takes_along(self, types: str) -> bool:
         """Whether its widget takes along a topic of a type; several types are joined by a comma."""
         return not self.along.isdisjoint(types.split(", "))
+
+    def fields_of(self, types: str) -> tuple[str, ...]:
+        """Return the fields that it shows of a topic by default; several types are joined by a comma."""
+        return next((self.fields[name] for name in types.split(", ") if name in self.fields), ())
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -233,7 +240,9 @@ PATH = Asked(
     name="path",
     types=TRANSFORM_TYPES
     | {f"geometry_msgs/msg/Pose{suffix}" for suffix in ("", "Stamped", "WithCovariance", "Array", "2D")}
-    | {"geometry_msgs/msg/PoseWithCovarianceStamped", "nav2_msgs/msg/Costmap", "sensor_msgs/msg/NavSatFix"}
+    | {f"geometry_msgs/msg/{name}" for name in ("PoseWithCovarianceStamped", "PointStamped", "TransformStamped")}
+    | {"nav2_msgs/msg/Costmap", "sensor_msgs/msg/NavSatFix", "gps_msgs/msg/GPSFix", "gps_common/msg/GPSFix"}
+    | {"turtlesim/msg/Pose"}
     | {f"nav_msgs/msg/{name}" for name in ("Odometry", "Path", "OccupancyGrid")},
     widget="robowidgets.path_widget:PathWidget",
     nothing=Speed((nan, nan, nan), (nan, nan, nan), pose=Pose(nan, nan, nan)),
@@ -359,12 +368,36 @@ MESSAGE = Asked(
 )
 """Of any type: what is left has at least this."""
 
+_XYZ = ("x", "y", "z")
+_ON_THE_FLOOR = ("linear.x", "linear.y", "angular.z")
+_FORCES = (*(f"force.{axis}" for axis in _XYZ), *(f"torque.{axis}" for axis in _XYZ))
+_WHOLE_NUMBERS = (f"{sign}{bits}" for sign in ("Int", "UInt") for bits in (8, 16, 32, 64))
+PLOTTED: dict[str, tuple[str, ...]] = {
+    **{f"std_msgs/msg/{name}": ("data",) for name in ("Float32", "Float64", *_WHOLE_NUMBERS)},
+    "sensor_msgs/msg/Imu": ("angular_velocity.z", "linear_acceleration.x", "linear_acceleration.y"),
+    "sensor_msgs/msg/MagneticField": tuple(f"magnetic_field.{axis}" for axis in _XYZ),
+    "sensor_msgs/msg/Illuminance": ("illuminance",),
+    "sensor_msgs/msg/FluidPressure": ("fluid_pressure",),
+    "sensor_msgs/msg/Temperature": ("temperature",),
+    "sensor_msgs/msg/RelativeHumidity": ("relative_humidity",),
+    "geometry_msgs/msg/Point": _XYZ,
+    "geometry_msgs/msg/Vector3": _XYZ,
+    "geometry_msgs/msg/Vector3Stamped": tuple(f"vector.{axis}" for axis in _XYZ),
+    "geometry_msgs/msg/Accel": _ON_THE_FLOOR,
+    "geometry_msgs/msg/AccelStamped": tuple(f"accel.{name}" for name in _ON_THE_FLOOR),
+    "geometry_msgs/msg/Wrench": _FORCES,
+    "geometry_msgs/msg/WrenchStamped": tuple(f"wrench.{name}" for name in _FORCES),
+}
+"""The fields that a plot shows of a topic that is asked for by its name alone: the numbers that are looked at most."""
+
 PLOT = Asked(
     name="plot",
+    types=frozenset(PLOTTED),
     widget="robowidgets.plot_widget:PlotWidget",
     frames="robowidgets.player._plot_frames:PlotFrames",
     gathers=True,
     of_fields=True,
+    fields=PLOTTED,
     goes_stale=False,
     every_message=True,
 )
@@ -421,6 +454,8 @@ def _add_asked(row: Asked, *, replace: bool) -> None:
         )
     if row.of_fields and not row.gathers:
         raise ValueError(f"gathers: expected True, as {row.name} shows fields of several topics")
+    if row.of_fields and row.types != row.fields.keys():
+        raise ValueError(f"fields: expected those of each of the types {sorted(row.types)}, got {sorted(row.fields)}")
     _check_texts(row, row.types, ("widget", "frames", "rerun"))
     ASKED[row.name] = row
 
@@ -442,9 +477,10 @@ def asked_of_type(types: str) -> Asked | None:
     """
     if not types:
         return None
-    whole = [row for row in ASKED.values() if not row.of_fields]
-    of_type = (row for row in whole if not row.types.isdisjoint(types.split(", ")))
-    return next(of_type, next((row for row in whole if not row.types), None))
+    # A row that somebody adds for a type comes before the plot of its numbers.
+    rows = sorted(ASKED.values(), key=lambda row: row.of_fields)
+    of_type = (row for row in rows if not row.types.isdisjoint(types.split(", ")))
+    return next(of_type, next((row for row in rows if not row.types and not row.of_fields), None))
 
 
 def asked_of_fields() -> Asked | None:

@@ -553,9 +553,10 @@ class PathWidget(DrawsShapes[PathPoint]):
 
     def _about_sample(self, sample: PathPoint) -> dict[str, Any]:  # noqa: ARG002
         """See `RobotWidget`."""
-        if not self._left_out:
-            return {}
-        return {"notes": [f"{many(len(self._left_out), 'layer')} not drawn: a map has {MOST_LAYERS} at most"]}
+        notes = [] if self.driven_by_player else self._layers.notes()
+        if self._left_out:
+            notes.append(f"{many(len(self._left_out), 'layer')} not drawn: a map has {MOST_LAYERS} at most")
+        return {"notes": notes} if notes else {}
 
     def _at(self, frame: str) -> list[float] | None:
         """The pose of a frame in that of the map, now; None where nothing joins them."""

@@ -178,6 +178,10 @@ class SonarWidget(RobotWidget[Ranges]):
                 self._mounts = mounts
                 self._put_up(self._ranges, counts=False)
 
+    def take_static_frames(self, message: Any) -> None:
+        """See `take_frames`: sensors do not move on their robot."""
+        self.take_frames(message)
+
     def be_silent_after(self, seconds: Mapping[str, float]) -> None:
         """Take sensors for silent after so many seconds without a reading, in place of what their rates say."""
         with self._newest.lock:

@@ -15,7 +15,16 @@ from .._core.coalesced_call import CoalescedCall
 from .._core.freezing import freeze_together
 from .._core.sample_widget import SampleWidget
 from .._layout import OneScreen, stacked
-from .._widget_choice import Entry, OnShow, WidgetChoice, checked_arrangement, choose_widgets, of_topic, wishes
+from .._widget_choice import (
+    Entry,
+    OnShow,
+    WidgetChoice,
+    checked_arrangement,
+    choose_widgets,
+    of_topic,
+    why_no_plot,
+    wishes,
+)
 from ..behaviors.machine import Machine
 from ..events_widget import EventsWidget
 from ..kinds import asked_of_type
@@ -314,10 +323,18 @@ class FeedView(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no type
         shown = {name for choice in self._shown for name in choice.topics}
         asked = wishes(self._names, [*there])
         missing = [wish.topic for wish in asked if wish.topic not in shown]
+        fieldless = {
+            wish.topic: why
+            for wish in asked
+            if wish.topic in there and (why := why_no_plot(wish, there[wish.topic].type))
+        }
         if self._connection.status:
             lines = [self._connection.status] if missing or not shown else []
         elif missing:
-            lines = [_not_shown(there[name]) if name in there else self._connection.status_of(name) for name in missing]
+            lines = [
+                fieldless.get(name, _not_shown(there[name])) if name in there else self._connection.status_of(name)
+                for name in missing
+            ]
         elif troubles := [
             trouble for name in self._probes.topics - shown if (trouble := self._connection.trouble_of(name))
         ]:

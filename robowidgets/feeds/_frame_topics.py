@@ -9,6 +9,7 @@ from typing import Any, Protocol
 from .._core.coalesced_call import CoalescedCall
 from ..kinds import ODOMETRY_TYPES, TRANSFORM_TYPES
 from ..poses.live_frames import TakesFrames, TakesTopics
+from ..poses.transforms import STATIC
 from ._subscription import Target
 from ._topics import FeedTopic
 from .middleware import FeedError
@@ -85,7 +86,9 @@ def _wanted(topics: Iterable[FeedTopic], widget: TakesFrames) -> list[tuple[str,
     odometry = sorted(topic.name for topic in there if topic.type in ODOMETRY_TYPES and topic.widget)[:1]
     frames = sorted(topic.name for topic in there if topic.type in TRANSFORM_TYPES)
     names = {"both": [*odometry, *frames], "odometry": odometry or frames, "tf": frames, "": []}[by]
-    wanted: list[tuple[str, Callable[[Any], object]]] = [(name, widget.take_frames) for name in names]
+    wanted: list[tuple[str, Callable[[Any], object]]] = [
+        (name, widget.take_static_frames if name.rpartition("/")[2] == STATIC else widget.take_frames) for name in names
+    ]
     if isinstance(widget, TakesTopics):
         wanted += widget.topics_beside({topic.name: topic.type for topic in there})
     return wanted

@@ -18,7 +18,7 @@ from ..kinds import SONAR, info_of, kind_of_message, sensor_of
 from ..messages import to_camera_info, to_range, to_scan
 from ..messages.fields import unwrap
 from ..poses.live_frames import LiveFrames
-from ..poses.transforms import transforms_of
+from ..poses.transforms import STATIC, transforms_of
 from ..samples import Image, Pose
 from ..samples.age import arrival_of
 
@@ -131,12 +131,19 @@ class HasOverlay(LargeFrameWidget[Image]):
 
     def take_frames(self, message: Any) -> None:
         """Take a message of tf or of odometry."""
+        self._take_frames(message, "")
+
+    def take_static_frames(self, message: Any) -> None:
+        """Take a message of tf whose transforms hold for ever."""
+        self._take_frames(message, STATIC)
+
+    def _take_frames(self, message: Any, topic: str) -> None:
         inner, now = unwrap(message), round(time.monotonic() * 1e9)
         frames = self._beside.frames
         if not isinstance(frames, LiveFrames):
             return
         with self._newest.lock, suppress(ValueError):
-            for one in transforms_of(inner, "", now):
+            for one in transforms_of(inner, topic, now):
                 frames.add(one)
 
     def topics_beside(self, topics: Mapping[str, str]) -> list[tuple[str, Callable[[Any], object]]]:

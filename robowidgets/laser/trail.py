@@ -11,7 +11,7 @@ import traitlets
 
 from ..messages import to_pose
 from ..messages.fields import get, stamp_ns, unwrap
-from ..poses.live_frames import Frames, LiveFrames
+from ..poses.live_frames import Frames, LiveFrames, held_between, notes_on
 from ..poses.mounts import ODOM
 from ..poses.recent import RecentPoses
 from ..poses.transforms import transforms_in
@@ -59,12 +59,19 @@ class HasTrail(HasMount):
 
     def take_frames(self, message: Any) -> None:
         """Take the newest message of odometry, or of tf, of the robot; one that says nothing is left out."""
+        self._take_frames(message, static=False)
+
+    def take_static_frames(self, message: Any) -> None:
+        """Take a message of tf whose transforms hold for ever."""
+        self._take_frames(message, static=True)
+
+    def _take_frames(self, message: Any, *, static: bool) -> None:
         inner = unwrap(message)
         now = time.monotonic()
         transforms = get(inner, "transforms", None)
         with self._newest.lock, suppress(TypeError, ValueError):
             if transforms is not None:
-                for one in transforms_in(inner, False, round(now * 1e9)):
+                for one in transforms_in(inner, static, round(now * 1e9)):
                     self._frames.add(one)
             else:
                 self._recent.add(to_pose(inner), now, getattr(inner, "stamp_ns", None) or stamp_ns(inner))
@@ -94,4 +101,5 @@ def scanner_in(frames: Frames, scan: Scan, time_ns: int) -> dict[str, Any]:
         return {}
     at = frames.poses(frame, world, np.array([time_ns], np.int64), np.array([scan.stamp_ns or 0], np.int64))
     (x, y, _), yaw = at.positions[0], yaw_of(*at.orientations[0]) - (scan.mount.yaw if scan.mount else 0.0)
-    return {"pose": [round(float(value), 5) for value in (x, y, yaw)]}
+    notes = notes_on([held_between(frames, frame, world, time_ns, scan.stamp_ns)])
+    return {"pose": [round(float(value), 5) for value in (x, y, yaw)], **({"notes": notes} if notes else {})}

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..poses.live_frames import LiveFrames
+from ..poses.live_frames import LiveFrames, OldTransform, held_between, notes_on
 from ..poses.local_plane import LocalPlane
 from ..poses.path import Path
 from ..poses.transforms import Transform
@@ -43,6 +43,8 @@ class Layer:
         self.seconds = 0.0
         self.time_ns = 0
         self.placed: Placed | None = None
+        self.held: OldTransform | None = None
+        """The old transform by which it is placed."""
         self.track = Path()
         self.plans: list[tuple[float, Floats]] = []
         self.packed_grid: PackedGrid | None = None
@@ -157,6 +159,7 @@ class Layers:
                 self.put(
                     layer.name, MapItem("pose", pair[0], stamp, pose, child_frame_id=pair[1]), seconds, newest.time_ns
                 )
+                layer.held = layer.held or held_between(self.frames, pair[1], pair[0], newest.time_ns, stamp)
 
     def show_frame(self, name: str) -> None:
         """Have a layer for a frame in another, by a name such as "map->base_link"."""
@@ -185,6 +188,10 @@ class Layers:
             else:
                 missing[layer.name] = f"not drawn: no transform to {self.frame}"
         return shown, missing
+
+    def notes(self) -> list[str]:
+        """Return the notes on the old transforms by which layers are placed."""
+        return notes_on(layer.held for layer in self if layer.placed is not None)
 
     @property
     def known_frames(self) -> list[str]:
@@ -260,6 +267,8 @@ class Layers:
         placed = place(self.frames, layer.frame, item, layer.time_ns, layer.number, layer.seconds)
         if placed is None:
             return None
+        frame = item.frame_id or layer.frame
+        layer.held = held_between(self.frames, frame, layer.frame, layer.time_ns, item.stamp_ns)
         if item.kind == "pose":
             measured = item.stamp_ns / 1e9 if item.stamp_ns else None
             layer.track.add(layer.seconds, Pose(*placed.pose), measured)

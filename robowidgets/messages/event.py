@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from math import atan2, degrees
 from typing import Any, NamedTuple
+
+import numpy as np
 
 from ..samples import TouchState
 from ..samples.event import Event, Level
 from ..samples.touch_tracker import TouchTracker
-from .byte_fields import byte
+from .byte_fields import byte, byte_array
+from .camera_info import to_camera_info
 from .fields import describe, get, has, stamp_ns, unwrap
 from .touch import TOUCH_TYPES, to_touch
 
@@ -25,6 +29,20 @@ _ROS1_FRAME_AT = 16
 _ROS1_LEVELS = {1: Level.DEBUG, 2: Level.INFO, 4: Level.WARN, 8: Level.ERROR, 16: Level.FATAL}
 _STATUS_LEVELS = {0: Level.INFO, 1: Level.WARN, 2: Level.ERROR, 3: Level.WARN}
 _STATUS_WORDS = {0: "OK", 3: "stale"}
+
+_GOAL_STATES = (*("unknown", "accepted", "executing", "canceling", "succeeded", "canceled", "aborted"),)
+_ROS1_GOAL_STATES = (
+    *("pending", "active", "preempted", "succeeded", "aborted", "rejected", "preempting", "recalling", "recalled"),
+    "lost",
+)
+_GOAL_LEVELS = {"aborted": Level.ERROR, "rejected": Level.ERROR, "lost": Level.ERROR, "canceled": Level.WARN}
+_GOAL_LEVELS |= {"preempted": Level.WARN, "recalled": Level.WARN}
+
+_PARAMETER_VALUES = (
+    *("", "bool_value", "integer_value", "double_value", "string_value", "byte_array_value"),
+    *("bool_array_value", "integer_array_value", "double_array_value", "string_array_value"),
+)
+"""The fields of a rcl_interfaces/ParameterValue, by its type."""
 
 _RANGE = "sensor_msgs/msg/Range"
 """Of these only some are of touch sensors, and a distance is no event."""
@@ -47,16 +65,22 @@ _STATUSES = _Dialect(("diagnostic_msgs/msg/DiagnosticArray",), _with("status", o
 _STATUS = _Dialect(("diagnostic_msgs/msg/DiagnosticStatus",), _with("message", "level", "name"))
 _JOY = _Dialect(("sensor_msgs/msg/Joy",), _with("buttons", "axes"))
 _TEXT = _Dialect((TEXT_TYPE,), _with("data", of=str))
-_DIALECTS = (_LINE, _STATUSES, _STATUS, _JOY, _TEXT)
+_PARAMETERS = _Dialect(("rcl_interfaces/msg/ParameterEvent",), _with("changed_parameters", "new_parameters", "node"))
+_GOALS = _Dialect(("action_msgs/msg/GoalStatusArray", "actionlib_msgs/msg/GoalStatusArray"), _with("status_list"))
+_CAMERA = _Dialect(("sensor_msgs/msg/CameraInfo",), _with("distortion_model", "width", "height"))
+_DIALECTS = (_LINE, _STATUSES, _STATUS, _JOY, _TEXT, _PARAMETERS, _GOALS, _CAMERA)
 
 LOG_TYPES = frozenset(_LINE.types)
 """The message types of lines of a log."""
 
-SEVERE_TYPES = LOG_TYPES | frozenset(_STATUSES.types + _STATUS.types)
+SEVERE_TYPES = LOG_TYPES | frozenset(_STATUSES.types + _STATUS.types + _GOALS.types)
 """The message types whose events have a level."""
 
 SAID_TYPES: frozenset[str] = frozenset(name for dialect in _DIALECTS for name in dialect.types)
 """The message types of which an `EventReader` reads what they say."""
+
+REPEATED_TYPES = frozenset(_CAMERA.types)
+"""Those of `SAID_TYPES` that repeat one thing at the rate of a sensor: they are read if they are asked for by name."""
 
 EVENT_TYPES: frozenset[str] = SAID_TYPES | (TOUCH_TYPES - {_RANGE})
 """All message types that an `EventReader` reads, as recordings name them."""
@@ -65,7 +89,7 @@ EVENT_TYPES: frozenset[str] = SAID_TYPES | (TOUCH_TYPES - {_RANGE})
 class EventReader:
     """Reads the events in the messages of one topic, in their order.
 
-    Of a status, a button and a touch sensor only a change is an event, so it keeps what was said before.
+    Of a status, a goal, a calibration, a button and a touch sensor only a change is an event: it keeps the one before.
 
     Args:
         topic: the name of the topic, for its events.
@@ -79,7 +103,12 @@ class EventReader:
             _STATUS: self._status,
             _JOY: self._joy,
             _TEXT: self._text,
+            _PARAMETERS: self._parameters,
+            _GOALS: self._goals,
+            _CAMERA: self._camera,
         }
+        self._goal_states: dict[str, str] = {}
+        self._calibration = ""
         self._statuses: dict[str, tuple[Level, str]] = {}
         self._buttons: dict[int, bool] = {}
         self._tracker = TouchTracker()
@@ -94,8 +123,9 @@ class EventReader:
 
         Args:
             message: an object or dictionary like std_msgs/String, rcl_interfaces/Log or rosgraph_msgs/Log,
-                diagnostic_msgs/DiagnosticArray or DiagnosticStatus, sensor_msgs/Joy, or one that `to_touch` reads;
-                text; or an `Event`.
+                diagnostic_msgs/DiagnosticArray or DiagnosticStatus, sensor_msgs/Joy or CameraInfo,
+                rcl_interfaces/ParameterEvent, action_msgs/GoalStatusArray, or one that `to_touch` reads; text; or an
+                `Event`.
             time_ns: when it came, in nanoseconds of any clock that does not go back.
 
         Raises:
@@ -175,6 +205,51 @@ class EventReader:
             self._buttons[index] = pressed
         return found
 
+    def _parameters(self, message: Any) -> list[Event]:
+        node, stamp = str(get(message, "node")), stamp_ns({"header": {"stamp": get(message, "stamp", None)}})
+        texts = []
+        # A node declares all of its parameters as it starts.
+        if declared := [_parameter(one) for one in get(message, "new_parameters")]:
+            texts.append(f"declared {', '.join(declared)}")
+        texts += [_parameter(one) for one in get(message, "changed_parameters")]
+        if deleted := [str(get(one, "name")) for one in get(message, "deleted_parameters", ())]:
+            texts.append(f"deleted {', '.join(deleted)}")
+        return [Event(text, source=node, topic=self._topic, stamp_ns=stamp) for text in texts]
+
+    def _goals(self, message: Any) -> list[Event]:
+        found, now = [], {}
+        for one in get(message, "status_list"):
+            is_ros1 = has(one, "goal_id")
+            states = _ROS1_GOAL_STATES if is_ros1 else _GOAL_STATES
+            number = byte("status", get(one, "status"))
+            state = states[number] if 0 <= number < len(states) else f"status {number}"
+            goal = str(get(one, "goal_id.id")) if is_ros1 else _short_uuid(get(one, "goal_info.goal_id.uuid"))
+            now[goal] = state
+            if self._goal_states.get(goal) != state:
+                more = str(get(one, "text", "") or "")
+                text = ": ".join(filter(None, (f"goal {goal} {state}", more)))
+                found.append(Event(text, _GOAL_LEVELS.get(state, Level.INFO), topic=self._topic))
+        self._goal_states = now
+        return found
+
+    def _camera(self, message: Any) -> list[Event]:
+        info = to_camera_info(message)
+        parts = [f"{info.width} × {info.height} pixels"]
+        if info.is_calibrated:
+            # Drivers that only rectify fill in the second matrix alone.
+            across, down = (info.k[0], info.k[4]) if info.k[0] > 0 else (info.p[0], info.p[5])
+            angles = (round(degrees(2 * atan2(n, 2 * f))) for n, f in ((info.width, across), (info.height, down)))
+            parts.append("sees {}° × {}°".format(*angles))
+            parts.append(info.distortion_model or "no distortion model")
+        else:
+            parts.append("not calibrated")
+        numbers = [*info.k.tolist(), *info.d.tolist(), *info.p.tolist()]
+        text, whole = ", ".join(parts), f"{parts} {numbers}"
+        if whole == self._calibration:
+            return []
+        self._calibration = whole
+        return [Event(text, source=info.frame_id, topic=self._topic, stamp_ns=info.stamp_ns)]
+
     def _touch_changes(self, time_ns: int, stamp: int | None) -> list[Timed]:
         self._seen_ns = time_ns
         found = []
@@ -209,3 +284,18 @@ def touch_text(sensor: str, state: TouchState) -> str:
     """What is said of a sensor that was touched or released."""
     words = "touched" if state is TouchState.TOUCHED else "released"
     return words if sensor == "touch" else f"{sensor} {words}"
+
+
+def _parameter(one: Any) -> str:
+    """Return the name and the value of a rcl_interfaces/Parameter: ``max_speed = 0.3``."""
+    kind = byte("type", get(one, "value.type"))
+    if not 0 < kind < len(_PARAMETER_VALUES):
+        return f"{get(one, 'name')} is not set"
+    value = get(one, f"value.{_PARAMETER_VALUES[kind]}")
+    value = value if isinstance(value, (str, bool, int, float)) else np.asarray(value).tolist()
+    return f"{get(one, 'name')} = {value}"
+
+
+def _short_uuid(value: Any) -> str:
+    """Return the first digits of the number of a goal, as the tools of ROS 2 print it."""
+    return byte_array("uuid", value).tobytes().hex()[:8]

@@ -17,8 +17,9 @@ from .range import to_range
 from .scan import to_scan
 
 TAKEN = (
-    "nav_msgs/Odometry, Path or OccupancyGrid, geometry_msgs/Pose, PoseStamped, PoseWithCovarianceStamped, PoseArray "
-    "or Pose2D, nav2_msgs/Costmap, sensor_msgs/NavSatFix, LaserScan or Range"
+    "nav_msgs/Odometry, Path or OccupancyGrid, geometry_msgs/Pose, PoseStamped, PoseWithCovarianceStamped, PoseArray, "
+    "Pose2D, PointStamped or TransformStamped, nav2_msgs/Costmap, sensor_msgs/NavSatFix, LaserScan or Range, "
+    "gps_msgs/GPSFix, turtlesim/Pose"
 )
 
 _BEAM, _THIN, _TURN = radians(15), radians(3), radians(4)
@@ -62,6 +63,13 @@ def to_map_item(message: Any) -> MapItem:
         return _of_fix(message, frame, stamp)
     if has(message, "x", "y", "theta"):
         return MapItem("pose", frame, stamp, Pose(*(_number(message, name) for name in ("x", "y", "theta"))))
+    if has(message, "point.x", "point.y"):
+        point = Pose(_number(message, "point.x"), _number(message, "point.y"), nan)
+        return MapItem("pose", frame, stamp, _placed(point))
+    if has(message, "transform.translation", "transform.rotation"):
+        at = {"position": get(message, "transform.translation"), "orientation": get(message, "transform.rotation")}
+        if (pose := pose_of(at)) is not None:
+            return MapItem("pose", frame, stamp, _placed(pose))
     if (pose := pose_of(message)) is None:
         raise TypeError(f"expected a message like {TAKEN}; got {describe(message)}")
     child = _clean(str(get(message, "child_frame_id", "")))

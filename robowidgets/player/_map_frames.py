@@ -18,6 +18,7 @@ from ..maps.placing import Floats, Placed, by_plane, place, poses_in, world_of, 
 from ..messages.map_item import to_map_item
 from ..path_widget import PathPoint, PathWidget
 from ..poses.frame_tree import FrameTree
+from ..poses.live_frames import held_between, notes_on
 from ..poses.local_plane import LocalPlane
 from ..poses.mounts import ROBOT
 from ..poses.path import Path
@@ -169,9 +170,11 @@ class WholeMap:
             return None
         return _Told(item, moment.seconds, moment.time_ns)
 
-    def place(self, now: dict[str, _Told | None], seconds: float, time_ns: int) -> tuple[list[Placed], dict[str, str]]:
-        """What each layer shows at a time, and why some show nothing."""
-        shown, missing = [], {}
+    def place(
+        self, now: dict[str, _Told | None], seconds: float, time_ns: int
+    ) -> tuple[list[Placed], dict[str, str], list[str]]:
+        """What each layer shows at a time, why some show nothing, and notes on the transforms that are old."""
+        shown, missing, held = [], {}, []
         for number, name in enumerate(self.layers):
             told = now.get(name)
             if number >= len(self.names):
@@ -189,7 +192,9 @@ class WholeMap:
                 missing[name] = f"not drawn: no transform to {world}"
             else:
                 shown.append(placed._replace(version=told.version))
-        return shown, missing
+                frame = told.item.frame_id or world
+                held.append(held_between(self.tree, frame, world, told.time_ns, told.item.stamp_ns))
+        return shown, missing, notes_on(held)
 
     def _read(self, recording: RecordingData) -> None:
         """Read the first item of each layer, and of those with a way all poses; of large grids all of them."""
@@ -309,12 +314,12 @@ class MapFrames:
         return TimedFrame(seconds, {**drawn, **about, **news}, FRAME_HEADER.pack(0.0, nan, 0, 0.0) + frame)
 
     def _point(self, now: dict[str, _Told | None], seconds: float, time_ns: int) -> tuple[dict[str, Any], PathPoint]:
-        placed, missing = self._whole.place(now, seconds, time_ns)
+        placed, missing, old = self._whole.place(now, seconds, time_ns)
         about: dict[str, Any] = {"frame_id": self._whole.frame}
         if missing:
             about["missing"] = missing
-        if self._whole.notes:
-            about["notes"] = self._whole.notes
+        if notes := [*self._whole.notes, *old]:
+            about["notes"] = notes
         return about, PathPoint(seconds, nan, nan, nan, layers=tuple(placed))
 
 

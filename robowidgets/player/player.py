@@ -31,6 +31,7 @@ from .._widget_choice import (
     checked_arrangement,
     choose_widgets,
     of_topic,
+    why_no_plot,
     wishes,
 )
 from ..export.html import MAX_SIZE, SUFFIXES, Page, check_texts
@@ -642,6 +643,8 @@ def _check_entry(recording: RecordingData, wish: AskedFor) -> None:
         recording.fields(wish.topic)[[wish.field]]  # raises for one that is not there
     elif topic is None or wish.field or not (topic.widget or wish.row or asked_of_type(topic.type)):
         recording.check(wish.topic)
+    elif why := why_no_plot(wish, topic.type):
+        raise ValueError(why)
     elif (not topic.widget or wish.row) and (why := recording.why_unreadable(wish.topic)):
         raise UnknownTopicError(f"{recording.path.name}: topic {wish.topic!r} cannot be shown: {why}")
 

@@ -14,6 +14,9 @@ from numpy.typing import NDArray
 
 from .transforms import Transform
 
+HELD_S = 10.0
+"""Seconds after which a transform is old, as tf2 forgets it by then. Over a longer gap it is held, not interpolated."""
+
 Floats = NDArray[np.float64]
 Times = NDArray[np.int64]
 
@@ -65,27 +68,40 @@ class TransformHistory:
     def at(self, times_ns: Times, stamps_ns: Times) -> Poses:
         """The poses at some log times and stamps, shape (N,) each: interpolated, and at the ends the nearest.
 
-        By stamps if both have stamps of the same clock, else by log times.
+        By stamps if both have stamps of the same clock, else by log times. In a gap longer than `HELD_S` it is the
+        pose before.
         """
         if self.static:
             return Poses(*(np.tile(column[-1], (len(times_ns), 1)) for column in self.poses))
-        given, order = self._by_stamp
-        asked = stamps_ns
-        if not (given[0] and stamps_ns.all() and stamps_ns.max() >= given[0] and stamps_ns.min() <= given[-1]):
-            given, order = self._by_time
-            asked = times_ns
-        after = np.searchsorted(given, asked).clip(1, max(len(given) - 1, 1))
-        before = after - 1
-        after = np.minimum(after, len(given) - 1)
-        span = np.maximum(given[after] - given[before], 1)
-        share = ((asked - given[before]) / span).clip(0.0, 1.0)[:, None]
+        given, order, asked = self._clock(times_ns, stamps_ns)
+        before, after = _neighbours(given, asked)
+        gap = given[after] - given[before]
+        share = ((asked - given[before]) / np.maximum(gap, 1)).clip(0.0, 1.0)
+        share = np.where((gap > HELD_S * 1e9) & (asked < given[after]), 0.0, share)[:, None]
         one, other = (Poses(*(column[order[rows]] for column in self.poses)) for rows in (before, after))
-        start, end = one.orientations, other.orientations
-        # q and -q are the same orientation: take the nearer. Between two messages linear interpolation is close enough.
-        end = np.where((start * end).sum(axis=1, keepdims=True) < 0, -1.0, 1.0) * end
-        orientations = start + share * (end - start)
-        orientations /= np.linalg.norm(orientations, axis=1, keepdims=True)
-        return Poses(one.positions + share * (other.positions - one.positions), orientations)
+        positions = one.positions + share * (other.positions - one.positions)
+        return Poses(positions, _slerp(one.orientations, other.orientations, share))
+
+    def held_s(self, times_ns: Times, stamps_ns: Times) -> Floats:
+        """Return the seconds since the message whose pose is held at each time; below 0: until the first message.
+
+        They are 0 if the pose is static, or between two messages that are near.
+        """
+        if self.static:
+            return np.zeros(len(times_ns))
+        given, _, asked = self._clock(times_ns, stamps_ns)
+        before, after = _neighbours(given, asked)
+        is_near = (asked >= given[before]) & (asked <= given[after]) & (given[after] - given[before] <= HELD_S * 1e9)
+        is_at = asked == given[after]
+        since = np.where(asked > given[after], asked - given[after], asked - given[before])
+        return np.where(is_near | is_at, 0.0, since / 1e9)
+
+    def _clock(self, times_ns: Times, stamps_ns: Times) -> tuple[Times, Times, Times]:
+        """Return the times of the messages in order, their order, and the times asked for, all by the same clock."""
+        given, order = self._by_stamp
+        if given[0] and stamps_ns.all() and stamps_ns.max() >= given[0] and stamps_ns.min() <= given[-1]:
+            return given, order, stamps_ns
+        return (*self._by_time, times_ns)
 
     @cached_property
     def _by_time(self) -> tuple[Times, Times]:
@@ -175,6 +191,27 @@ class FrameTree:
 def _sorted(times: Times) -> tuple[Times, Times]:
     order = np.argsort(times, kind="stable")
     return times[order], order
+
+
+def _neighbours(given: Times, asked: Times) -> tuple[Times, Times]:
+    """Return the places of the messages before and after some times; at the ends, those of the last two."""
+    after = np.searchsorted(given, asked).clip(1, max(len(given) - 1, 1))
+    return after - 1, np.minimum(after, len(given) - 1)
+
+
+def _slerp(start: Floats, end: Floats, share: Floats) -> Floats:
+    """Return the quaternions at a share of the shortest turn from one to another, shape (N, 4), as tf2 does."""
+    along = (start * end).sum(axis=1, keepdims=True)
+    # q and -q are the same orientation: take the nearer.
+    end = np.where(along < 0, -1.0, 1.0) * end
+    angle = np.arccos(np.abs(along).clip(max=1.0))
+    sine = np.sin(angle)
+    is_turn = sine > 1e-6
+    divisor = np.where(is_turn, sine, 1.0)
+    first = np.where(is_turn, np.sin((1 - share) * angle) / divisor, 1 - share)
+    second = np.where(is_turn, np.sin(share * angle) / divisor, share)
+    turned = first * start + second * end
+    return np.asarray(turned / np.linalg.norm(turned, axis=1, keepdims=True))
 
 
 def _rotated(orientations: Floats, positions: Floats) -> Floats:

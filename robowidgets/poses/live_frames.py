@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Callable, Mapping, Sequence
-from typing import Any, Protocol, runtime_checkable
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from typing import Any, NamedTuple, Protocol, runtime_checkable
 
 import numpy as np
 
-from .frame_tree import Poses, Times, TransformHistory
+from .frame_tree import HELD_S, Poses, Times, TransformHistory
 from .transforms import Transform
 
 KEPT = 500
@@ -24,6 +24,9 @@ class Frames(Protocol):
     def poses(self, frame: str, world: str, times_ns: Times, stamps_ns: Times) -> Poses:
         """The poses of a frame in one above it in its `chain`, at some times."""
 
+    def history(self, frame: str) -> TransformHistory | None:
+        """The history of a frame; None if no message names its parent."""
+
 
 class TakesFrames(Protocol):
     """A widget that a feed tells where the robot and its sensors are."""
@@ -34,6 +37,9 @@ class TakesFrames(Protocol):
 
     def take_frames(self, message: Any) -> None:
         """Take a message of odometry or of tf. It may be called from any thread; one that says nothing is left out."""
+
+    def take_static_frames(self, message: Any) -> None:
+        """Take a message of tf whose transforms hold for ever, as `take_frames` takes others."""
 
 
 @runtime_checkable
@@ -104,6 +110,21 @@ class LiveFrames:
             self._histories[frame] = TransformHistory(self._parents[frame], times, stamps, poses, rows[-1].static)
         return self._histories[frame]
 
+    def history(self, frame: str) -> TransformHistory | None:
+        """See `Frames`."""
+        return self._history(frame) if frame in self._rows else None
+
+
+class OldTransform(NamedTuple):
+    """A transform that was old at the time for which it was taken: seconds since its last message.
+
+    Seconds below 0 are those until its first one.
+    """
+
+    parent: str
+    child: str
+    seconds: float
+
 
 def are_joined(frames: Frames, one: str, other: str) -> bool:
     """Whether transforms lead from one frame to the other."""
@@ -120,3 +141,31 @@ def joined(frames: Frames, frame: str, world: str, times_ns: Times, stamps_ns: T
         return None
     inner = frames.poses(frame, common, times_ns, stamps_ns)
     return inner if common == world else frames.poses(world, common, times_ns, stamps_ns).inverse().of(inner)
+
+
+def held_between(frames: Frames, frame: str, world: str, time_ns: int, stamp_ns: int | None) -> OldTransform | None:
+    """Return the transform between two frames that is the oldest at a time; None if all are newer than `HELD_S`."""
+    up, down = frames.chain(frame), frames.chain(world)
+    moving = [name for name in (*up, *down) if (name in up) != (name in down)]
+    times, stamps = np.array([time_ns], np.int64), np.array([stamp_ns or 0], np.int64)
+    found = [
+        OldTransform(history.parent, name, float(history.held_s(times, stamps)[0]))
+        for name in moving
+        if (history := frames.history(name)) is not None
+    ]
+    oldest = max(found, key=lambda one: abs(one.seconds), default=None)
+    return oldest if oldest is not None and abs(oldest.seconds) > HELD_S else None
+
+
+def notes_on(held: Iterable[OldTransform | None]) -> list[str]:
+    """Return a note for each transform that was old, for a person."""
+    oldest: dict[tuple[str, str], OldTransform] = {}
+    for one in held:
+        if one is not None:
+            known = oldest.setdefault((one.parent, one.child), one)
+            oldest[one.parent, one.child] = max(known, one, key=lambda each: abs(each.seconds))
+    return [
+        f"tf {one.parent} → {one.child} "
+        + (f"is {one.seconds:.0f} s old" if one.seconds > 0 else f"begins {-one.seconds:.0f} s later")
+        for one in oldest.values()
+    ]

@@ -289,10 +289,11 @@ class RecordingData:
         """
         self._check_open()
         telling = [topic.name for topic in self.topics if has_events(topic)]
+        by_name = [topic.name for topic in self.topics if has_events(topic, by_name=True)]
         for name in topics:
             self._check_readable(name)
-            if name not in telling:
-                there = ", ".join(telling) or "none"
+            if name not in by_name:
+                there = ", ".join(by_name) or "none"
                 raise UnknownTopicError(f"{self.path.name}: {name!r} tells of no events: those that do are {there}")
         end_ns = stop_ns if stop_ns is not None else (self.end_ns or 0) + 1
         found = self._messages.events(list(topics) or telling, stop_ns, every_line)

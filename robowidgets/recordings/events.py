@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from .._core.tables import Table
 from .._core.text import many
 from ..kinds import TOUCH
-from ..messages.event import SAID_TYPES, EventReader
+from ..messages.event import REPEATED_TYPES, SAID_TYPES, EventReader
 from ..samples.event import Event, Level
 from .columns.tables import Columns
 from .program_log import PROGRAM, STATES, version_of
@@ -113,9 +113,10 @@ def mark_text(level: Level, source: str, text: str) -> str:
     return ": ".join(filter(None, (level.name if level >= Level.WARN else "", source, one_line(text, 80))))
 
 
-def has_events(topic: Topic) -> bool:
-    """Whether a topic tells of events."""
-    return not topic.problem and (topic.type in SAID_TYPES or topic.widget == TOUCH.name)
+def has_events(topic: Topic, *, by_name: bool = False) -> bool:
+    """Whether a topic tells of events; one that repeats itself only if it is asked for by name."""
+    types = SAID_TYPES if by_name else SAID_TYPES - REPEATED_TYPES
+    return not topic.problem and (topic.type in types or topic.widget == TOUCH.name)
 
 
 def read_events(messages: Iterable[TimedMessage], note: Any = None, ends: bool = True) -> Iterator[tuple[int, Event]]:

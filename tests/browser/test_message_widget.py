@@ -181,7 +181,7 @@ from tests.unit.recordings import recorded
 _said = [(0.5 * i, "/state", {"data": 0.1 * i}) for i in range(8)]
 _folder = Path(tempfile.mkdtemp()) / "drive"
 recording = robowidgets.open(recorded.write(_folder, {"/state": "std_msgs/msg/Float64"}, _said))
-player = recording.show("/state")
+player = recording.show("/state as message")
 player
 """
 
@@ -218,4 +218,4 @@ def test_a_number_of_a_recording_is_plotted_beside_it_by_a_click(plain_page: Cal
     row(card, "data").hover()
     row(card, "data").get_by_role("button", name="Plot").click()
     expect(nb.output(1).locator(".rw-plot").locator(".rw-plot-most")).to_have_text("0.7")
-    assert nb.python("[type(view.widget).__name__ for view in player.views]") == "['MessageWidget', 'PlotWidget']"
+    assert nb.python("[type(view.widget).__name__ for view in player.views]") == "['PlotWidget', 'MessageWidget']"

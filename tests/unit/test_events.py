@@ -7,6 +7,7 @@ from math import inf
 from types import SimpleNamespace as Message
 from typing import Any
 
+import numpy as np
 import pytest
 
 from robowidgets import Event, Touch, TouchMode
@@ -53,6 +54,54 @@ class TestTheReader:
         array["status"][0] = status("motor", as_sent(3), "stuck")
         assert said(reader, array) == [("WARN", "motor", "stale: stuck")]
         assert said(reader, {"status": [status("motor", as_sent(0), "")]}) == [("INFO", "motor", "OK")]
+
+    def test_tells_parameters_that_were_declared_changed_and_deleted(self) -> None:
+        def parameter(name: str, kind: int, **value: Any) -> dict[str, Any]:
+            return {"name": name, "value": {"type": kind, **value}}
+
+        message = {
+            "stamp": {"sec": 2, "nanosec": 0},
+            "node": "/amcl",
+            "new_parameters": [
+                parameter("sim", 1, bool_value=True), parameter("beams", 7, integer_array_value=np.array([1, 2]))
+            ],
+            "changed_parameters": [parameter("speed", 3, double_value=0.3), parameter("mode", 4, string_value="fast")],
+            "deleted_parameters": [parameter("old", 0)],
+        }  # fmt: skip
+        reader = EventReader("/parameter_events")
+        assert said(reader, message) == [
+            ("INFO", "/amcl", "declared sim = True, beams = [1, 2]"),
+            ("INFO", "/amcl", "speed = 0.3"),
+            ("INFO", "/amcl", "mode = fast"),
+            ("INFO", "/amcl", "deleted old"),
+        ]
+        assert reader.read(message)[0][1].stamp_ns == 2_000_000_000
+
+    def test_tells_changes_of_goals_of_both_ros(self) -> None:
+        def goals(*states: int) -> dict[str, Any]:
+            infos = [{"goal_id": {"uuid": np.full(16, 0xA0 + i, np.uint8)}} for i in range(len(states))]
+            return {"status_list": [{"goal_info": i, "status": s} for i, s in zip(infos, states, strict=True)]}
+
+        reader = EventReader("/go/_action/status")
+        assert said(reader, goals(2)) == [("INFO", "", "goal a0a0a0a0 executing")]
+        assert said(reader, goals(2)) == []
+        assert said(reader, goals(6, 4)) == [
+            ("ERROR", "", "goal a0a0a0a0 aborted"), ("INFO", "", "goal a1a1a1a1 succeeded")
+        ]  # fmt: skip
+        old = {"header": {}, "status_list": [{"goal_id": {"id": "/nav-1", "stamp": {}}, "status": 5, "text": "no way"}]}
+        assert said(EventReader(), old) == [("ERROR", "", "goal /nav-1 rejected: no way")]
+
+    def test_tells_a_calibration_once_until_it_changes(self) -> None:
+        info = {
+            "header": {"frame_id": "lens", "stamp": {"sec": 1, "nanosec": 0}},
+            "width": 640, "height": 480, "distortion_model": "plumb_bob", "d": [0.1, 0, 0, 0, 0],
+            "k": [320.0, 0, 320, 0, 320, 240, 0, 0, 1],
+        }  # fmt: skip
+        reader = EventReader()
+        assert said(reader, info) == [("INFO", "lens", "640 × 480 pixels, sees 90° × 74°, plumb_bob")]
+        assert said(reader, info) == []
+        assert len(said(reader, info | {"d": [0.2, 0, 0, 0, 0]})) == 1
+        assert said(reader, info | {"k": [0] * 9}) == [("INFO", "lens", "640 × 480 pixels, not calibrated")]
 
     def test_reads_a_byte_in_base64_as_rosbridge_sends_it(self) -> None:
         assert said(EventReader(), status("motor", "Ag==", "stuck")) == [("ERROR", "motor", "stuck")]

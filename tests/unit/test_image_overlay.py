@@ -161,7 +161,7 @@ def test_a_feed_gives_an_image_what_lies_over_it() -> None:
     wanted = _wanted(topics, image)
     assert [(name, take.__name__) for name, take in wanted] == [
         ("/tf", "take_frames"),
-        ("/tf_static", "take_frames"),
+        ("/tf_static", "take_static_frames"),
         ("/camera/camera_info", "calibrate"),
         ("/scan", "take_scan"),
     ]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import zlib
 from collections.abc import Callable, Sequence
 from math import cos, degrees, hypot, inf, nan, pi, radians, sin, sqrt
@@ -16,13 +17,15 @@ from rosbags.highlevel import AnyReader
 
 import robowidgets
 from robowidgets import Line, MapGrid, PathWidget, Range, load_map
+from robowidgets.maps.layers import Layers
 from robowidgets.maps.packing import _GRID, pack_grid, pack_layers, unpack_layers
 from robowidgets.maps.placing import EAST_NORTH, Placed
 from robowidgets.messages.map_grid import to_map_grid
 from robowidgets.messages.map_item import to_map_item
 from robowidgets.poses.local_plane import LocalPlane
+from robowidgets.poses.transforms import Transform
 from robowidgets.samples import Pose
-from robowidgets.samples.map_item import NO_FIX, Scatter
+from robowidgets.samples.map_item import NO_FIX, MapItem, Scatter
 
 from .. import map_scene as scene
 from .recordings import recorded
@@ -78,6 +81,16 @@ class TestItems:
         assert amcl.scatter == (0.03, 0.01, 0.02)
         assert to_map_item(scene.odometry(Pose(1.0, 2.0, 0.0), 3.0)).scatter is None, "all 0 is not known"
         assert to_map_item(scene.odometry(Pose(1.0, 2.0, 0.0), 3.0)).child_frame_id == "base_link"
+
+    def test_points_and_transforms_have_a_place(self) -> None:
+        header = {"frame_id": "/map", "stamp": {"sec": 1, "nanosec": 0}}
+        point = to_map_item({"header": header, "point": {"x": 1.0, "y": 2.0, "z": 3.0}})
+        assert (point.kind, point.frame_id, point.pose[:2], point.stamp_ns) == ("pose", "map", (1.0, 2.0), 10**9)
+        assert np.isnan(point.pose.yaw)
+        turn = {"x": 0.0, "y": 0.0, "z": sin(0.25), "w": cos(0.25)}
+        transform = {"translation": {"x": 1.0, "y": 2.0, "z": 0.0}, "rotation": turn}
+        placed = to_map_item({"header": header, "child_frame_id": "marker", "transform": transform})
+        assert (placed.frame_id, placed.pose) == ("map", pytest.approx((1.0, 2.0, 0.5)))
 
     def test_a_sonar_is_a_cone_up_to_what_it_met_or_as_far_as_it_sees(self) -> None:
         met = to_map_item(Range(2.0, 0.1, 4.0, field_of_view=0.5, frame_id="/sonar"))
@@ -340,6 +353,41 @@ class TestFrames:
         path.put("/odom", scene.odometry(Pose(1.0, 0.0, 0.25), 1.5))
         assert shown(path)["/odom"].pose == pytest.approx((5.0, 1.0, pi / 2 + 0.25))
         assert path.get_state()["_map"]["frames"] == ["map", "odom"]
+
+    def test_an_old_transform_has_a_note_until_a_new_one_comes(self) -> None:
+        layers, second = Layers(), 10**9
+
+        def move(parent: str, child: str, at: int) -> None:
+            pose = (1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0)
+            layers.add_frames(iter([Transform(parent, child, at * second, 0, pose)]), float(at))
+
+        layers.show_frame("map->base_link")
+        move("map", "odom", 1)
+        layers.put("/goal", MapItem("pose", "map", pose=Pose(0.0, 0.0, 0.0)), 1.0, second)
+        for at in (1, 8):
+            move("odom", "base_link", at)
+            layers.put("/scan", MapItem("scan", "base_link", points=np.ones((3, 2))), float(at), at * second)
+            assert layers.notes() == []
+        move("odom", "base_link", 43)
+        assert layers.notes() == ["tf map → odom is 42 s old"]
+        layers.put("/scan", MapItem("scan", "base_link", points=np.ones((3, 2))), 45.0, 45 * second)
+        assert layers.notes() == ["tf map → odom is 44 s old"]
+        for name, child in (("map", "odom"), ("odom", "base_link")):
+            move(name, child, 46)
+        layers.put("/scan", MapItem("scan", "base_link", points=np.ones((3, 2))), 46.0, 46 * second)
+        assert layers.notes() == []
+
+    def test_the_page_is_told_of_an_old_transform(self) -> None:
+        path = PathWidget()
+        path.put("/tf", scene.tf("map", "odom", (0.0, 0.0, 0.0), 1.0))
+        path._layers.add_frames(
+            iter([Transform("odom", "base", -60 * 10**9, 0, (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0))]), 0.0
+        )
+        path.put("/pose", stamped("map", 1.0, 2.0, 0.0))
+        path.put("/scan", scan_in("base"))
+        path.send_newest()
+        (note,) = path.get_state()["_about"]["notes"]
+        assert re.fullmatch(r"tf odom → base is \d+ s old", note)
 
     def test_an_ellipse_turns_with_its_frame(self) -> None:
         path = PathWidget(frame="map")
@@ -724,6 +772,19 @@ class TestPlayer:
         at = player.recording.at("/odom", 8.99).sample.pose
         (odom,) = [one for one in unpack_layers(last.frame[64:]) if one.number == 0]
         assert odom.pose[:2] == at[:2]
+        player.close()
+
+    def test_a_moment_has_a_note_on_a_transform_that_is_old_by_then(self, tmp_path: Path) -> None:
+        types = {"/tf": scene.TYPES["/tf"], "/goal": "geometry_msgs/msg/PoseStamped"}
+        join = scene.plain(scene.tf("map", "odom", (1.0, 0.0, 0.0), 0.0))
+        goals = [(float(t), "/goal", scene.plain(stamped("odom", 1.0, 0.0, 0.0, t))) for t in (1, 5, 45)]
+        path = recorded.write(tmp_path / "held", types, [(0.0, "/tf", join), *goals])
+        player = played(path, "/goal")
+        view = map_of(player)
+        view.widget.frame = "map"
+        (track,) = [track for widget, track in player.tracks_of(player.recording) if widget is view.widget]
+        notes = [timed.about.get("notes") for timed in track.frames(4.0, 50.0)]
+        assert notes == [None, None, ["tf map → odom is 45 s old"]]
         player.close()
 
     def test_a_page_has_the_layers_of_its_stretch(self, drive: Path, tmp_path: Path) -> None:

@@ -21,6 +21,8 @@ from robowidgets.plotting.frame import pack
 from robowidgets.plotting.line import GrowingLine, slope
 from robowidgets.recordings import RecordingError
 
+from .recordings import recorded
+
 
 @pytest.fixture
 def plot() -> Iterator[PlotWidget]:
@@ -547,3 +549,16 @@ def test_a_player_of_fields_alone_plays_and_a_page_has_it(tmp_path: Path) -> Non
         assert page.stat().st_size < 1_000_000
         with pytest.raises(KeyError, match=r"did you mean .twist.twist.linear.x."):
             recording.show("/odom.twist.twist.linea.x")
+
+
+def test_a_topic_of_numbers_is_plotted_in_a_player_and_in_a_page(tmp_path: Path) -> None:
+    messages = [(i / 10, "/lux", {"illuminance": float(i)}) for i in range(20)]
+    folder = recorded.write(tmp_path / "x", {"/lux": "sensor_msgs/msg/Illuminance"}, messages)
+    with robowidgets.open(folder) as recording:
+        for topics in ((), ("/lux",)):
+            player = recording.show(*topics)
+            (plot,) = (view.widget for view in player.views)
+            assert plot["/lux.illuminance"][1].tolist() == [float(i) for i in range(20)]
+            assert plot.units == {"/lux.illuminance": "lx"}
+            player.close()
+        assert recording.to_html(tmp_path / "x.html", topics=["/lux"]).stat().st_size < 1_000_000

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import re
 from math import nan, pi
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -91,6 +93,23 @@ class TestTrail:
         laser.take_frames(scene.tf_of_rosbridge(("base_link", "wheel", wrong), ("odom", "laser", 0.5)))
         laser.update(Scan([1.0], 0.0, 0.1, 0.1, 9.0, stamp_ns=S, frame_id="laser"))
         assert laser.get_state()["_about"]["pose"] == [0.5, 0.0, 0.0]
+        laser.close()
+
+    def test_a_transform_that_is_old_when_the_scan_comes_has_a_note_unless_it_is_static(
+        self, monkeypatch: pytest.MonkeyPatch
+    ) -> None:
+        laser, moving = LaserWidget(trail=5), scene.tf_of_rosbridge(("odom", "base_link", 1.0))
+        monkeypatch.setattr("robowidgets.laser.trail.time", SimpleNamespace(monotonic=lambda: -60.0))
+        laser.take_static_frames(scene.tf_of_rosbridge(("base_link", "laser", 0.5)))
+        laser.take_frames(moving)
+        laser.update(Scan([1.0], 0.0, 0.1, 0.1, 9.0, frame_id="laser"))
+        about = laser.get_state()["_about"]
+        assert about["pose"] == [1.5, 0.0, 0.0]
+        assert re.fullmatch(r"tf odom → base_link is \d+ s old", *about["notes"])
+        monkeypatch.undo()
+        laser.take_frames(moving)
+        laser.update(Scan([1.0], 0.0, 0.1, 0.1, 9.0, frame_id="laser"))
+        assert "notes" not in laser.get_state()["_about"]
         laser.close()
 
     def test_in_a_player_odometry_of_the_recording_places_each_scan(self) -> None:

@@ -7,9 +7,12 @@ from dataclasses import replace
 import pytest
 
 from robowidgets import kinds
-from robowidgets._widget_choice import OnShow, choose_widgets
+from robowidgets._widget_choice import OnShow, choose_instead, choose_widgets
 from robowidgets.feeds._topics import FeedTopic
 from robowidgets.kinds import KINDS, Role, is_command
+from robowidgets.messages.channel import Channel
+from robowidgets.messages.decoding import shape_of
+from robowidgets.messages.fields import get
 
 from ..fourth_kind.number import NUMBER, added
 
@@ -131,8 +134,82 @@ def test_what_was_taken_off_is_shown_again_whether_it_was_asked_for_or_added_lat
 def test_what_is_added_to_a_screen_has_its_classes_from_the_start() -> None:
     topics = [
         FeedTopic(name, of, None, commanded=False, offered=True, wanted=None)
-        for name, of in (("/imu", "sensor_msgs/msg/Imu"), ("/fix", "sensor_msgs/msg/NavSatFix"))
+        for name, of in (("/joints", "sensor_msgs/msg/JointState"), ("/fix", "sensor_msgs/msg/NavSatFix"))
     ]
-    made = {choice.topic: choice.make() for choice in choose_widgets(topics, ["/imu", "/fix"])}
-    assert made["/imu"]._dom_classes == ("rw-added",)
+    made = {choice.topic: choice.make() for choice in choose_widgets(topics, ["/joints", "/fix"])}
+    assert made["/joints"]._dom_classes == ("rw-added",)
     assert made["/fix"]._dom_classes == ("rw-added", "rw-added-row")
+
+
+def of_types(**types: str) -> list[FeedTopic]:
+    return [FeedTopic(f"/{name}", of, None, commanded=False, offered=True, wanted=None) for name, of in types.items()]
+
+
+def chosen(topics: list[FeedTopic], *entries: str | list[str]) -> list[tuple[str, tuple[str, ...], tuple[str, ...]]]:
+    return [(choice.shown.name, choice.topics, choice.fields) for choice in choose_widgets(topics, entries)]
+
+
+IMU, NUMBER_TYPE = "sensor_msgs/msg/Imu", "std_msgs/msg/Float32"
+IMU_FIELDS = ("/imu.angular_velocity.z", "/imu.linear_acceleration.x", "/imu.linear_acceleration.y")
+
+
+class TestTopicsOfNumbers:
+    def test_have_a_plot_each_if_they_are_asked_for_by_name_and_a_tree_if_that_is_asked_for(self) -> None:
+        topics = of_types(imu=IMU, left=NUMBER_TYPE, right=NUMBER_TYPE)
+        assert chosen(topics, "/imu") == [("plot", ("/imu",), IMU_FIELDS)]
+        assert chosen(topics, "/imu as plot") == chosen(topics, "/imu")
+        assert chosen(topics, "/imu as message") == [("message", ("/imu",), ())]
+        assert chosen(topics, "/left", "/right") == [
+            ("plot", ("/left",), ("/left.data",)), ("plot", ("/right",), ("/right.data",))
+        ]  # fmt: skip
+        assert choose_widgets(topics, ["/imu"])[0].make().fields == IMU_FIELDS
+
+    def test_share_a_plot_in_a_list_and_with_no_field_that_was_asked_for_elsewhere(self) -> None:
+        topics = of_types(imu=IMU, left=NUMBER_TYPE)
+        assert chosen(topics, ["/imu", "/left"]) == [("plot", ("/imu", "/left"), (*IMU_FIELDS, "/left.data"))]
+        assert chosen(topics, "/left", "/imu.orientation.w") == [
+            ("plot", ("/imu",), ("/imu.orientation.w",)), ("plot", ("/left",), ("/left.data",))
+        ]  # fmt: skip
+        assert len(chosen(topics, "/left", "/left.data")) == 1
+
+    def test_of_many_each_has_room_in_its_plot(self) -> None:
+        topics = of_types(**{f"n{i}": NUMBER_TYPE for i in range(12)})
+        made = [choice.make() for choice in choose_widgets(topics, [topic.name for topic in topics])]
+        assert [widget.fields for widget in made] == [(f"/n{i}.data",) for i in range(12)]
+
+    def test_come_before_trees_where_no_topic_has_a_kind(self) -> None:
+        topics = of_types(joints="sensor_msgs/msg/JointState", lux="sensor_msgs/msg/Illuminance")
+        shown = choose_instead(topics, lambda _: True)
+        assert shown == ["/lux", "/joints"]
+
+    def test_have_the_widget_that_somebody_adds_for_their_type(self) -> None:
+        mine = kinds.Asked(name="mine", types=frozenset({IMU}), widget="tests.fourth_kind.asked:AnyWidget")
+        before = dict(kinds.ASKED)
+        kinds.add(mine)
+        try:
+            assert chosen(of_types(imu=IMU), "/imu") == [("mine", ("/imu",), ())]
+        finally:
+            kinds.ASKED.clear()
+            kinds.ASKED.update(before)
+
+    @pytest.mark.parametrize("type_name", sorted(kinds.PLOTTED))
+    def test_have_the_fields_that_their_definitions_have(self, type_name: str) -> None:
+        shape = shape_of(Channel(0, "", type_name, "cdr", "", 0))
+        for field in kinds.PLOTTED[type_name]:
+            assert isinstance(get(shape, field), str), field
+
+
+@pytest.mark.parametrize(
+    ("widget", "type_name"),
+    [
+        ("path", "turtlesim/msg/Pose"),
+        ("path", "gps_msgs/msg/GPSFix"),
+        ("path", "geometry_msgs/msg/PointStamped"),
+        ("path", "geometry_msgs/msg/TransformStamped"),
+        ("events", "rcl_interfaces/msg/ParameterEvent"),
+        ("events", "action_msgs/msg/GoalStatusArray"),
+        ("events", "sensor_msgs/msg/CameraInfo"),
+    ],
+)
+def test_a_topic_that_is_asked_for_by_name_has_the_picture_that_fits(widget: str, type_name: str) -> None:
+    assert [name for name, *_ in chosen(of_types(one=type_name), "/one")] == [widget]

@@ -9,7 +9,7 @@ import pytest
 
 import robowidgets
 from robowidgets import PlotWidget, feeds
-from robowidgets.feeds import Feed
+from robowidgets.feeds import Advert, Feed
 
 from ..waiting import wait_for
 from .scripted import IMU, ODOM, Scripted
@@ -110,3 +110,26 @@ def test_the_speed_of_the_simulated_robot_is_plotted_as_it_drives() -> None:
         wait_for(lambda: plot.names == (speed,) and plot[speed][1].max(initial=0.0) > 0, "it drives")
         assert plot.units == {speed: "m/s"}
         wait_for(lambda: plot.get_state()["_facts"]["error"] == "", "nothing is awaited any more")
+
+
+def test_a_topic_of_numbers_that_is_asked_for_by_name_has_a_plot_of_its_own(feed: Feed, script: Scripted) -> None:
+    view = feed.show("/imu", "/odom.twist.twist.linear.x")
+    plot = view.widgets["/imu"]
+    assert isinstance(plot, PlotWidget)
+    assert plot.fields == (TURN, "/imu.linear_acceleration.x", "/imu.linear_acceleration.y")
+    assert view.widgets["/odom"] is not plot
+    linear = SimpleNamespace(x=0.1, y=0.2)
+    turn = SimpleNamespace(z=0.3)
+    script.listener.on_message("/imu", SimpleNamespace(angular_velocity=turn, linear_acceleration=linear))
+    wait_for(lambda: len(plot.names) == 3, "its numbers have come")
+    assert [plot[name][1].tolist() for name in plot.fields] == [[0.3], [0.1], [0.2]]
+    view.arrangement = ["/imu as message"]
+    assert type(view.widgets["/imu"]).__name__ == "MessageWidget"
+    view.close()
+
+
+def test_a_plot_of_a_topic_without_usual_numbers_says_that_it_needs_a_field() -> None:
+    with Feed(Scripted(Advert("/joints", "sensor_msgs/msg/JointState"))) as feed:
+        view = feed.show("/joints as plot")
+        assert "names no field of its messages to show; name one, as &#x27;/joints.FIELD&#x27;" in view._status.value
+        view.close()

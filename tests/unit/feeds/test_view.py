@@ -123,7 +123,7 @@ def test_named_topics_get_theirs_when_they_appear_and_others_none(opened: Opened
 
 def test_a_number_in_a_message_is_plotted_when_the_page_asks_for_it(opened: Opened) -> None:
     feed, script = opened(ODOM, IMU)
-    view = feed.show("/imu")
+    view = feed.show("/imu as message")
     (message,) = view.widgets.values()
     assert isinstance(message, MessageWidget)
     assert message._plots

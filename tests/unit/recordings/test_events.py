@@ -243,3 +243,19 @@ class TestThePlayer:
         assert state["_span"] == [2.0, 4.0]
         assert player.to_html(tmp_path / "page.html", start=2, end=4).stat().st_size > 10_000
         player.close()
+
+
+def test_a_calibration_is_an_event_of_a_topic_that_is_asked_for_by_name(tmp_path: Path) -> None:
+    info = {"width": 640, "height": 480, "k": [320.0, 0, 320, 0, 320, 240, 0, 0, 1]}
+    messages = [(i / 10, "/camera_info", info) for i in range(9)]
+    types = {"/camera_info": "sensor_msgs/msg/CameraInfo", "/rosout": LOG}
+    folder = recorded.write(tmp_path / "x", types, [*messages, (1.0, "/rosout", line("hello"))])
+    with robowidgets.open(folder) as recording:
+        assert [event.text for event in recording.events()] == ["hello"], "all of its messages would be read"
+        assert len(recording.events("/camera_info")) == 1
+        player = recording.show("/camera_info")
+        try:
+            (view,) = player.views
+            assert isinstance(view.widget, EventsWidget)
+        finally:
+            player.close()

@@ -17,9 +17,9 @@ FITTING = {
     "LaserScan": "laser", "Twist": "speed", "TwistStamped": "speed", "Odometry": "speed", "Range": "sonar",
     "PoseStamped": "path", "PoseWithCovarianceStamped": "path", "PoseArray": "path", "NavSatFix": "path",
     "TFMessage": "path", "OccupancyGrid": "path", "Path": "path", "String": "events", "Log": "events",
-    "DiagnosticArray": "events", "Imu": "message", "BatteryState": "message", "JointState": "message",
+    "DiagnosticArray": "events", "Imu": "plot", "BatteryState": "message", "JointState": "message",
     "PointCloud2": "cloud", "PointCloud": "cloud", "MultiEchoLaserScan": "laser",
-    "Image": "image", "MarkerArray": "message", "Float64": "message",
+    "Image": "image", "MarkerArray": "message", "Float64": "plot",
 }  # fmt: skip
 """Short types, and the name of the widget that is the best for them."""
 

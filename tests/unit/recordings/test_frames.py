@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from robowidgets.poses.frame_tree import FrameTree, Poses
+from robowidgets.poses.live_frames import held_between, notes_on
 from robowidgets.poses.transforms import PoseNumbers, Transform, transforms_of
 from robowidgets.recording import open
 
@@ -43,6 +44,43 @@ def test_between_two_messages_a_frame_is_between_their_poses_and_beyond_them_it_
     assert at(frames, "base", "odom", 2) == pytest.approx((1, 2, pi / 4))
     assert at(frames, "base", "odom", 0) == pytest.approx((0, 0, 0))
     assert at(frames, "base", "odom", 9) == pytest.approx((2, 4, pi / 2))
+
+
+def test_between_far_turns_a_frame_turns_at_one_speed() -> None:
+    frames = FrameTree([joint("odom", "base", 0, pose(0, 0)), joint("odom", "base", 4, pose(0, 0, 0.9 * pi))])
+    assert [at(frames, "base", "odom", t)[2] for t in (1, 2, 3)] == pytest.approx([0.225 * pi, 0.45 * pi, 0.675 * pi])
+
+
+class TestAGap:
+    FRAMES = FrameTree(
+        [
+            joint("map", "odom", 0, pose(5, 0), static=True),
+            *(joint("odom", "base", t, pose(t, 0)) for t in (3, 4, 14, 60)),
+        ]
+    )
+
+    def held(self, seconds: float) -> str:
+        return "; ".join(notes_on([held_between(self.FRAMES, "base", "map", round(seconds * S), None)]))
+
+    def test_of_more_than_ten_seconds_is_not_interpolated(self) -> None:
+        assert at(self.FRAMES, "base", "odom", 9)[0] == pytest.approx(9)
+        assert at(self.FRAMES, "base", "odom", 40)[0] == 14
+        assert at(self.FRAMES, "base", "odom", 60)[0] == 60
+
+    def test_has_a_note_after_ten_seconds_and_a_static_transform_has_none(self) -> None:
+        assert [self.held(t) for t in (0, 3, 9, 14, 24, 60, 70)] == [""] * 7
+        assert self.held(40) == "tf odom → base is 26 s old"
+        assert self.held(102) == "tf odom → base is 42 s old"
+        assert held_between(self.FRAMES, "odom", "map", 900 * S, None) is None
+
+    def test_before_the_first_message_has_a_note_too(self) -> None:
+        late = FrameTree([joint("odom", "base", 30, pose(1, 0))])
+        assert held_between(late, "base", "odom", 25 * S, None) is None
+        assert notes_on([held_between(late, "odom", "base", 10 * S, None)]) == ["tf odom → base begins 20 s later"]
+
+    def test_of_several_places_has_one_note_on_the_oldest(self) -> None:
+        held = [held_between(self.FRAMES, "base", "map", t * S, None) for t in (80, 90, 85)]
+        assert notes_on([None, *held]) == ["tf odom → base is 30 s old"]
 
 
 def test_a_turn_goes_the_short_way_whatever_sign_its_quaternion_has() -> None:
