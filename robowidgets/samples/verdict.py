@@ -117,11 +117,11 @@ class _TracedScan(Scan):
 
     def nearest(self, sector: Asked = ALL_ROUND) -> Ray | None:
         """See `Scan`."""
-        return self._trace.saw(self._scan.nearest(sector))
+        return self._trace.saw(self._scan, self._scan.nearest(sector))
 
     def at(self, angle: float | str) -> Ray | None:
         """See `Scan`."""
-        return self._trace.saw(self._scan.at(angle))
+        return self._trace.saw(self._scan, self._scan.at(angle))
 
     def turned(self, angle: float | str) -> Scan:
         """See `Scan`."""
@@ -156,7 +156,7 @@ class Trace:
         self._comparisons: list[_Comparison] = []
         self._all: list[_Comparison | NumberComparison] = []
         """What was compared, distances and other numbers, in that order."""
-        self._rays: list[Ray] = []
+        self._rays: list[tuple[Scan, Ray]] = []
         self._sectors: list[tuple[Scan, Asked]] = []
         self._distances: list[_Distance] = []
         """Those that were given: as long as they are kept, no two have the same id."""
@@ -212,10 +212,10 @@ class Trace:
         self._distances.append(noted)
         return noted
 
-    def saw(self, ray: Ray | None) -> Ray | None:
+    def saw(self, scan: Scan, ray: Ray | None) -> Ray | None:
         """Note that a ray was read."""
         if ray:
-            self._rays.append(ray)
+            self._rays.append((scan, ray))
         return ray
 
     def looked(self, scan: Scan, key: Any, part: Any) -> None:
@@ -233,21 +233,29 @@ class Trace:
     def value(self, result: Any) -> bool | None:
         """What the function says by its result.
 
-        None stands for unknown. So does a result that rests on distances of which none is known: a comparison with NaN
-        is False, and neither it nor its opposite is meant.
+        None and NaN stand for unknown. So does a result that rests on distances of which none is known: a comparison
+        with NaN is False, and neither it nor its opposite is meant.
         """
         compared = self._comparisons or self._all
-        if result is None or (compared and not any(comparison.is_known for comparison in compared)):
+        if result is None or (isinstance(result, (float, np.floating)) and isnan(result)):
+            return None
+        if compared and not any(comparison.is_known for comparison in compared):
             return None
         return bool(np.any(result)) if _is_mask(result) else bool(result)
 
     def nearest(self) -> Ray | None:
-        """The ray that met the nearest thing among what was read."""
-        found = [ray for ray in self._seen if not isnan(ray.range)]
+        """Return the ray that met the nearest thing among the rays that were read."""
+        met = self.met()
+        return met[1] if met else None
+
+    def met(self) -> tuple[float, Ray] | None:
+        """Return the nearest thing among the rays that were read: its distance as in `Scan.distance`, and its ray."""
+        found = self._seen
         for scan, sector in [(c.scan, c.sector) for c in self._decisive] or self._sectors:
             if ray := Scan.nearest(scan, sector):
-                found.append(ray)
-        return min(found, key=lambda ray: ray.range, default=None)
+                found.append((scan, ray))
+        away = [(float(ray_distances(scan.ranges[[ray.index]], scan)[0]), ray) for scan, ray in found]
+        return min((one for one in away if not isnan(one[0])), key=lambda one: one[0], default=None)
 
     def verdict(self, result: Any) -> Verdict:
         """The verdict of a function that returned a result."""
@@ -291,15 +299,16 @@ class Trace:
         if self._comparisons:
             return np.flatnonzero(np.logical_or.reduce([comparison.rays() for comparison in self._decisive]))
         nearest = [Scan.nearest(scan, sector) for scan, sector in self._sectors]
-        return np.unique(np.array([ray.index for ray in (*self._seen, *nearest) if ray], np.intp))
+        seen = [ray for _, ray in self._seen]
+        return np.unique(np.array([ray.index for ray in (*seen, *nearest) if ray], np.intp))
 
     @property
-    def _seen(self) -> list[Ray]:
-        """The rays that were read."""
-        seen = [*self._rays, *(scan[index] for (_, index), scan in self._of_parts.items())]
+    def _seen(self) -> list[tuple[Scan, Ray]]:
+        """The rays that were read, each with its scan."""
+        seen = [*self._rays, *((scan, scan[index]) for (_, index), scan in self._of_parts.items())]
         if self._single:
             _, scan, key = self._single
-            seen.append(scan[int(np.arange(len(scan))[key])])
+            seen.append((scan, scan[int(np.arange(len(scan))[key])]))
         return seen
 
 

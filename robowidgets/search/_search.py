@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
+from math import pi
 from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..recordings.span import Span
-from ..samples.checks import shortest
+from ..samples.checks import ANGLE_ROUNDING, shortest
 from ._silence import mark_stale
 from ._steps import NO, Steps, spans, steps
 
@@ -79,8 +80,12 @@ class Search:
         indices: NDArray[np.integer[Any]],
         angles: NDArray[np.floating[Any]],
     ) -> None:
-        """Note the nearest things in some scans, each array of shape (N,): nanoseconds, metres, indices, radians."""
-        self._met.append((times, distances, indices, angles))
+        """Note the nearest things in some scans, each array of shape (N,): nanoseconds, metres, indices, radians.
+
+        Distances are those of `Scan.distance`, so 0 is too close to measure. Angles are kept within ±pi, as in `Ray`.
+        """
+        within = np.where(np.abs(angles) > pi + ANGLE_ROUNDING, np.arctan2(np.sin(angles), np.cos(angles)), angles)
+        self._met.append((times, distances, indices, within))
 
     def compared(
         self, by: Any, times: NDArray[np.int64], values: NDArray[np.float64], ranks: NDArray[np.float64]

@@ -208,8 +208,9 @@ class FunctionCondition(Condition):
         trace = Trace()
         try:
             value = trace.value(self._result(instant, trace))
-            if value and (ray := trace.nearest()):
-                search.met(np.array([now.time_ns]), np.array([ray.range]), np.array([ray.index]), np.array([ray.angle]))
+            if value and (met := trace.met()):
+                away, ray = met
+                search.met(np.array([now.time_ns]), np.array([away]), np.array([ray.index]), np.array([ray.angle]))
             return _code(value)
         except NoSampleYetError:
             return UNKNOWN

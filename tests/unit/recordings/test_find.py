@@ -304,6 +304,32 @@ def stands(scan: Any) -> Drive:
     return Drive(0 * len(scan))
 
 
+def test_a_condition_and_a_function_meet_the_same_distance_and_angle(tmp_path: Path) -> None:
+    """A circle from 0 to 2 pi; the thing at 300 degrees comes too close to measure: -inf, or below the limit."""
+    for near in (-np.inf, 0.05):
+        rows = [[3.0] * 300 + [0.5 if i < 5 else near] + [3.0] * 59 for i in range(10)]
+        scans = [
+            (i / 10, sweeps.scan(START_NS, row, angle_min=0.0, increment=2 * np.pi / 360)) for i, row in enumerate(rows)
+        ]
+        recording = robowidgets.open(sweeps.write(tmp_path / f"near{near}", scans))
+        for given in (
+            conditions.nearest_below(0.6),
+            lambda scan: scan.distance() < 0.6,
+            lambda scan: scan.nearest().range < 0.6,
+            lambda scan: scan.ranges[290:310].min() < 0.6,
+        ):
+            (span,) = recording.find(given)
+            assert (span.nearest, span.index) == (0.0, 300)
+            assert span.angle == pytest.approx(np.radians(-60))
+
+
+def test_a_function_that_returns_nan_is_neither_true_nor_false(tmp_path: Path) -> None:
+    scans = ((i, sweeps.scan(START_NS, [1.0])) for i in range(5))
+    recording = robowidgets.open(sweeps.write(tmp_path / "x", scans))
+    unknown = conditions.when(lambda scan: np.nan if scan else False)
+    assert (len(recording.find(unknown)), len(recording.find(~unknown))) == (0, 0)
+
+
 class TestInterrupts:
     def test_give_what_was_found_until_then(self, drive: robowidgets.Recording) -> None:
         def stopped(moment: Any) -> bool:
