@@ -292,6 +292,20 @@ def test_feedback_without_fields_is_readable(tmp_path: Path) -> None:
         assert len(list(recording.messages("/go/_action/feedback"))) == 1
 
 
+@pytest.mark.parametrize("definition", ["float32 charge\n", "float64 charge\nfloat64 volts\n"])
+def test_a_message_of_another_version_is_not_read_and_says_what_to_do(tmp_path: Path, definition: str) -> None:
+    add_definitions("MSG: my_msgs/Power\nfloat32 charge\nfloat32 volts\n")
+    message = {"charge": 0.5, "volts": 12}
+    path = recorded.write(tmp_path / "x", {"/p": "my_msgs/msg/Power"}, [(0, "/p", message)], StoragePlugin.SQLITE3)
+    recorded.forget_definitions(path)
+    add_definitions(f"MSG: my_msgs/Power\n{definition}")
+    with robowidgets.open(path) as recording:
+        assert len(recording.fields("/p")) == 0
+        assert recording.problems[0].startswith("/p: messages that cannot be shown are left out")
+        remedy = "if another version of my_msgs wrote them, add its files with robowidgets.messages.add_definitions"
+        assert any(remedy in str(problem) for problem in recording.doctor().problems)
+
+
 def test_feedback_of_another_version_of_an_action_is_not_read(tmp_path: Path) -> None:
     path = action_recording(tmp_path, DRIVING)
     add_definitions(action_package(tmp_path / "newer", GO.replace("float32 left", "float64 left")))
