@@ -36,7 +36,8 @@ def add_definitions(*sources: str | os.PathLike[str]) -> tuple[str, ...]:
 
     Args:
         *sources: folders with ``.msg`` files, such as a ROS package or a workspace, single ``.msg`` files, or texts in
-            which a line such as ``MSG: my_msgs/Status`` stands before each definition.
+            which a line such as ``MSG: my_msgs/Status`` stands before each definition. ``.action`` files define the
+            feedback of actions.
 
     Returns:
         The names of the types, such as ``my_msgs/msg/Status``.

@@ -9,12 +9,12 @@ from pathlib import Path
 from typing import Any
 
 from .decoding import Types, UnknownTypeError, complete, one_line, parsed, shape_in
-from .definitions import add, added
+from .definitions import add, added, feedback_definitions
 
 _HEAD = re.compile(r"^(?:=+\n)?MSG:[ \t]*(\w+)/(?:msg/)?(\w+)[ \t]*\n", re.MULTILINE)
 _NAME = re.compile(r"<name>\s*(\w+)\s*</name>")
 _HOW = (
-    "expected a folder with .msg files, such as that of a ROS package or workspace, one such file, "
+    "expected a folder with .msg or .action files, such as that of a ROS package or workspace, one such file, "
     "or text in which a line such as 'MSG: my_msgs/Status' stands before each definition"
 )
 
@@ -55,11 +55,16 @@ def _texts(source: str | os.PathLike[str]) -> Iterator[tuple[str, str]]:
         yield from _in_text(source)
         return
     path = Path(source).expanduser()
-    files = sorted(path.rglob("*.msg")) if path.is_dir() else [path] if path.is_file() else []
+    found = [*path.rglob("*.msg"), *path.rglob("*.action")] if path.is_dir() else [path] if path.is_file() else []
+    files = sorted(found)
     if not files:
-        raise ValueError(f"no .msg file in {str(source)!r}: {_HOW}")
+        raise ValueError(f"no .msg or .action file in {str(source)!r}: {_HOW}")
     for file in files:
-        yield f"{_package_of(file.absolute())}/msg/{file.stem}", file.read_text(encoding="utf-8", errors="replace")
+        package, text = _package_of(file.absolute()), file.read_text(encoding="utf-8", errors="replace")
+        if file.suffix == ".action":
+            yield from feedback_definitions(package, file.stem, text).items()
+        else:
+            yield f"{package}/msg/{file.stem}", text
 
 
 def _in_text(text: str) -> Iterator[tuple[str, str]]:
@@ -71,8 +76,8 @@ def _in_text(text: str) -> Iterator[tuple[str, str]]:
 
 
 def _package_of(file: Path) -> str:
-    """The name of the package of a .msg file: that in package.xml, else the folder that has its folder ``msg``."""
-    folder = file.parent.parent if file.parent.name == "msg" else file.parent
+    """Return the package of a file: the name in package.xml, else the folder above ``msg`` or ``action``."""
+    folder = file.parent.parent if file.parent.name in ("msg", "action") else file.parent
     about = folder / "package.xml"
     found = _NAME.search(about.read_text(encoding="utf-8", errors="replace")) if about.is_file() else None
     return found[1] if found else folder.name

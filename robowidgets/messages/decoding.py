@@ -51,9 +51,9 @@ class UnknownTypeError(DecodeError):
     """
 
     def __init__(self, type_name: str) -> None:
-        package, _, name = type_name.partition("/msg/")
+        found = re.fullmatch(r"(\w+)/(msg|action)/\w+", type_name)
         super().__init__(
-            f": robowidgets.messages.add_definitions(folder) takes the .msg files of {package}" if name else ""
+            f": robowidgets.messages.add_definitions(folder) takes the .{found[2]} files of {found[1]}" if found else ""
         )
         self.type_name = type_name
 

@@ -10,7 +10,7 @@ from .._core.progress import Progress
 from .._core.text import listed, many
 from ..kinds import Kind, is_standard, is_undecided, kind_of_message, kind_of_shape, kinds_of_type, load
 from ..messages.channel import Channel
-from ..messages.decoding import ENCODINGS, decoder_of, one_line, shape_of
+from ..messages.decoding import ENCODINGS, DecodeError, decoder_of, may_go_on, one_line, shape_of
 from ..messages.event import LOG_TYPES, line_level
 from ..messages.protobuf import NO_PROTOBUF, has_protobuf
 from ..messages.standard import ODOMETRY
@@ -49,6 +49,8 @@ _LEAST = 20
 _REPAIR = "robowidgets repair writes all that can be read to a file that every tool reads"
 _SILENT = "did its node or its sensor start late, or stop early?"
 _LEFT_OUT = "see what publishes them"
+_OTHER_VERSION = "if another version of {} wrote them, add its files with robowidgets.messages.add_definitions"
+"""Definitions from outside the file need not be of the version that the robot had."""
 _LEFT_OVER = "nodes of ROS ignore them, too; if a field is missing, record with the definitions that its publisher has"
 _SEVERAL = "do two sensors publish to one topic? Give each its own"
 
@@ -69,7 +71,7 @@ class Messages:
         self._shown: defaultdict[str, list[Channel]] = defaultdict(list)
         self._kinds: dict[str, tuple[Kind, str]] = {}
         """For each topic its kind, and the message type that decided it."""
-        self._left_out: dict[str, str] = {}
+        self._left_out: dict[str, Problem] = {}
         self._stopped: list[str] = []
         self._left_over: defaultdict[int, list[str]] = defaultdict(list)
         """Topics by the number of bytes that follow the last field of their messages."""
@@ -107,9 +109,8 @@ class Messages:
             (self._about_frames(), _SEVERAL),
             (self._stopped, _REPAIR),
             (left_over, _LEFT_OVER),
-            (self._left_out.values(), _LEFT_OUT),
         )
-        return tuple(Problem(line, remedy) for lines, remedy in found for line in lines)
+        return (*(Problem(line, remedy) for lines, remedy in found for line in lines), *self._left_out.values())
 
     def moments(self, topics: Collection[str], start_ns: int | None, stop_ns: int | None) -> Iterator[Moment]:
         """The samples of these topics from ``start_ns`` up to, not including, ``stop_ns``; None means no limit."""
@@ -184,7 +185,7 @@ class Messages:
             if other not in alike and other.count:
                 another = "another definition of it" if other.type == first.type else other.type
                 line = f"{topic}: the fields are those of {first.type}, messages of {another} are left out of them"
-                self._left_out.setdefault(f"{topic} as {other.type}", line)
+                self._left_out.setdefault(f"{topic} as {other.type}", Problem(line, _LEFT_OUT))
         own = {channel.id: decoders[channel.id] for channel in alike if not isinstance(decoders[channel.id], str)}
         return Fields(Store(self._source, alike, own, memory, self._note, self._stop), self.start_ns or 0)  # type: ignore[arg-type]
 
@@ -491,13 +492,16 @@ class Messages:
         return f"its messages are encoded as {channel.encoding!r}: expected {' or '.join(ENCODINGS)}"
 
     def _note(self, channel: Channel, time_ns: int, error: Exception) -> None:
-        self._note_left_out(channel.topic, time_ns, error)
+        is_other_version = isinstance(error, DecodeError) and not may_go_on(channel)
+        remedy = _OTHER_VERSION.format(channel.type.partition("/")[0]) if is_other_version else _LEFT_OUT
+        self._note_left_out(channel.topic, time_ns, error, remedy)
 
-    def _note_left_out(self, topic: str, time_ns: int, error: Exception) -> None:
+    def _note_left_out(self, topic: str, time_ns: int, error: Exception, remedy: str = _LEFT_OUT) -> None:
         if topic not in self._left_out:
-            self._left_out[topic] = (
+            self._left_out[topic] = Problem(
                 f"{topic}: messages that cannot be shown are left out, the first at "
-                f"{self._seconds(time_ns):.2f} s: {one_line(error)}"
+                f"{self._seconds(time_ns):.2f} s: {one_line(error)}",
+                remedy,
             )
 
     def _seconds(self, time_ns: int) -> float:

@@ -22,6 +22,10 @@ SAME_AS = {
 
 _NAME = re.compile(r"^\[(\w+)\]\n", re.MULTILINE)
 _TYPE = re.compile(r"(\w+)/msg/(\w+)")
+_FEEDBACK = re.compile(r"(\w+)/(?:msg/(\w+)_Feedback|action/(\w+)_FeedbackMessage)")
+_ACTION_PARTS = re.compile(r"^---[ \t]*$", re.MULTILINE)
+_OWN_TYPE = re.compile(r"^([ \t]*)([A-Z]\w*)(?=[ \t\[])", re.MULTILINE)
+"""The type of a field that is named without its package."""
 _PACKAGE = re.compile(r"[a-z]\w*")
 
 
@@ -71,17 +75,53 @@ def installed() -> str:
     return os.environ.get("AMENT_PREFIX_PATH", "")
 
 
+def feedback_definitions(package: str, action: str, text: str) -> dict[str, str]:
+    """Return the definitions of an action's feedback, and of the messages of its topic, by type name.
+
+    In ROS the feedback lies in ``action``, here in ``msg``: rosbags cannot write a definition that uses any other type.
+    It does not collide with a message, whose name has no ``_``.
+
+    Args:
+        package: the package of the action.
+        action: its name, such as ``NavigateToPose``.
+        text: the text of its ``.action`` file.
+
+    Raises:
+        ValueError: the text does not have the three parts of an action.
+    """
+    parts = _ACTION_PARTS.split(text.replace("\r", ""))
+    if len(parts) != 3:
+        raise ValueError(
+            f"{package}/action/{action}: expected a goal, a result and a feedback with a line '---' between them; "
+            f"got {len(parts)} {'part' if len(parts) == 1 else 'parts'}"
+        )
+    feedback = f"{package}/msg/{action}_Feedback"
+    return {
+        # A type without a package is a message of the package, and not of its folder of actions.
+        feedback: _OWN_TYPE.sub(rf"\1{package}/msg/\2", parts[2]),
+        f"{package}/action/{action}_FeedbackMessage": f"unique_identifier_msgs/UUID goal_id\n{feedback} feedback\n",
+    }
+
+
 def elsewhere(type_name: str) -> str:
     """The text of the definition of a type that rosbags does not know; empty if there is none.
 
     The one of a ROS 2 that is installed and sourced here comes first, then ours.
     """
-    found = _TYPE.fullmatch(type_name)
-    if found is None:
-        return ""
-    package, name = found.groups()
+    if found := _FEEDBACK.fullmatch(type_name):
+        package, name = found[1], found[2] or found[3]
+        with suppress(ValueError):  # no file, or not the text of an action
+            return feedback_definitions(package, name, _installed_text(package, "action", name))[type_name]
+    if found := _TYPE.fullmatch(type_name):
+        package, name = found.groups()
+        return _installed_text(package, "msg", name) or definitions(package).get(type_name, "")
+    return ""
+
+
+def _installed_text(package: str, kind: str, name: str) -> str:
+    """Return the text of a file of a ROS 2 that is sourced here, or an empty text if there is no such file."""
     for prefix in filter(None, installed().split(os.pathsep)):
-        file = Path(prefix) / "share" / package / "msg" / f"{name}.msg"
         with suppress(OSError):
+            file = Path(prefix) / "share" / package / kind / f"{name}.{kind}"
             return file.read_text(encoding="utf-8", errors="replace")
-    return definitions(package).get(type_name, "")
+    return ""

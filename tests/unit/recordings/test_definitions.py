@@ -11,11 +11,13 @@ from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 from rosbags.typesys.store import Typestore
 
 import robowidgets
+from robowidgets.command import main
 from robowidgets.messages import add_definitions
 from robowidgets.messages import definitions as known
 from robowidgets.messages.channel import Channel
 from robowidgets.messages.decoding import DecodeError, shape_of
 from robowidgets.messages.definitions import SAME_AS, definitions
+from robowidgets.messages.schema import Schema
 from robowidgets.messages.touch import TOUCH_TYPES
 
 from . import recorded
@@ -205,7 +207,7 @@ def test_one_that_was_added_comes_before_ours_and_before_the_standard() -> None:
 @pytest.mark.parametrize(
     ("source", "error", "says"),
     [
-        ("/nowhere/at/all", ValueError, "no .msg file in '/nowhere/at/all': expected a folder with .msg files"),
+        ("/nowhere/at/all", ValueError, "no .msg or .action file in '/nowhere/at/all': expected a folder with .msg or"),
         ("float32 charge\n", ValueError, "a line such as 'MSG: my_msgs/Status' stands before each definition"),
         ("MSG: my_msgs/Odd\nfloat32 1: %%%\n", ValueError, "my_msgs/msg/Odd cannot be understood"),
         (STATUS, ValueError, "my_msgs/msg/Part, which they use, is not known: give its .msg file, too"),
@@ -222,5 +224,130 @@ def test_what_is_no_definition_is_an_error_and_adds_none(source: str, error: typ
 
 
 def test_an_empty_folder_is_an_error(tmp_path: Path) -> None:
-    with pytest.raises(ValueError, match=r"no .msg file in"):
+    with pytest.raises(ValueError, match=r"no .msg or .action file in"):
         add_definitions(tmp_path)
+
+
+FEEDBACK_FIELDS = "uint8 DRIVING = 1\nuint8 TURNING = 2\nuint8 state\nfloat32 left\nPart[] parts\n"
+GO = f"geometry_msgs/Pose goal\n---\nbool arrived\n---\n{FEEDBACK_FIELDS}"
+FEEDBACK, STATUS_TYPE = "my_msgs/action/Go_FeedbackMessage", "action_msgs/msg/GoalStatusArray"
+
+
+def action_package(root: Path, action: str = GO) -> Path:
+    """A folder of a ROS package with an action that uses a message of the package."""
+    folder = package(root, texts=PART)
+    (folder / "action").mkdir()
+    (folder / "action" / "Go.action").write_text(action)
+    return folder
+
+
+def action_recording(folder: Path, feedback: dict[str, object], action: str = GO) -> Path:
+    """A database as ROS 2 Humble writes it, with both topics of an action that one goal was sent to."""
+    add_definitions(action_package(folder / "src", action))
+    goal = {"uuid": list(range(16))}
+    messages = [
+        (0, "/go/_action/feedback", {"goal_id": goal, "feedback": feedback}),
+        (1, "/go/_action/status", {"status_list": [{"goal_info": {"goal_id": goal}, "status": 4}]}),
+    ]
+    topics = {"/go/_action/feedback": FEEDBACK, "/go/_action/status": STATUS_TYPE}
+    return recorded.forget_definitions(recorded.write(folder / "x", topics, messages, StoragePlugin.SQLITE3))
+
+
+DRIVING = {"state": 1, "left": 0.5, "parts": [{"name": "arm"}]}
+
+
+def test_the_action_files_of_a_folder_make_feedback_readable(tmp_path: Path) -> None:
+    path = action_recording(tmp_path, DRIVING)
+    names = add_definitions(tmp_path / "src" / "my_msgs")
+    assert set(names) == {"my_msgs/msg/Part", "my_msgs/msg/Go_Feedback", FEEDBACK}
+    with robowidgets.open(path) as recording:
+        fields = recording.fields("/go/_action/feedback")
+        assert fields["feedback.left"].tolist() == [0.5]
+        assert fields["feedback.parts[0].name"].tolist() == ["arm"]
+        assert fields["goal_id.uuid"].tolist() == [list(range(16))]
+        (message,) = recording.messages("/go/_action/feedback")
+        assert message.message.feedback.state == 1
+
+
+def test_the_numbers_of_feedback_have_the_names_of_the_action_file(tmp_path: Path) -> None:
+    add_definitions(action_package(tmp_path))
+    schema = Schema(Channel(0, "", FEEDBACK, "cdr", "", 0))
+    assert schema.fields("my_msgs/msg/Go_Feedback")["state"].names == {"1": "DRIVING", "2": "TURNING"}
+
+
+def test_feedback_of_a_ros_2_that_is_sourced_is_readable(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    path = action_recording(tmp_path, DRIVING)
+    action_package(tmp_path / "opt" / "share")
+    monkeypatch.setenv("AMENT_PREFIX_PATH", f"/nowhere:{tmp_path / 'opt'}")
+    known.add({})
+    with robowidgets.open(path) as recording:
+        assert recording.fields("/go/_action/feedback")["feedback.left"].tolist() == [0.5]
+
+
+def test_feedback_without_fields_is_readable(tmp_path: Path) -> None:
+    path = action_recording(tmp_path, {}, "bool go\n---\n---\n")
+    add_definitions(tmp_path / "src" / "my_msgs")
+    with robowidgets.open(path) as recording:
+        assert recording.fields("/go/_action/feedback").names == ("goal_id.uuid",)
+        assert len(list(recording.messages("/go/_action/feedback"))) == 1
+
+
+@pytest.mark.parametrize("definition", ["float32 charge\n", "float64 charge\nfloat64 volts\n"])
+def test_a_message_of_another_version_is_not_read_and_says_what_to_do(tmp_path: Path, definition: str) -> None:
+    add_definitions("MSG: my_msgs/Power\nfloat32 charge\nfloat32 volts\n")
+    message = {"charge": 0.5, "volts": 12}
+    path = recorded.write(tmp_path / "x", {"/p": "my_msgs/msg/Power"}, [(0, "/p", message)], StoragePlugin.SQLITE3)
+    recorded.forget_definitions(path)
+    add_definitions(f"MSG: my_msgs/Power\n{definition}")
+    with robowidgets.open(path) as recording:
+        assert len(recording.fields("/p")) == 0
+        assert recording.problems[0].startswith("/p: messages that cannot be shown are left out")
+        remedy = "if another version of my_msgs wrote them, add its files with robowidgets.messages.add_definitions"
+        assert any(remedy in str(problem) for problem in recording.doctor().problems)
+
+
+def test_feedback_of_another_version_of_an_action_is_not_read(tmp_path: Path) -> None:
+    path = action_recording(tmp_path, DRIVING)
+    add_definitions(action_package(tmp_path / "newer", GO.replace("float32 left", "float64 left")))
+    with robowidgets.open(path) as recording:
+        assert "/go/_action/feedback: messages that cannot be shown are left out" in recording.info()
+
+
+def test_repair_writes_feedback_with_its_definition(tmp_path: Path) -> None:
+    path = action_recording(tmp_path, DRIVING)
+    add_definitions(tmp_path / "src" / "my_msgs")
+    output = tmp_path / "repaired.mcap"
+    assert main(["repair", str(path), "--output", str(output)]) == 0
+    known._added.clear()
+    known.add({})
+    with robowidgets.open(output) as recording:
+        assert recording.fields("/go/_action/feedback")["feedback.parts[0].name"].tolist() == ["arm"]
+
+
+def test_the_status_of_actions_is_readable_without_a_definition(tmp_path: Path) -> None:
+    with robowidgets.open(action_recording(tmp_path, DRIVING)) as recording:
+        assert recording.fields("/go/_action/status")["status_list[0].status"].tolist() == [4]
+
+
+@pytest.mark.parametrize("is_sourced", [False, True])
+def test_feedback_without_a_definition_names_the_action_files(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, is_sourced: bool
+) -> None:
+    path = action_recording(tmp_path, DRIVING)
+    if is_sourced:  # with a file that is not an action
+        action_package(tmp_path / "opt" / "share", "bool go\n")
+        monkeypatch.setenv("AMENT_PREFIX_PATH", str(tmp_path / "opt"))
+        known.add({})
+    with robowidgets.open(path) as recording:
+        assert recording.problems[0].startswith("/go/_action/feedback: no definition of its messages in the file")
+        assert recording.problems[0].endswith(
+            "robowidgets.messages.add_definitions(folder) takes the .action files of my_msgs"
+        )
+
+
+@pytest.mark.parametrize(("action", "parts"), [("bool go\n", "1 part"), (GO + "---\n", "4 parts")])
+def test_an_action_file_without_three_parts_is_an_error(tmp_path: Path, action: str, parts: str) -> None:
+    with pytest.raises(
+        ValueError, match=rf"my_msgs/action/Go: expected a goal, a result and a feedback .* got {parts}$"
+    ):
+        add_definitions(action_package(tmp_path, action))
