@@ -55,6 +55,9 @@ class NoDriveError(TypeError):
         self.result = result
 
 
+NoDriveError.__name__ = "TypeError"  # as a user reads it
+
+
 def drive_of(result: Any, before: Drive) -> Drive:
     """The speed that a step returned; None keeps the one before."""
     if result is None:

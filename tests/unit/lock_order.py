@@ -88,9 +88,14 @@ def _names() -> list[str]:
     return names
 
 
-def _noted(kind: str) -> Any:
-    def make() -> Any:
-        lock, frame = _make[kind](), sys._getframe(1)
+class _Noted:
+    """Makes locks, those of robowidgets noted. As an attribute of a class, unlike a function, it gets no self."""
+
+    def __init__(self, kind: str) -> None:
+        self._make = _make[kind]
+
+    def __call__(self) -> Any:
+        lock, frame = self._make(), sys._getframe(1)
         module = frame.f_globals.get("__name__", "")
         if not module.startswith("robowidgets"):
             return lock
@@ -100,8 +105,6 @@ def _noted(kind: str) -> Any:
         if attribute is None or owner == "_RealSignal":
             return lock  # no thread holds it
         return NotedLock(lock, f"{owner or module.rpartition('.')[2]}.{attribute[1]}")
-
-    return make
 
 
 def _owner(frame: FrameType) -> str:
@@ -123,7 +126,7 @@ def install() -> bool:
     if "robowidgets" in sys.modules:
         return False
     gc.callbacks.append(_on_collection)
-    threading.Lock, threading.RLock = _noted("Lock"), _noted("RLock")  # type: ignore[misc, assignment]
+    threading.Lock, threading.RLock = _Noted("Lock"), _Noted("RLock")  # type: ignore[misc, assignment]
     return True
 
 

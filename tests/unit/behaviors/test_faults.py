@@ -88,7 +88,7 @@ def expect_zero(kernel: Kernel, since: float) -> None:
         ("    return feed.drvie(1)", "has no attribute 'drvie'; did you mean 'drive'?"),
         ("    return 1 / 0", "failed: line 4: ZeroDivisionError: division by zero"),
         ("    raise SystemExit('out')", "failed: line 4: SystemExit: out"),
-        ("    return 0.3", "failed: NoDriveError: expected a step to return Drive(linear, angular), or None"),
+        ("    return 0.3", "failed: TypeError: expected a step to return Drive(linear, angular), or None"),
         ("    return Drive(float('nan'))", "failed: line 4: ValueError: linear: expected a finite number of m/s"),
         ("    while not over: pass", "failed: line 4: a step has not returned for half a second, and was abandoned"),
         ("    while not over: feed.drive(0.3)", "failed: line 4: a step has not returned for half a second"),

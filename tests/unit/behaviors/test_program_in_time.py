@@ -168,15 +168,17 @@ def test_time_in_which_the_process_stood_still_counts_a_tenth_of_a_second(bench:
     assert bench.program.mode == "running"
     bench.clock.advance(0.001, HUNG)
     assert bench.program.mode == "failed"
-    assert bench.heard == [(1000.0, 0.3), (4600.45, 0.0)]
+    assert bench.heard == [(1000.0, 0.3), (4600.4, 0.0)]  # zero for the standstill comes first
 
 
-def test_a_step_in_which_the_computer_slept_drives_when_it_returns(bench: Bench) -> None:
+def test_a_step_in_which_the_computer_slept_does_not_drive_when_it_returns_and_the_program_goes_on(
+    bench: Bench,
+) -> None:
     bench.drive_then_hang(lambda: Drive(0.2))
     bench.clock.stand_still(3.0, HUNG)
     bench.gate.set()
     bench.clock.settle()
-    assert bench.heard[:2] == [(1000.0, 0.3), (1003.1, 0.2)]
+    assert bench.heard == [(1000.0, 0.3), (1003.1, 0.0)]
     assert (bench.program.mode, bench.program.error) == ("running", "")
 
 

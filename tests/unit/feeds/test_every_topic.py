@@ -12,7 +12,7 @@ import foxglove
 import numpy as np
 import pytest
 
-from robowidgets import MessageWidget, feeds
+from robowidgets import MessageWidget, PlotWidget, feeds
 from robowidgets._core.sample_widget import SampleWidget
 from robowidgets._widget_choice import choose_widgets
 from robowidgets.feeds import Feed
@@ -90,6 +90,13 @@ def fitting(feed: Feed, one: Sent) -> SampleWidget:
     return widget
 
 
+def is_empty(widget: Any) -> bool:
+    """Return True if a widget shows nothing. Of two recordings the pictures are no pictures, and the widget says so."""
+    if isinstance(widget, PlotWidget):
+        return not any(len(widget[name][1]) for name in widget.names)
+    return widget._newest.sample is None and not widget._newest.about.get("error", "").startswith("the picture is")
+
+
 def assert_shown(feed: Feed, sent: Sequence[Sent], send: Callable[[int], object]) -> None:
     """Fail unless what is sent is shown by a widget that fits, and as a message that is that of rosbags."""
     wait_for(lambda: {topic.name for topic in feed.topics} >= {one.topic for one in sent}, "the topics are listed")
@@ -113,13 +120,7 @@ def assert_shown(feed: Feed, sent: Sequence[Sent], send: Callable[[int], object]
             topic, message = next(iter(left.items()))
             assert_same(as_messages[topic].message, message, topic)
             raise
-    # Of two recordings the pictures are no pictures, and the widget says so.
-    is_said = [widget._newest.about.get("error", "").startswith("the picture is") for widget in widgets]
-    empty = [
-        (type(widget).__name__, widget.title, repr(widget))
-        for widget, said in zip(widgets, is_said, strict=True)
-        if widget._newest.sample is None and not said
-    ]
+    empty = [(type(widget).__name__, widget.title, repr(widget)) for widget in widgets if is_empty(widget)]
     assert empty == []
     for widget in (*as_messages.values(), *widgets):
         widget.close()

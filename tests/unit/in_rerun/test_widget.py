@@ -118,7 +118,7 @@ def test_a_late_answer_does_not_take_the_time_back(widget: RerunWidget, viewer: 
     viewer.at(3.0)
     viewer.at(9.0)
     becomes(widget, 9.0)
-    assert seen == [1.0, 2.0, 3.0, 9.0]
+    wait_for(lambda: seen == [1.0, 2.0, 3.0, 9.0], "observers are called, which no lock waits for")
 
 
 def test_late_answers_to_a_time_that_was_sent_twice_do_not_take_the_time_back(

@@ -33,13 +33,15 @@ def first_messages(data: Path, count: int) -> list[Sent]:
         except RecordingError:
             continue  # nothing of it can be read
         for channel in source.channels:
+            if channel.encoding not in ("cdr", "ros1"):
+                continue  # a feed sends messages of ROS
             raw = [raw for _, _, raw in islice(source.messages([channel]), count)]
             try:
                 decode = decoder_of(channel)
                 messages = [decode(one) for one in raw]
             except DecodeError:
                 continue
-            if messages and channel.encoding in ("cdr", "ros1"):
+            if messages:
                 found.append(Sent(f"/r{number}/{channel.topic.lstrip('/')}", channel, raw, messages))
         source.close()
     return found
