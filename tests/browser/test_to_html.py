@@ -278,7 +278,7 @@ def test_a_page_plays_messages_of_any_type_which_unfold_there(offline: Callable[
     said = [(0.5 * i, "/wrench", {"force": {"x": 0.5 * i}}) for i in range(8)]
     folder = recorded.write(tmp_path / "drive", {"/wrench": "geometry_msgs/msg/Wrench"}, said)
     with robowidgets.open(folder) as recording:
-        page = offline(recording.to_html(tmp_path / "wrench.html"))
+        page = offline(recording.to_html(tmp_path / "wrench.html", topics=["/wrench as message"]))
     card = page.locator(".rw-message")
     force = card.locator('[data-rw-row="force.x"] .rw-message-value')
     expect(force).to_have_text("0")
