@@ -36,7 +36,11 @@ class CoalescedCall:
         if self._thread and threading.current_thread() is not threading.main_thread():
             self.later()
         else:
-            self._request(self._run)
+            self.here()
+
+    def here(self) -> None:
+        """Run the function in the calling thread, which is one of the user: marimo runs cells in own threads."""
+        self._request(self._run)
 
     def later(self) -> None:
         """Run the function in its own thread, or have the thread that is running it do so again."""

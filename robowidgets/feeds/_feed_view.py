@@ -116,7 +116,7 @@ class FeedView(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no type
             if isinstance(view, FeedView):
                 self.on_show.keep(view.on_show)
                 self.topic_list.keep(view.topic_list)
-        self.refresh()
+        self.refresh.here()
         self._connection.observe(self.refresh)
         self.refresh()  # what has changed meanwhile
 

@@ -208,8 +208,12 @@ class Notebook:
 
 
 def wait_for_drawing(page: Page) -> None:
-    """Wait until all that was asked for is drawn; a card may have to wait for others for several frames."""
-    page.evaluate("() => driver.drawn()")
+    """Wait until all that was asked for is drawn; a card may have to wait for others for several frames.
+
+    A page in a file has no driver: there two frames have to do.
+    """
+    two_frames = "new Promise((drawn) => requestAnimationFrame(() => requestAnimationFrame(drawn)))"
+    page.evaluate(f"() => window.driver?.drawn() ?? {two_frames}")
 
 
 def _plain(traceback: list[str]) -> str:

@@ -112,7 +112,9 @@ def test_a_player_plays_on_and_shows_its_moment(notebook: Open, windowing: str) 
         )
         time = now(nb)
         with robowidgets.open(robowidgets.SAMPLE) as recording:
-            scans = [m for m in recording.samples("/scan") if m.seconds < time + 0.005]
+            # By the exact time: the page shows hundredths.
+            exact = float(nb.python("print(player.time)"))
+            scans = [m for m in recording.samples("/scan") if m.seconds <= exact + 1e-6]
         nearest = nb.output(1).locator(".rw-laser .rw-nearest")
         expect(nearest).to_contain_text(f"[{scans[-1].sample.nearest().index}]")
         expect(nb.output(1).locator(".rw-scanogram-cursor")).to_contain_text(f"{time:.2f} s")
