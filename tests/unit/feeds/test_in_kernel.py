@@ -130,7 +130,11 @@ program.STEP = program.STEP._replace(late=3600.0)
 """The first traced step of a busy machine may be late, and a program that failed calls no further one."""
 
 
-@pytest.mark.parametrize("kind", HELD)
+# CPython 3.11 spins at the entry of a function in a thread that a debugger traces, in the cell that connects the widget.
+SPINS = pytest.mark.skipif(sys.version_info < (3, 12), reason="CPython 3.11 spins where a debugger traces a thread")
+
+
+@pytest.mark.parametrize("kind", ["function", "step", pytest.param("condition", marks=SPINS)])
 def test_a_breakpoint_holds_what_runners_call(own_kernel: Kernel, kind: str) -> None:
     assert own_kernel.run("patient", PATIENT)["status"] == "ok"
     break_at(own_kernel, HELD[kind], 3)
