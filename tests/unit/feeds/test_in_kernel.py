@@ -130,7 +130,7 @@ program.STEP = program.STEP._replace(late=3600.0)
 """The first traced step of a busy machine may be late, and a program that failed calls no further one."""
 
 
-# CPython 3.11 spins at the entry of a function in a thread that a debugger traces, in the cell that connects the widget.
+# CPython 3.11 spins at the entry of a function in a thread that a debugger traces: here in the cell that connects.
 SPINS = pytest.mark.skipif(sys.version_info < (3, 12), reason="CPython 3.11 spins where a debugger traces a thread")
 
 
