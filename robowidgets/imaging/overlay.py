@@ -171,7 +171,7 @@ class HasOverlay(LargeFrameWidget[Image]):
     def on_group(self) -> None:
         """See `FreezableWidget`: in a player, pictures come anew when other things lie over them."""
         super().on_group()
-        lasers = [one for one in self._group if one.sample_name == "scan"]
+        lasers = self._lasers_in_group()
         self._lasers = [str(one.title) for one in lasers]
         if self.driven_by_player:
             for widget in self._followed:
@@ -180,13 +180,17 @@ class HasOverlay(LargeFrameWidget[Image]):
                 widget.observe(self._draw_anew, _DRAWN)
             self._followed = lasers
 
+    def _lasers_in_group(self) -> list[Any]:
+        """Return the laser widgets in its group, in which a plot, for example, has no samples."""
+        return [one for one in self._group if getattr(one, "sample_name", "") == "scan"]
+
     def _draw_anew(self, _change: Any) -> None:
         self._renew_frames()
 
     @property
     def _laser(self) -> Any:
         """The laser widget in its group that shows the scans that lie over the picture; None without one."""
-        lasers = (one for one in self._group if one.sample_name == "scan")
+        lasers = self._lasers_in_group()
         return next((one for one in lasers if self._scan_topic in ("", one.title)), None)
 
     def _over_live(self, sample: Image) -> dict[str, Any]:

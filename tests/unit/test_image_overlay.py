@@ -19,6 +19,7 @@ from robowidgets import (
     ImageWidget,
     LaserWidget,
     Line,
+    PlotWidget,
     Range,
     Scan,
     SonarWidget,
@@ -324,4 +325,12 @@ def test_the_first_picture_stands_beside_a_laser_that_stands_alone_and_others_be
     screen.arrange([], [laser], [speed], images)
     assert [box.children for box in screen.children] == [(laser,), (speed,), tuple(images)]
     for widget in (laser, speed, *images, screen):
+        widget.close()
+
+
+def test_a_picture_stands_in_a_group_with_a_plot_which_has_no_samples() -> None:
+    image, laser, plot = ImageWidget(), LaserWidget(title="/scan"), PlotWidget("/imu.angular_velocity.z")
+    together(image, laser, plot)
+    assert image._lasers == ["/scan"]
+    for widget in (image, laser, plot):
         widget.close()
