@@ -181,8 +181,8 @@ class HasOverlay(LargeFrameWidget[Image]):
             self._followed = lasers
 
     def _lasers_in_group(self) -> list[Any]:
-        """Return the laser widgets in its group, in which a plot, for example, has no samples."""
-        return [one for one in self._group if getattr(one, "sample_name", "") == "scan"]
+        """Return the laser widgets in its group."""
+        return [one for one in self._group if one.sample_name == "scan"]
 
     def _draw_anew(self, _change: Any) -> None:
         self._renew_frames()

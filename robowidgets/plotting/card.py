@@ -17,6 +17,9 @@ from ..messages.fields import FieldOf
 class PlotCard(NamedWidget):
     """A plot among other widgets; see `SampleWidget` in `robowidgets._core.sample_widget`."""
 
+    sample_name = ""
+    """A plot has no samples that the other widgets of its group could use; see `RobotWidget`."""
+
     column = "wide"
     history = 0.0
     has_rate = False

@@ -26,6 +26,7 @@ from robowidgets import (
     SpeedWidget,
     together,
 )
+from robowidgets._core.freezing import freeze_together
 from robowidgets._layout import OneScreen
 from robowidgets._widget_choice import choose_widgets
 from robowidgets.camera import BesidePictures, PictureView, about_overlay, cones
@@ -330,7 +331,7 @@ def test_the_first_picture_stands_beside_a_laser_that_stands_alone_and_others_be
 
 def test_a_picture_stands_in_a_group_with_a_plot_which_has_no_samples() -> None:
     image, laser, plot = ImageWidget(), LaserWidget(title="/scan"), PlotWidget("/imu.angular_velocity.z")
-    together(image, laser, plot)
+    freeze_together([image, laser, plot])  # as a player does
     assert image._lasers == ["/scan"]
     for widget in (image, laser, plot):
         widget.close()
