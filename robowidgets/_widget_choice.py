@@ -156,7 +156,7 @@ class AskedFor(NamedTuple):
 
 
 def wish_of(name: str, known: Collection[str]) -> AskedFor:
-    """What a name asks for, among the topics there are."""
+    """The topics that a name requests, among those that exist."""
     shown, by, row = name.rpartition(AS)
     if name not in known and by and row in _rows():
         return AskedFor(*topic_and_field(shown, known), row)

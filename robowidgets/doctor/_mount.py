@@ -1,4 +1,4 @@
-"""How a scanner stands on its robot by odometry: as the robot drives and turns, walls move the other way."""
+"""The mount of a scanner by odometry: as the robot drives and turns, walls move the other way."""
 
 from __future__ import annotations
 

@@ -29,7 +29,7 @@ _BEFORE = 4
 
 
 class TransformCheck:
-    """What tf says of the frames of a robot.
+    """The frames of a robot by tf.
 
     Args:
         transforms: all of the recording, in the order of time.

@@ -92,7 +92,7 @@ class DrivenFeed(Protocol):
 
     @property
     def idle_motion(self) -> str:
-        """What moves the robot while no speeds are sent; empty if it stands still then."""
+        """The cause that moves the robot while no speeds are sent, or "" if it stands still then."""
 
 
 class DrivingWidget(NamedWidget):

@@ -131,7 +131,7 @@ class Connection(Observed):
 
     @property
     def connected(self) -> dict[str, tuple[Target, ...]]:
-        """What takes the messages of each topic, but for connected functions."""
+        """The targets of the messages of each topic, except connected functions."""
         return {topic: one.targets for topic, one in dict(self._table.by_topic).items()}
 
     def connect(self, topic: str, *targets: Any, raw: bool = False, each: bool = False) -> None:

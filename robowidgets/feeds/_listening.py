@@ -53,7 +53,7 @@ class Listened(TopicLink, Protocol):
 
     @property
     def connected(self) -> dict[str, tuple[Target, ...]]:
-        """What takes the messages of each topic, but for connected functions."""
+        """The targets of the messages of each topic, except connected functions."""
 
 
 class Heard:

@@ -36,7 +36,7 @@ class MountLink(Protocol):
 
     @property
     def connected(self) -> Mapping[str, Collection[Target]]:
-        """What takes the messages of each topic, but for connected functions."""
+        """The targets of the messages of each topic, except connected functions."""
 
     def topic_of(self, name: str) -> FeedTopic:
         """A topic as it is known now."""

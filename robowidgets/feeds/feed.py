@@ -99,7 +99,7 @@ class Feed:
 
     @property
     def idle_motion(self) -> str:
-        """What moves the robot while no speeds are sent; empty if it stands still then."""
+        """The cause that moves the robot while no speeds are sent, or "" if it stands still then."""
         return ""
 
     @property
@@ -174,7 +174,7 @@ class Feed:
         Args:
             frame_id: the coordinate frame of its scans.
             yaw: radians, or degrees as text (``"90deg"``), by which its forward is turned from the robot's,
-                counter-clockwise; None: by tf again.
+                counter-clockwise, or None to use tf again.
             upside_down: True if it stands on its head.
 
         Raises:

@@ -28,7 +28,7 @@ _START_TIMEOUT_S = 120.0
 """Seconds that a process may take to start and to import what the job needs."""
 
 _AHEAD = 256
-"""How many recordings wait at an executor of the user."""
+"""The number of recordings that wait at an executor of the user."""
 
 
 class Done(NamedTuple):

@@ -1,4 +1,4 @@
-"""How the scanner of a laser widget stands on its robot."""
+"""The mount of the scanner of a laser widget."""
 
 from __future__ import annotations
 

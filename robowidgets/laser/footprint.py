@@ -50,7 +50,7 @@ class Footprint:
     touch: Any = None
     upside_down: bool = False
     mount: Mount | None = field(init=False, default=None)
-    """How the scanner stands on the robot; None if no yaw was given."""
+    """The mount of the scanner, or None if no yaw was given."""
 
     def __post_init__(self) -> None:
         corners = tuple(_numbers("polygon", corner, "(x, y)") for corner in self.polygon)

@@ -23,7 +23,7 @@ from ..behaviors.drive import Drive
 from ..behaviors.simulation import ProgramRun
 
 OWN = ("state", "variables")
-"""What a program gets that stays in this process."""
+"""The inputs of a program that stay in this process."""
 
 _PAGE = re.compile(r"^(feeds|lessons|robot|display|\w*Widget|show)$")
 """Names whose calls show or connect something: a cell that defines answers needs none of it."""

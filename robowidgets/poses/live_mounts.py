@@ -1,4 +1,4 @@
-"""How the scanners of a running robot stand on it: by hand, else by the transforms that came."""
+"""The mounts of the scanners of a running robot: by hand, else by the transforms that came."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ class LiveMounts:
                 self._fixed = {}
 
     def put(self, frame_id: str, mount: Mount | None) -> None:
-        """Set a mount by hand; None: by tf again."""
+        """Set a mount by hand, or None to use tf again."""
         with self._lock:
             self._by_hand.pop(frame_id.lstrip("/"), None)
             if mount is not None:

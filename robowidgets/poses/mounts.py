@@ -37,7 +37,7 @@ def robot_frame(frames: Frames, frame: str) -> str:
 
 
 def scanner_mount(frames: Frames, frame_id: str, time_ns: int = 0, stamp_ns: int | None = None) -> Mount | None:
-    """How a scanner stands on its robot by tf; None if tf does not tell.
+    """Return the mount of a scanner by tf, or None if tf does not contain it.
 
     Args:
         frames: the frames of the robot.

@@ -1,4 +1,4 @@
-"""How the scanners of a recording stand on its robot."""
+"""The mounts of the scanners of a recording."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ class RecordedMounts:
         self._known: list[Transform] | None = None
 
     def put(self, frame_id: str, mount: Mount | None) -> None:
-        """Set a mount by hand; None: by tf again."""
+        """Set a mount by hand, or None to use tf again."""
         self._by_hand.pop(frame_id.lstrip("/"), None)
         if mount is not None:
             self._by_hand[frame_id.lstrip("/")] = mount

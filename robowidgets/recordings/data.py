@@ -462,7 +462,7 @@ class RecordingData:
         Args:
             frame_id: the coordinate frame of its scans.
             yaw: radians, or degrees as text (``"90deg"``), by which its forward is turned from the robot's,
-                counter-clockwise; None: by tf again.
+                counter-clockwise, or None to use tf again.
             upside_down: True if it stands on its head.
 
         Raises:

@@ -114,7 +114,7 @@ def mark_text(level: Level, source: str, text: str) -> str:
 
 
 def has_events(topic: Topic, *, by_name: bool = False) -> bool:
-    """Whether a topic tells of events; one that repeats itself only if it is asked for by name."""
+    """Return True if a topic has events; one that repeats itself only if it is asked for by name."""
     types = SAID_TYPES if by_name else SAID_TYPES - REPEATED_TYPES
     return not topic.problem and (topic.type in types or topic.widget == TOUCH.name)
 

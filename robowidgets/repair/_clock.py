@@ -65,7 +65,7 @@ def joined(parts: Iterable[Arrivals]) -> Arrivals:
 
 
 def has_clock_step(arrivals: Arrivals) -> bool:
-    """Whether the clock was set back, or far ahead, or began later than the recorder."""
+    """Return True if the clock was set back, or far ahead, or began later than the recorder."""
     return bool(_before_clock(arrivals.times).any()) or _leaps(arrivals.times) or bool(_steps_back(arrivals))
 
 

@@ -1,4 +1,4 @@
-"""How a scanner stands on its robot, as far as its angles depend on it."""
+"""The part of a scanner's pose on its robot on which its angles depend."""
 
 from __future__ import annotations
 

@@ -118,7 +118,7 @@ class Robot(Observed):
         self._pose = self._fitting(*to_pose("pose", world.start if pose is None else pose))
         self._start = world, self._pose
         self.resets = 0
-        """How often `reset` was called."""
+        """The number of calls of `reset`."""
         self._command: BodyVelocity = (0.0, 0.0, 0.0)
         self._speeds: BodyVelocity = (0.0, 0.0, 0.0)
         self._time_ns = 0

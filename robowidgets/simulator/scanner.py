@@ -133,7 +133,7 @@ class Scanner:
 
     @property
     def stands(self) -> Mount:
-        """How it stands on the robot."""
+        """Its mount on the robot."""
         return Mount.by_hand(self.mount[2], upside_down=self.upside_down)
 
     def placed(self, x: float, y: float, yaw: float) -> tuple[float, float, float]:

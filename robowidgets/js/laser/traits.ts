@@ -33,7 +33,7 @@ export interface LaserTraits extends SampleTraits {
   ray_angles: number[];
   /** Radians by which the angles are turned. */
   angle_offset: number;
-  /** Whether angles are shown as the scanner counts them. */
+  /** True if the scanner's own angles are shown. */
   own_angles: boolean;
   forward: "up" | "left" | "down" | "right";
   /** Classes whose rays are marked. */

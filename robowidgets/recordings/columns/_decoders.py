@@ -38,7 +38,7 @@ class Decoder(Protocol):
 
 
 class Mounts(Protocol):
-    """How scanners stand on their robot; see `recordings._mounts.RecordedMounts`."""
+    """The mounts of scanners; see `recordings._mounts.RecordedMounts`."""
 
     def mounted(self, scan: Scan, time_ns: int) -> Scan:
         """A scan with the angles of the robot, if its mount is known."""

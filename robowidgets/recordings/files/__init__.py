@@ -151,7 +151,7 @@ def counts_up(names: Sequence[str]) -> bool:
 
 
 def _follow_on(files: Sequence[Path]) -> bool:
-    """Whether each file that can be read has most topics of the one before, and goes on where that ends.
+    """Return True if each file that can be read has most topics of the one before, and goes on where that ends.
 
     A file lists only topics with messages in it: some part lacks those that seldom have one, another part others.
     A clock may have been set meanwhile, back or far ahead. A file that starts no later than the one before is a copy of

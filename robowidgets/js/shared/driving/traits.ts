@@ -15,7 +15,7 @@ export interface Told {
   error: string;
   cause: string;
   status: string;
-  /** What moves the robot while no speeds are sent; empty if it stands still then. */
+  /** The cause that moves the robot while no speeds are sent, or "" if it stands still then. */
   idle?: string;
   topic: string;
   /** What sends the speeds, a guard or the kernel, for a person; empty where that is not known. */
