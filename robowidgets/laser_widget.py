@@ -226,7 +226,7 @@ class LaserWidget(
             check_given("update", message, fields, _INSTEAD, _FIELDS)
             given = fields if message is None else message
             _refuse_array(unwrap(given))
-            scan = self._scan_in(given)
+            scan = self.scan_in(given)
         except (TypeError, ValueError) as error:
             self._refuse(error)
         else:
@@ -246,14 +246,18 @@ class LaserWidget(
     def frame_of(self, sample: Any) -> tuple[dict[str, Any], bytes]:
         """See `RobotWidget`: of a scan, or of a message with a cloud or a depth image."""
         try:
-            scan = self.mounted(self._scan_in(sample)).echo(self.echo).turned(self.angle_offset)
+            scan = self.mounted(self.scan_in(sample)).echo(self.echo).turned(self.angle_offset)
         except (TypeError, ValueError) as error:  # what a recording has of a cloud or an image
             return {"error": f"{error}."}, self._pack(_NO_SCAN)
         judged = self._watches.judged_on(scan if len(scan) else None)
         return about_scan(scan, self.angle_offset) | self._drawn_on(scan) | judged, self._pack(scan)
 
-    def _scan_in(self, given: Any) -> Scan:
-        """The scan that is given, or that a cloud is from above, or rows of a depth image are."""
+    def scan_in(self, given: Any) -> Scan:
+        """Return the scan that is given, or the scan of a cloud from above, or of the rows of a depth image.
+
+        Raises:
+            TypeError: no such message. ValueError: its numbers cannot be shown.
+        """
         if is_image(given):
             return self._scan_of_image(given)
         if not is_cloud(given):

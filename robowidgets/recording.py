@@ -148,8 +148,7 @@ class Recording(RecordingData):
         # Imported lazily: reading samples needs no widget.
         from .player.player import Player
 
-        again = open(self.path if self.url is None or self.path.exists() else self.url)
-        again.memory = self.memory
+        again = self.reopened()
         try:
             return Player(again, topics, scanogram, rerun, arrangement)
         except BaseException:

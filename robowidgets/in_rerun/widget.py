@@ -9,7 +9,6 @@ from collections import deque
 from collections.abc import Iterator, Sequence
 from functools import cache, partial
 from itertools import count
-from pathlib import Path
 from typing import Any
 
 import ipywidgets
@@ -69,7 +68,7 @@ class RerunWidget(ipywidgets.Box):  # type: ignore[misc]  # ipywidgets has no ty
         self._is_open = self._agrees = False
         self._clock = False
         self._next = self._sent_at = 0.0
-        self._url = server().put(f"{next(_numbers)}.rrd", partial(_pieces, recording.path, topics))
+        self._url = server().put(f"{next(_numbers)}.rrd", partial(_pieces, recording, topics))
         self._viewer = viewer(width="auto", height=HEIGHT, url=self._url)
         self._viewer._on_raw_event(self._on_event)
         super().__init__([self._viewer], **kwargs)
@@ -157,9 +156,9 @@ class RerunWidget(ipywidgets.Box):  # type: ignore[misc]  # ipywidgets has no ty
                 pacer.mark_at(self, self._sent_at + PATIENCE)
 
 
-def _pieces(path: Path, topics: Sequence[str]) -> Iterator[bytes]:
+def _pieces(shown: RecordingData, topics: Sequence[str]) -> Iterator[bytes]:
     # Without progress bars, because the page is shown already.
-    with without_bars(), RecordingData(path) as recording:
+    with without_bars(), shown.reopened() as recording:
         log = Log(recording, topics)
         stream = log.stream()
         drain = stream.binary_stream()

@@ -105,16 +105,20 @@ class MessageFrames:
             time_ns = moment and moment.time_ns
             if name not in self._before or self._before[name] != time_ns:
                 self._before[name] = time_ns
-                message = moment.message if moment else self._choice.shown.nothing
+                message = self._content(moment.message) if moment else self._choice.shown.nothing
                 with suppress(TypeError, ValueError):  # the frame of that time says so
                     self._widget.update(*([name] if self._choice.gathers else []), message)
 
+    def _content(self, message: Any) -> Any:
+        """Return what the widget shows of a message: the message itself."""
+        return message
+
     def _shown(self, seconds: float, now: Mapping[str, Moment | None]) -> TimedFrame:
         nothing = self._choice.shown.nothing
-        messages = {name: moment.sample if moment else nothing for name, moment in now.items()}
-        message = messages[self._choice.topic]
-        about, frame = self._widget.frame_of(messages if self._choice.gathers else message)
-        stamp = None if message is nothing else stamp_ns(message)
+        contents = {name: self._content(moment.sample) if moment else nothing for name, moment in now.items()}
+        newest = now[self._choice.topic]
+        about, frame = self._widget.frame_of(contents if self._choice.gathers else contents[self._choice.topic])
+        stamp = stamp_ns(newest.sample) if newest else None
         return TimedFrame(seconds, about, FRAME_HEADER.pack(0.0, nan, stamp or 0, 0.0) + frame)
 
 

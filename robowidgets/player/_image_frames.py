@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from contextlib import suppress
+from typing import Any
 
 from .._core.timed_frame import TimedFrame
 from .._widget_choice import WidgetChoice
@@ -54,4 +55,13 @@ class MadeScanFrames(MessageFrames):
         info = first_info(recording, choice.topic)
         if info is not None:
             widget.calibrate(info)
-        widget.take_mounts(recording.mounted)
+        self._laser = widget
+
+    def _content(self, message: Any) -> Any:
+        """Return the scan that is made of a message, with the angles of the robot; the message if none can be made.
+
+        The mount is that of this track's recording: a page in a file, and each thread, has one of its own.
+        """
+        with suppress(TypeError, ValueError):  # the widget says so
+            return self._recording.mounted(self._laser.scan_in(message))
+        return message

@@ -80,7 +80,7 @@ def page_of(player: PagedPlayer, wanted: Wanted, scanogram: bool | None = None) 
     if not player.views:
         raise RecordingError(f"{player.recording.path.name}: no topic for a page: no widget shows any")
     with ExitStack() as stack:
-        recording = stack.enter_context(RecordingData(player.recording.path))
+        recording = stack.enter_context(player.recording.reopened())
         start, end = _stretch(recording, wanted)
         if isinstance(wanted.every, bool) or not isinstance(wanted.every, int) or wanted.every < 1:
             raise ValueError(f"every: expected 1 for all scans, 2 for every second ..., got {wanted.every!r}")

@@ -351,7 +351,7 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
 
     @contextmanager
     def _open_tracks(self) -> Iterator[Sequence[Track]]:
-        with RecordingData(self.recording.path) as recording:
+        with self.recording.reopened() as recording:
             yield [track for _, track in self.tracks_of(recording)]
 
     def _send_ahead(self, content: dict[str, Any], buffers: list[bytes]) -> None:

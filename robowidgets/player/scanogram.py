@@ -145,7 +145,7 @@ def _put_scans(widget: ScanogramWidget, recording: RecordingData, scans: ScanSer
     file = None
     if loaded is None:
         # Opened again, so that the given recording may be closed.
-        file = RecordingData(recording.path)
+        file = recording.reopened()
         file.memory = min(CACHE_BYTES, recording.memory)
         series = file.scans(scans.topic).between(*span)
         likes = [(chunk.like, len(chunk)) for chunk in series.chunks()]

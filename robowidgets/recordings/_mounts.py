@@ -41,7 +41,8 @@ class RecordedMounts:
         self._static = [channel for channel in tf if channel.topic.rpartition("/")[2] == STATIC]
         self._moving = [channel for channel in tf if channel not in self._static]
         self._read, self._span_ns = read, span_ns
-        self._by_hand: dict[str, Mount] = {}
+        self.by_hand: dict[str, Mount] = {}
+        """The mounts that are given by hand, by frame."""
         self._found: dict[str, Mount | None] = {}
         self._trees: dict[str, Frames] = {}
         """All transforms, by the frame of a scanner that moves on its robot."""
@@ -49,15 +50,15 @@ class RecordedMounts:
 
     def put(self, frame_id: str, mount: Mount | None) -> None:
         """Set a mount by hand, or None to use tf again."""
-        self._by_hand.pop(frame_id.lstrip("/"), None)
+        self.by_hand.pop(frame_id.lstrip("/"), None)
         if mount is not None:
-            self._by_hand[frame_id.lstrip("/")] = mount
+            self.by_hand[frame_id.lstrip("/")] = mount
 
     def of(self, frame_id: str, time_ns: int | None = None, stamp_ns: int | None = None) -> Mount | None:
         """The mount of a scanner, at a time if it moves on its robot; None if neither a user nor tf tells it."""
         frame = frame_id.lstrip("/")
-        if frame in self._by_hand:
-            return self._by_hand[frame]
+        if frame in self.by_hand:
+            return self.by_hand[frame]
         if frame not in self._found:
             self._found[frame] = self._find(frame)
         if frame in self._trees and time_ns is not None:
@@ -67,7 +68,7 @@ class RecordedMounts:
     def moves(self, frame_id: str) -> bool:
         """Return True if the scanner moves on its robot. `of` has been asked before."""
         frame = frame_id.lstrip("/")
-        return frame in self._trees and frame not in self._by_hand
+        return frame in self._trees and frame not in self.by_hand
 
     def mounted(self, scan: Scan, time_ns: int | None = None) -> Scan:
         """A scan of the recording with the angles of the robot, if its mount is known."""

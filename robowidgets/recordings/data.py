@@ -457,7 +457,7 @@ class RecordingData:
     def mount(self, frame_id: str, yaw: float | str | None, *, upside_down: bool = False) -> None:
         """Say how a scanner stands on the robot, in place of tf: angles of its scans are the robot's from now on.
 
-        Columns that were taken before keep their angles.
+        Columns that were taken before keep their angles, and so do pictures on show.
 
         Args:
             frame_id: the coordinate frame of its scans.
@@ -551,6 +551,18 @@ class RecordingData:
     def info(self) -> str:
         """The table of the topics, as text."""
         return self._table().to_text()
+
+    def reopened(self) -> Self:
+        """Return the same recording, opened again, for example in another thread: with its mounts by hand and memory.
+
+        Raises:
+            RecordingError: the file does not exist any more.
+        """
+        other = type(self)(self.path if self.url is None or self.path.exists() else self.url)
+        for frame_id, mount in self._messages.mounts.by_hand.items():
+            other.mount(frame_id, mount.yaw, upside_down=mount.upside_down)
+        other.memory = self.memory
+        return other
 
     def close(self) -> None:
         """Close the file; doing it again does nothing."""

@@ -158,7 +158,7 @@ def test_a_mounted_scanner_has_a_pose_of_its_own_and_nothing_to_be_said(tmp_path
 def test_what_a_page_gets_piece_by_piece_is_the_same(drive: Read, recording: Recording, tmp_path: Path) -> None:
     entities, rows = set(), []
     names = ("recording_time", "Transform3D:translation")
-    for piece in _pieces(recording.path, ()):
+    for piece in _pieces(recording, ()):
         (tmp_path / "piece.rrd").write_bytes(piece)
         read = Read(tmp_path / "piece.rrd")
         entities |= read.entities

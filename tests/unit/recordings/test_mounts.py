@@ -15,6 +15,7 @@ from robowidgets import LaserWidget, Mount, Recording, conditions
 from robowidgets.feeds import recording as play
 from robowidgets.messages.standard import scan_message
 
+from ... import camera_drive
 from ..test_mounts import HANGING, LEFT, own_scan, tf
 from .recorded import START_NS, write
 
@@ -74,6 +75,32 @@ def test_the_player_shows_the_robots_angles_and_says_so(turned: Recording) -> No
     assert laser.distance("front") == 0.75
     about, _ = laser.frame_of(turned.at("/scan", 5.0).sample)
     assert about["mount"]["words"] == "turned 90.0° by tf"
+    player.close()
+
+
+def test_a_mount_by_hand_holds_in_what_a_player_sends_ahead_and_on_pages(turned: Recording, tmp_path: Path) -> None:
+    turned.mount("rplidar_link", "0deg")
+    player = turned.show("/scan")
+    with player._open_tracks() as (track,):
+        timed = next(track.frames(5.0, 5.0))
+    scan = player.views[0].widget._unpack(timed.frame, timed.about)
+    assert scan.distance("right") == 0.75
+    assert "words" not in timed.about.get("mount", {})
+    assert "turned 90.0" not in player.to_html(tmp_path / "page.html").read_text()
+    player.close()
+
+
+def test_a_scan_made_of_a_depth_image_needs_no_recording_of_another_thread(tmp_path: Path) -> None:
+    """What a thread opened to send frames ahead is closed again: the widget does not read from it."""
+    recording = robowidgets.open(camera_drive.write(tmp_path / "drive"))
+    player = recording.show("/camera/depth/image_rect_raw as scan")
+    with player._open_tracks():
+        pass
+    (view,) = player.views
+    now = next(view.track.frames(0.5, 0.5))
+    player.seek(1.0)
+    assert "error" not in now.about
+    assert len(view.widget.scan) == 320
     player.close()
 
 
