@@ -114,19 +114,21 @@ def _python(name: str, path: Path) -> Iterator[Text]:
             if isinstance(one, ast.Expr) and isinstance(one.value, ast.Constant) and isinstance(one.value.value, str):
                 docstrings.add(one.value)
                 yield Text(name, one.lineno, one.value.value, is_docstring=True)
-        if isinstance(node, ast.Constant) and isinstance(node.value, str) and node not in docstrings:
-            if node.value.count(" ") >= 2:
-                yield Text(name, node.lineno, node.value)
+        is_text = isinstance(node, ast.Constant) and isinstance(node.value, str) and node not in docstrings
+        if is_text and node.value.count(" ") >= 2:
+            yield Text(name, node.lineno, node.value)
     with tokenize.open(path) as file:
         for token in tokenize.generate_tokens(file.readline):
             if token.type == tokenize.COMMENT:
                 yield Text(name, token.start[0], token.string)
 
 
+_IN_SCRIPT = re.compile(r"""/\*\*?(.*?)\*/|(?<![:"'`\w])//([^\n]*)|["'`]([^"'`\n]* [^"'`\n]* [^"'`\n]*)["'`]""", re.S)
+"""Comments and texts of several words."""
+
+
 def _script(name: str, code: str) -> Iterator[Text]:
-    for match in re.finditer(
-        r"/\*\*?(.*?)\*/|(?<![:\"'`\w])//([^\n]*)|[\"'`]([^\"'`\n]* [^\"'`\n]* [^\"'`\n]*)[\"'`]", code, re.S
-    ):
+    for match in _IN_SCRIPT.finditer(code):
         text = next(group for group in match.groups() if group is not None)
         text = re.sub(r"^\s*\* ?", lambda found: " " * len(found[0]), text, flags=re.M) if match[1] else text
         is_docstring = match[1] is not None
