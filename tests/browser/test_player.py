@@ -242,7 +242,7 @@ def test_a_command_alone_is_not_shown_as_measured(plain_page: Open, tmp_path: Pa
     shoot(speed, "player-command-alone")
     nb.theme("dark")
     nb.python("player.views[1].widget.linear_limits = 0.5")
-    expect(speed.locator(".rw-summary")).to_have_text("linear.x over the limit of 0.5")
+    expect(speed.locator(".rw-summary")).to_have_text("x over the limit of 0.5")
     shoot(speed, "player-command-alone-over")
 
 

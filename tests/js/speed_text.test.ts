@@ -159,7 +159,7 @@ test("a positive speed goes the way REP-103 says", () => {
 
 test("one line says what is past its limits", () => {
   assert.equal(summary([0.5, 0, 0, 0, 0, 0]), "within limits");
-  assert.equal(summary([1.5, 0, 0, 0, 0, -2]), "linear.x over the limit of 1, yaw over the limit of 1");
+  assert.equal(summary([1.5, 0, 0, 0, 0, -2]), "x over the limit of 1, yaw over the limit of 1");
   assert.equal(summary([1.5, 2, 0, 0, 0, -2]), "3 past their limits");
   assert.equal(summary(NONE), "");
   assert.equal(summarize([], []), "");
@@ -198,8 +198,8 @@ test("the fastest speed counts commands and peaks of the axes on show, and never
 });
 
 test("an axis that is not shown but moves or passes its limit is named", () => {
-  assert.equal(summary([0, 0, 0.25, 0.001, NaN, 0], true), "within limits · not shown: linear.z 0.25");
-  assert.equal(summary([0, 0, 1.5, 0, 0, 0], true), "linear.z over the limit of 1 · not shown: linear.z 1.50");
+  assert.equal(summary([0, 0, 0.25, 0.001, NaN, 0], true), "within limits · not shown: z 0.25");
+  assert.equal(summary([0, 0, 1.5, 0, 0, 0], true), "z over the limit of 1 · not shown: z 1.50");
 });
 
 test("planar shows linear x and y and angular z, on scales of their limits alone", () => {

@@ -11,6 +11,7 @@ import {
   tellBeside,
   toDuration,
   toLabels,
+  toShared,
 } from "../../robowidgets/js/touch/text.ts";
 
 const LEFT: Sensor = { name: "left", state: "free", touches: 3, seconds: 2 };
@@ -193,4 +194,14 @@ test("a page that opens on a frozen picture keeps its times", () => {
   stream.set({ arrived: 9000 });
   time.now = 9900;
   assert.equal(clock.elapsed, null);
+});
+
+test("the words that more than four names share are shown once", () => {
+  const names = Array.from({ length: 14 }, (_, i) => `robot::base::bumper_${i}_contact`);
+  assert.equal(toShared(names, toLabels(names, {})), "robot::base::bumper_\u2026_contact");
+  assert.equal(toShared(names.slice(0, 4), toLabels(names.slice(0, 4), {})), "", "a few names are short enough");
+  const given = toLabels(names, { [names[3] as string]: "Nose" });
+  assert.equal(toShared(names, given), "", "a label that is given");
+  const plain = ["left", "center", "right", "front", "back"];
+  assert.equal(toShared(plain, toLabels(plain, {})), "");
 });

@@ -1,4 +1,4 @@
-import { make, makeSvg, setHidden, setText } from "../shared/dom.ts";
+import { make, makeSvg, setHidden, setName, setText } from "../shared/dom.ts";
 import { on } from "../shared/events.ts";
 import { toFixed } from "../shared/format.ts";
 import { type Entry, type Group, toDigits } from "./groups.ts";
@@ -129,7 +129,9 @@ export class Legend {
     button.ariaLabel = name;
     button.ariaPressed = String(left !== "off");
     const field = fieldOf(name);
-    button.append(make("b", "", label), make("span", "rw-index", field === label ? "" : field));
+    const shown = make("b", "");
+    setName(shown, label);
+    button.append(shown, make("span", "rw-index", field === label ? "" : field));
     title.append(button);
     on(button, "click", () => this.#gestures.onSwitch(name), this.#signal);
     on(line, "pointerenter", () => this.#gestures.onPoint(left ? null : name), this.#signal);

@@ -1,5 +1,5 @@
 import { type Surface, sizeOf, watchSize } from "./canvas.ts";
-import { make, mount, set, setHidden, setText } from "./dom.ts";
+import { make, mount, set, setHidden, setName, setText } from "./dom.ts";
 import { onAbort } from "./events.ts";
 import { keepKeys } from "./keys.ts";
 import { LaidOut } from "./laid_out.ts";
@@ -126,7 +126,7 @@ export class Card {
     setHidden(this.header, !this.#model.get("header"));
     setHidden(this.footer, !this.#model.get("footer"));
     const title = this.#model.get("title");
-    setText(this.#title, title);
+    setName(this.#title, title);
     set(this.root, "ariaLabel", `${this.#kind} ${title}`.trim());
     this.#notice.update(lines, problems, kind);
   }

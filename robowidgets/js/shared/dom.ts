@@ -23,6 +23,19 @@ export function setText(element: HTMLElement, text: string): void {
   else element.textContent = text;
 }
 
+/** Characters at the end of a name that stay if there is no room for the whole of it. */
+const NAME_END = 10;
+
+/** Sets a name that loses its middle if there is no room for it: names that are alike differ at their ends. */
+export function setName(element: HTMLElement, name: string): void {
+  if (element.textContent === name) return;
+  element.classList.add("rw-name");
+  element.replaceChildren(
+    make("span", "rw-name-start", name.slice(0, -NAME_END)),
+    make("span", "rw-name-end", name.slice(-NAME_END)),
+  );
+}
+
 /** Sets what becomes an attribute, and leaves the page alone when it is so: setting the same has styles computed anew. */
 export function set<T, K extends keyof T>(holder: T, name: K, value: T[K]): void {
   if (holder[name] !== value) holder[name] = value;

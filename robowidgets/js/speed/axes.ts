@@ -73,7 +73,7 @@ export function isShown(axis: Axis, planar: boolean): boolean {
   return axis.planar || !planar;
 }
 
-/** What an axis is called in a sentence: "linear.x", "yaw". */
-export function toLabel({ name, word }: Axis): string {
-  return word || name;
+/** The name of an axis on the picture and in sentences: "x", "yaw". */
+export function toLabel({ letter, word }: Axis): string {
+  return word || letter;
 }

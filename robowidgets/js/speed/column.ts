@@ -1,5 +1,5 @@
 import { make, setHidden, setText } from "../shared/dom.ts";
-import type { Axis } from "./axes.ts";
+import { type Axis, toLabel } from "./axes.ts";
 import type { AxisFacts } from "./facts.ts";
 import { judge, type State } from "./limits.ts";
 import { isOff, toHeight, toHeightOnTrack } from "./scale.ts";
@@ -25,7 +25,7 @@ export class Column {
   constructor(axis: Axis) {
     this.axis = axis;
     this.root.dataset.axis = String(axis.index);
-    const name = make("div", "rw-axis-name", axis.word || axis.letter);
+    const name = make("div", "rw-axis-name", toLabel(axis));
     this.track.append(this.#bar, ...this.#peaks, ...this.#limits);
     const lane = make("div", "rw-lane");
     lane.append(this.track, make("div", "rw-zero"), this.#tick, ...this.#labels);

@@ -1,5 +1,6 @@
 import type { Speeds } from "../shared/frames/speeds.ts";
 import { type Point, type TimeLine, toRuns } from "../shared/time_lines.ts";
+import { toLabel } from "./axes.ts";
 import type { GroupFacts } from "./facts.ts";
 import { judge } from "./limits.ts";
 import type { Limits } from "./traits.ts";
@@ -22,7 +23,7 @@ export function toTimeLines(samples: Timed[], groups: GroupFacts[], seconds: num
       const { axis, scale, limits, decimals } = facts;
       return {
         name: axis.name,
-        label: axis.word || axis.letter,
+        label: toLabel(axis),
         ...{ low: scale.low, high: scale.high, showsEnds: false, decimals, limits: limits ?? [], color: "pointer" },
         ...{ measured, commanded: of("commanded"), over: spansOver(measured, limits) },
       };

@@ -27,10 +27,13 @@ export class Footer {
     element.append(list, this.#beside, this.#touches);
   }
 
-  /** @param all also those that are not among the sensors on show */
-  update(sensors: Sensor[], all: Sensor[]): void {
+  /**
+   * @param all also the sensors that are not on show
+   * @param shared the words that the names of the sensors share
+   */
+  update(sensors: Sensor[], all: Sensor[], shared: string): void {
     const { counts, touches } = summarize(sensors);
-    const beside = tellBeside(all, sensors);
+    const beside = tellBeside(all, sensors) || shared;
     setText(this.#beside, beside);
     setTip(this.#beside, beside);
     for (const [state, element] of this.#counts) setText(element, toCount(counts[state]));

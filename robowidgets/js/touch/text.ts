@@ -1,6 +1,9 @@
 import { toCount, toFixed } from "../shared/format.ts";
 import type { Sensor, TouchState } from "../shared/frames/touch.ts";
 
+/** From more sensors on, the words that their names share are shown. */
+const MANY = 4;
+
 const MODES: Record<string, string> = { event: "events", level: "level", presence: "presence" };
 
 /** How a source speaks, for the header. */
@@ -63,6 +66,15 @@ const WORDS = /[^_\-\s./:]*(?:[_\-\s./:]+|$)/g;
 export function toLabels(names: string[], given: Record<string, string>): string[] {
   const labels = withoutShared(lastParts(names));
   return names.map((name, i) => given[name] ?? (labels[i] as string));
+}
+
+/** The words that many names share, to be shown once: "robot::base::bumper_…"; empty if labels do not end like names. */
+export function toShared(names: string[], labels: string[]): string {
+  const [name = "", label = ""] = [names[0], labels[0]];
+  const start = name.slice(0, name.lastIndexOf(label));
+  const end = name.slice(start.length + label.length);
+  const isShared = names.every((other, i) => other === start + labels[i] + end);
+  return names.length > MANY && isShared && start + end ? `${start}\u2026${end}` : "";
 }
 
 /** What is left of names without the words that all start or end with: at least one word of each. */

@@ -13,7 +13,7 @@ import type { Clock } from "./clock.ts";
 import { Footer } from "./footer.ts";
 import { GAP, layRows } from "./rows.ts";
 import { select } from "./select.ts";
-import { modeWord, toLabels } from "./text.ts";
+import { modeWord, toLabels, toShared } from "./text.ts";
 import { Tile } from "./tile.ts";
 import type { TouchTraits } from "./traits.ts";
 
@@ -70,12 +70,14 @@ export class TouchView {
     const all = touch?.sensors ?? [];
     const sensors = select(all, this.#model.get("sensors"));
     const { dialect = "", mode, still = false } = this.#stream.about as TouchAbout;
+    const names = sensors.map(({ name }) => name);
+    const labels = toLabels(names, this.#model.get("labels"));
     this.#card.update([dialect, modeWord(mode)], "states", mode !== "event");
-    this.#footer.update(sensors, all);
+    this.#footer.update(sensors, all, toShared(names, labels));
     setHidden(this.#empty, sensors.length > 0);
     setText(this.#empty, this.#card.waiting("touch message"));
     this.#lay(sensors);
-    this.#say(sensors, still ? 0 : this.#clock.elapsed, this.#clock.runs && !still);
+    this.#say(sensors, labels, still ? 0 : this.#clock.elapsed, this.#clock.runs && !still);
   }
 
   /** Height for rectangles where they have to fit into the picture; else the picture is as high as they are. */
@@ -142,12 +144,8 @@ export class TouchView {
   }
 
   /** Says what is known of each sensor, and again while a touch lasts. */
-  #say(sensors: Sensor[], elapsed: number | null, runs: boolean): void {
+  #say(sensors: Sensor[], labels: string[], elapsed: number | null, runs: boolean): void {
     clearTimeout(this.#tick);
-    const labels = toLabels(
-      sensors.map(({ name }) => name),
-      this.#model.get("labels"),
-    );
     sensors.forEach((sensor, i) => {
       this.#tiles.get(sensor.name)?.update(sensor, labels[i] ?? sensor.name, elapsed);
     });
