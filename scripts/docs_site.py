@@ -37,9 +37,9 @@ NOT_IN_BROWSER = {
     "hosts",
     "many_recordings",
     "rerun",
-    "robots_in_class",
     "share",
     "stopping",
+    "teach",
     "wires",
 }
 """Pages whose snippets want a robot, processes, or what a browser has not: without "Try it"."""

@@ -1,6 +1,6 @@
 """A study that measures whether the widgets help: tasks with and without them, times, right answers, TLX and SUS.
 
-`Study` holds the steps and writes them down; `Study.show` puts them on the page. See docs/study.md.
+`Study` holds the steps and writes them down; `Study.show` puts them on the page. See docs/teach.md.
 """
 
 from __future__ import annotations

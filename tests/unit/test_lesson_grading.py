@@ -171,7 +171,7 @@ def can_be_nobody() -> str:
 
 def recipe() -> list[str]:
     """The command that the documentation gives for Linux, as root has it."""
-    line = next(line for line in (ROOT / "docs" / "grading.md").read_text("utf-8").splitlines() if "unshare" in line)
+    line = next(line for line in (ROOT / "docs" / "teach.md").read_text("utf-8").splitlines() if "unshare" in line)
     return line.removeprefix("sudo ").split()
 
 
