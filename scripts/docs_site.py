@@ -25,8 +25,13 @@ STATIC = ROOT / "robowidgets" / "static"
 SECONDS = 300
 """A page whose blocks take longer fails."""
 
-OTHER_PAGES = {ROOT / "CHANGELOG.md": "changelog.md", ROOT / "CONTRIBUTING.md": "contributing.md"}
-"""Pages of the site that are not in the folder of the documentation."""
+OTHER_PAGES = {
+    ROOT / "README.md": "index.md",
+    ROOT / "docs" / "README.md": "how_do_i.md",
+    ROOT / "CHANGELOG.md": "changelog.md",
+    ROOT / "CONTRIBUTING.md": "contributing.md",
+}
+"""Pages of the site with another name than in the repository."""
 
 NEEDS_KERNEL = {"drive_widget", "player_widget", "program_widget", "sheet_widget", "stop_widget", "topics_widget"}
 """Widgets that Python must answer: their pictures stay, as those of widgets that have no script of their own."""
@@ -154,13 +159,14 @@ def with_widgets(text: str, shows: dict[int, str], up: str, notebook: str) -> st
     return "".join([*parts, text[at:]])
 
 
-def in_both_schemes(text: str, folder: Path) -> str:
+def in_both_schemes(text: str, source: Path, page: Path) -> str:
     """A page's pictures, light or dark as the reader chose on the site, loaded when they are near."""
+    above = (ROOT / "docs" / page).parent
 
     def both(match: re.Match[str]) -> str:
-        alt, src = match[1] or match[4] or "", match[2] or match[3]
+        alt, src = match[1] or match[4] or "", os.path.relpath(source.parent / (match[2] or match[3]), above)
         dark = src.replace("-light.", "-dark.")
-        there = dark != src and (folder / dark).exists()
+        there = dark != src and (above / dark).exists()
         shown = [(src, "#only-light"), (dark, "#only-dark")] if there else [(src, "")]
         return "".join(f'<img loading="lazy" alt="{alt}" src="{name}{only}">' for name, only in shown)
 
@@ -207,11 +213,11 @@ def api_pages() -> Iterator[tuple[str, str]]:
 
 def write_sources(to: Path, only: list[str], lite: bool) -> None:
     """Write what the generator reads: Markdown, pictures, scripts, and the states of widgets."""
-    docs, live, tries = to / "docs", to / "docs" / "live", to / "try"
-    shutil.copytree(ROOT / "docs", docs)
+    docs_of, docs, live, tries = ROOT / "docs", to / "docs", to / "docs" / "live", to / "try"
+    shutil.copytree(docs_of, docs, ignore=lambda folder, _: ["README.md"] if Path(folder) == docs_of else [])
     for folder in (live, tries):
         folder.mkdir()
-    pages = {path: path.relative_to(ROOT / "docs") for path in sorted(ROOT.glob("docs/**/*.md"))}
+    pages = {path: path.relative_to(docs_of) for path in sorted(docs_of.glob("**/*.md")) if path not in OTHER_PAGES}
     asked = [source for source in pages if not only or source.stem in only]
     with ThreadPoolExecutor(os.cpu_count()) as pool:
         shows = dict(zip(asked, pool.map(lambda source: run_blocks(source, live), asked), strict=True))
@@ -224,9 +230,8 @@ def write_sources(to: Path, only: list[str], lite: bool) -> None:
         text = within_site(text, source, page)
         if lite:
             text = _NOTEBOOK.sub(rf'<a href="{up}{OPEN}\1"><code>notebooks/\1</code></a>', text)
-        text = in_both_schemes(with_widgets(text, shows.get(source, {}), up, notebook), source.parent)
+        text = in_both_schemes(with_widgets(text, shows.get(source, {}), up, notebook), source, page)
         (docs / page).write_text(text, encoding="utf-8")
-    (docs / "README.md").rename(docs / "index.md")
     (docs / "api").mkdir()
     for name, text in api_pages():
         (docs / "api" / f"{name}.md").write_text(text, encoding="utf-8")

@@ -37,7 +37,17 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The folder of the site, whose pages on the laser have run."""
     folder = tmp_path_factory.mktemp("site") / "built"
     subprocess.run(
-        [sys.executable, ROOT / "scripts" / "docs_site.py", folder, "--lite", "--only", "laser", "laser_layers"],
+        [
+            sys.executable,
+            ROOT / "scripts" / "docs_site.py",
+            folder,
+            "--lite",
+            "--only",
+            "laser",
+            "laser_layers",
+            "camera",
+            "cloud",
+        ],
         check=True,
     )
     return folder
@@ -119,15 +129,37 @@ def test_a_page_of_the_site_has_live_widgets_and_asks_no_other_host(
 
     page.locator("a", has_text="Layers").first.click()
     expect(page.locator("h1")).to_contain_text("Layers on a scan")
-    for place in page.locator("[data-rw-live]").all():
-        place.scroll_into_view_if_needed()
-        expect(place.locator(".rw-card").first).to_be_visible()
-        # Nothing is live that waits for what never comes.
-        expect(place.get_by_text("waiting for").filter(visible=True)).to_have_count(0)
+    look_at_widgets(page)
+    for name in ("camera", "cloud"):
+        page.goto(f"{site}/{name}.html")
+        look_at_widgets(page)
     page.locator(".md-search__button:visible").click()
     page.get_by_role("combobox", name="Search").fill("footprint")
     expect(page.get_by_text("The robot to scale", exact=True).filter(visible=True).last).to_be_visible()
     assert console.errors == []
+
+
+def test_the_site_opens_with_what_it_is_and_how_to_install_it(site: str, browser: Browser) -> None:
+    page = browser.new_page(viewport={"width": 1280, "height": 900})
+    console = Console(page)
+    page.goto(f"{site}/")
+    expect(page.locator("h1")).to_contain_text("robowidgets")
+    film = page.locator('img[src*="drag-to-code"]').first
+    assert film.evaluate("image => image.decode().then(() => image.naturalWidth)") > 0
+    expect(page.get_by_text("git clone").first).to_be_visible()
+    page.get_by_role("link", name="How do I ...?").first.click()
+    expect(page.locator("h1")).to_contain_text("How do I ...")
+    assert console.errors == []
+
+
+def look_at_widgets(page: Page) -> None:
+    """Scroll to each live widget of a page: it is drawn, and none waits for what never comes."""
+    places = page.locator("[data-rw-live]").all()
+    assert places
+    for place in places:
+        place.scroll_into_view_if_needed()
+        expect(place.locator(".rw-card").first).to_be_visible()
+        expect(place.get_by_text("waiting for").filter(visible=True)).to_have_count(0)
 
 
 def point_at_a_ray(page: Page) -> None:
