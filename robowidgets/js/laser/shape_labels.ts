@@ -14,7 +14,7 @@ interface ShapeLabel {
 
 const ROBOT = 10;
 
-/** The words of shapes, each in a place of its own. They keep their places as long as these are free. */
+/** The words of shapes at separate places. They keep their places as long as these are free. */
 export class ShapeLabels {
   #before = new Map<string, number>();
 
@@ -31,7 +31,7 @@ export class ShapeLabels {
     }
   }
 
-  /** A place for all lines, or without one for the name alone. */
+  /** A place for all lines, or, without one, for the name alone. */
   #place(
     context: CanvasRenderingContext2D,
     stage: Stage,
