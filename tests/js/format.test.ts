@@ -16,7 +16,7 @@ test("a minus is a real minus, and zero has none", () => {
   assert.equal(toFixed(-0.006, 2), "\u22120.01");
 });
 
-test("ordinal numbers are those of English", () => {
+test("ordinal numbers have English endings", () => {
   assert.deepEqual([1, 2, 3, 11, 22, 97].map(toOrdinal), ["1st", "2nd", "3rd", "11th", "22nd", "97th"]);
 });
 

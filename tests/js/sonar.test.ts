@@ -103,7 +103,7 @@ test("a sensor is silent after its own time, while others go on; without a rate 
   assert.equal(conesOf(sonars)[4]?.hasCome, false);
 });
 
-test("the picture reaches as far as the sensors, else as far as their readings so far", () => {
+test("the picture has the range of the sensors, or without one fits their readings so far", () => {
   const limited = conesOf([sonarOf(1), sonarOf(2, { maxRange: 3 })], { poses: { sonar_0: [0.3, 0.4, 0] } });
   assert.equal(reachOf(limited), 5.5);
   assert.equal(resolveRange(null, limited, 9), 5.5);

@@ -39,7 +39,7 @@ export class Dots {
    * Draws points to scale.
    *
    * @param colors a pixel for each point
-   * @param behind 1 for each point that lies under all others, such as the unselected points; null if none does
+   * @param behind 1 for each point that lies under all others, such as the unselected points; null without such points
    */
   place(cloud: Cloud, projection: Projection, colors: Uint32Array, behind: Uint8Array | null): void {
     const { axes, box, look, scale } = projection;

@@ -24,11 +24,11 @@ export interface ChipTexts {
 interface ChipActions {
   toCode(form: Form): string;
   say(words: string[]): void;
-  /** Returns what is wrong with the name, or "". */
+  /** Returns an error text, or "". */
   onName(name: string): string;
   onRemove(): void;
   onClose(): void;
-  /** Returns what is wrong with the text, or "". */
+  /** Returns an error text, or "". */
   onType(text: string): string;
 }
 

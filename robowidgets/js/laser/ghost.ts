@@ -42,7 +42,7 @@ export class Ghost {
     const { title } = this.#other;
     if (title !== null) return title || "the other one";
     const [shown, { scan }] = [this.#stream.shown, this];
-    // In a player there is no history, and scans arrive when they are read. A scan that Python chose has no number.
+    // A player has no history, and scans arrive when they are read. A scan that Python chose has no number.
     if (!this.#model.get("history") || !shown?.sequence || !scan?.sequence) return "pinned";
     const ms = 1000 * (shown.arrived - scan.arrived);
     return ms < 0 ? `${toAge(-ms)} later` : `${toAge(ms)} ago`;

@@ -12,7 +12,7 @@ import type { LaserTraits } from "./traits.ts";
 /** Depths of the lower canvas, from the ground up. It is painted again only when something in it changes. */
 export const LOWER = ["area", "free", "fills", "guides"] as const;
 
-/** Depths of the upper canvas, above those of the lower one. It is painted with each scan. */
+/** Depths of the upper canvas, above the depths of the lower one. It is painted with each scan. */
 export const UPPER = [
   "ghost",
   "edges",
@@ -39,7 +39,7 @@ export interface Stage {
   size: Surface;
   /** The part of the picture that is free for drawing. */
   box: Box;
-  /** Parts of the picture that readings cover. A layer adds to it what labels must not cover. */
+  /** Parts of the picture that readings cover. A layer adds its parts that labels must not cover. */
   occupied: Occupancy;
   /** Boxes of labels. A layer adds its boxes. */
   labels: Box[];
@@ -102,7 +102,7 @@ export interface Stops {
 }
 
 /**
- * A part of the picture with what belongs to it: drawing, elements, gestures. No layer knows another.
+ * A part of the picture with its drawing, elements and gestures. No layer knows another.
  *
  * An unused layer has no painters, no elements, and takes no gestures.
  */
@@ -121,7 +121,7 @@ export interface Layer {
   rim?(sweep: Sweep, forward: number, theme: Theme): Rim[];
   /** Boxes of its elements at their places since the last drawing: labels and names give way to them. */
   covers?(): Box[];
-  /** Brings its elements up to date after the drawing. Layers at the end of the list come first. */
+  /** Updates its elements after the drawing. Layers at the end of the list come first. */
   place?(stage: Stage): void;
 
   // Gestures are offered to layers from the end of the list, until one takes them.

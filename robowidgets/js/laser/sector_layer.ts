@@ -181,7 +181,7 @@ export class SectorLayer implements Layer {
     return this.#edge;
   }
 
-  /** Chooses an edge for the arrow keys; makes a sector if none is picked. */
+  /** Chooses an edge for the arrow keys; makes a sector if there is not a picked one. */
   chooseEdge(edge: Edge): void {
     const scan = this.#host.stream.shown;
     if (!scan || scan.count < 2) return;

@@ -47,7 +47,7 @@ export class ShapeLabels {
       const width = Math.max(...shown.map((line, i) => widthOf(context, line, i, theme)));
       const box = (place: number) => boxAt(path, width, LINE * count, place, shape.kind === "text");
       for (let place = -1; place < PLACES; place++) {
-        // First where it stood before.
+        // First its previous place.
         const at = place < 0 ? before : place;
         const tried = at === undefined ? null : box(at);
         if (tried && free(tried)) return { box: tried, place: at as number, lines: shown };

@@ -12,7 +12,7 @@ export interface Step extends Frame {
   states: Record<string, [name: string, entered: number]>;
   /** The values of events in this step; null for unknown. */
   judged: [machine: string, event: string, value: boolean | null, text: string][];
-  /** Durations of time-outs, also of those that a variable sets. */
+  /** Durations of time-outs, including durations that a variable sets. */
   seconds: [machine: string, after: string, seconds: number][];
 }
 

@@ -32,7 +32,7 @@ export interface Node {
   count?: number;
   /** The parts of it that were sent. */
   children?: Node[];
-  /** Number of fields in it if none was sent. */
+  /** Number of fields in it that were not sent, if all are missing. */
   folded?: number;
   /** Number of parts beyond its children. */
   more?: number;

@@ -54,7 +54,7 @@ export class Panel {
       on(this.root, type as "click", (event) => event.stopPropagation(), signal, { passive: true });
   }
 
-  /** @param foot the frame, and the origin of the data */
+  /** @param foot the frame, and a note on its transforms */
   update(rows: Row[], foot: string[]): void {
     const key = JSON.stringify(rows.map(({ fact: _fact, ...rest }) => rest));
     if (key !== this.#built) {

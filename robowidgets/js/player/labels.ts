@@ -66,7 +66,7 @@ export class Labels {
     return this.#from === null ? "" : `from ${toFixed(this.#from, 2)} s on: go to its end, press a`;
   }
 
-  /** Names the selection, or the span from where it was pressed before to here. */
+  /** Names the selection, or the span from the previous press to here. */
   press(): void {
     if (this.row.isOpen) {
       this.row.close();

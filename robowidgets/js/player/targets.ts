@@ -6,7 +6,7 @@ import type { Segments, Shown } from "./segments.ts";
 /** Samples that are given at most. */
 const MOST = 600;
 
-/** The models of the widgets that show frames, and what each of them shows. */
+/** The models of the widgets that show frames, and the frame of each. */
 export class Targets {
   readonly models: Host<Target>[];
   #abouts: About[] = [];

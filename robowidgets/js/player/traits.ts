@@ -45,9 +45,9 @@ export interface Leader {
   model: string;
   /** Its times in seconds, in order, as float64. */
   times: DataView;
-  /** For each of them, the time of the same place here; NaN if there is no such place. */
+  /** For each of them, the time of the same place here; NaN without one. */
   seconds: DataView;
-  /** The text while there is no such place. */
+  /** The text without such a place. */
   lost: string;
 }
 

@@ -72,7 +72,7 @@ export class Projection {
   }
 }
 
-/** The time of the pair nearest to a point of the picture; null if none is near. */
+/** The time of the pair nearest to a point of the picture; null if all are far. */
 export function timeNear({ times, xs, ys }: Pairs, projection: Projection, point: Point): number | null {
   let [nearest, least] = [-1, NEAR];
   for (let i = 0; i < times.length; i++) {

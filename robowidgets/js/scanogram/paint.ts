@@ -53,7 +53,7 @@ export function toRaster(
   return { width, height: lines, codes };
 }
 
-/** The cells of the finest block that has a time; null if none has it. */
+/** The cells of the finest block that has a time; null if all lack it. */
 function cellsIn(blocks: Block[], from: number, to: number): { block: Block; first: number; stop: number } | null {
   for (const block of blocks) {
     const { startsAt, endsAt } = block;

@@ -10,7 +10,7 @@ import type { Span } from "../shared/time_axis.ts";
 export interface ScanogramTraits extends FrameTraits, TimeTraits {
   /** The time on show; null for all of it. */
   view: Span | null;
-  /** Metres of the nearest and the farthest colour; null for those of the readings on show. */
+  /** Metres of the nearest and the farthest colour; null to fit the readings on show. */
   color_range: [number, number] | null;
   pixel: Pixel;
   marks: Mark[];

@@ -154,7 +154,7 @@ const page = globalThis as { [KEY]?: Sizes };
 /**
  * Calls back with the size of an element soon, and whenever the size or the pixel ratio changes.
  *
- * @param prepare called before any picture of the page is drawn for its size: it reads what the browser lays out
+ * @param prepare called before any picture of the page is drawn for its size: it reads sizes of the layout
  */
 export function watchSize(
   element: HTMLElement,

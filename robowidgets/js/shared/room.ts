@@ -61,7 +61,7 @@ function updateAll(): void {
   for (const box of boxes) update(box);
 }
 
-/** Updates the words of a box: those of all cards in it. */
+/** Updates the words of a box: the words of all cards in it. */
 function update(box: HTMLElement): void {
   const words = new Set<string>();
   const add = (name: string) => words.add(name);

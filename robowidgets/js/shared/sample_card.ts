@@ -19,7 +19,7 @@ export class SampleCard extends Card {
   readonly lamps: Lamps;
   readonly pulse: Pulse<SampleTraits>;
   /**
-   * More numbers of a sample that are drawn over the last seconds, in addition to those of the program; null without
+   * More numbers of a sample that are drawn over the last seconds, in addition to the program's; null without
    * more.
    */
   alsoNumbers: ((moment: Moment) => Record<string, number | null>) | null = null;

@@ -1,7 +1,7 @@
 import { onAbort } from "./events.ts";
 import { isPrinting, onPrint } from "./print.ts";
 
-/** Between two updates of text. Reading is no faster, and laying out text is slower than drawing dots. */
+/** Between two updates of text. Reading is not faster, and laying out text is slower than drawing dots. */
 const READING_MS = 100;
 /** From the first change of a text until it is written without a drawing. */
 const LATE_MS = 1.5 * READING_MS;

@@ -34,7 +34,7 @@ export function roundUp(metres: number): number {
   return ROUND.find((round) => round >= metres * (1 - 1e-9)) ?? metres;
 }
 
-/** One step nearer (-1) or farther (+1) in round numbers, and farther only within what the sensor can see. */
+/** One step nearer (-1) or farther (+1) in round numbers, and farther only within the range of the sensor. */
 export function stepRange(metres: number, direction: -1 | 1, maxRange: number): number {
   if (direction > 0) return Math.max(metres, Math.min(maxRange, FARTHEST_VIEW, roundUp(metres * 1.01)));
   return Math.max(CLOSEST, ROUND.filter((round) => round <= metres * 0.99).at(-1) ?? 0);

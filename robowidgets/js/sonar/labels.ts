@@ -19,7 +19,7 @@ const UP = Math.PI / 2;
 export interface Label {
   /** Index of the cone. */
   index: number;
-  /** The direction in which the cone meets the rim, and that of the label: radians counter-clockwise from forward. */
+  /** The direction in which the cone meets the rim, and the direction of the label: radians counter-clockwise from forward. */
   from: number;
   angle: number;
   rim: Rim;

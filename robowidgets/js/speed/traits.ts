@@ -7,7 +7,7 @@ export interface SpeedTraits extends SampleTraits {
   /** Null for no limits. */
   linear_limits: Limits | null;
   angular_limits: Limits | null;
-  /** Limits of single axes, like "linear.x", which replace those of their group. */
+  /** Limits of single axes, like "linear.x", which replace the limits of their group. */
   limits: Record<string, Limits>;
   planar: boolean;
   hold_peaks: boolean;

@@ -141,7 +141,7 @@ function panelAround(shown: Pane): Pane {
   return panel;
 }
 
-/** Gives the view the height of its pane instead of that of the window. */
+/** Gives the view the height of its pane instead of the height of the window. */
 function fitIn(pane: HTMLElement, shown: HTMLElement): void {
   const fit = () => {
     shown.style.setProperty("--rw-screen-height", `${Math.max(LOWEST, pane.clientHeight - PADDING)}px`);

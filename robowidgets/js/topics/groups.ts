@@ -40,7 +40,7 @@ function firstPart(name: string): string {
 }
 
 /**
- * The folded groups: those that the user folded, and else the last ones of many rows without a topic on show, until all
+ * The folded groups: by the user's choice, and else the last ones of many rows without a topic on show, until all
  * fit.
  *
  * @param lines the number of rows that have room

@@ -28,7 +28,7 @@ const ROW = 20;
 const MOST_ROWS = 400;
 /** Milliseconds after which a kernel that has not answered is busy. */
 const BUSY_MS = 700;
-/** Milliseconds of a finger on a row, after which its value is shown without a click. */
+/** Milliseconds of a finger on a row, after which the row gets the focus without a click. */
 const LONG_MS = 500;
 /** Milliseconds between two requests for the values of other rows. */
 const LOOK_MS = 250;
@@ -439,7 +439,7 @@ export class TopicsView {
     else this.#toggle(line.row);
   }
 
-  /** Shows the value of a row under a resting finger; lifting it then has no effect. */
+  /** Moves the focus to a row under a resting finger; lifting it then has no effect. */
   #watchLongPress(): void {
     let timer: ReturnType<typeof setTimeout> | undefined;
     let isLong = false;

@@ -5,7 +5,7 @@ import { type Frame, readHead } from "../shared/stream.ts";
 export interface Wire {
   name: string;
   type: string;
-  /** Numbers of the nodes that publish it, and of those that subscribe to it. */
+  /** Numbers of the nodes that publish it, and of the nodes that subscribe to it. */
   from: number[];
   to: number[];
   /** True if its messages are received here. */
