@@ -32,9 +32,9 @@ export interface Node {
   count?: number;
   /** The parts of it that were sent. */
   children?: Node[];
-  /** Number of fields in it that were not sent, if all are missing. */
+  /** Number of its fields, if they were not sent. */
   folded?: number;
-  /** Number of parts beyond its children. */
+  /** Number of parts in addition to its children. */
   more?: number;
 }
 
