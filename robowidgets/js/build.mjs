@@ -1,6 +1,6 @@
 // One self-contained script and stylesheet per widget: Jupyter loads each as a single text, in which relative imports
-// cannot resolve. A page runs it once, by run_once.ts. Exported pages have scripts and stylesheets of their own.
-// Arguments: the folder of the widgets, and the one to build into; without them, those of robowidgets.
+// cannot resolve. A page runs it once, by run_once.ts. Exported pages have separate scripts and stylesheets. Arguments:
+// the folder of the widgets, and the folder to build into; both default to those of robowidgets.
 import { createHash } from "node:crypto";
 import { mkdirSync, readdirSync, writeFileSync } from "node:fs";
 import { basename, dirname, join } from "node:path";

@@ -1,6 +1,6 @@
 import { explain, findParts, readPart } from "./export/parts.ts";
 
-/** Puts the scripts and stylesheets of the page, which are packed, into it. Its policy allows these only, by hash. */
+/** Puts the packed scripts and stylesheets into the page. Its policy allows only these, by hash. */
 async function load(): Promise<void> {
   const [element] = findParts("program");
   if (!element) throw new Error("this page is not whole");

@@ -7,7 +7,7 @@ import scanogram from "./scanogram_widget.ts";
 import speed from "./speed_widget.ts";
 import touch from "./touch_widget.ts";
 
-/** The script of a page in a file: the widgets of robowidgets, and what does Python's part. By their modules. */
+/** The script of a page in a file: the widgets of robowidgets by their modules, and the code that replaces Python. */
 const WIDGETS = {
   laser_widget: laser,
   path_widget: path,

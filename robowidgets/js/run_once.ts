@@ -1,9 +1,12 @@
-/** What Jupyter imports for each widget, and keeps as long as the widget: it runs the widget's own script once per page. */
+/**
+ * The module that Jupyter imports for each widget, and keeps as long as the widget: it runs the widget's own script
+ * once per page.
+ */
 
 interface Given {
   model: {
     get(name: string): string;
-    /** Gives back the model itself, if it is one of ipywidgets. */
+    /** Returns the model itself, if it is a model of ipywidgets. */
     set(name: string, value: string): unknown;
     widget_manager?: { get_state?: unknown };
   };
@@ -55,8 +58,9 @@ function style(place: Node, text: string): void {
 }
 
 /**
- * Hears the kernel though the page was too busy for anywidget, which gives a widget two seconds from its making to the end
- * of `initialize`, and rejects each message after that. What was rejected is made good by the state as a whole.
+ * Receives messages of the kernel even if the page was too busy for anywidget, which gives a widget two seconds from
+ * its making to the end
+ * of `initialize`, and rejects each message after that. The state as a whole replaces the rejected messages.
  *
  * Needed for anywidget 0.11: https://github.com/manzt/anywidget/blob/main/packages/anywidget/src/runtime.ts
  */
@@ -78,8 +82,8 @@ export default () => {
       const script = copyOf(model.get("_script"));
       const sheet = copyOf(model.get("_style"));
       if (model.widget_manager?.get_state) {
-        // A model of ipywidgets lets go of its own texts, and sends nothing, because these are equal; another host would
-        // send them. It keeps what was there before the last set.
+        // A model of ipywidgets releases its own texts, and sends nothing, because these are equal; another host would
+        // send them. It keeps the values before the last set.
         void hearAlsoIfLate(model.set("_script", script) as JupyterModel);
         for (let i = 0; i < 2; i++) model.set("_style", sheet);
       }
@@ -95,7 +99,7 @@ export default () => {
       };
       dress();
       if (!el.isConnected) {
-        // It may come into a shadow root, of which the document hears nothing.
+        // It may be inserted into a shadow root, whose changes the document does not observe.
         const observer = new ResizeObserver(() => {
           if (!el.isConnected) return;
           observer.disconnect();

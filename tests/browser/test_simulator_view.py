@@ -80,7 +80,7 @@ def test_robot_and_obstacles_are_moved_by_pointer_and_keys(plain_page: Callable[
     house, widget = House(nb), nb.widget(0)
     house.drag((0.0, 0.0), (-1.0, -1.0))
     wait_for(lambda: house.is_at("robot.pose[:2]", -1.0, -1.0), "the robot is moved")
-    button(widget, "Start the simulation anew").click()
+    button(widget, "Restart the simulation").click()
     wait_for(lambda: house.is_at("robot.pose[:2]", 0.0, 0.0), "it is back")
     expect(widget.locator(".rw-footer")).to_contain_text("x 0.00 y 0.00 m")
     nb.page.mouse.move(*house.at(-2.0, 1.5))

@@ -11,7 +11,7 @@ function within(offset: number, fill: (view: DataView) => void, length: number):
   return view;
 }
 
-test("a binary trait is its own bytes, whatever it came as", () => {
+test("a binary trait is exactly its bytes, in any form of view", () => {
   const buffer = Uint8Array.of(9, 1, 2, 3, 9).buffer;
   for (const value of [new DataView(buffer, 1, 3), new Uint8Array(buffer, 1, 3), Uint8Array.of(1, 2, 3).buffer]) {
     const bytes = toBytes(value);
@@ -23,7 +23,7 @@ test("a binary trait is its own bytes, whatever it came as", () => {
   }
 });
 
-test("a trait that nothing came for is null", () => {
+test("an empty trait is null", () => {
   const nothing = [
     null,
     undefined,
@@ -64,7 +64,7 @@ for (const offset of [0, 1, 3, 4, 7, 8]) {
   });
 }
 
-test("what was read is a copy", () => {
+test("numbers that were read are a copy", () => {
   const bytes = within(4, (view) => view.setFloat32(0, 1, true), 4);
   const [read] = [new Reader(bytes).float32s(1)];
   bytes.setFloat32(0, 2, true);

@@ -53,7 +53,7 @@ test("x is up in the picture and y to the left from above, and each view looks a
   assert.deepEqual(seen("behind", { x: 9, y: 5, z: 2 }), { x: 50, y: 80 });
 });
 
-test("a zoom leaves the place under the pointer where it is", () => {
+test("a zoom keeps the place under the pointer", () => {
   const box = { x: 10, y: 20, width: 300, height: 200 };
   const before = project(AXES.above, box, { right: 1, up: 2, range: 10 });
   const at = { x: 77, y: 133 };
@@ -64,7 +64,7 @@ test("a zoom leaves the place under the pointer where it is", () => {
   assert.ok(after.scale > before.scale);
 });
 
-test("all points and the sensor are in the picture, which stands still while they move by little", () => {
+test("all points and the sensor are in the picture, which stands still while they move a little", () => {
   const box = { x: 0, y: 0, width: 300, height: 200 };
   const cloud = cloudOf([
     [8, 1, 0],
@@ -87,7 +87,7 @@ test("all points and the sensor are in the picture, which stands still while the
   assert.notEqual(steadied(first, { ...look, range: look.range / 4 }), first);
 });
 
-test("bounds are compared as NumPy compares a float32, and leave out what was not measured", () => {
+test("bounds are compared as NumPy compares a float32, and leave out points that were not measured", () => {
   const cloud = cloudOf(
     [
       [0.7, 0, 0],
@@ -109,7 +109,7 @@ test("bounds are compared as NumPy compares a float32, and leave out what was no
   assert.equal(nearestOf(cloud, Uint8Array.of(0, 1, 1)), 1);
 });
 
-test("indices of thinned clouds are those of the whole, by points or by rows and columns", () => {
+test("indices of thinned clouds are indices of the whole, by points or by rows and columns", () => {
   const thinned = cloudOf(
     [
       [1, 0, 0],
@@ -139,7 +139,7 @@ test("indices of thinned clouds are those of the whole, by points or by rows and
   assert.equal(countWords(thinned, 1, 4), "4 of 9 points");
 });
 
-test("a point is told with every field, exactly as it was sent", () => {
+test("the pop-up of a point has every field, exactly as it was sent", () => {
   const lit = Float32Array.of(0, 47.1);
   const rgb = new Float32Array(Uint32Array.of(0, 0x00ff8001).buffer);
   const cloud = cloudOf(
@@ -163,20 +163,20 @@ test("a point is told with every field, exactly as it was sent", () => {
   assert.equal(exact(NaN, Float32Array.of(0)), "NaN");
 });
 
-test("code is as Python has it, in each form that has the fields", () => {
+test("code is the same as Python's, in each form that has the fields", () => {
   for (const [bands, codes] of vectors.selections) {
     for (const form of FORMS)
       assert.equal(hasCode(bands, form) ? toCode(bands, form) : null, codes[form], JSON.stringify(bands));
   }
 });
 
-test("bounds have the digits that a person would write, and are said with their units", () => {
+test("bounds are rounded to short numbers, and shown with their units", () => {
   assert.deepEqual(rounded([0.123456, 0.987654], 5), [0.12, 0.99]);
   assert.deepEqual(rounded([0.123456, 0.987654], 500), [0, 1]);
   assert.equal(bandWords({ z: [-0.5, 1], ring: [1, 2] }), `z ${MINUS}0.5 to 1 m\nring 1 to 2`);
 });
 
-test("colours span what was measured, hold for a while, and are those of a field that has some", () => {
+test("colours span the measured values, hold for a while, and are the field's own if it has some", () => {
   const cloud = cloudOf([
     [1, 0, 0],
     [2, 0, 4],

@@ -23,7 +23,7 @@ test("the scale spans the intensities of the readings alone", () => {
   assert.deepEqual(intensityDomain(scan, null), [10, 20]);
 });
 
-test("without a reading that has an intensity there is no scale", () => {
+test("without a reading that has an intensity the scale is missing", () => {
   assert.equal(intensityDomain(scanOf([1, 2]), null), null);
   assert.equal(intensityDomain(lit([Infinity, 0], [1, 2]), [1, 2]), null);
   assert.equal(intensityDomain(lit([1], [Number.NaN]), null), null);
@@ -35,7 +35,7 @@ test("the scale widens at once, and narrows only when far too wide", () => {
   assert.deepEqual(intensityDomain(lit([1, 1], [10, 24]), [0, 30]), [10, 24]);
 });
 
-test("colours run from one end to the other, and hold what lies outside", () => {
+test("colours run from one end to the other, and values outside get the colour of an end", () => {
   for (const dark of [false, true]) {
     const colorOf = colorScale([10, 20], dark);
     const shown = dark ? VIRIDIS.slice(16) : VIRIDIS.slice(0, 54);

@@ -3,7 +3,7 @@ import { afterEach, beforeEach, test } from "node:test";
 import { Credit } from "../../robowidgets/js/shared/credit.ts";
 import { FakeModel } from "./models.ts";
 
-/** What waits for an animation frame. */
+/** Callbacks that wait for an animation frame. */
 let waiting = new Map<number, () => void>();
 const page = globalThis as { requestAnimationFrame?: unknown; cancelAnimationFrame?: unknown };
 
@@ -39,7 +39,7 @@ function open(values: Record<string, unknown> = {}) {
   return { fake, credit, answers, controller };
 }
 
-test("each frame is answered once, however many views have drawn it", () => {
+test("each frame is answered once, for any number of views that have drawn it", () => {
   const { fake, credit, answers } = open();
   for (const number of [1, 1, 2]) {
     fake.receive({ _frame: frame(number) });
@@ -53,7 +53,7 @@ test("each frame is answered once, however many views have drawn it", () => {
   assert.equal(new Set(answers.map((answer) => answer.page)).size, 1);
 });
 
-test("a page says that it is there before the first frame, and no two have a name", () => {
+test("a page announces itself before the first frame, and all pages have different names", () => {
   const [one, other] = [open({ _frame: null }), open({ _frame: null })];
   one.credit.drawn();
   one.credit.drawn();
@@ -65,7 +65,7 @@ test("a page says that it is there before the first frame, and no two have a nam
   assert.notEqual(one.answers[0]?.page, other.answers[0]?.page);
 });
 
-test("when asked, a page says in its next animation frame what it has drawn and whether the last one came", () => {
+test("on request, a page reports in its next animation frame what it has drawn and if the last one arrived", () => {
   const { fake, credit, answers } = open();
   fake.receive({ _frame: frame(4) });
   credit.drawn();
@@ -88,7 +88,7 @@ test("when asked, a page says in its next animation frame what it has drawn and 
   );
 });
 
-test("what was decoded late is answered as what it is", () => {
+test("a frame that was decoded late is answered as itself", () => {
   const { fake, credit, answers } = open();
   fake.receive({ _frame: frame(1) });
   const { newest } = credit;
@@ -100,7 +100,7 @@ test("what was decoded late is answered as what it is", () => {
   );
 });
 
-test("a player and an exported page answer nobody", () => {
+test("a player and an exported page do not answer", () => {
   for (const values of [{ _answers: false }, { layout: { comm_live: false } }]) {
     const { credit, answers } = open(values);
     credit.drawn();
@@ -108,7 +108,7 @@ test("a player and an exported page answer nobody", () => {
   }
 });
 
-test("nothing is left of a model that is gone", () => {
+test("a closed model leaves nothing behind", () => {
   const { fake, controller } = open();
   fake.tell({ asks: 1 });
   controller.abort();

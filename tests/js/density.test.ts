@@ -18,7 +18,7 @@ test("marks with room between them stay single, at their places and with their l
   );
 });
 
-test("ten thousand marks take no more elements than the slider has bins, and the most of them are the darkest", () => {
+test("ten thousand marks take at most one element per bin of the slider, and the fullest bin is the darkest", () => {
   const marks: Mark[] = Array.from({ length: 10_000 }, (_, i) => [
     (i / 10_000) ** 2 * 100,
     (i / 10_000) ** 2 * 100,

@@ -28,7 +28,7 @@ test("other angles are compared by angle", () => {
   assert.ok(isSameSweep(now, scanOf([1, 1, 1, 1, 1], SWEEP)));
 });
 
-test("the largest difference is named, and infinite ones are not", () => {
+test("the text names the largest finite difference", () => {
   const found = Float32Array.from([0.1, -0.32, Infinity, NaN, 0.2]);
   assert.equal(largest(found), 1);
   assert.equal(largestWords(found), "\u22120.32 m at [1]");

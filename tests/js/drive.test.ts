@@ -13,7 +13,7 @@ test("up is forward and left turns to the left, up to the limits and never past 
   assert.ok(forward > 0.5 && forward < 0.6 && turn > 0.2 && turn < 0.3);
 });
 
-test("near the middle of an axis it is driven straight, and from there on without a step", () => {
+test("near the middle of an axis the robot drives straight, and beyond that the speed grows without a step", () => {
   assert.deepEqual(toKnob(5, -100, 100), { forward: 1, turn: 0 });
   assert.ok(Math.abs(toKnob(6.1, 0, 100).turn) < 0.01);
 });
@@ -94,7 +94,7 @@ test("no speed is sent before the kernel has answered, then ten a second with th
   close();
 });
 
-test("a knob that moves is told soon, but not at every step of the pointer", () => {
+test("a moving knob is sent soon, but not at every step of the pointer", () => {
   const { lease, sent, pass, close } = open();
   lease.hold(CENTER);
   lease.onAnswer({ press: "pad-1", token: 1 });
@@ -132,7 +132,7 @@ test("half a second of silence ends a press, and only a new one drives", () => {
   close();
 });
 
-test("let go in silence, it says so until the kernel answers", () => {
+test("a pad that is released in silence shows it until the kernel answers", () => {
   const { lease, pass, close } = open();
   lease.hold(FULL);
   pass(700);
@@ -155,7 +155,7 @@ test("a press that Python ends stays over while it is held", () => {
   close();
 });
 
-test("a kernel that is gone is silence", () => {
+test("a kernel that has ended is silent", () => {
   const { lease, close } = open(() => {
     throw new Error("the comm is closed");
   });
@@ -167,7 +167,7 @@ test("a kernel that is gone is silence", () => {
 const say = (state: State, told: object = {}, more: object = {}, enabled = true) =>
   toText({ ...situation(told), ...more }, { state, press: "pad-1" }, enabled);
 
-test("words say what is going on and what to do", () => {
+test("texts show the state and the next action", () => {
   assert.deepEqual(say("free"), { text: "stopped", hint: "drag, or arrow keys", kind: "rest" });
   assert.equal(say("driving", { driver: "pad-1" }).text, "driving");
   assert.equal(say("free", { ready: false }).text, "no feed");
@@ -189,7 +189,7 @@ test("words say what is going on and what to do", () => {
   assert.equal(say("late").hint, "let go and press again");
 });
 
-test("who else drives is named", () => {
+test("another driver is named", () => {
   assert.deepEqual(say("free", { driver: "program" }), {
     text: "a program drives",
     hint: "press to take over",
@@ -200,7 +200,7 @@ test("who else drives is named", () => {
   assert.equal(say("taken", { driver: "other-1" }).text, "driven from another pad");
 });
 
-test("a kernel that does not answer is not said to have stopped what a program drives", () => {
+test("while the kernel does not answer, the text does not claim that a program was stopped", () => {
   assert.deepEqual(say("silent"), { text: "kernel busy: stopped", hint: "it does not answer", kind: "warn" });
   assert.equal(say("silent", { driver: "program", speed: [0.2, 0, 0] }).text, "kernel busy; a program drives");
   assert.equal(say("silent", { driver: "pad-1", speed: [0.2, 0, 0] }).text, "kernel busy: stopping");
@@ -209,7 +209,7 @@ test("a kernel that does not answer is not said to have stopped what a program d
   assert.equal(say("silent", { driver: "program" }, { silence: "no word" }).text, "no word");
 });
 
-test("a latched stop comes before what the press says", () => {
+test("a latched stop comes before the text of the press", () => {
   assert.equal(say("driving", { stopped: true }).text, "nobody may drive");
   assert.deepEqual(say("stopped"), { text: "stopped", hint: "let go and press again", kind: "rest" });
 });

@@ -51,7 +51,7 @@ test("a filter takes a level and all of its words, in text, source or topic", ()
   assert.deepEqual(shown("WARN", "fine"), []);
 });
 
-test("what is alike once others are filtered out is one row", () => {
+test("rows that become equal neighbours in a filter are one row", () => {
   const rows = [rowOf(0, "a", { count: 2 }), rowOf(1, "a", { seconds: 5 }), rowOf(2, "a", { level: 30 })];
   assert.deepEqual(
     fold(rows).map(({ count, seconds, until }) => [count, seconds, until]),
@@ -70,7 +70,7 @@ test("the row of a time is the last that began by then", () => {
   );
 });
 
-test("a text is one line, and says what was left out of it", () => {
+test("a text is one line, and shows how much of it was left out", () => {
   assert.equal(toLine(rowOf(0, " a\n\tb  c ")), "a b c");
   assert.equal(toLine(rowOf(0, "x".repeat(500))).length, 401);
   const cut = rowOf(12, "xx", { length: 3000, source: "node", topic: "/rosout", level: 40, count: 14, until: 20 });
@@ -81,13 +81,13 @@ test("a text is one line, and says what was left out of it", () => {
   assert.deepEqual(toSpoken(cut, RECORDED), ["error", "12.00 s", "node", "xx", "14 times"]);
 });
 
-test("times are those of the recording, and live those of the day", () => {
+test("times of a recording count from its start, and live times are of the day", () => {
   assert.equal(toTimeText(12.5, RECORDED), "12.50 s");
   assert.equal(toTimeText(75, { span: [0, 90], start: null }), "1:15.00");
   assert.match(toTimeText(1.25, { span: [], start: 1_700_000_000 }), /^\d\d:\d\d:21\.25$/);
 });
 
-test("levels are counted with what repeats, and the extent tells what is not on show", () => {
+test("levels are counted with repeated events, and the extent shows how many rows are hidden", () => {
   const rows = [rowOf(0, "a", { level: 50 }), rowOf(1, "b", { level: 30, count: 14 }), rowOf(2, "c")];
   assert.deepEqual(countLevels(rows), { errors: 1, warnings: 14, others: 1 });
   assert.equal(toExtent(1, 1, 0), "1 row");

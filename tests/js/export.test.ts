@@ -13,7 +13,7 @@ import { frameOf, readsOf, vectors } from "./vectors.ts";
 const NAMES = Object.keys(vectors.frames).filter((name) => name.startsWith("packed_"));
 
 for (const name of NAMES) {
-  test(`${name}: a page makes the same bytes of it as Python has packed`, () => {
+  test(`${name}: a page unpacks the bytes that Python has packed`, () => {
     const { facts, track } = readsOf(name);
     const packed = frameOf(name, 0);
     const bytes = new Uint8Array(packed.buffer.slice(0, packed.byteLength) as ArrayBuffer);
@@ -23,13 +23,13 @@ for (const name of NAMES) {
 }
 
 for (const [i, [of, on, rays]] of vectors.rays.entries()) {
-  test(`rays ${i} of another geometry stand where Python puts them`, () => {
+  test(`rays ${i} of another geometry stand at the same places as in Python`, () => {
     const [from, to] = [of, on].map(([angleMin, angleIncrement, count]) => ({ angleMin, angleIncrement, count }));
     assert.deepEqual([...raysAt(from as Rays, to as Rays)], rays);
   });
 }
 
-test("a scan stands on its own rays, one with fewer by angle, and one with more or none nowhere", () => {
+test("a scan keeps its rays, one with fewer rays is placed by angle, and one with more or without rays is left out", () => {
   const on = { angleMin: 0, angleIncrement: 0.5, count: 3 };
   const ranges = new Float32Array([1, 2, 3]);
   assert.equal(onRays(ranges, { ...on }, on), ranges);
@@ -78,7 +78,7 @@ test("a part is a JSON text and bytes, deflated, in base85", async () => {
   assert.equal(bytes.length, 24 + 8);
 });
 
-test("the frames of a segment are without the one before it, with which each segment begins", async () => {
+test("the frames of a segment do not include the earlier one with which each segment begins", async () => {
   const segments = new Segments([await partOf(1, [9, 11, 12]), await partOf(2, [20, 20, 21])], 10, 10.5);
   assert.deepEqual(segments.numbers, [1, 2]);
   const times = async (number: number) => segments.framesOf(await segments.read(number), 0).map((frame) => frame.time);
@@ -87,7 +87,7 @@ test("the frames of a segment are without the one before it, with which each seg
   await assert.rejects(segments.read(3), /segment 3 is not in this page/);
 });
 
-test("samples are the frames with which a message came, of a role where there are several", async () => {
+test("samples are the frames with a new message, of one role if there are several", async () => {
   const abouts = [{ new: ["measured"] }, { new: ["commanded"] }, { new: [] }];
   const segments = new Segments(
     [await partOf(0, [-1, 1, 2, 3], { abouts, of: [0, 0, 1, 2] }), await partOf(1, [10, 11], { abouts, of: [2, 0] })],
@@ -121,7 +121,7 @@ test("a player gets the segment on show first, then the nearest, and forgets the
   assert.deepEqual(given[0], [0, [2]]);
 });
 
-test("a model tells what changes, whoever sets it, and nothing where all stays", () => {
+test("a model notifies of each change from any side, and not without a change", () => {
   const model = new PageModel({ time: 0, marks: [[1, 2, "a"]] }, new Map());
   const told: string[] = [];
   for (const name of ["time", "marks"]) model.on(`change:${name}`, () => told.push(name));
@@ -133,7 +133,7 @@ test("a model tells what changes, whoever sets it, and nothing where all stays",
   assert.equal(model.get("time"), 3);
 });
 
-test("samples as CSV are exact, and a name is no formula of a spreadsheet", () => {
+test("samples as CSV are exact, and a name is not a formula for a spreadsheet", () => {
   const [, ...frames] = decodeFrames(trackOf("packed_scans"));
   const lines = toCsv("laser_widget", frames).trimEnd().split("\n");
   const [head, second] = lines.map((line) => line.split(","));

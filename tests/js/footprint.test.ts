@@ -37,7 +37,7 @@ test("the outline of a robot is its circle or its corners, and a bumper follows 
   for (const { x } of partOf(BOX, { start: -0.5, end: 0.5 })) near(x, 0.5);
 });
 
-test("the arrow is the way of the foremost point in two seconds", () => {
+test("the arrow is the path of the foremost point in two seconds", () => {
   near(wayOf(ROUND, 0.4, 0, 0).at(-1)?.x, 1);
   near(wayOf(ROUND, -0.4, 0, 0)[0]?.x, -0.2);
   near(wayOf(ROUND, -0.4, 0, 0).at(-1)?.x, -1);
@@ -49,7 +49,7 @@ test("the arrow is the way of the foremost point in two seconds", () => {
   assert.deepEqual(wayOf(ROUND, NaN, 0, NaN), []);
 });
 
-test("a small robot is drawn larger, and one whose scanner is elsewhere stands where the scanner sees it", () => {
+test("a small robot is drawn larger, and one whose scanner is off-centre stands at its place for the scanner", () => {
   near(atLeast(ROUND, 1).radius ?? 0, 0.5);
   assert.equal(atLeast(ROUND, 0.4), ROUND);
   near(outlineOf(atLeast(BOX, 2 * Math.hypot(1, 0.6)))[0]?.x, 1);
@@ -58,7 +58,7 @@ test("a small robot is drawn larger, and one whose scanner is elsewhere stands w
   near(Math.cos(asSeen(turned, { x: 0.2, y: 0 }).angle), -1);
 });
 
-test("a robot on a scan of another moment has no speed, and no touches that came later", () => {
+test("a robot on a scan of another moment has neither a speed nor touches that came later", () => {
   const scan = { sequence: 9, rate: 10, arrived: 100 };
   const speedOf = (arrived: number, rate = 10) =>
     speedAt({ ...scan, rate }, { ...scan, arrived, measured: [0.4] } as Speeds)?.[0];
@@ -69,7 +69,7 @@ test("a robot on a scan of another moment has no speed, and no touches that came
   for (const near of [99.1, 100.9]) assert.deepEqual([speedOf(near), touchOf(near)], [0.4, "touched"]);
   assert.deepEqual([speedOf(80), touchOf(80)], [undefined, "touched"], "a sensor may tell changes alone");
   assert.deepEqual([speedOf(120), touchOf(120)], [undefined, undefined]);
-  // The next scan of a slow scanner is not due yet; in a player there is no rate.
+  // The next scan of a slow scanner is not due yet; a player has no rate.
   assert.deepEqual([speedOf(103, 0.5), touchOf(103, 0.5)], [0.4, "touched"]);
   assert.deepEqual([speedOf(900, NaN), touchOf(900, NaN)], [0.4, "touched"]);
   assert.deepEqual([speedAt(null, null), touchesAt(scan, null).size], [null, 0]);

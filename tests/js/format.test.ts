@@ -16,11 +16,11 @@ test("a minus is a real minus, and zero has none", () => {
   assert.equal(toFixed(-0.006, 2), "\u22120.01");
 });
 
-test("which of many is said as a person does", () => {
+test("ordinal numbers have English endings", () => {
   assert.deepEqual([1, 2, 3, 11, 22, 97].map(toOrdinal), ["1st", "2nd", "3rd", "11th", "22nd", "97th"]);
 });
 
-test("decimals stay, so that numbers stand in columns", () => {
+test("decimals are fixed, so that numbers stand in columns", () => {
   assert.deepEqual(
     [1, 10.5, 2.345].map((value) => toFixed(value, 2)),
     ["1.00", "10.50", "2.35"],
@@ -28,19 +28,19 @@ test("decimals stay, so that numbers stand in columns", () => {
   assert.equal(toFixed(3, 0), "3");
 });
 
-test("what is no finite number is said in words", () => {
+test("a number that is not finite is shown as a word", () => {
   assert.equal(toFixed(Number.NaN, 2), "NaN");
   assert.equal(toFixed(Infinity, 2), "+inf");
   assert.equal(toFixed(-Infinity, 2), "\u2212inf");
 });
 
-test("metres come in full and short", () => {
+test("metres have a long and a short form", () => {
   assert.equal(toMetres(2.5), "2.50 m");
   const short = [6, 4.5, 100, 0.05, 0.125, 1.0004, 10.1, 0].map(toShortMetres);
   assert.deepEqual(short, ["6 m", "4.5 m", "100 m", "0.05 m", "0.125 m", "1 m", "10.1 m", "0 m"]);
 });
 
-test("metres have the decimals of the picture, and no distance reads as 0", () => {
+test("metres have the decimals of the picture, and a distance never reads as 0", () => {
   assert.deepEqual(
     [0.003, 0.0025, 0].map((value) => toMetres(value, 0.004)),
     ["0.0030 m", "0.0025 m", "0.0000 m"],
@@ -81,7 +81,7 @@ test("angles lie within half a turn, with one decimal", () => {
   ]);
 });
 
-test("what float32 adds and takes is not shown", () => {
+test("rounding errors of float32 are hidden", () => {
   assert.equal(toDegrees(Math.fround(Math.PI)), "180.0°");
   const angleMin = Math.fround((-130 * Math.PI) / 180);
   const angleIncrement = Math.fround((0.25 * Math.PI) / 180);
@@ -94,7 +94,7 @@ test("large counts come in groups of three", () => {
   assert.deepEqual(counts, ["0", "12", "999", `1${space}040`, `12${space}480`, `1${space}000${space}000`]);
 });
 
-test("an age is told in tenths of a second, then in minutes and hours", () => {
+test("an age is shown in tenths of a second, then in minutes and hours", () => {
   assert.deepEqual(
     [0, 2345, 59_940, 60_000, 200_000, 3_599_000, 7_300_000].map((ms) => toAge(ms)),
     ["0.0 s", "2.3 s", "59.9 s", "1 min", "3 min", "59 min", "2 h"],

@@ -4,7 +4,7 @@ import { angleFormula } from "../../robowidgets/js/laser/formula.ts";
 
 const plain = (text: string) => text.replaceAll("\u2212", "-").replaceAll("\u00A0", " ");
 
-/** What a calculator shows for the numbers of a formula. */
+/** The result of a calculator for the numbers of a formula. */
 function calculate(numbers: string): number {
   const [first = "", index = "", step = "", offset = "0"] =
     plain(numbers)
@@ -25,7 +25,7 @@ test("the formula of a ray has names, numbers and result", () => {
   assert.equal(formula.wrapped, "");
 });
 
-test("a calculator reads the result that is shown, whatever the scanner", () => {
+test("a calculator gives the result on show, for any scanner", () => {
   const steps = [0.004363323, -0.0061359233, 0.017453292, 0.0174533, 0.00869044, 1e-5, 2.5, 0];
   for (const angleMin of [-2.3561945, 0, -Math.PI, 3.2, -0.5, 1e-7, -1e-7]) {
     for (const step of steps.map(Math.fround)) {
@@ -56,7 +56,7 @@ test("round numbers stay short, a negative increment stands in brackets, and an 
   assert.equal(plain(turned.radians), "0.25000 rad");
 });
 
-test("the angle of the robot is worked out from the scanner's own, upside down too, and that is worked out alone", () => {
+test("the angle of the robot is calculated from the scanner's angle, also upside down, and that angle alone has a formula, too", () => {
   const mount = { yaw: 1.5, words: "" };
   const upright = angleFormula(sweep(-0.5 + 1.5, 0.25), 3, 0, mount);
   assert.equal(plain(upright.names), "angle_min + 3 × increment + yaw");
@@ -74,7 +74,7 @@ test("the angle of the robot is worked out from the scanner's own, upside down t
   ]);
 });
 
-test("beyond half a turn the formula says what the label says", () => {
+test("beyond half a turn the formula has the angle of the label", () => {
   const last = angleFormula(sweep(0, Math.PI / 180), 359);
   assert.equal(last.degrees, "359.00°");
   assert.equal(plain(last.wrapped), "359.00° - 360° = -1.00°");
@@ -82,7 +82,7 @@ test("beyond half a turn the formula says what the label says", () => {
   assert.equal(angleFormula(sweep(-Math.PI, Math.PI / 180), 360).wrapped, "");
 });
 
-test("a line breaks in front of operators alone", () => {
+test("a line breaks only in front of operators", () => {
   const { names, numbers } = angleFormula(sweep(-2.3, 0.004), 718);
   assert.deepEqual(names.split(" "), ["angle_min", "+\u00A0718", "×\u00A0increment"]);
   assert.deepEqual(numbers.split(" ").length, 3);

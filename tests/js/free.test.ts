@@ -4,7 +4,7 @@ import { freeOutlines } from "../../robowidgets/js/laser/free_layer.ts";
 import { DEGREE, scanOf } from "./laser.ts";
 
 const projection = { centerX: 0, centerY: 0, radius: 100, viewRange: 5, forward: Math.PI / 2 };
-/** How far each outline reaches, in metres. */
+/** The range of each outline, in metres. */
 const reaches = (ranges: number[], maxRange = 4) => {
   const scan = scanOf(ranges, { angleMin: -20 * DEGREE, angleIncrement: 10 * DEGREE, maxRange });
   return freeOutlines({ scan, projection }).map((outline) =>
@@ -12,12 +12,12 @@ const reaches = (ranges: number[], maxRange = 4) => {
   );
 };
 
-test("free space ends at each reading, and at the rim where nothing was met", () => {
+test("free space ends at each reading, and at the rim if nothing is in range", () => {
   assert.deepEqual(reaches([2, Infinity, 3]), [[2, 2, 4, 4, 3, 3]]);
   assert.deepEqual(reaches([2, Infinity], 30), [[2, 2, 5, 5]], "the view ends before the limit");
 });
 
-test("a ray without a measurement, too close or outside the limits tells of no free space", () => {
+test("a ray that is not measured, too close or outside the limits shows no free space", () => {
   assert.deepEqual(reaches([2, Number.NaN, 3, Number.NEGATIVE_INFINITY, 0.01]), [
     [2, 2],
     [3, 3],

@@ -13,7 +13,7 @@ function frame(sequence: number, arrived: number): DataView {
   return bytes;
 }
 
-test("the age of a ghost is that of its arrival, which tells nothing in a player", () => {
+test("the age of a ghost is the time between arrivals, and is hidden in a player", () => {
   const fake = new FakeModel({
     paused: false,
     history: 30,

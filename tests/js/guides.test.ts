@@ -10,14 +10,14 @@ import { BOXES, circle, DEGREE, layOut, near, randoms, SWEEPS, sweepOf } from ".
 /** A scanner of a robot, whose last ray is one step short of the same angle as its first. */
 const PR2 = { angleMin: -130 * DEGREE, angleIncrement: DEGREE / 4, count: 1040 };
 
-test("so many arcs as are asked for divide the view in equal parts, the last at its edge", () => {
+test("a count of arcs divides the view in equal parts, the last arc at its edge", () => {
   assert.deepEqual(arcDistances([], 4, 10), [2.5, 5, 7.5, 10]);
   assert.deepEqual(arcDistances([], 1, 5.6), [5.6]);
   assert.deepEqual(arcDistances([], 0, 10), []);
   for (const count of [3, 7, 50]) assert.equal(arcDistances([], count, 5.6).length, count, "rounding loses none");
 });
 
-test("arcs asked for stand where they were asked for, as far as the view reaches", () => {
+test("arcs at given distances stand there, within the view", () => {
   assert.deepEqual(arcDistances([4, 0.5, 12], 7, 10), [0.5, 4]);
   assert.deepEqual(arcDistances([10], 7, 10), [10]);
   const asked = [3, 1, 2];
@@ -59,7 +59,7 @@ test("without a count, lines stand at round angles from forward and at both ends
   assert.deepEqual(linesOf(sweepOf(60, 61, 60)), [60, 70, 80, 90, 100, 110, 120], "forward is not swept");
 });
 
-test("of few rays, lines still stand at equal angles", () => {
+test("a few rays still have lines at equal angles", () => {
   assert.deepEqual(linesOf(sweepOf(180, 19)), [-90, -60, -30, 0, 30, 60, 90]);
   assert.deepEqual(linesOf(sweepOf(120, 7)), [-60, -40, -20, 0, 20, 40, 60]);
   assert.deepEqual(linesOf(circle(16, 0)), [0, 45, 90, 135, 180, 225, 270, 315]);
@@ -67,7 +67,7 @@ test("of few rays, lines still stand at equal angles", () => {
   assert.deepEqual(rayIndices(sweepOf(60, 5), [], null), [0, 1, 2, 3, 4]);
 });
 
-test("wherever forward is swept, a line stands ahead", () => {
+test("whenever forward is swept, a line stands ahead", () => {
   const sweeps = Object.entries({ ...SWEEPS, PR2, "an uneven one": sweepOf(200, 401, -61) });
   for (const [name, sweep] of sweeps) {
     const ahead = indexAt(sweep, 0);
@@ -77,7 +77,7 @@ test("wherever forward is swept, a line stands ahead", () => {
   }
 });
 
-test("so many lines as are asked for divide the swept angle in equal parts, ends included", () => {
+test("a count of lines divides the swept angle in equal parts, ends included", () => {
   assert.deepEqual(rayIndices(sweepOf(180, 181), [], 5), [0, 45, 90, 135, 180]);
   assert.deepEqual(rayIndices(sweepOf(180, 181), [], 4), [0, 60, 120, 180]);
   assert.deepEqual(rayIndices(sweepOf(270, 1081), [], 2), [0, 1080]);
@@ -91,7 +91,7 @@ test("on a full circle the ends meet, so that one line stands for both", () => {
   }
 });
 
-test("on a full circle a line stands ahead, wherever the scanner starts", () => {
+test("on a full circle a line stands ahead, at any start of the scanner", () => {
   for (const first of [-180, -90, 0, 90]) {
     for (const count of [4, 9]) {
       const indices = rayIndices(circle(360, first), [], count);
@@ -106,26 +106,26 @@ test("a repeated end ray leaves the parts of a circle equal", () => {
   assert.equal(rayIndices(sweepOf(360, 361), [], 360).length, 360);
 });
 
-test("no line stands where none is asked for or there is no ray", () => {
+test("without rays or with a count of zero there are no lines", () => {
   assert.deepEqual(rayIndices(sweepOf(180, 181), [], 1), [90]);
   assert.deepEqual(rayIndices(sweepOf(60, 61, 60), [], 1), [30], "forward is not swept");
   assert.deepEqual(rayIndices(sweepOf(180, 181), [], 0), []);
   assert.deepEqual(rayIndices({ angleMin: 0, angleIncrement: 0.1, count: 0 }, [], null), []);
 });
 
-test("more lines than rays is each ray once", () => {
+test("more lines than rays give each ray one line", () => {
   assert.deepEqual(rayIndices(sweepOf(60, 5), [], 360), [0, 1, 2, 3, 4]);
   assert.deepEqual(rayIndices(circle(4), [], 360), [0, 1, 2, 3]);
   assert.deepEqual(rayIndices(sweepOf(0, 1), [], 9), [0]);
 });
 
-test("angles that are asked for have lines at the closest rays, where there are any", () => {
+test("lines at given angles stand at the closest rays, if there are any", () => {
   const asked = [30.4, -30, 0, 120, 0.2].map((degrees) => degrees * DEGREE);
   assert.deepEqual(linesOf({ ...sweepOf(180, 181) }).length, 7);
   assert.deepEqual(degreesOf(sweepOf(180, 181), rayIndices(sweepOf(180, 181), asked, 9)), [-30, 0, 30]);
 });
 
-test("a line's label says angle over index", () => {
+test("a line's label is its angle over its index", () => {
   const { labels } = layOut(sweepOf(180, 181), BOXES[0], 10, "up", 5);
   assert.deepEqual(
     labels.map(({ lines }) => lines),
@@ -164,7 +164,7 @@ test("labels are thinned until none overlaps; forward and both ends stay", () =>
   }
 });
 
-test("a label that is too close to an end's gives way alone", () => {
+test("only a label that is too close to an end's label gives way", () => {
   const { projection, labels } = layOut(PR2, BOXES[0], 10, "up", null);
   const kept = thinLabels(projection, labels).map(({ lines }) => lines[0]);
   assert.deepEqual(kept, [
@@ -217,7 +217,7 @@ test("boxes overlap when they share more than an edge, with the margin asked for
   assert.equal(overlaps(box, { x: 12, y: 21, width: 1, height: 1 }), false);
 });
 
-test("occupied is what was marked, and what lies outside the picture is forgotten", () => {
+test("marked cells are occupied, and cells outside the picture are ignored", () => {
   const occupied = new Occupancy(100, 50);
   for (const [x, y] of [
     [-1, 5],
@@ -286,7 +286,7 @@ test("in an empty picture every arc is labelled, inside it and inside the swept 
   }
 });
 
-test("a label is twice as close to its own arc as to any other, or lies on it and on no other", () => {
+test("a label is twice as close to its arc as to any other, or lies on it and on no other", () => {
   let onArc = 0;
   for (const [name, sweep] of Object.entries(SWEEPS)) {
     for (const side of [120, 160, 200, 226, 260, 320, 500, 760]) {
@@ -322,7 +322,7 @@ test("a label is twice as close to its own arc as to any other, or lies on it an
   assert.ok(onArc > 0, "some lie on their arcs");
 });
 
-test("the labels of one ray are not cut by the edge, wherever it points", () => {
+test("the edge never cuts the labels of one ray, at any angle", () => {
   for (let degrees = -180; degrees <= 180; degrees += 5) {
     const sweep = { angleMin: (degrees * Math.PI) / 180, angleIncrement: 0, count: 1 };
     const p = { ...picture(sweep), projection: layOut(sweep, BOXES[2], 10, "up", 0).projection };
@@ -344,7 +344,7 @@ test("labels stand left of forward", () => {
   }
 });
 
-test("no label stands on a reading, on another, or on what covers the picture", () => {
+test("a label never stands on a reading, on another label, or on an element over the picture", () => {
   const random = randoms(7);
   for (const sweep of Object.values(SWEEPS)) {
     const p = picture(sweep);
@@ -364,7 +364,7 @@ test("no label stands on a reading, on another, or on what covers the picture", 
   }
 });
 
-test("a label stays where it was as long as that place is free", () => {
+test("a label keeps its place as long as that is free", () => {
   const p = picture(sweepOf(270, 1081));
   const first = label(p);
   const blocking = new Occupancy(p.box.width, p.box.height);
@@ -380,7 +380,7 @@ test("a label stays where it was as long as that place is free", () => {
   );
 });
 
-test("where the sweep no longer reaches, a label does not stay", () => {
+test("a label leaves a place that the sweep no longer reaches", () => {
   const before = label(
     picture(circle()),
     undefined,
@@ -394,12 +394,12 @@ test("where the sweep no longer reaches, a label does not stay", () => {
   for (const { angle } of label(picture(sweepOf(60, 61)), undefined, before)) assert.ok(Math.abs(angle) < 30 * DEGREE);
 });
 
-test("an arc close to the robot goes without", () => {
+test("an arc close to the robot has no label", () => {
   const p = { ...picture(circle()), arcs: [{ distance: 0.1, width: WIDTH }] };
   assert.deepEqual(label(p), []);
 });
 
-test("on a circle that is nearly closed the last label gives way to the first, and no other", () => {
+test("on a circle that is nearly closed only the last label gives way to the first", () => {
   for (const sweep of [sweepOf(358, 359), sweepOf(357, 358), sweepOf(357.5, 719)]) {
     const { projection, labels } = layOut(sweep, BOXES[2], 10, "up", 9);
     assert.deepEqual(thinLabels(projection, labels), labels.slice(0, 8));

@@ -4,7 +4,7 @@ import { History } from "../../robowidgets/js/shared/history.ts";
 
 const SECONDS = 30;
 
-/** A history into which samples came, numbered from 0, so many a second. */
+/** A history with samples numbered from 0, at a rate. */
 function filled(count: number, { hertz = 10, size = 8, seconds = SECONDS } = {}) {
   const history = new History();
   let next = 0;
@@ -23,17 +23,17 @@ function range(from: number, to: number): number[] {
   return Array.from({ length: to - from }, (_, i) => from + i);
 }
 
-test("so many seconds are kept", () => {
+test("the history keeps so many seconds", () => {
   assert.deepEqual(filled(200).numbers(), range(0, 200));
   assert.deepEqual(filled(1000).numbers(), range(699, 1000));
   assert.deepEqual(filled(1000, { seconds: 5 }).numbers(), range(949, 1000));
 });
 
-test("of what comes fast, 20 samples for each second are kept", () => {
+test("a fast source keeps 20 samples for each second", () => {
   assert.deepEqual(filled(5000, { hertz: 60 }).numbers(), range(4400, 5000));
 });
 
-test("of what is large, 8 MB are kept, and the newest in any case", () => {
+test("large samples are kept up to 8 MB, and always the newest", () => {
   assert.deepEqual(filled(100, { size: 1e6 }).numbers(), range(92, 100));
   assert.deepEqual(filled(3, { size: 9e6 }).numbers(), [2]);
 });
@@ -51,7 +51,7 @@ for (const [what, options, before, after] of [
   ["samples", { hertz: 60 }, range(400, 1000), range(1000, 1599)],
   ["bytes", { size: 1e6 }, range(992, 1000), range(1000, 1007)],
 ] as const) {
-  test(`held, nothing goes, as much comes again, and the newest is always there: ${what}`, () => {
+  test(`frozen, the history drops nothing, takes as much again, and always has the newest: ${what}`, () => {
     const { history, add, numbers } = filled(1000, options);
     assert.deepEqual(numbers(), before);
     history.freeze(history.moments.at(-1)?.at ?? 0);
@@ -71,7 +71,7 @@ for (const [what, options, before, after] of [
   });
 }
 
-test("released, it is as bounded as before", () => {
+test("released, it has the same bounds as before", () => {
   const { history, add, numbers } = filled(600, { hertz: 60 });
   history.freeze(history.moments.at(-1)?.at ?? 0);
   add(600);
@@ -80,7 +80,7 @@ test("released, it is as bounded as before", () => {
   assert.deepEqual(numbers(), range(600, 1200));
 });
 
-test("what the page found at its load goes with the first sample that comes, unless it is held", () => {
+test("the sample found at page load is dropped with the first new sample, unless frozen", () => {
   const history = new History();
   const [found, newer] = [new DataView(new ArrayBuffer(8)), new DataView(new ArrayBuffer(8))];
   history.add(found, Number.NaN, SECONDS);

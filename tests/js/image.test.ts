@@ -17,7 +17,7 @@ function pictureOf(form: number, data: ArrayBuffer, depthScale: number): Picture
   return { sequence: 1, rate: 10, arrived: 0, form, depthScale, data: new Uint8Array(data), ...size };
 }
 
-test("a frame says its form and its size, amid the bytes of a larger message", () => {
+test("a frame has its form and its size, amid the bytes of a larger message", () => {
   const bytes = new DataView(new ArrayBuffer(100), 5, 32 + 48 + 2);
   for (const [i, value] of [7, 10, 0, 1, 4, 2, 3, 5, 0.5, 1].entries()) bytes.setFloat64(8 * i, value, true);
   bytes.setUint16(80, 300, true);
@@ -27,7 +27,7 @@ test("a frame says its form and its size, amid the bytes of a larger message", (
   assert.deepEqual([...data], [44, 1]);
 });
 
-test("numbers of a depth image are metres, and what is no distance is nothing", () => {
+test("numbers of a depth image are metres, and an invalid distance is NaN", () => {
   const metres = new Float32Array([0, 1.5, Infinity, NaN]);
   assert.deepEqual([...toNumbers(pictureOf(FLOAT32, metres.buffer, 1))], [NaN, 1.5, NaN, NaN]);
   const millimetres = new Uint16Array([0, 250, 65535, 1000]);
@@ -36,7 +36,7 @@ test("numbers of a depth image are metres, and what is no distance is nothing", 
   assert.deepEqual([...toNumbers(pictureOf(UINT16, millimetres.buffer, 0))], [0, 250, 65535, 1000]);
 });
 
-test("colors are fitted without the outermost hundredth, and nothing has none", () => {
+test("colors are fitted without the outermost hundredth, and without values there is no scale", () => {
   const numbers = Float32Array.from({ length: 1000 }, (_, i) => 1 + i / 500);
   numbers[0] = 900;
   numbers[1] = NaN;
@@ -47,14 +47,14 @@ test("colors are fitted without the outermost hundredth, and nothing has none", 
   assert.deepEqual([...pixels], [0xff030201, 0xff060504, 0xff060504, 0]);
 });
 
-test("a region holds both its corners, within the picture, and its statistics leave out nothing", () => {
+test("a region includes both its corners, within the picture, and its statistics ignore missing values", () => {
   assert.deepEqual(regionOf({ row: 9.5, column: -3 }, { row: 2.2, column: 3.9 }, 8, 10), [2, 8, 0, 4]);
   const found = statisticsOf([Float64Array.of(10, NaN, 2, 9, 1)], true);
   assert.deepEqual(found, { of: 5, count: 4, channels: [[1, 5.5, 5.5, 10]], isExact: true });
   assert.deepEqual(statisticsOf([Float64Array.of(NaN)], true).channels, [null]);
 });
 
-test("a step of the wheel leaves the pixel under the pointer where it is, and the last step out shows all of it", () => {
+test("a step of the wheel keeps the pixel under the pointer, and the last step out shows the whole picture", () => {
   const [size, room] = [
     { width: 640, height: 480 },
     { x: 0, y: 10, width: 320, height: 240 },
@@ -69,7 +69,7 @@ test("a step of the wheel leaves the pixel under the pointer where it is, and th
   assert.deepEqual(lookAt(fitted, room), { scale: 0.5, column: 320, row: 240 });
 });
 
-test("what is said of a region covers none of it where there is room, else as little as can be", () => {
+test("the pop-up of a region does not cover it if there is room, else as little as possible", () => {
   const [size, room] = [
     { width: 150, height: 90 },
     { x: 0, y: 0, width: 320, height: 240 },
@@ -79,7 +79,7 @@ test("what is said of a region covers none of it where there is room, else as li
   assert.deepEqual(placeBeside(size, room, { x: 0, y: 0, width: 320, height: 200 }).y, 142);
 });
 
-test("Python is asked once for each picture, and what it said of the one before stands until it answers", () => {
+test("Python is asked once for each picture, and its last answer stands until the next one", () => {
   const asked: unknown[] = [];
   const fake = new FakeModel({ _answers: true });
   const model = Object.assign(fake, { send: (question: unknown) => asked.push(question) }).model;
@@ -116,7 +116,7 @@ test("Python is asked once for each picture, and what it said of the one before 
   assert.equal(fake.listening, 0);
 });
 
-/** The parts of a page that a picture is painted on, of which each pixel is the same. */
+/** Fakes the parts of a page that paint a picture; each pixel is the same. */
 function fakePage(pixel: number[]): void {
   const getImageData = (_x: number, _y: number, width: number, height: number) => ({
     data: Uint8ClampedArray.from({ length: 4 * width * height }, (_, i) => pixel[i % 4] as number),
@@ -134,7 +134,7 @@ function fakePage(pixel: number[]): void {
 }
 
 for (const [encoding, base64, about, letters, values, why, found] of vectors.images) {
-  test(`without Python, too, a pixel says what image[row, column] gives, or that it is a color as shown: ${encoding}`, () => {
+  test(`without Python, too, a pixel has the value of image[row, column], or is marked as a color on show: ${encoding}`, () => {
     fakePage([]);
     const source = new Source();
     const picture = decodeImage(new DataView(Uint8Array.from(Buffer.from(base64, "base64")).buffer));
@@ -155,7 +155,7 @@ for (const [encoding, base64, about, letters, values, why, found] of vectors.ima
   });
 }
 
-test("a picture that came as a JPEG says so, in the channels of its message", async () => {
+test("a picture that came as a JPEG is marked as such, in the channels of its message", async () => {
   fakePage([200, 20, 10, 255]);
   const said = async (about: ImageAbout) => {
     const source = new Source();

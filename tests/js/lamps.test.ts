@@ -28,7 +28,7 @@ test("rays are marked only while their condition is lit", () => {
   assert.deepEqual(litRuns(lampsOf(about, 5, true)), [], "nor while nothing is known of the present");
 });
 
-test("changes are stepped through in both directions, past what is unknown", () => {
+test("stepping through changes goes in both directions, past unknown states", () => {
   const states = ["unknown", "false", "false", "true", "unknown", "true", "false", "false"];
   assert.equal(changeFrom(states, states.length, -1), 6);
   assert.equal(changeFrom(states, 6, -1), 3);
@@ -38,13 +38,13 @@ test("changes are stepped through in both directions, past what is unknown", () 
   assert.equal(changeFrom([], 0, -1), -1);
 });
 
-test("the words say for how long, by the clock of the sample", () => {
+test("the words have the duration of a state, by the clock of the sample", () => {
   assert.deepEqual(stateWords(LIT, 10.3), ["true", " for 0.8 s"]);
   assert.deepEqual(stateWords({ ...LIT, state: "unknown" }, 10.3), ["unknown", ""]);
   assert.deepEqual(stateWords(OFF, 10.3), ["off", ""]);
 });
 
-test("lines lie behind the readings, in one piece for each thing", () => {
+test("lines lie behind the readings, one for each thing", () => {
   const sweep = sweepOf(90, 9);
   const { projection } = layOut(sweep);
   const scan = scanOf([5, 5, 2, 2, 5, 5, 5, 2, 2], { ...sweep, sequence: 5 });

@@ -5,7 +5,7 @@ import { FORWARD, fit, sweepRim } from "../../robowidgets/js/shared/projection.t
 
 export const DEGREE = Math.PI / 180;
 
-/** A sweep in degrees, centred on forward unless it says where it starts. */
+/** A sweep in degrees, centred on forward unless the first angle is given. */
 export function sweepOf(spread: number, count: number, first = -spread / 2): Sweep {
   return {
     angleMin: first * DEGREE,
@@ -20,7 +20,7 @@ export const circle = (count = 360, first = -180): Sweep => ({
   count,
 });
 
-/** The sweeps that scanners have. */
+/** The sweeps of common scanners. */
 export const SWEEPS: Record<string, Sweep> = {
   "360 degrees from behind": circle(),
   "360 degrees from forward": circle(360, 0),
@@ -70,7 +70,7 @@ export function scanOf(values: number[], more: Partial<Scan> = {}): Scan {
 /** Widths of the two lines of a label, about as wide as a browser makes them. */
 export const measure = (lines: [string, string]): number => Math.max(...lines.map((line) => line.length)) * 7;
 
-/** What the scene makes of a sweep: the projection and all its labels. */
+/** The layout of the scene for a sweep: the projection and all its labels. */
 export function layOut(
   sweep: Sweep,
   box = BOXES[0] as (typeof BOXES)[number],

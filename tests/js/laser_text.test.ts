@@ -12,7 +12,7 @@ const scan = scanOf([2, -Infinity, Infinity, Number.NaN, 0.05, 61], {
   maxRange: 60,
 });
 
-test("each value means something", () => {
+test("each class has a meaning", () => {
   assert.deepEqual(
     scan.kinds.map((_, index) => meaningOf(scan, index)),
     [
@@ -37,7 +37,7 @@ test("the classes are numbered and named as in Python", () => {
   assert.deepEqual(named, ["reading", "too_close", "nothing_in_range", "no_measurement", "outside_limits"]);
 });
 
-test("a reading is told with distance, angle, x and y", () => {
+test("the pop-up of a reading has distance, angle, x and y", () => {
   assert.deepEqual(describeRay(scanOf([2], { angleMin: 30 * DEGREE, angleIncrement: 0 }), 0), {
     expression: "ranges[0]",
     distance: "2.00 m",
@@ -54,13 +54,13 @@ test("a reading in a picture of millimetres has their decimals", () => {
   assert.deepEqual([distance, details], ["0.0030 m", "x\u00A00.0030  y\u00A00.0000"]);
 });
 
-test("a reading from 1 km on is told in kilometres, its place too", () => {
+test("a reading from 1 km on is shown in kilometres, also its place", () => {
   const far = { ...scanOf([3000], { angleMin: 30 * DEGREE }), maxRange: 5000, kinds: [0] };
   const { distance, details } = describeRay(far as never, 0, 5000);
   assert.deepEqual([distance, details], ["3.000 km", "x\u00A02.598 km  y\u00A01.500 km"]);
 });
 
-test("a ray without a reading is told with what its value means", () => {
+test("the pop-up of a ray without a reading has the meaning of its value", () => {
   const told = [1, 2, 3, 4].map((index) => describeRay(scan, index));
   assert.deepEqual(
     told.map(({ distance }) => distance),
@@ -76,13 +76,13 @@ test("a ray without a reading is told with what its value means", () => {
   );
 });
 
-test("an intensity is told where there is one", () => {
+test("the pop-up has an intensity if the scan has one", () => {
   const bright = { ...scan, intensities: Float32Array.of(47, 0.5, 3, Number.NaN, 1, 2) };
   const details = [0, 1, 3].map((index) => describeRay(bright, index).details.split("\n")[1]);
   assert.deepEqual(details, ["intensity 47", "intensity 0.50", "intensity NaN"]);
 });
 
-test("a pinned ray that a shorter scan no longer has is told so", () => {
+test("the pop-up of a pinned ray that a shorter scan lacks reports it", () => {
   assert.deepEqual(describeRay(scan, 700), {
     expression: "ranges[700]",
     distance: "\u2014",
@@ -111,7 +111,7 @@ test("sides are the robot's", () => {
   ]);
 });
 
-test("the range of a scan that was made of other data has its place there", () => {
+test("the range of a scan that was made of other data has its place in these data", () => {
   const made = { ...scan, sources: Float32Array.of(2, Number.NaN, 0) };
   const about = { made_of: ["last echo", "ranges[{ray}].echoes[{number}]"] } as const;
   assert.deepEqual(

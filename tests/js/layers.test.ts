@@ -3,7 +3,7 @@ import { test } from "node:test";
 import { walk, watchGestures } from "../../robowidgets/js/laser/gestures.ts";
 import type { Drag, Layer } from "../../robowidgets/js/laser/layer.ts";
 
-/** An element with a place in the page, and the events that a person makes on it. */
+/** An element with a place in the page, and simulated events of the user. */
 class Element extends EventTarget {
   closest = () => null;
   parentElement = new EventTarget();
@@ -23,7 +23,7 @@ const pointer = (type: string, x: number, y: number, more = {}) =>
   });
 const key = (name: string) => Object.assign(new Event("keydown", { cancelable: true }), { key: name });
 
-/** A picture with layers, of which the last one is on top, and what they were told. */
+/** A picture with layers, of which the last one is on top, and their calls. */
 function picture(...layers: Partial<Layer>[]) {
   Object.assign(globalThis, { window: new EventTarget(), HTMLInputElement: class {}, Element });
   const element = new Element();
@@ -44,7 +44,7 @@ function picture(...layers: Partial<Layer>[]) {
   };
 }
 
-test("the layer on top takes what it wants, and the one below gets the rest", () => {
+test("the layer on top takes its events, and the one below gets the rest", () => {
   const told: string[] = [];
   const below: Partial<Layer> = {
     onHover: (point) => Boolean(told.push(`below hover ${point?.x}`)),
@@ -66,14 +66,14 @@ test("the layer on top takes what it wants, and the one below gets the rest", ()
   assert.deepEqual(zoomed, []);
 });
 
-test("a key that no layer takes zooms, or is left to the page", () => {
+test("a key that the layers do not take zooms, or is left to the page", () => {
   const { press, zoomed } = picture({ onKey: () => false });
   assert.ok(press("+"));
   assert.ok(!press("q"));
   assert.deepEqual(zoomed, [-1]);
 });
 
-test("a drag begins when the pointer has moved, and makes no click", () => {
+test("a drag begins when the pointer has moved, and does not end in a click", () => {
   const told: string[] = [];
   const drag: Drag = {
     move: ({ x }) => told.push(`move ${x}`),

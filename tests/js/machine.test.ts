@@ -97,7 +97,7 @@ for (const room of [900, 300]) {
   });
 }
 
-test("arrows beside a loop keep apart from its state, and its words stand beside it", () => {
+test("arrows near a loop keep clear of its state, and its words stand next to it", () => {
   const states = [..."search approach grab drop".split(" ").map((name) => state(name, "m"))];
   const moves = ["search search after 2", "search approach on lost", "search grab on lost", "search drop after 3"];
   const back = ["approach search on near", "grab search on near", "drop search after 1", "grab drop after 1"];
@@ -111,14 +111,14 @@ test("arrows beside a loop keep apart from its state, and its words stand beside
   }
 });
 
-test("machines stand side by side where there is room, and below each other where there is none", () => {
+test("machines stand side by side if there is room, and below each other if not", () => {
   const [first, second] = place([turning, looking], ALL).lanes;
   assert.ok(first && second && second.x >= first.x + first.width);
   const [upper, lower] = place([turning, looking], { ...ALL, room: 200 }).lanes;
   assert.ok(upper && lower && lower.y >= upper.y + upper.height);
 });
 
-test("what is folded, or deeper than three machines, is drawn as a state", () => {
+test("a folded machine, or one deeper than three levels, is drawn as a state", () => {
   assert.equal(place([walker], { ...ALL, isOpen: () => false }).states.length, 4);
   const wrap = (machine: MachineOutline): MachineOutline => ({
     path: "w",
@@ -145,12 +145,12 @@ function step(values: Partial<Step> = {}): Step {
   } as Step;
 }
 
-test("active states are told down into nested machines", () => {
+test("the text of active states includes nested machines", () => {
   assert.equal(activeText([walker], step()), "avoid \u203a left + far");
   assert.equal(activeText([walker], step({ states: { Walker: ["gone", 0] } })), "");
 });
 
-test("the time left is that of the next time-out, whose length a variable may say", () => {
+test("the time left belongs to the next time-out, whose length a variable may set", () => {
   const left = turning.states[3] as StateOutline;
   assert.equal(timeLeft(turning, left, step()), null);
   assert.deepEqual(timeLeft(turning, left, step({ seconds: [["Walker.avoid", "pause", 2]] })), [1.5, 2]);
@@ -159,7 +159,7 @@ test("the time left is that of the next time-out, whose length a variable may sa
   assert.deepEqual(timeLeft(turning, back, step({ states })), [0, 0.5]);
 });
 
-test("an event that was not judged in the step is unknown, whatever it was before", () => {
+test("an event that was not judged in the step is unknown, even if it had a value before", () => {
   const near = walker.moves[1] as MoveOutline;
   assert.deepEqual(verdictOf(walker, near, step()), ["unknown", ""]);
   const judged: Step["judged"] = [["Walker", "near", true, "0.43 < 0.55 m"]];
@@ -167,7 +167,7 @@ test("an event that was not judged in the step is unknown, whatever it was befor
   assert.deepEqual(verdictOf(walker, near, step({ judged: [["Walker", "near", null, ""]] })), ["unknown", ""]);
 });
 
-test("the way taken is the last move up to the step, also one from any state", () => {
+test("the taken move is the last one up to the step, also one from any state", () => {
   const made = (time: number, source: string, target: string, why: string): Fired => {
     return { at: time, time, machine: "Walker", source, target, why, reading: "", index: null };
   };

@@ -41,7 +41,7 @@ test("the page of a map saves the poses of its layers, each with the time of its
   assert.deepEqual(row?.split(",").slice(2), ["0.5", "1.5", "-2", String(Math.PI), "", "", "", ""]);
 });
 
-test("a place is in the cell of the row and column that a program finds, also on a grid that is turned", () => {
+test("a place is in the cell whose row and column a program finds, also on a grid that is turned", () => {
   const corner = { x: 1, y: 2, yaw: 0 };
   assert.deepEqual(cellAt(CELLS, corner, { x: 2.4, y: 2.6 }), [1, 2]);
   assert.equal(cellAt(CELLS, corner, { x: 0.9, y: 2.1 }), null);
@@ -49,7 +49,7 @@ test("a place is in the cell of the row and column that a program finds, also on
   assert.deepEqual(cellAt(CELLS, { ...corner, yaw: Math.PI / 2 }, { x: 0.4, y: 3.2 }), [1, 2]);
 });
 
-test("values are those of messages, and have words", () => {
+test("values are the same as in messages, and have words", () => {
   assert.deepEqual(
     [0, 1, 2].map((column) => cellValue(CELLS, 0, column, 100)),
     [0, 100, -1],
@@ -65,7 +65,7 @@ test("values are those of messages, and have words", () => {
   );
 });
 
-test("the corners of a grid are those of what it knows", () => {
+test("the corners of a grid enclose its known cells", () => {
   const places = cornersOf(CELLS, { x: 1, y: 2, yaw: 0 });
   assert.deepEqual(places, [
     { x: 1, y: 2 },
@@ -76,7 +76,7 @@ test("the corners of a grid are those of what it knows", () => {
   assert.deepEqual(cornersOf({ ...CELLS, data: new Uint8Array(6).fill(255) }, { x: 0, y: 0, yaw: 0 }), []);
 });
 
-test("an ellipse holds 95 of 100 places, and lies along the direction that is less sure", () => {
+test("an ellipse holds 95 of 100 places, and lies along the less certain direction", () => {
   const round = ellipseOf([0.01, 0, 0.01]);
   assert.ok(round && Math.abs(round.long - 0.2448) < 1e-4 && Math.abs(round.short - 0.2448) < 1e-4);
   const along = ellipseOf([0.01, 0, 0.04]);
@@ -84,7 +84,7 @@ test("an ellipse holds 95 of 100 places, and lies along the direction that is le
   assert.equal(ellipseOf([NaN, NaN, NaN]), null);
 });
 
-test("the distance from a line is that to its nearest point, and its length that of its parts", () => {
+test("the distance from a line is measured to its nearest point, and its length is the sum of its parts", () => {
   const line = [
     { x: 0, y: 0 },
     { x: 4, y: 0 },
@@ -96,7 +96,7 @@ test("the distance from a line is that to its nearest point, and its length that
   assert.equal(lengthOf(line), 7);
 });
 
-test("the robot is where a pose says how sure it is, else where tf has it, else where the first pose is", () => {
+test("the robot is the pose with a covariance, else the pose of tf, else the first pose", () => {
   const layer = (number: number, name: string, kind: LayerAbout["kind"] = "pose") => ({ number, name, kind });
   const layers = [layer(0, "/odom"), layer(1, "map->base_link"), layer(2, "/amcl_pose"), layer(3, "/goal", "goal")];
   const sure: LayerState["scatter"] = [0.1, 0, 0.1];
@@ -106,7 +106,7 @@ test("the robot is where a pose says how sure it is, else where tf has it, else 
   assert.equal(robotOf(layers, statesOf(state(3))), undefined);
 });
 
-test("zooming keeps the place under the pointer, and ends where there is nothing more to see", () => {
+test("zooming keeps the place under the pointer, and ends if nothing more can be seen", () => {
   const look = { x: 0, y: 0, width: 10 };
   const at = { x: 4, y: 2 };
   const closer = zoomed(look, -1, at);

@@ -58,7 +58,7 @@ const QUATERNION: Node = {
   children: ["x", "y", "z", "w"].map((name) => number(name)),
 };
 
-test("a number has the digits of its type: the fewest that are this float32 or float64", () => {
+test("a number has the fewest digits that give the same float32 or float64", () => {
   assert.equal(toExact(Math.fround(0.1), "float32"), "0.1");
   assert.equal(toExact(Math.fround(0.1), "float64"), "0.10000000149011612");
   assert.equal(toExact(Math.fround(16777217.5), "float32"), "16777218");
@@ -77,13 +77,13 @@ test("each float32 is read back from its digits", () => {
   }
 });
 
-test("a long number is read with seven digits, and told with all of them", () => {
+test("a long number is shown with seven digits, and in the foot with all of them", () => {
   const [field] = fieldsOf([number("z", "float64", { unit: "m/s\u00b2" })], [9.824123456789012]);
   assert.equal(toReadable(9.824123456789012, "float64"), "9.824123");
   assert.equal(toWhole(field as Field), "9.824123456789012 m/s\u00b2");
 });
 
-test("what was not measured is no number, and never a zero", () => {
+test("a missing measurement is not shown as a number, and never as zero", () => {
   const said = toSaid(fieldsOf([number("charge", "float32", { unit: "Ah" })], ["nan"])[0] as Field);
   assert.deepEqual([said.text, said.unit, said.isNone], ["not measured (NaN)", "", true]);
   assert.equal(toSaid(fieldsOf([number("x")], [null])[0] as Field).text, "no value");
@@ -92,7 +92,7 @@ test("what was not measured is no number, and never a zero", () => {
   assert.equal(toNumber(null), NaN);
 });
 
-test("a number with a name is shown by it, with the number beside it; bits by all of theirs", () => {
+test("a named number is shown by its name, with the number next to it; bits by all their names", () => {
   const names = { "0": "OK", "2": "ERROR" };
   const said = toSaid(fieldsOf([number("level", "uint8", { names })], [2])[0] as Field);
   assert.deepEqual([said.text, said.more], ["ERROR", "2"]);
@@ -103,7 +103,7 @@ test("a number with a name is shown by it, with the number beside it; bits by al
   assert.equal(nameOf(5, undefined), "");
 });
 
-test("an array says how long it is, from where to where it goes, and what was not measured", () => {
+test("an array shows its length, its least and greatest value, and the number of missing measurements", () => {
   assert.equal(
     toSaid(array("ranges", [0.5, NaN, 5.25, Infinity, NaN])).text,
     "[5] 0.5 to 5.25, 2 not measured, 1 infinite",
@@ -114,7 +114,7 @@ test("an array says how long it is, from where to where it goes, and what was no
   assert.equal(toSaid(empty as Field).text, "[0]");
 });
 
-test("a covariance of zeros is not known, and one of -1 was not measured", () => {
+test("a covariance of zeros is unknown, and one of -1 was not measured", () => {
   const zeros = array("orientation_covariance", [0, 0, 0]);
   assert.equal(toSaid(zeros).text, "all 0: not known");
   assert.match(noteOf(zeros), /by the definition the covariance is not known, not zero/);
@@ -122,7 +122,7 @@ test("a covariance of zeros is not known, and one of -1 was not measured", () =>
   assert.equal(noteOf(array("ranges", [0, 0])), "");
 });
 
-test("a quaternion says its yaw, and one that was never set nothing", () => {
+test("a quaternion shows its yaw, and one that was never set shows nothing", () => {
   const [field] = fieldsOf([QUATERNION], [[0, 0, Math.SQRT1_2, Math.SQRT1_2]]);
   assert.equal(toSaid(field as Field).text, "90.0\u00b0 yaw");
   const rows = toRows([field as Field], {});
@@ -136,7 +136,7 @@ test("a quaternion says its yaw, and one that was never set nothing", () => {
   assert.equal(toSaid(fieldsOf([QUATERNION], [[0, 0, 0, 0]])[0] as Field).text, "");
 });
 
-test("a vector says its length, and a place none", () => {
+test("a vector shows its length, and a position does not", () => {
   const parts = (unit: string) => ["x", "y", "z"].map((name) => number(name, "float64", { unit }));
   const vector = (unit: string, type: string): Node => ({ name: "v", kind: "message", type, children: parts(unit) });
   const said = (node: Node) => toSaid(fieldsOf([node], [[3, 4, 0]])[0] as Field);
@@ -153,7 +153,7 @@ test("a stamp is a time of day, a short time seconds", () => {
   assert.equal(time([0, 0]).text, "0");
 });
 
-test("code reads a field as its program does, whatever its name", () => {
+test("code reads a field by any name as its program does", () => {
   const inner: Node = { name: "a", kind: "message", type: "", children: [number("b c"), number("x")] };
   const [field] = fieldsOf([inner], [[1, 2]]);
   const [odd, plain] = field?.children ?? [];
@@ -169,7 +169,7 @@ test("code reads a field as its program does, whatever its name", () => {
   assert.equal(toCode(alone as Field, true), 'message["pose"]["position"][2]["x"]');
 });
 
-test("fields that are near to the root are unfolded as long as there is room, and as a person says", () => {
+test("fields near the root are unfolded as long as there is room, and the user's choice comes first", () => {
   const children = Array.from({ length: 50 }, (_, i) => number(`f${i}`));
   const nodes: Node[] = [
     { name: "header", kind: "message", type: "", children: [number("seq")] },
@@ -184,7 +184,7 @@ test("fields that are near to the root are unfolded as long as there is room, an
   assert.equal(toRows(fields, { folded: true }).at(-1)?.label, "loading \u2026");
 });
 
-test("a long array unfolds in parts of 32, of which those that were not sent say where they are", () => {
+test("a long array unfolds in parts of 32, and parts that were not sent have their place", () => {
   const long = array(
     "ranges",
     Array.from({ length: 70 }, (_, i) => i),
@@ -212,7 +212,7 @@ test("fields are found by their path, also in arrays", () => {
   assert.equal(find([array("ranges", [5, 6])], "ranges[7]"), undefined);
 });
 
-test("what changed is told to the last bit, also in arrays, and NaN is the same as NaN", () => {
+test("changes are found to the last bit, also in arrays, and NaN equals NaN", () => {
   const one = (value: Value) => fieldsOf([number("x")], [value])[0] as Field;
   assert.ok(isSame(one(1), one(1)));
   assert.ok(!isSame(one(1), one(1.0000000000000002)));
@@ -224,7 +224,7 @@ test("what changed is told to the last bit, also in arrays, and NaN is the same 
   assert.ok(!isSame(one(1), undefined));
 });
 
-test("a screen reader hears the path, the value and its unit in words, and what changed", () => {
+test("a screen reader gets the path, the value and its unit in words, and the changes", () => {
   const node: Node = {
     name: "angular_velocity",
     kind: "message",
@@ -240,7 +240,7 @@ function joints(position: number[]): Field[] {
   return [names, array("position", position), array("velocity", [1, NaN]), array("effort", [])];
 }
 
-test("joints are rows: what was not sent or not measured is a dash, a wheel counts turns", () => {
+test("joints are rows: a missing value is a dash, a wheel counts turns", () => {
   const seen = new Seen();
   toTable(joints([0, -0.5]), seen);
   const table = toTable(joints([62.5, 0.5]), seen);
@@ -257,7 +257,7 @@ test("joints are rows: what was not sent or not measured is a dash, a wheel coun
   assert.equal(pan?.cells[1]?.bar, null);
 });
 
-test("joints without names go by their index", () => {
+test("joints without names have their index", () => {
   const none = fieldsOf([{ name: "name", kind: "messages", type: "", count: 0, children: [] }], [[0, []]])[0] as Field;
   const seen = new Seen();
   const sent = (values: number[]) => [none, array("position", values), array("velocity", []), array("effort", [])];
@@ -274,7 +274,7 @@ test("joints without names go by their index", () => {
   assert.deepEqual(rows[0]?.cells[0]?.bar, { low: 0.5, high: 1, value: 0.5, from: 0.5, ends: ["", ""] });
 });
 
-test("a battery shows per cent, its cells, and no bar where nobody knows the ends", () => {
+test("a battery shows per cent, its cells, and no bar if the ends are unknown", () => {
   const names = { "2": "DISCHARGING" };
   const fields = fieldsOf(
     [

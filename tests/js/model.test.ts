@@ -3,7 +3,7 @@ import { test } from "node:test";
 import { lacksKernel } from "../../robowidgets/js/shared/model.ts";
 import { FakeModel } from "./models.ts";
 
-test("a page lacks a kernel where the host's own models have no comm, and only there", () => {
+test("a page lacks a kernel if the host's own models have no comm, and only then", () => {
   const lacks = (layout?: unknown) => lacksKernel(new FakeModel({ layout }).model);
   assert.equal(lacks({ comm_live: false }), true);
   assert.equal(lacks({ comm_live: true }), false);

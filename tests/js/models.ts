@@ -1,6 +1,8 @@
 import type { Model } from "../../robowidgets/js/shared/model.ts";
 
-/** A model as anywidget hands it over, without Jupyter: it remembers, calls back and notes what would be sent. */
+/**
+ * A model as anywidget hands it over, without Jupyter: it keeps values, calls back and records the messages to Python.
+ */
 export class FakeModel {
   readonly saved: Record<string, unknown>[] = [];
   readonly #values: Record<string, unknown>;
@@ -33,19 +35,19 @@ export class FakeModel {
     this.#callbacks.get(event)?.delete(callback);
   }
 
-  /** One message of Python: all its traits are set before anybody is called. */
+  /** Sets all traits of one message of Python, then calls back. */
   receive(values: Record<string, unknown>): void {
     const changed = Object.keys(values).filter((name) => this.#values[name] !== values[name]);
     Object.assign(this.#values, values);
     for (const name of changed) for (const callback of this.#callbacks.get(`change:${name}`) ?? []) callback();
   }
 
-  /** A message of Python that is no trait. */
+  /** Sends a custom message of Python. */
   tell(content: unknown, buffers: DataView[] = []): void {
     for (const callback of this.#callbacks.get("msg:custom") ?? []) callback(content, buffers);
   }
 
-  /** How many callbacks there are. */
+  /** Number of callbacks. */
   get listening(): number {
     return [...this.#callbacks.values()].reduce((sum, callbacks) => sum + callbacks.size, 0);
   }

@@ -19,7 +19,7 @@ test("each name has a line of its numbers of the last ten seconds, by the time b
   assert.ok(q && q.low < -0.5 && q.high > -0.5, "one number has a scale too");
 });
 
-test("a name that was removed has no line, nor has a sample of which nothing is said", () => {
+test("a removed name has no line, and a sample without facts has no numbers", () => {
   assert.deepEqual(
     toNumberLines([
       { about: { numbers: { r: 1 } }, at: 0 },

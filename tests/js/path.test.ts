@@ -12,7 +12,7 @@ function point(time: number, x: number, y: number, yaw = 0, way = x): Point {
 
 const LINE = [point(0, 0, 0), point(1, 1, 0), point(3, 2, 0)];
 
-test("the bytes of a path are its points, also where they begin at an odd place of a buffer", () => {
+test("the bytes of a path are its points, also at an odd offset of a buffer", () => {
   const buffer = new ArrayBuffer(3 + 80);
   const view = new DataView(buffer, 3);
   for (const [i, value] of [0, 1, 2, 0.5, 0, 1.5, 4, 5, 0.6, 7].entries()) view.setFloat64(8 * i, value, true);
@@ -20,14 +20,14 @@ test("the bytes of a path are its points, also where they begin at an odd place 
   assert.deepEqual(toPoints(new DataView(new ArrayBuffer(0))), []);
 });
 
-test("the way up to a moment ends at the pose of that moment, and the rest begins there", () => {
+test("the path up to a moment ends at the pose of that moment, and the rest begins there", () => {
   const now = { time: 2, x: 1.5, y: 0, yaw: 0 };
   const here = { ...now, way: 1.5 };
   assert.deepEqual(splitAt(LINE, now), { before: [...LINE.slice(0, 2), here], after: [here, ...LINE.slice(2)] });
   assert.deepEqual(splitAt([], now), { before: [{ ...now, way: 0 }], after: [{ ...now, way: 0 }] });
 });
 
-test("a robot that jumped has no way there: the line, a pose on show and the nearest place say so", () => {
+test("a jump of the robot is a gap in the line, for a pose on show and for the nearest place", () => {
   const bytes = new DataView(new ArrayBuffer(4 * 40));
   const told = [
     [0, 0, 0, 0, 0],
@@ -49,12 +49,12 @@ test("a robot that jumped has no way there: the line, a pose on show and the nea
   assert.equal(after.before.at(-1)?.way, 1);
 });
 
-test("before the first pose all of the way is yet to come", () => {
+test("before the first pose all of the path is still ahead", () => {
   const nowhere = { time: -1, x: NaN, y: NaN, yaw: NaN };
   assert.deepEqual(splitAt(LINE, nowhere), { before: [], after: LINE });
 });
 
-test("the nearest place of a path may lie between two points, with its time and its way", () => {
+test("the nearest place of a path may lie between two points, with its time and its distance", () => {
   assert.deepEqual(nearestOn(LINE, { x: 1.25, y: 3 }), point(1.5, 1.25, 0));
   assert.deepEqual(nearestOn(LINE, { x: -5, y: 1 }), LINE[0]);
   assert.deepEqual(nearestOn([LINE[1] as Point], { x: 9, y: 9 }), LINE[1]);
@@ -78,7 +78,7 @@ test("the floor holds the whole path, fills the picture, and keeps still while t
   assert.ok(boundsOf([], size).west < 0);
 });
 
-test("a place of the path is named with its time, also from the moment on show", () => {
+test("the pop-up of a place of the path has its time, also from the moment on show", () => {
   const now = { time: 3, x: 2, y: 0, yaw: 0 };
   assert.deepEqual(describePoint(point(1, 1.5, -0.25, Math.PI / 2, 4), now), {
     expression: "1.00 s",
@@ -91,7 +91,7 @@ test("a place of the path is named with its time, also from the moment on show",
   assert.equal(describePoint(point(4, 0, 0, NaN), now).details.split("\n")[0], "heading unknown");
 });
 
-test("a grid has its lines, and ends also on a floor as large as only damaged numbers make it", () => {
+test("a grid has its lines, and is finite even on a floor as large as only damaged numbers make it", () => {
   assert.deepEqual(multiples(0.5, -0.75, 1), [-0.5, 0, 0.5]);
   const { west, east } = boundsOf(
     [
@@ -119,7 +119,7 @@ function grid(version: number, x: number): LayerState {
   return { ...nothing, scatter: [NaN, NaN, NaN], version, x };
 }
 
-test("a frozen map keeps its large grid where it was while the newest grows, and stepping back finds each", async () => {
+test("a frozen map keeps the place of its large grid while the newest grows, and stepping back finds each", async () => {
   const ground = new Ground();
   const [small, large] = [grid(1, -1), grid(2, -3)];
   const shown = (state: LayerState) => {
@@ -140,7 +140,7 @@ test("a frozen map keeps its large grid where it was while the newest grows, and
   );
 });
 
-test("large grids that no sample of the history shows any more go, and none takes their place", async () => {
+test("large grids that are in no sample of the history are dropped, without a substitute", async () => {
   const ground = new Ground();
   for (const version of [1, 2, 3, 4]) await ground.take(packedGrid(version, 200, 0), [grid(2, 0)], () => {});
   assert.deepEqual(
@@ -150,7 +150,7 @@ test("large grids that no sample of the history shows any more go, and none take
   assert.deepEqual([ground.gridOf(grid(5, 0)), ground.hasDropped(grid(5, 0))], [null, false]);
 });
 
-test("of the large grids of a history, those of 40 million cells are kept", async () => {
+test("a history keeps large grids of up to 40 million cells", async () => {
   const ground = new Ground();
   for (const version of [1, 2, 3, 4, 5]) await ground.take(packedGrid(version, 4000, 0), [grid(1, 0)], () => {});
   const kept = [1, 2, 3, 4, 5].filter((version) => ground.gridOf(grid(version, 0)));

@@ -16,14 +16,14 @@ test("the pointer on a reading names it, for every ray of every sweep", () => {
     const { projection } = layOut(sweep, box);
     for (let i = 0; i < sweep.count; i++) {
       const index = pick(projection, scan, toPixel(projection, scan.ranges[i] as number, angleOf(scan, i)));
-      // Two rays may point the same way, where a circle repeats its end ray.
+      // Two rays may have the same direction if a circle repeats its end ray.
       const same = Math.abs(Math.sin((angleOf(scan, index) - angleOf(scan, i)) / 2)) < 1e-9;
       assert.ok(index === i || (same && scan.ranges[index] === scan.ranges[i]), `${name}: ray ${i}, not ${index}`);
     }
   }
 });
 
-test("a reading close to the pointer goes before the ray of its direction", () => {
+test("a reading close to the pointer comes before the ray of its direction", () => {
   const scan = scanOf(
     Array.from({ length: 181 }, (_, i) => (i === 90 ? 5 : Infinity)),
     sweepOf(180, 181),

@@ -33,7 +33,7 @@ function track(...times: number[]) {
   };
 }
 
-test("frames are read with their times, what is said of them, and frames of their own", () => {
+test("decoded frames have their times, facts and separate bytes", () => {
   const frames = decodeFrames(packed([1, 0, [7, 8]], [1.5, 1, []], [1.75, 0, [9]]));
   assert.deepEqual(
     frames.map(({ time, about, bytes }) => [time, about, [...new Uint8Array(bytes.buffer)]]),
@@ -45,7 +45,7 @@ test("frames are read with their times, what is said of them, and frames of thei
   );
 });
 
-test("at a time there is the last frame before it, or of that very time", () => {
+test("the frame at a time is the last one up to that time", () => {
   const segments = new Segments(1);
   segments.put(3, [track(3, 3.2, 3.4)]);
   const at = (time: number) => segments.at(time)?.map(({ frame }) => frame.time);
@@ -55,7 +55,7 @@ test("at a time there is the last frame before it, or of that very time", () => 
   assert.equal(at(3.2), undefined);
 });
 
-test("steps go from frame to frame, past segments with none, and say where something is missing", () => {
+test("steps go from frame to frame, past empty segments, and report a missing segment", () => {
   const segments = new Segments(1);
   segments.put(0, [track(0, 0.5)]);
   segments.put(1, [track(1)]);
@@ -69,7 +69,7 @@ test("steps go from frame to frame, past segments with none, and say where somet
   assert.equal(segments.neighbour(0, 3.25, 1, 3.5), 3.25);
 });
 
-test("steps go from message to message, past frames with which none came", () => {
+test("steps go from message to message, past frames without a new one", () => {
   const abouts = [{}, { new: [] }, { new: ["commanded"] }];
   const framed = (...frames: [time: number, about: number][]) => ({
     frames: decodeFrames(packed(...frames.map(([time, about]): [number, number, number[]] => [time, about, FRAME]))),
@@ -91,7 +91,7 @@ test("steps go from message to message, past frames with which none came", () =>
   assert.deepEqual(walk(2.9, -1), [2.5, 2, 0.25]);
 });
 
-test("the last frames up to a time are told across segments, each once, as far back as segments are here", () => {
+test("the last frames up to a time come from several segments, each once, within the segments of the page", () => {
   const segments = new Segments(1);
   segments.put(1, [track(0.5, 1, 1.5)]);
   segments.put(2, [track(1.5)]);
@@ -183,7 +183,7 @@ async function play(
   return { fake, leader, follower, playback, state, on, sent, give, pass, end: () => controller.abort() };
 }
 
-test("what is old is told with its age, whether it is new on show or not", async () => {
+test("an old frame has its age, also if it is new on show", async () => {
   const { fake, playback, state, end } = await play({ _pauses: [2], duration: 99 }, [0]);
   const frame = [...FRAME];
   for (const [index, time] of [
@@ -202,7 +202,7 @@ test("what is old is told with its age, whether it is new on show or not", async
   assert.deepEqual(told(5.04), { frame_id: "laser", age: 4500 });
   const shown = state._frame;
   assert.deepEqual(told(5.17), { frame_id: "laser", age: 4600 });
-  assert.equal(state._frame, shown, "the same is not shown anew");
+  assert.equal(state._frame, shown, "the same frame is not shown again");
   assert.deepEqual(told(6), { frame_id: "laser", age: 5500 });
   assert.deepEqual(told(7.9), { frame_id: "laser" });
   assert.deepEqual(told(8.5), { frame_id: "laser" }, "nothing was measured yet: it has no age");
@@ -224,7 +224,7 @@ test("a widget that shows earlier samples gets those up to the one on show, and 
   assert.deepEqual(recent(), [{ frame_id: "1" }, { frame_id: "1" }]);
   assert.equal((state._recent as { bytes: DataView }[]).at(-1)?.bytes, state._frame);
   give(0);
-  assert.equal(recent()?.length, 4, "those of an earlier segment, which came later");
+  assert.equal(recent()?.length, 4, "frames of an earlier segment, which came later");
   set({ paused: true });
   playback.seek(2.6);
   assert.deepEqual(recent()?.at(-1), { frame_id: "1" });
@@ -242,7 +242,7 @@ test("a widget that shows earlier samples gets those up to the one on show, and 
   end();
 });
 
-test("a step to what is not here is left to Python, and taken before it answers where its segment comes", async () => {
+test("a step into a missing segment is left to Python, and taken early if its segment arrives first", async () => {
   const { fake, playback, sent, give, end } = await play({ duration: 9 }, [0]);
   playback.seek(0.5);
   playback.step(1);
@@ -286,7 +286,7 @@ test("the newest of several steps is taken, and none after a seek or once it pla
   end();
 });
 
-test("a page that has nothing says so, and shows what comes without a word to the kernel", async () => {
+test("a page without segments reports it, and shows new ones without a message to the kernel", async () => {
   const { fake, state, sent, end } = await play();
   assert.deepEqual(sent, [{ have: "nothing" }]);
   assert.deepEqual(state._about, { frame_id: "0" });
@@ -295,7 +295,7 @@ test("a page that has nothing says so, and shows what comes without a word to th
   end();
 });
 
-test("Python hears at once of a moment that is missing, and now and then of others", async () => {
+test("Python is notified of a missing moment at once, and of other times now and then", async () => {
   const { fake, playback, sent, give, end } = await play({ duration: 9 });
   for (const time of [0.5, 1, 7.2, 1.5, 8.4]) playback.seek(time);
   assert.deepEqual(
@@ -323,7 +323,7 @@ test("it plays at its speed, numbers the frames on, and stops at the end", async
   end();
 });
 
-test("what is not here yet is waited for, and not skipped", async () => {
+test("playing waits for a missing segment instead of skipping it", async () => {
   const { playback, pass, give, end } = await play({ playing: true }, [0]);
   for (let i = 0; i < 30; i++) pass(100);
   assert.ok(playback.waits && playback.time < 1.2, String(playback.time));
@@ -339,7 +339,7 @@ test("looped, the selection begins again at its end", async () => {
   end();
 });
 
-test("a time that Python sets is shown, one that another page tells while both play is not jumped to", async () => {
+test("a time that Python sets is shown, and the time of another playing page is not a seek", async () => {
   const { fake, playback, state, end } = await play();
   fake.receive({ time: 2.5 });
   assert.equal(playback.time, 2.5);
@@ -352,7 +352,7 @@ test("a time that Python sets is shown, one that another page tells while both p
   end();
 });
 
-test("a time that a program asks for is gone to while it plays, and what comes anew is shown", async () => {
+test("a seek of a program while it plays is carried out, and replaced data are shown", async () => {
   const { fake, playback, state, give, end } = await play({ playing: true });
   fake.tell({ seek: 0.6 });
   assert.equal(playback.time, 0.6);
@@ -395,7 +395,7 @@ test("keys step, jump, go from mark to mark and change the speed", async () => {
   end();
 });
 
-test("where a person points on another widget is asked for within the recording, and shown at once on a click", async (t) => {
+test("the time under the pointer on another widget is requested within the recording, and shown at once on a click", async (t) => {
   t.mock.timers.enable({ apis: ["setTimeout"] });
   const { follower, playback, state, sent, give, end } = await play({ duration: 9 });
   for (const pointed of [7.2, 1.5, 8.4, null, 12]) {
@@ -411,7 +411,7 @@ test("where a person points on another widget is asked for within the recording,
   end();
 });
 
-test("every widget shows the moment of what a person points at, and its ray, until the pointer leaves", async () => {
+test("every widget shows the moment and the ray under the pointer until the pointer leaves", async () => {
   const { fake, follower, playback, state, pass, end } = await play({}, [0, 2]);
   const shows = () => [(state._about as { frame_id: string }).frame_id, state.hovered ?? null, playback.shown];
   follower.set("_pointed", { time: 2.75, ray: 4 });
@@ -455,7 +455,7 @@ test("widgets say that they wait while the page lacks the moment on show, and go
   end();
 });
 
-test("what was shown before the page has anything is no other moment", async () => {
+test("a picture from before the page has any segment is not marked as of another moment", async () => {
   const { state, end } = await play({ time: 2 }, []);
   assert.deepEqual(state._about, {});
   end();
@@ -505,7 +505,7 @@ test("a step moves frozen widgets from the moment at which they are frozen, and 
   end();
 });
 
-test("another widget shows the time, is followed where a person points, and let go at the end", async () => {
+test("another widget shows the time, is followed at clicks of the user, and released at the end", async () => {
   const { fake, follower, playback, state, pass, end } = await play();
   playback.toggle();
   for (let i = 0; i < 3; i++) pass(100);
@@ -524,7 +524,7 @@ test("another widget shows the time, is followed where a person points, and let 
   assert.equal(fake.listening, 0);
 });
 
-test("what the kernel sends of another widget moves nothing: it may be old, or a click in another page", async () => {
+test("messages of the kernel about another widget move nothing: they may be old, or a click in another page", async () => {
   const { fake, follower, playback, sent, end } = await play();
   const send = (time: number) => {
     Object.assign(follower, { _state_lock: { time } });
@@ -549,7 +549,7 @@ test("what the kernel sends of another widget moves nothing: it may be old, or a
   end();
 });
 
-test("widgets that get from the kernel what it had long ago show what the player shows", async () => {
+test("widgets that get an old state from the kernel show the player's moment", async () => {
   const { playback, follower, state, on, end } = await play();
   playback.seek(1);
   follower.set("_pointed", { time: 2, ray: 7 });
@@ -583,7 +583,7 @@ test("a moment has a date and a time of day in UTC, of its last full second", ()
   assert.deepEqual(toClock(1_714_746_725), ["2024-05-03", "14:32:05"]);
   assert.deepEqual(toClock(1_714_746_725.994), ["2024-05-03", "14:32:05"]);
   assert.deepEqual(toClock(1_714_694_400 - 0.5), ["2024-05-02", "23:59:59"]);
-  // What a float makes of a whole second is no second less.
+  // Rounding of a float does not make a whole second one less.
   assert.deepEqual(toClock(1_700_000_000.1 + 5.9), ["2023-11-14", "22:13:26"]);
 });
 
@@ -594,7 +594,7 @@ test("arrows up and down move the page, unless the bar has the focus", () => {
   ]);
 });
 
-test("who types or walks a list needs every key, and who is on a button space", () => {
+test("a text field or a list in focus gets every key, and a button the space bar", () => {
   const focused = (kind: string, isContentEditable = false) =>
     ({
       isContentEditable,
@@ -608,7 +608,7 @@ test("who types or walks a list needs every key, and who is on a button space", 
   assert.deepEqual(used(focused("div")), []);
 });
 
-test("the words say which mark of how many a time lies in or after", () => {
+test("the text has the number of the mark at or before a time, and the number of marks", () => {
   const marks: [number, number, string][] = [
     [1, 2, "bump"],
     [5, 5, ""],
@@ -622,7 +622,7 @@ test("the words say which mark of how many a time lies in or after", () => {
   assert.equal(describeMark([[1, 2, "x"]], 0).number, "1 mark");
 });
 
-test("a player follows another to the same place, stays where there is none, and says so", async () => {
+test("a player follows another to the same place, stays without such a place, and shows it", async () => {
   const floats = (...values: number[]) => new DataView(new Float64Array(values).buffer);
   const _leader = { model: "leader", times: floats(1, 2, 3), seconds: floats(0.5, NaN, 2.5), lost: "no place there" };
   const { fake, leader, playback, end } = await play({ _leader });
@@ -634,7 +634,7 @@ test("a player follows another to the same place, stays where there is none, and
   assert.deepEqual(at(1), [0.5, ""]);
   assert.deepEqual(at(2.9), [0.5, "no place there"]);
   assert.deepEqual(at(9), [2.5, ""]);
-  assert.deepEqual(fake.saved.at(0)?.time, 0.5, "Python is told");
+  assert.deepEqual(fake.saved.at(0)?.time, 0.5, "Python gets the time");
   playback.seek(1);
   assert.deepEqual([playback.time, playback.lost], [1, ""], "it can be moved by itself");
   const again = await play({ _leader, time: 1 }, [0, 1, 2], { _shown: 9, time: 9 });
@@ -666,7 +666,7 @@ test("a player follows another to the same place, stays where there is none, and
   assert.equal(leader.listening, 0);
 });
 
-test("a player tells its followers what its widgets show", async () => {
+test("a player passes the moment on show on to its followers", async () => {
   const { fake, playback, state, on, end } = await play();
   const shown = () => fake.get("_shown");
   playback.seek(1.25);

@@ -40,7 +40,7 @@ test("steps go from value to value, over gaps too, and not to a silence", () => 
   assert.equal(timeBeside(LINE, 5, 1), undefined);
 });
 
-test("least, mean and most are of what is seen, and of the values too that the page does not have", () => {
+test("least, mean and greatest belong to the visible span, and include values that the page lacks", () => {
   assert.deepEqual(measure(LINE, [0, 5]), { least: -1, mean: 5 / 3, most: 4 });
   assert.deepEqual(measure(LINE, [1.5, 5]), { least: -1, mean: 0.5, most: 2 });
   assert.equal(measure(LINE, [2.5, 4]), null);
@@ -49,14 +49,14 @@ test("least, mean and most are of what is seen, and of the values too that the p
   assert.deepEqual(measure(thin, [0, 10]), { least: 1, mean: 4, most: 3 });
 });
 
-test("the part that is known finely takes the place of the coarse one", () => {
+test("the detailed part replaces the coarse rows", () => {
   const part = rowsOf([2.5, 3, 3.2, 3.4, 4.5], [9, 5, 6, 7, 9]);
   const { times, values } = merged(rowsOf([0, 2, 3.1, 5], [0, 2, 3, 5]), part, [3, 4]);
   assert.deepEqual([...times], [0, 2, 3, 3.2, 3.4, 5]);
   assert.deepEqual([...values], [0, 2, 5, 6, 7, 5]);
 });
 
-test("the newest seconds are on show while values come, until a person looks at a span or freezes", () => {
+test("the newest seconds are on show while values arrive, until the user selects a span or freezes", () => {
   const live: Looking = { whole: [0, 100], view: null, live: true, window: 30, frozenAt: null };
   assert.deepEqual(seen(live), [70, 100]);
   assert.equal(follows(live), true);
@@ -70,7 +70,7 @@ test("the newest seconds are on show while values come, until a person looks at 
   assert.deepEqual(seen({ ...live, whole: [2, 2] }), [2, 3]);
 });
 
-test("lines of one unit share a graph, told apart by their pens, whatever their names", () => {
+test("lines of one unit share a graph, distinguished by their pens, with any names", () => {
   const groups = toGroups(["a", "toString", "b", "c"], { units: { a: "m", b: "m", c: "s" } });
   assert.deepEqual(
     groups.map(({ unit, entries }) => [unit, entries.map(({ index }) => index)]),
@@ -89,7 +89,7 @@ test("lines of one unit share a graph, told apart by their pens, whatever their 
   assert.deepEqual(entries.at(-1)?.pen, entries[0]?.pen);
 });
 
-test("a graph has four lines at most and a plot three graphs, and what is switched off makes room", () => {
+test("a graph has at most four lines and a plot three graphs, and switching lines off makes room", () => {
   const left = (off: string[]) =>
     toGroups([..."abcdef"], { units: {}, off }).flatMap(({ entries }) => entries.map((entry) => entry.left));
   assert.deepEqual(left([]), ["", "", "", "", "crowded", "crowded"]);
@@ -99,7 +99,7 @@ test("a graph has four lines at most and a plot three graphs, and what is switch
   assert.deepEqual(groups, [["", ""], [""], [""], ["crowded"]]);
 });
 
-test("a line is named by what tells it apart", () => {
+test("a line is named by the part that distinguishes it", () => {
   assert.deepEqual(toLabels(["/odom.twist.twist.angular.z", "/imu.angular_velocity.z"]), ["odom", "imu"]);
   assert.deepEqual(toLabels(["/odom.twist.twist.linear.x", "/odom.twist.twist.linear.y"]), ["x", "y"]);
   assert.deepEqual(toLabels(["/odom.twist.linear.x", "/odom.pose.position.x"]), ["linear.x", "position.x"]);
@@ -108,7 +108,7 @@ test("a line is named by what tells it apart", () => {
   assert.deepEqual(toLabels([odom, `d/dt ${odom}`, `${odom} (b.mcap)`]), ["odom", "d/dt odom", "odom (b.mcap)"]);
 });
 
-test("a difference names what two lines differ by", () => {
+test("a difference is named by the parts in which two lines differ", () => {
   assert.equal(toDifference(["nearest (fast)", "nearest (slow run)"]), "fast \u2212 slow run");
   assert.equal(toDifference(["odom", "cmd_vel"]), "odom \u2212 cmd_vel");
   assert.equal(toDifference(["x (fast)", "y (fast)"]), "x (fast) \u2212 y (fast)");
@@ -127,7 +127,7 @@ test("two lines over each other hold each value until the next", () => {
   assert.deepEqual([...ys], [7, 8, 8]);
 });
 
-test("a condition says how often and how long it holds of what is seen", () => {
+test("a condition shows how often and how long it holds in the visible span", () => {
   assert.deepEqual(
     holding(
       [
@@ -147,7 +147,7 @@ test("a number has a real minus sign, and no digits of rounding", () => {
   assert.equal(toDigits(NaN, 4), "NaN");
 });
 
-test("a part is asked for only where all of the line does not show each value, and one of other lines is not taken", () => {
+test("a part is requested only if the whole line lacks values, and a part of other lines is ignored", () => {
   const model = new FakeModel({ _lines: packed(1, [0, 100], 10, 3, rowsOf([0, 50, 100], [1, 2, 3])) });
   const data = new PlotData(model.model, new AbortController().signal);
   assert.equal(data.lacks([0, 1], 500), false);
@@ -162,6 +162,6 @@ test("a part is asked for only where all of the line does not show each value, a
   assert.deepEqual([...(data.lines[0]?.values ?? [])], [1, 2, 3]);
 });
 
-test("nothing is no frame", () => {
+test("an empty trait is not a frame", () => {
   assert.equal(decodePlot(new DataView(new ArrayBuffer(0))), null);
 });

@@ -48,7 +48,7 @@ for (const [name, sweep] of Object.entries(SWEEPS)) {
   }
 }
 
-test("with room, it stands near what it names", () => {
+test("with room, it stands near its ray", () => {
   const box = { x: 0, y: 0, width: 1200, height: 800 };
   const size = { width: 148, height: 74 };
   for (let degrees = 0; degrees < 360; degrees += 5) {
@@ -63,7 +63,7 @@ test("with room, it stands near what it names", () => {
   }
 });
 
-test("it keeps off another pop-up, labels and readings where it can", () => {
+test("it avoids another pop-up, labels and readings if it can", () => {
   const box = { x: 0, y: 0, width: 800, height: 600 };
   const size = { width: 148, height: 74 };
   const [from, to] = [
@@ -82,7 +82,7 @@ test("it keeps off another pop-up, labels and readings where it can", () => {
   assert.equal(dots.count({ ...fourth, ...size }), 0);
 });
 
-test("it stands off the data wherever the picture has room for it", () => {
+test("it avoids the data if the picture has room elsewhere", () => {
   const [box, size] = [BOXES[2] as Box, { width: 160, height: 74 }];
   const sweep = SWEEPS["270 degrees"] as Sweep;
   const { projection, labels } = layOut(sweep, box);

@@ -3,7 +3,7 @@ import { mock, test } from "node:test";
 import { Prefetcher } from "../../robowidgets/js/player/prefetch.ts";
 import { Segments } from "../../robowidgets/js/player/segments.ts";
 
-/** A page that has the first two of many segments; what it asks for; and time that passes when the test says so. */
+/** A page that has the first two of many segments; its requests; and time that passes when the test calls for it. */
 function start() {
   let now = 0;
   performance.now = () => now;
@@ -26,7 +26,7 @@ function start() {
   return { prefetcher, segments, asked, give, pass, end: () => controller.abort() };
 }
 
-test("where the pointer rests is asked for once, where it only passes is not", () => {
+test("a resting pointer requests its segment once, and a passing one does not", () => {
   const { prefetcher, asked, give, pass } = start();
   for (const time of [3, 4, 5, 6]) {
     prefetcher.point(time);
@@ -45,7 +45,7 @@ test("where the pointer rests is asked for once, where it only passes is not", (
   assert.deepEqual(asked, [6]);
 });
 
-test("nothing is asked for that is here, nor for a pointer that has left, nor after the end", () => {
+test("a present segment is not requested, nor after the pointer has left, nor after the end", () => {
   const { prefetcher, asked, pass, end } = start();
   prefetcher.point(1.5);
   pass(100);
@@ -58,7 +58,7 @@ test("nothing is asked for that is here, nor for a pointer that has left, nor af
   assert.deepEqual(asked, []);
 });
 
-test("one question is out at a time; the newest follows when the answer came", () => {
+test("one request is pending at a time; the newest follows after its answer", () => {
   const { prefetcher, asked, give, pass } = start();
   prefetcher.ask(7.5);
   for (const time of [20, 30, 40]) {
@@ -71,7 +71,7 @@ test("one question is out at a time; the newest follows when the answer came", (
   assert.deepEqual(asked, [7.5, 40]);
 });
 
-test("what a pointer has left is not asked for when the answer came", () => {
+test("a place that the pointer has left is not requested after an answer", () => {
   const { prefetcher, asked, give, pass } = start();
   prefetcher.ask(7.5);
   prefetcher.point(20);
@@ -81,7 +81,7 @@ test("what a pointer has left is not asked for when the answer came", () => {
   assert.deepEqual(asked, [7.5]);
 });
 
-test("a kernel that does not answer is asked once a second at most", () => {
+test("a kernel that does not answer gets a request once a second at most", () => {
   const { prefetcher, asked, pass } = start();
   for (let time = 10; time < 110; time++) {
     prefetcher.point(time);

@@ -22,7 +22,7 @@ test("Stop comes before all, and a program that does not drive is waiting", () =
   assert.equal(toMode(told({ stopped: true }), program(), false), "not known");
 });
 
-test("an error stands in place of the prints, a note only while there are none", () => {
+test("an error replaces the prints, a note shows only without prints", () => {
   assert.deepEqual(toNotice(told(), program({ error: "line 3: no" })), { text: "line 3: no", isError: true });
   assert.equal(toNotice(told(), program({ note: "replaces avoid" })).text, "replaces avoid");
   assert.equal(toNotice(told(), program({ note: "replaces avoid", prints: [[0, "hello"]] })).text, "");

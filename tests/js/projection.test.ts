@@ -28,7 +28,7 @@ for (const [name, sweep] of Object.entries(SWEEPS)) {
           }
           const { centerX: x, centerY: y } = projection;
           assert.ok(inside(x - ROBOT, y - ROBOT, x + ROBOT, y + ROBOT), `${where}: robot`);
-          assert.ok(projection.radius >= 40, `${where}: a radius of ${projection.radius} pixels is no picture`);
+          assert.ok(projection.radius >= 40, `${where}: a radius of ${projection.radius} pixels is too small`);
         }
       }
     });
@@ -83,7 +83,7 @@ test("metres are to scale", () => {
   assert.ok(near(y, projection.centerY - projection.radius / 2));
 });
 
-test("a point of the picture finds back to its distance and angle", () => {
+test("a point of the picture converts back to its distance and angle", () => {
   for (const forward of FORWARDS) {
     for (const box of BOXES) {
       const { projection } = layOut(sweepOf(270, 271), box, 6, forward);
@@ -105,7 +105,7 @@ test("an angle of more than a turn is the same place", () => {
   assert.ok(near(a.x, b.x) && near(a.y, b.y));
 });
 
-test("in the height of its sweep a picture is as wide as with more, and needs no less", () => {
+test("a picture as high as its sweep needs has the same width as a higher one", () => {
   for (const [name, sweep] of Object.entries(SWEEPS)) {
     if (sweep.count < 10) continue;
     for (const forward of FORWARDS) {

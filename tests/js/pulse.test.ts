@@ -31,7 +31,7 @@ function open(state: Record<string, unknown>) {
   return { fake, pulse, said, pass, close };
 }
 
-test("a kernel that sends no beat for a moment is silent, its age is told, and the next beat ends it", () => {
+test("a kernel that sends no beat for a moment is silent, the text has its age, and the next beat ends it", () => {
   const { fake, pulse, said, pass, close } = open({ _beat: 7 });
   pass(KERNEL_SILENT_MS);
   assert.equal(pulse.words, "");

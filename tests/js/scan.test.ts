@@ -40,7 +40,7 @@ test("a frame without intensities has none", () => {
   assert.equal(scan.intensities.length, 0);
 });
 
-test("the five classes are asked for in REP-117's order", () => {
+test("the five classes are checked in REP-117's order", () => {
   const cases: [number, number, number, number][] = [
     [1, 0.1, 5, READING],
     [0.1, 0.1, 5, READING],
@@ -56,7 +56,7 @@ test("the five classes are asked for in REP-117's order", () => {
   for (const [range, low, high, kind] of cases) assert.equal(classify(range, low, high), kind, `${range}`);
 });
 
-test("whole turns make no difference to which ray an angle meets", () => {
+test("whole turns do not change the ray of an angle", () => {
   const scan = scanOf([1, 2, 3]);
   for (const turns of [-2, -1, 0, 1, 3]) {
     assert.equal(indexAt(scan, 0.5 + turns * 2 * Math.PI), 2);
@@ -64,7 +64,7 @@ test("whole turns make no difference to which ray an angle meets", () => {
   }
 });
 
-test("a lone ray without a step is met from everywhere, so that a pointer can meet it at all", () => {
+test("a lone ray without a step is at every angle, so that a pointer can reach it", () => {
   const one = scanOf([10.47], { angleMin: 0.3, angleIncrement: 0 });
   for (const angle of [0.3, 0, 3, -3]) assert.equal(indexAt(one, angle), 0);
 });

@@ -114,16 +114,16 @@ test("a ray is the nearest of several scans until the scans are known", () => {
   assert.equal(near?.range, Math.fround(0.512));
   assert.match(describePlace(near as never, 0, SWEEP).details, /32\.50 s {2}scan 325/);
   assert.match(describePlace(far as never, 0, SWEEP, "median").details, /median of 8 scans/);
-  assert.equal(blocks.at(80.5, 6), null, "after the last scan there is none");
+  assert.equal(blocks.at(80.5, 6), null, "after the last scan there is no place");
 });
 
-test("details of other scans than those on show are left out", () => {
+test("details of other scans than the ones on show are left out", () => {
   const { whole, blocks } = known();
   blocks.add(data.decodeDetail(fine(2), whole.sweep));
   assert.equal(blocks.at(32.55, 6)?.scans, 8);
 });
 
-test("more is wanted only where Python could tell more", () => {
+test("more detail is wanted only if Python has more", () => {
   const { whole, blocks } = known();
   assert.equal(blocks.wants([0, 80], 80), false);
   assert.equal(blocks.wants([0, 80], 200), true);
@@ -146,7 +146,7 @@ test("the cursor steps from scan to scan", () => {
   assert.equal(blocks.step(0, -1), 0);
 });
 
-test("a cell without length is still found, and a gap is none", () => {
+test("a cell without length is still found, and a gap is empty", () => {
   const block = { ...known().whole.block, startsAt: Float64Array.of(0, 1, 5), endsAt: Float64Array.of(1, 1, 6) };
   assert.deepEqual(
     [0.5, 1, 3, 5.5, 7].map((time) => cellAt(block, time)),
@@ -174,7 +174,7 @@ test("the nearest reading is in the picture at any width and height", () => {
   }
 });
 
-test("columns that are known more finely are painted so, and where there is no scan nothing is", () => {
+test("columns with finer detail are painted from it, and a gap stays empty", () => {
   const { whole, blocks } = known();
   blocks.add(data.decodeDetail(fine(), whole.sweep));
   const { codes } = toRaster(blocks.all, toRows(whole.sweep), [32, 33.6], 16, 21);
@@ -190,7 +190,7 @@ test("columns that are known more finely are painted so, and where there is no s
   );
 });
 
-test("a pixel shows the median of what shares it, and no scan counts for nothing", () => {
+test("a pixel shows the median of its cells, and a missing scan does not count", () => {
   const codes = Uint16Array.of(5, 9, 7, 1, data.NO_SCAN, 3, data.NOTHING_IN_RANGE, 2, data.NOTHING_IN_RANGE);
   const block = { size: 1, first: 0, rayStep: 1, rays: 3, codes, ranges: new Float32Array() };
   const { starts, ends } = cells(3, 1);
@@ -239,12 +239,12 @@ test("angles grow upwards, and forward is in the middle of a circle", () => {
   assert.deepEqual(toRows({ ...SWEEP, count: 0 }).rayOf, []);
 });
 
-test("where rays are few each is labelled once", () => {
+test("with few rays each is labelled once", () => {
   const few = toRows({ ...SWEEP, angleMin: -0.5, angleIncrement: 0.5, count: 3 });
   assert.deepEqual(angleTicks(few, 300, 34), [0, 1, 2]);
 });
 
-test("where scans count their rays differently no index is named", () => {
+test("indices are hidden if scans count their rays differently", () => {
   const { blocks } = known();
   const place = blocks.at(31, 6);
   assert.ok(place);
@@ -306,12 +306,12 @@ test("a long recording has its times in hours, minutes and seconds, at round ste
   assert.deepEqual(said([0, 900_000], 4, 900_000)[1], "120:00:00");
 });
 
-test("what there is hardly any of is never said to be none, nor nearly all to be all", () => {
+test("a small share is never shown as 0 %, nor nearly all as 100 %", () => {
   const shares = [0, 1, 10, 90, 9_999, 10_000].map((count) => toShare(count, 10_000));
   assert.deepEqual(shares, ["0 %", "< 0.1 %", "0.1 %", "0.9 %", "99 %", "100 %"]);
 });
 
-test("a selection is told with its rays, and its scans are counted", () => {
+test("the text of a selection has its rays and the number of its scans", () => {
   const { blocks } = known();
   assert.equal(describeSelection([8, 16], blocks.count([8, 16])), "8.00 \u2013 16.00 s · about 80 scans");
   assert.equal(
@@ -326,7 +326,7 @@ function open(values: Record<string, unknown>) {
   return { fake, state: new State(fake.model, controller.signal), end: () => controller.abort() };
 }
 
-test("finer detail is asked for once, and taken in when it comes", () => {
+test("finer detail is requested once, and used when it arrives", () => {
   const { fake, state, end } = open({ _frame: coarse() });
   state.look([30.5, 33], 500);
   state.look([30.5, 33], 500);
@@ -344,7 +344,7 @@ test("a reload finds the detail that it had", () => {
   end();
 });
 
-test("the cursor goes from mark to mark, whoever sets them", () => {
+test("the cursor goes from mark to mark of any source", () => {
   const { fake, state, end } = open({ _frame: coarse(), marks: [] });
   let told = 0;
   state.listen(() => told++, new AbortController().signal);
@@ -363,7 +363,7 @@ test("the cursor goes from mark to mark, whoever sets them", () => {
   end();
 });
 
-test("marks stand above the scans, and are told by name and span", () => {
+test("marks stand above the scans, and their pop-up has name and span", () => {
   const { marks, scans } = layOut({ width: 700, height: 380 }, known().whole, 30);
   assert.ok(marks.top > 30 && marks.top + marks.height <= scans.top);
   const { expression, distance } = describeMark({ start: 20, end: 40, name: "near" });
@@ -377,7 +377,7 @@ test("before there are scans there is an axis and nothing on it", () => {
   end();
 });
 
-test("rays are selected between two rows, and no farther than where a circle closes", () => {
+test("rays are selected between two rows, up to the closing ray of a circle", () => {
   for (const [angleMin, angleIncrement] of [
     [0, DEGREE],
     [2 * Math.PI, -DEGREE],
@@ -407,7 +407,7 @@ test("the last number of the time axis stands whole within the picture, on a tic
   }
 });
 
-test("a label at an end of the axis is never on the one beside it", () => {
+test("a label at an end of the axis never covers its neighbour", () => {
   const rows = toRows({ ...SWEEP, angleMin: -Math.PI / 2, angleIncrement: Math.PI / 180, count: 180 });
   for (const hasIndices of [false, true]) {
     for (let height = hasIndices ? 180 : 60; height <= 600; height += 7) {

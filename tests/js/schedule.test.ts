@@ -15,7 +15,7 @@ function open() {
   return { ask, calls, end: () => controller.abort(), close: () => mock.timers.reset() };
 }
 
-test("the first is heard at once, and so is one after a rest", () => {
+test("the first call passes at once, and so does one after a rest", () => {
   const { ask, calls, close } = open();
   ask();
   assert.deepEqual(calls, [1]);
@@ -25,7 +25,7 @@ test("the first is heard at once, and so is one after a rest", () => {
   close();
 });
 
-test("a flood is heard ten times a second, the last included", () => {
+test("a flood passes ten times a second, including the last call", () => {
   const { ask, calls, close } = open();
   for (let i = 0; i < 100; i++) {
     ask();
@@ -36,7 +36,7 @@ test("a flood is heard ten times a second, the last included", () => {
   close();
 });
 
-test("after the end nobody is heard", () => {
+test("after the end calls are ignored", () => {
   const { ask, calls, end, close } = open();
   ask();
   ask();
@@ -108,7 +108,7 @@ function openFrames() {
   Object.assign(globalThis, fakes);
   const end = new AbortController();
   const drawn: string[] = [];
-  /** What draws a card that takes some milliseconds, and asks for what its text says. */
+  /** A function that draws a card in some milliseconds, and asks for its text. */
   const card = (name: string, ms: number, isFirst = false) => {
     const draw = () => {
       drawn.push(name);
@@ -121,7 +121,7 @@ function openFrames() {
     for (const call of asked.splice(0)) call();
     return drawn.splice(0);
   };
-  /** Time in which the browser lays out and paints, and then has time for what else there is. */
+  /** Time in which the browser lays out and paints, and then handles other work. */
   const pass = (ms: number) => {
     now += ms;
     mock.timers.tick(ms);
@@ -163,7 +163,7 @@ test("the laser is in every frame, and the others in turn as long as there is ti
   close();
 });
 
-test("a frame of others that took long has them rest as long, and the laser is drawn meanwhile", () => {
+test("a frame of others that took long makes them rest as long, and the laser is drawn meanwhile", () => {
   const { card, frame, pass, close } = openFrames();
   const [map, laser] = [card("map", 2), card("laser", 1, true)];
   const frames = [30, 10, 10, 20, 1].map((ms) => {
@@ -176,7 +176,7 @@ test("a frame of others that took long has them rest as long, and the laser is d
   close();
 });
 
-test("what a card throws is reported, and stops no other", () => {
+test("an error of a card is reported, and does not stop the others", () => {
   const { card, frame, errors, signal, close } = openFrames();
   const broken = perAnimationFrame(
     () => {

@@ -33,7 +33,7 @@ const SECTORS = [
 
 for (const given of vectors.scans) {
   const [held, own] = vectors.sectors[given.name] ?? [[], []];
-  test(`sectors hold what Python says: ${given.name}`, () => {
+  test(`sectors have the same measurements as in Python: ${given.name}`, () => {
     const scan = toScan(given);
     assert.equal(held.length, SECTORS.length);
     for (const [i, [stretches, distance, nearest, median, valid]] of held.entries()) {
@@ -99,7 +99,7 @@ test("a state holds until the distance is larger by the hysteresis", () => {
   assert.equal(stateOf(between(0, 1), 0.1, ""), "");
 });
 
-test("text names rays as Python's slices do, and nothing else is read", () => {
+test("text names rays as Python's slices do, and any other text is rejected", () => {
   const rows: [string, Stretch[] | null][] = [
     ["ranges[240:300]", [[240, 300]]],
     [" msg.ranges[ 5 : 7 ] ", [[5, 7]]],
@@ -148,7 +148,7 @@ test("a text of rays on both sides of the array is a sector on a full circle alo
   assert.equal(sectorOfText(sweepOf(180, 360), text), "these rays are not one sector");
 });
 
-test("rays beyond the array are told, and so is a slice without rays", () => {
+test("rays beyond the array are reported, and so is a slice without rays", () => {
   const scanner = circle(360);
   for (const text of [
     "ranges[300:361]",

@@ -64,7 +64,7 @@ test("the numbers of a shape stand below its name", () => {
   assert.equal(told("polygon", wall) + told("text", wall), "");
 });
 
-test("a shape goes at once when its time is over", () => {
+test("a shape disappears at once when its time is over", () => {
   const shapes = [shape("line", { left: 0.5 }), shape("text"), shape("arc", { left: 2 })];
   assert.equal(lasting(shapes, 499).length, 3);
   assert.deepEqual(lasting(shapes, 501), shapes.slice(1));
@@ -73,7 +73,7 @@ test("a shape goes at once when its time is over", () => {
   assert.equal(untilNext(shapes, 3000), Infinity);
 });
 
-test("words stand beside a shape and never on it", () => {
+test("words stand next to a shape and never on it", () => {
   const path = Array.from({ length: 30 }, (_, i) => ({ x: 100 + 4 * i, y: 200 }));
   const boxes = Array.from({ length: PLACES }, (_, place) => boxAt(path, 60, 30, place) as Box);
   const off = boxes.filter((box) => !path.some(({ x, y }) => overlaps(box, { x, y, width: 0, height: 0 })));
@@ -84,7 +84,7 @@ test("words stand beside a shape and never on it", () => {
   assert.deepEqual(boxAt([middle], 60, 30, 0, true), { x: middle.x - 30, y: 185, width: 60, height: 30 }, "a text");
 });
 
-test("what lies beyond the view is no part of the picture", () => {
+test("parts beyond the view are left out of the picture", () => {
   const projection = { centerX: 100, centerY: 100, radius: 100, viewRange: 4, forward: Math.PI / 2 };
   const toPoint = (place: Metres) => toPicture(projection, place);
   const isInView = ({ x, y }: Point) => Math.hypot(x - 100, y - 100) <= 100;

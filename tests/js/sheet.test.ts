@@ -34,7 +34,7 @@ const MOMENTS = toMoments(
 );
 const numbers = (moments: Moment[]) => moments.map(({ number }) => number);
 
-test("moments are sorted by a column either way, files by their numbers, and what has no value stands last", () => {
+test("moments are sorted by a column in both directions, files by their numbers, and missing values are last", () => {
   assert.deepEqual(numbers(sorted(MOMENTS, "nearest")), [2, 0, 3, 1]);
   assert.deepEqual(numbers(sorted(MOMENTS, "-nearest")), [3, 0, 2, 1]);
   assert.deepEqual(numbers(sorted(MOMENTS, "file")), [1, 2, 0, 3]);
@@ -43,7 +43,7 @@ test("moments are sorted by a column either way, files by their numbers, and wha
   assert.deepEqual(numbers(sorted(MOMENTS, "-date")), [2, 1, 0, 3]);
 });
 
-test("a filter of a column compares numbers, takes a part of a text, and says nothing while it is half typed", () => {
+test("a filter of a column compares numbers, matches a part of a text, and passes everything while it is incomplete", () => {
   const chosen = (filters: Record<string, string>) => numbers(filtered(MOMENTS, filters));
   assert.deepEqual(chosen({ nearest: "< 0.25" }), [0, 2]);
   assert.deepEqual(chosen({ nearest: "0.15 to 0.2" }), [0, 2]);
@@ -67,21 +67,23 @@ test("all pictures are cut to about five times the limit", () => {
   assert.equal(reach(null), null);
 });
 
-test("the code opens the sample in which something was met, or the span, and never the sample before", () => {
+test("the code opens the sample of the nearest thing, or the span, and never the previous sample", () => {
   const [first, gap, , odd] = MOMENTS as [Moment, Moment, Moment, Moment];
   assert.equal(toCode(first), 'robowidgets.open("/runs/run_10.mcap").at("/scan", 5.5)');
   assert.equal(toCode(odd), 'robowidgets.open("/runs/run_10.mcap").at("/scan", 3.124)');
   assert.equal(toCode(gap), 'robowidgets.open("/runs/run_2.mcap")[1:1.001]');
 });
 
-/** What robowidgets/fleet/_pictures.py packs; tests/unit/fleet/test_sheet.py holds it to the same bytes. */
+/**
+ * Bytes packed by robowidgets/fleet/_pictures.py; tests/unit/fleet/test_sheet.py checks that it packs the same bytes.
+ */
 const PACKED =
   "05000000010003000000003f0000003e6f12033b05000000640004800000" +
   "66616374730007000000020002000000" +
   "80bf000020410000000000000000" +
   "0000803fcdcccc3d";
 
-test("pictures are what Python has packed", () => {
+test("unpacked pictures are the ones that Python has packed", () => {
   const bytes = Uint8Array.from(PACKED.match(/../g) as string[], (byte) => Number.parseInt(byte, 16));
   // At an odd place of a message.
   const message = new Uint8Array(bytes.length + 3);
@@ -95,7 +97,7 @@ test("pictures are what Python has packed", () => {
   assert.deepEqual([...(found.get(7)?.values ?? [])], [1, Math.fround(0.1)]);
 });
 
-test("files that were not read whole are told by reason, those of most files first, without names and numbers", () => {
+test("files that were not read whole are listed by reason, the most frequent first, without names and numbers", () => {
   const odd = [
     "a.bag has no laser scans",
     "the recording was cut off: read 270 messages, up to 13.4 s",

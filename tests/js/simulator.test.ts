@@ -64,13 +64,13 @@ test("a frame is read as Python packs it", () => {
   assert.equal(toWalls(null).length, 0);
 });
 
-test("a ray that met nothing ends at its reach, and one without a reading nowhere", () => {
+test("a ray without a thing in range ends at its reach, and one without a reading has no end", () => {
   const [met, free, none] = endsOf(scene().scan);
   assert.deepEqual([met, none], [{ x: 1, y: 0 }, null]);
   assert.ok(free && Math.abs(free.y - 4) < 1e-12);
 });
 
-test("the floor holds walls, obstacles and a robot beyond them, and some of a floor without walls", () => {
+test("the floor holds walls, obstacles and a robot beyond them, and has a least size without walls", () => {
   assert.deepEqual(boundsOf([ROOM], scene()), { west: -2, east: 2, south: -1, north: 1 });
   const away = withThing(scene(), "robot", { x: 5.3, y: 0, yaw: 0 });
   assert.deepEqual(boundsOf([ROOM], away), { west: -2, east: 6, south: -1, north: 1 });
@@ -108,7 +108,7 @@ test("a thing is dragged, turned and moved by keys", () => {
   assert.ok(Math.abs(turned.yaw) <= Math.PI, "never more than half a turn to either side");
 });
 
-test("what was moved stays there until Python has answered the last edit and sent a frame", () => {
+test("a moved thing stays at its place until Python has answered the last edit and sent a frame", () => {
   const model = new FakeModel();
   const sent: { edit: string; x: number }[] = [];
   const refusals: string[] = [];
@@ -136,7 +136,7 @@ test("what was moved stays there until Python has answered the last edit and sen
   assert.deepEqual([edits.thing, refusals], [null, ["no room"]]);
 });
 
-test("obstacles that were removed stay away, and edits that follow mean those that are left", () => {
+test("removed obstacles stay away, and later edits refer to the remaining ones", () => {
   const model = new FakeModel();
   const sent: { act: string; index: number }[] = [];
   const ours = Object.assign(model.model, { send: (content: never) => sent.push(content) });
@@ -176,7 +176,7 @@ test("a place ahead and left of the scanner lies in the heading of the robot", (
   assert.deepEqual(ray && rounded(ray), [1, 1], "so do its rays");
 });
 
-/** A context that draws nothing, and what was called of it. */
+/** A context that draws nothing, and records its calls. */
 function recorder(): { calls: [string, ...unknown[]][]; context: CanvasRenderingContext2D } {
   const calls: [string, ...unknown[]][] = [];
   const context = new Proxy(
@@ -192,7 +192,7 @@ function recorder(): { calls: [string, ...unknown[]][]; context: CanvasRendering
   return { calls, context: context as CanvasRenderingContext2D };
 }
 
-test("a drop is hatched to scale, in any order of its corners, and has its name where there is room", () => {
+test("a drop is hatched to scale, in any order of its corners, and has its name if there is room", () => {
   const { calls, context } = recorder();
   const projection = fit({ west: -2, east: 2, south: -2, north: 2 }, { width: 424, height: 440 });
   drawDrops(context, projection, Float32Array.of(1, 1, 0, -1, -2, 0, -1.75, 2), {} as Theme);
@@ -207,7 +207,7 @@ test("a drop is hatched to scale, in any order of its corners, and has its name 
   assert.ok(named("lineTo").length > 30);
 });
 
-test("what a program drew stands in the room, where it is seen from the scanner, and has its name", () => {
+test("shapes of a program stand at their places in the room, seen from the scanner, and have their names", () => {
   const { calls, context } = recorder();
   const shapes: RoomShape[] = [
     { name: "gap", kind: "line", at: [0, [0, 1]], turned: 0 },

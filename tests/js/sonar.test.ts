@@ -50,7 +50,7 @@ test("a range has the class and the distance that it has in Python", () => {
   }
 });
 
-test("the nearest is too close before any reading, and nothing where all is unknown or out of range", () => {
+test("the nearest is too close before any reading, and missing if all are unknown or out of range", () => {
   assert.equal(nearestOf([2, 0.5, NaN].map((range) => sonarOf(range))), 1);
   assert.equal(nearestOf([2, 0.5, -Infinity].map((range) => sonarOf(range))), 2);
   assert.equal(nearestOf([Infinity, NaN, 0, 7].map((range) => sonarOf(range))), -1);
@@ -77,7 +77,7 @@ test("sensors without a place are spread evenly by their order, counter-clockwis
   );
 });
 
-test("a distance below the limit is an alarm, too close is one, and what is unknown is none", () => {
+test("a distance below the limit is an alarm, and so is too close, but not an unknown one", () => {
   const near = conesOf(
     [0.39, 0.4, -Infinity, NaN, 0, Infinity].map((range) => sonarOf(range)),
     { near: 0.4 },
@@ -86,7 +86,7 @@ test("a distance below the limit is an alarm, too close is one, and what is unkn
   assert.equal(conesOf([sonarOf(0.2)])[0]?.isNear, false);
 });
 
-test("a sensor is silent after its own time, while others go on; without a rate only beside others", () => {
+test("a sensor is silent after its own time, while others go on; without a rate only compared with others", () => {
   const sonars = [
     sonarOf(1, { behind: 0, silentAfter: 1 }),
     sonarOf(1, { behind: 1.5, silentAfter: 1 }),
@@ -103,7 +103,7 @@ test("a sensor is silent after its own time, while others go on; without a rate 
   assert.equal(conesOf(sonars)[4]?.hasCome, false);
 });
 
-test("the picture reaches as far as the sensors, else as far as their readings so far", () => {
+test("the picture has the range of the sensors, or without one fits their readings so far", () => {
   const limited = conesOf([sonarOf(1), sonarOf(2, { maxRange: 3 })], { poses: { sonar_0: [0.3, 0.4, 0] } });
   assert.equal(reachOf(limited), 5.5);
   assert.equal(resolveRange(null, limited, 9), 5.5);
@@ -160,7 +160,7 @@ test("labels never overlap and stay in the picture, at any width; wide pictures 
   assert.equal(layoutOf(rings.pioneer, 760).level, 3);
 });
 
-test("where even numbers have no room some labels go, but none of an alarm", () => {
+test("if even numbers have no room some labels are left out, but never the label of an alarm", () => {
   const sonars = Array.from({ length: 100 }, (_, i) => sonarOf(i === 57 ? 0.2 : 1));
   const cones = conesOf(sonars, { near: 0.3 });
   const { labels, level } = layoutOf(cones, 300);
@@ -190,7 +190,7 @@ test("a point names the cone in which it lies, the closer axis of two, and a lab
   assert.equal(pick(view, apart, [], { x: view.centerX + 50, y: view.centerY }), null);
 });
 
-test("what is no distance is never shown as one", () => {
+test("a missing distance is never shown as one", () => {
   const said = (range: number, changed: Partial<Sonar> = {}) => {
     const [cone] = conesOf([sonarOf(range, changed)], { near: 0.3 });
     return [false, true].map((isShort) => toDistance(cone as Cone, 5, isShort));
@@ -205,7 +205,7 @@ test("what is no distance is never shown as one", () => {
   assert.deepEqual(said(NaN, { behind: Infinity }), ["no data yet", "\u2013"]);
 });
 
-test("the pop-up tells all of a sensor in words", () => {
+test("the pop-up describes a sensor in words", () => {
   const [cone] = conesOf([sonarOf(0.2)], { near: 0.3, poses: { sonar_0: [0.1, -0.05, -0.5] }, elapsed: 0.25 });
   const { expression, distance, angle, side, details } = describeCone(cone as Cone, 0.3, 5);
   assert.deepEqual([expression, distance, angle, side], ["[0] sonar_0", "0.20 m", "\u221228.6\u00B0", "right"]);
@@ -228,7 +228,7 @@ test("code has the name as Python reads it, and labels have room for a long one"
   assert.equal(shorten("the_very_long_name_3"), "the_ve\u2026_name_3");
 });
 
-test("a laser shows the beams whose place is known, where its scanner sees them", () => {
+test("a laser shows the beams whose place is known, at their places for its scanner", () => {
   const names: [string, string, string][] = [
     ["front", "ultrasound", ""],
     ["ir", "infrared", ""],

@@ -68,7 +68,7 @@ test("without limits a scale reaches to the next round number that holds the fas
   assert.deepEqual(reaches, [0.1, 0.1, 0.1, 0.5, 0.5, 0.5, 1, 2, 5, 20, 100, 1e6]);
 });
 
-test("what is off the scale is drawn at its end and known to be off", () => {
+test("a speed off the scale is drawn at its end and marked as off", () => {
   const scale = { low: -1.25, high: 1.25 };
   assert.equal(toHeightOnTrack(scale, 2), 1);
   assert.equal(toHeightOnTrack(scale, -Infinity), 0);
@@ -82,7 +82,7 @@ test("a value is past a limit by more than rounding, and NaN is neither", () => 
   for (const [value, limits, state] of vectors.limits) assert.equal(judge(toNumber(value), limits), state, `${value}`);
 });
 
-test("an axis has its own limits, else those of its group", () => {
+test("an axis has its own limits, else the limits of its group", () => {
   const settings = { linear: [-2, 2] as Limits, angular: [-3, 3] as Limits, axes: { "angular.z": [0, 1] as Limits } };
   const found = groupsOf("velocity").flatMap((group) => group.axes.map((axis) => limitsOf(settings, group, axis)));
   assert.deepEqual(found, [
@@ -95,14 +95,14 @@ test("an axis has its own limits, else those of its group", () => {
   ]);
 });
 
-test("limits are shared when they are the same for all", () => {
+test("limits are shared if they are the same for all", () => {
   assert.deepEqual(sharedLimits([ONE, [-1, 1]]), ONE);
   assert.equal(sharedLimits([ONE, [-1, 2]]), null);
   assert.equal(sharedLimits([null, null]), null);
   assert.equal(sharedLimits([ONE, null]), null);
 });
 
-test("the numbers beside the tracks are the limits, zero, and round ones between", () => {
+test("the numbers next to the tracks are the limits, zero, and round ones between", () => {
   const labels = scaleLabels({ low: -1.25, high: 1.25 }, ONE, CLEARANCE);
   assert.deepEqual(
     labels.map(({ value, round }) => [value, round]),
@@ -116,7 +116,7 @@ test("the numbers beside the tracks are the limits, zero, and round ones between
   );
 });
 
-test("the numbers beside the tracks never touch", () => {
+test("the numbers next to the tracks never touch", () => {
   for (const limits of [
     [-2.84, 2.84],
     [-0.001, 130],
@@ -146,7 +146,7 @@ test("on a low track only numbers that have room stay", () => {
   assert.deepEqual(values(0), values(200), "before it has a height");
 });
 
-test("axes with limits of their own get round numbers beside them, which stay", () => {
+test("axes with separate limits get round numbers next to them, which stay", () => {
   assert.ok(scaleLabels({ low: -1.25, high: 1.25 }, null, CLEARANCE).every(({ round }) => !round));
 });
 

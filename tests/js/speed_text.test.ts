@@ -42,7 +42,7 @@ function summary(measured: number[], planar = false): string {
   );
 }
 
-test("what has not come yet is null, and not NaN", () => {
+test("a value before the first sample is null, and not NaN", () => {
   const bytes = frameOf("speed");
   const there = 32;
   bytes.setFloat64(there, 1, true);
@@ -51,7 +51,7 @@ test("what has not come yet is null, and not NaN", () => {
   assert.equal(decodeSpeeds(bytes).measured, null);
 });
 
-test("numbers have two decimals, and more where all limits are small", () => {
+test("numbers have two decimals, and more if all limits are small", () => {
   const cases: [Limits[], number][] = [
     [[[-1, 1]], 2],
     [[[-0.1, 0.1]], 2],
@@ -86,7 +86,7 @@ test("a number keeps its decimals until it would be wider than its column", () =
   for (const [value, text] of cases) assert.equal(toNumber(value, 2), text);
 });
 
-test("NaN is said to be no value, and nothing measured is not said to be zero", () => {
+test("NaN is shown as no value, and a missing measurement is not shown as zero", () => {
   assert.equal(toValueText(NaN, 2), "no value");
   assert.equal(toValueText(null, 2), "–");
   assert.equal(toValueText(0, 2), "0.00");
@@ -104,7 +104,7 @@ test("a state past a limit has a mark and words", () => {
   assert.deepEqual(stateWords("under", [0.1, 1]), ["▼", "under", "limit"], "too slow");
 });
 
-test("the pop-up tells an axis exactly", () => {
+test("the pop-up has the exact values of an axis", () => {
   const words = describeAxis(
     axisFacts(
       5,
@@ -131,24 +131,24 @@ test("the pop-up tells an axis exactly", () => {
   });
 });
 
-test("the pop-up says when a bar is longer than the scale", () => {
+test("the pop-up reports that a bar is longer than the scale", () => {
   const words = describeAxis(axisFacts(0, { measured: [Infinity, 0, 0, 0, 0, 0] }));
   assert.equal(words.value, "+inf m/s");
   assert.equal(words.alarm, "over the limit of 1, off the scale");
 });
 
-test("the pop-up of an axis without a value says so, and claims no direction", () => {
+test("the pop-up of an axis without a value reports it, and has no direction", () => {
   const { value, direction, alarm } = describeAxis(axisFacts(1, { measured: NONE }));
   assert.deepEqual([value, direction, alarm], ["no value", "", ""]);
 });
 
-test("the pop-up of a command alone says that nothing was measured", () => {
+test("the pop-up of a command alone reports that nothing was measured", () => {
   const { value, details } = describeAxis(axisFacts(0, { commanded: [2, 0, 0, 0, 0, 0] }));
   assert.equal(value, "not measured");
   assert.deepEqual(details[1], ["commanded", "2.0000 over the limit of 1"]);
 });
 
-test("a positive speed goes the way REP-103 says", () => {
+test("a positive speed has the direction of REP-103", () => {
   const positive = [0, 1, 2, 3, 4, 5].map(
     (i) => describeAxis(axisFacts(i, { measured: NONE.map(() => 0.5) })).direction,
   );
@@ -157,7 +157,7 @@ test("a positive speed goes the way REP-103 says", () => {
   assert.equal(still.direction, "");
 });
 
-test("one line says what is past its limits", () => {
+test("one line names the axes past their limits", () => {
   assert.equal(summary([0.5, 0, 0, 0, 0, 0]), "within limits");
   assert.equal(summary([1.5, 0, 0, 0, 0, -2]), "x over the limit of 1, yaw over the limit of 1");
   assert.equal(summary([1.5, 2, 0, 0, 0, -2]), "3 past their limits");
@@ -165,7 +165,7 @@ test("one line says what is past its limits", () => {
   assert.equal(summarize([], []), "");
 });
 
-test("without limits nothing is past them, and no word is said of them", () => {
+test("without limits, speeds are never past them, and limits are not mentioned", () => {
   const measured = [3, 0, 0, 0, 0, -20];
   const fastest = toFastest(speeds({ measured }), false, SETTINGS.fastest);
   const words = describeAxis(axisFacts(0, { measured }, { ...NO_LIMITS, fastest }));
@@ -197,7 +197,7 @@ test("the fastest speed counts commands and peaks of the axes on show, and never
   assert.equal(toFastest(speeds(more), false, SETTINGS.fastest).linear, 9);
 });
 
-test("an axis that is not shown but moves or passes its limit is named", () => {
+test("a hidden axis that moves or passes its limit is named", () => {
   assert.equal(summary([0, 0, 0.25, 0.001, NaN, 0], true), "within limits · not shown: z 0.25");
   assert.equal(summary([0, 0, 1.5, 0, 0, 0], true), "z over the limit of 1 · not shown: z 1.50");
 });
@@ -212,7 +212,7 @@ test("planar shows linear x and y and angular z, on scales of their limits alone
   assert.deepEqual(linear?.scale, { low: -1.25, high: 1.25 });
 });
 
-test("peaks are there only when they are to be marked", () => {
+test("peaks are shown only if they are enabled", () => {
   const more = { measured: NONE, least: [1, 1, 1, 1, 1, 1], greatest: [2, 2, 2, 2, 2, 2] };
   assert.equal(axisFacts(0, more).peaks, null);
   assert.deepEqual(axisFacts(0, more, { marksPeaks: true }).peaks, [1, 2]);
@@ -224,7 +224,7 @@ test("peaks are known once a speed was measured, and never in a player, whose fr
   assert.equal(hasPeaks(speeds({ measured: NONE, least: [NaN, NaN, NaN, NaN, NaN, 0] })), true);
 });
 
-test("what is steered shows its angle, and alone nothing that it does not say", () => {
+test("a car shows its steering angle, and alone only the axes that it has", () => {
   const steered = [1.5, NaN, NaN, NaN, NaN, NaN, -0.25];
   const names = (more: Partial<Speeds>) =>
     toFacts(speeds(more), { ...SETTINGS, planar: true }).map(({ axes }) => axes.map(({ axis }) => axis.name));

@@ -24,7 +24,7 @@ const INNER: StateSpan[] = [
 ];
 const THEME = { dark: false, ink: "ink", background: "white", font: "sans" } as Theme;
 
-/** A canvas that notes what is filled and written; each character is 6 pixels wide. */
+/** A canvas that records fills and texts; each character is 6 pixels wide. */
 function sheet() {
   const filled: [string, number, number][] = [];
   const written: string[] = [];
@@ -58,7 +58,7 @@ test("a state is named by its last part, a row by the machine that all of it bel
   assert.equal(machineOf([...OUTER, ...INNER]), "");
 });
 
-test("a name too long for its span is cut, and left out where two letters would remain", () => {
+test("a name too long for its span is cut, and left out if two letters would remain", () => {
   const { context } = sheet();
   assert.equal(cutName(context, "forward", 42, THEME), "forward");
   assert.equal(cutName(context, "forward", 41, THEME), "forwa\u2026");
@@ -66,7 +66,7 @@ test("a name too long for its span is cut, and left out where two letters would 
   assert.equal(cutName(context, "a", 5, THEME), "");
 });
 
-test("each state has a gray of its own and keeps it, and what is not in view is not drawn", () => {
+test("each state keeps a different gray, and states out of view are not drawn", () => {
   globalThis.matchMedia = () => ({ matches: false }) as MediaQueryList;
   const { context, filled, written } = sheet();
   const tones = new Map();

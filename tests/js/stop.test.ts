@@ -7,7 +7,7 @@ import { BEAT_MS, KERNEL_BUSY_MS, KERNEL_SILENT_MS } from "../../robowidgets/js/
 import { FakeModel } from "./models.ts";
 import { situation, told } from "./stop.ts";
 
-/** Lets what waits for promises go on. */
+/** Runs everything that waits for promises. */
 const settle = async () => {
   for (let i = 0; i < 10; i++) await Promise.resolve();
 };
@@ -44,7 +44,7 @@ function open(interrupt?: () => Promise<void>, first: Partial<Told> = {}) {
   return { control, fake, sent, acts, state, answer, pass, close };
 }
 
-test("a stop that is answered in time interrupts nothing", async () => {
+test("a stop that is answered in time does not interrupt the kernel", async () => {
   const interrupt = mock.fn(async () => {});
   const { control, acts, state, pass, close } = open(interrupt);
   control.stop();
@@ -62,7 +62,7 @@ test("a stop that is answered in time interrupts nothing", async () => {
   close();
 });
 
-test("a kernel that does not answer is interrupted, once, and that is said until driving is allowed", async () => {
+test("a kernel that does not answer is interrupted, once, and the text shows it until driving is allowed", async () => {
   const interrupt = mock.fn(async () => {});
   const { control, state, pass, close } = open(interrupt);
   control.stop();
@@ -78,7 +78,7 @@ test("a kernel that does not answer is interrupted, once, and that is said until
   close();
 });
 
-test("a cell that goes on after the interrupt is told, until it has ended", async () => {
+test("the text shows a cell that goes on after the interrupt, until it has ended", async () => {
   const { control, state, pass, close } = open(async () => {});
   control.stop();
   await pass(ANSWER_MS + END_MS);
@@ -92,7 +92,7 @@ for (const [where, interrupt] of [
   ["the host hides the kernel", undefined],
   ["the server refuses", () => Promise.reject(new Error("403"))],
 ] as const) {
-  test(`without a way to a busy kernel it says so: ${where}`, async () => {
+  test(`without a way to a busy kernel the text shows it: ${where}`, async () => {
     const { control, state, pass, close } = open(interrupt);
     control.stop();
     await pass(ANSWER_MS);
@@ -103,7 +103,7 @@ for (const [where, interrupt] of [
   });
 }
 
-test("a server that does not answer the interrupt is told, until its answer comes after all", async () => {
+test("the text shows a server that does not answer the interrupt, until its answer arrives after all", async () => {
   let answer = () => {};
   const { control, state, pass, close } = open(() => new Promise((resolve) => (answer = resolve)), {
     driver: "program",
@@ -134,7 +134,7 @@ test("allowing carries the newest token, and a refusal is for the view that aske
   close();
 });
 
-test("a busy kernel finds no long queue of beats, and counts as one that does not hear", async () => {
+test("a busy kernel gets no long queue of beats, and counts as not answering", async () => {
   const { control, sent, answer, pass, close } = open();
   assert.deepEqual(
     sent.map(({ act }) => act),
@@ -155,7 +155,7 @@ test("a busy kernel finds no long queue of beats, and counts as one that does no
   close();
 });
 
-test("news make a page with slow timers beat", async () => {
+test("messages make a page with slow timers beat", async () => {
   const { sent, state, answer, close } = open();
   answer(1);
   const clock = performance.now() + BEAT_MS;
@@ -167,7 +167,7 @@ test("news make a page with slow timers beat", async () => {
   close();
 });
 
-test("what was told of a robot holds for a moment, that there is none holds on", async () => {
+test("the last state of a robot is current for a moment, and a missing robot stays so", async () => {
   const { control, state, pass, close } = open();
   state({ speed: [0.2, 0, 0] });
   await pass(KERNEL_SILENT_MS - 100);
@@ -183,7 +183,7 @@ test("what was told of a robot holds for a moment, that there is none holds on",
 const SILENT = "no word from the kernel for 5.0 s";
 const say = (more: Partial<Told>, other: Partial<Situation> = {}) => toDriverText({ ...situation(more), ...other });
 
-test("the bar tells who drives and how fast", () => {
+test("the bar shows the driver and the speed", () => {
   assert.equal(say({}).text, "nobody drives");
   assert.equal(say({ idle: "the simulation wanders by itself" }).text, "the simulation wanders by itself");
   assert.equal(say({ speed: [0.1, 0, 0] }).text, "stopping");
@@ -207,12 +207,12 @@ test("the bar tells who drives and how fast", () => {
   });
 });
 
-test("the bar tells before Stop is pressed what it can do", () => {
+test("the bar shows before Stop is pressed if it can interrupt a busy kernel", () => {
   assert.equal(say({}, { hears: false }).hint, "kernel busy: Stop interrupts the cell");
   assert.equal(say({}, { hears: false, canInterrupt: false }).hint, "kernel busy: Stop cannot reach it");
 });
 
-test("stopped is only what Python confirmed", () => {
+test("only a stop that Python confirmed is shown as stopped", () => {
   const text = (note: Note, stopped: boolean) => say({ stopped, driver: stopped ? "" : "program" }, { note }).text;
   assert.equal(text("asking", false), "stopping");
   assert.equal(say({ driver: "program" }, { note: "asking", silence: SILENT }).text, SILENT);

@@ -1,7 +1,7 @@
 import type { Situation } from "../../robowidgets/js/shared/driving/text.ts";
 import type { Told } from "../../robowidgets/js/shared/driving/traits.ts";
 
-/** What Python tells of a robot that nobody drives, but for what is given. */
+/** A message of Python about a robot that stands still, with the given changes. */
 export function told(more: Partial<Told> = {}): Told {
   return {
     ready: true,
@@ -17,7 +17,7 @@ export function told(more: Partial<Told> = {}): Told {
   };
 }
 
-/** How a robot that nobody drives stands with a kernel that answers, but for what is told. */
+/** The situation of a robot that stands still and a kernel that answers, with the given changes to its state. */
 export function situation(more: Partial<Told> = {}): Situation {
   return { told: told(more), note: "", hasKernel: true, hears: true, silence: "", canInterrupt: true };
 }

@@ -41,7 +41,7 @@ test("nothing is shown before the first frame", () => {
   end();
 });
 
-test("a new view shows what its model holds", () => {
+test("a new view shows the state of its model", () => {
   const { stream, end } = open({ _frame: frame(7) });
   assert.deepEqual(stream.shown, { sequence: 7, rate: 40, arrived: 0 });
   end();
@@ -57,7 +57,7 @@ test("the newest frame is shown, and decoded once", () => {
   end();
 });
 
-test("a person's freeze holds the picture here and tells Python, with exactly the frame's bytes", () => {
+test("a freeze by the user holds the picture here and notifies Python, with exactly the frame's bytes", () => {
   const { fake, stream, end } = open({ _frame: frame(3) });
   stream.toggle();
   fake.receive({ _frame: frame(10) });
@@ -67,13 +67,13 @@ test("a person's freeze holds the picture here and tells Python, with exactly th
   const [message] = fake.saved;
   assert.deepEqual(Object.keys(message ?? {}).sort(), ["_frozen_frame", "paused"]);
   const held = message?._frozen_frame as DataView;
-  // Hosts send the whole buffer under a view, so there must be nothing else in it.
+  // Hosts send the whole buffer under a view, so it must contain nothing else.
   assert.equal(held.buffer.byteLength, HEAD);
   assert.equal(held.getFloat64(0, true), 3);
   end();
 });
 
-test("released, the newest shows at once, and nothing is held", () => {
+test("released, the newest shows at once, and no frame is held", () => {
   const { fake, stream, end } = open({ _frame: frame(3) });
   stream.toggle();
   fake.receive({ _frame: frame(10) });
@@ -86,7 +86,7 @@ test("released, the newest shows at once, and nothing is held", () => {
   end();
 });
 
-test("Python's freeze holds what is here until Python says what it holds", () => {
+test("a freeze by Python holds the present frame until Python sends the frozen one", () => {
   const { fake, stream, end } = open({ _frame: frame(3) });
   fake.receive({ paused: true });
   fake.receive({ _frame: frame(4) });
@@ -110,7 +110,7 @@ test("a reload while frozen finds the frozen picture and the count", () => {
   end();
 });
 
-test("frozen before the first frame, nothing shows and all that came is counted", () => {
+test("frozen before the first frame, the picture is empty and all frames are counted", () => {
   const { fake, stream, end } = open();
   stream.toggle();
   fake.receive({ _frame: frame(4) });
@@ -120,7 +120,7 @@ test("frozen before the first frame, nothing shows and all that came is counted"
   end();
 });
 
-test("a kernel that counts anew makes no negative count", () => {
+test("a kernel that restarts its count does not make a negative count", () => {
   const { fake, stream, end } = open({ paused: true, _frozen_frame: frame(100), _frame: frame(100) });
   fake.receive({ _frame: frame(2) });
   assert.equal(stream.since, 0);
@@ -145,7 +145,7 @@ test("a fast source is live for a second after a frame, and says when that ends"
   end();
 });
 
-test("views hear of every change until their signal ends, and the model is left alone at the end", () => {
+test("views are notified of every change until their signal ends, and the model has no listeners at the end", () => {
   const { fake, stream, end } = open();
   const [first, second] = [new AbortController(), new AbortController()];
   const heard = { first: 0, second: 0 };
@@ -171,7 +171,7 @@ function sequences(stream: Stream<Frame>, by: number, count: number): (number | 
   });
 }
 
-test("frozen, it steps back and on through what came, and stays at the ends", (t) => {
+test("frozen, it steps back and forth through the samples, and stops at the ends", (t) => {
   t.mock.timers.enable({ apis: ["setTimeout"] });
   const { fake, stream, end } = open({ history: 30 });
   for (let i = 1; i <= 4; i++) fake.receive({ _frame: frame(i) });
@@ -194,7 +194,7 @@ test("frozen, it steps back and on through what came, and stays at the ends", (t
   end();
 });
 
-test("what is stepped to is told to Python ten times a second, with exactly the frame's bytes", (t) => {
+test("steps are sent to Python ten times a second, with exactly the frame's bytes", (t) => {
   t.mock.timers.enable({ apis: ["setTimeout"] });
   const { fake, stream, end } = open({ history: 30 });
   for (let i = 1; i <= 50; i++) fake.receive({ _frame: frame(i) });
@@ -212,7 +212,7 @@ test("what is stepped to is told to Python ten times a second, with exactly the 
   end();
 });
 
-test("there is nothing to step to without a history, or with one sample", () => {
+test("without a history, or with one sample, there are no steps", () => {
   for (const history of [0, 30]) {
     const { fake, stream, end } = open({ history });
     for (let i = 1; i <= (history ? 1 : 3); i++) fake.receive({ _frame: frame(i) });
@@ -225,7 +225,7 @@ test("there is nothing to step to without a history, or with one sample", () => 
   }
 });
 
-test("a reload keeps the sample that was stepped to, at a time that is not known", () => {
+test("a reload keeps the sample that was stepped to, at an unknown time", () => {
   const { fake, stream, end } = open({ history: 30, paused: true, _frozen_frame: frame(3), _frame: frame(8) });
   assert.deepEqual(stream.place, { index: 0, count: 2, behind: Number.NaN });
   fake.receive({ _frame: frame(9) });
@@ -234,7 +234,7 @@ test("a reload keeps the sample that was stepped to, at a time that is not known
   end();
 });
 
-test("a frame that Python holds is found among those that came", () => {
+test("a frame that Python holds is found among the samples of the page", () => {
   const { fake, stream, end } = open({ history: 30 });
   for (let i = 1; i <= 5; i++) fake.receive({ _frame: frame(i) });
   fake.receive({ _frozen_frame: frame(4), paused: true });
@@ -265,7 +265,7 @@ test("silence begins three periods after the last frame, from one second to ten"
   end();
 });
 
-test("a frame that says more of the same sample ends no silence: a command, a touch that is over", (t) => {
+test("a frame that adds to the same sample does not end a silence: a command, the end of a touch", (t) => {
   t.mock.timers.enable({ apis: ["setTimeout"] });
   const again = () => fake.receive({ _frame: frame(2) });
   const { fake, stream, end } = open({ _frame: frame(1), _silence: 0.5 });
@@ -285,7 +285,7 @@ test("a frame that says more of the same sample ends no silence: a command, a to
   const restarted = frame(2);
   restarted.setFloat64(24, 7, true);
   fake.receive({ _frame: restarted });
-  assert.equal(stream.live, true, "a kernel that counts anew");
+  assert.equal(stream.live, true, "a kernel that restarts its count");
   end();
 });
 
@@ -302,7 +302,7 @@ test("without a rate only a feed can be silent, after ten seconds", (t) => {
   }
 });
 
-test("a page that is loaded counts from when Python had the frame, and saves no age", async (t) => {
+test("a page that is loaded counts from the arrival of the frame in Python, and saves no age", async (t) => {
   t.mock.timers.enable({ apis: ["setTimeout"] });
   const { fake, stream, end } = open({ _frame: frame(7), _silence: 60 });
   await Promise.resolve();
@@ -315,9 +315,9 @@ test("a page that is loaded counts from when Python had the frame, and saves no 
   end();
 });
 
-test("a page that connects again counts from when Python had the frame, too", async (t) => {
+test("a page that connects again counts from the arrival of the frame in Python, too", async (t) => {
   t.mock.timers.enable({ apis: ["setTimeout"] });
-  // Buffers come last.
+  // Buffers are set last.
   for (const state of [{ _silence: 60 }, { _silence: 60, _frame: frame(8) }, { _frame: frame(8), _silence: 60 }]) {
     const { fake, stream, end } = open({ _frame: frame(6) });
     fake.receive({ _frame: frame(7) });
@@ -342,7 +342,7 @@ test("a page that is loaded between two frames shows a live source", (t) => {
   end();
 });
 
-test("a picture of which Python says no age is not silent: an export, or one filled by hand", (t) => {
+test("a picture without an age from Python is not silent: an export, or one filled by hand", (t) => {
   t.mock.timers.enable({ apis: ["setTimeout"] });
   for (const _silence of [undefined, 0]) {
     const { stream, end } = open({ _frame: frame(7), _silence });
@@ -352,7 +352,7 @@ test("a picture of which Python says no age is not silent: an export, or one fil
   }
 });
 
-test("what is said of a frozen sample is what was said when it came", () => {
+test("the facts about a frozen sample are the ones of its arrival", () => {
   const { fake, stream, end } = open({ history: 30 });
   fake.receive({ _frame: frame(1), _about: { frame_id: "front" } });
   fake.receive({ _frame: frame(2), _about: { frame_id: "rear" } });
@@ -369,7 +369,7 @@ test("what is said of a frozen sample is what was said when it came", () => {
   end();
 });
 
-test("what is said later of the newest sample stays with it, and with no other", () => {
+test("later facts about the newest sample stay with it, and with no other", () => {
   const { fake, stream, end } = open({ history: 30 });
   fake.receive({ _about: { frame_id: "a" }, _frame: frame(1) });
   fake.receive({ _about: { frame_id: "a, later" } });
@@ -383,7 +383,7 @@ test("what is said later of the newest sample stays with it, and with no other",
   end();
 });
 
-test("without a history, too, what is said of a frozen sample stays with it, also after a player stepped to it", () => {
+test("without a history, too, the facts about a frozen sample stay with it, also after a player stepped to it", () => {
   const { fake, stream, end } = open({ history: 0 });
   const said = () => [stream.about.frame_id, stream.last(9).at(-1)?.about.frame_id];
   fake.receive({ _about: { frame_id: "front" }, _frame: frame(1) });
@@ -439,7 +439,7 @@ test("widgets of a group freeze and step to the same moment, and are released to
   for (const { end } of [laser, speed, alone]) end();
 });
 
-test("a group steps back as far as each of it remembers, and one whose view ended is in it no more", () => {
+test("a group steps back within the samples that all of it remember, and one whose view ended is no longer in it", () => {
   const [laser, speed] = [open({ history: 30, _together: "a" }), open({ history: 0.1, _together: "a" })];
   for (const second of [1, 2, 3]) laser.fake.receive({ _frame: arrived(second) });
   for (const second of [1.1, 1.9, 2.5]) speed.fake.receive({ _frame: arrived(second) });
@@ -464,7 +464,7 @@ test("a group steps back as far as each of it remembers, and one whose view ende
   laser.end();
 });
 
-test("a moment is frozen only where its first sample since then is kept", () => {
+test("a moment is frozen only if its first sample since then is kept", () => {
   const { fake, stream, end } = open({ history: 30 });
   for (const second of [1, 2, 3]) fake.receive({ _frame: arrived(second) });
   assert.equal(stream.freezeAt(1.5), true);

@@ -17,7 +17,7 @@ const axes = (width: number, count: number, viewRange = 3.5) => ({
   viewRange,
 });
 
-test("a ray and a distance are found where they are drawn", () => {
+test("a ray and a distance are found at their drawn places", () => {
   for (const count of [1, 2, 360, 1040, 20_000]) {
     const strip = axes(700, count);
     for (const index of [0, Math.floor(count / 2), count - 1]) {
@@ -57,7 +57,7 @@ test("metres on the axis are round and above 0", () => {
   }
 });
 
-test("the ends of the array are named by where they point", () => {
+test("the ends of the array are named by their directions", () => {
   const names = [-135, -90, 0, 90, 135, 180, -180, 359, 405].map((degrees) => placeOf(degrees * DEGREE));
   assert.deepEqual(names, ["right rear", "right", "front", "left", "left rear", "rear", "rear", "front", "left front"]);
 });

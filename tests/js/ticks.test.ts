@@ -7,7 +7,7 @@ import { ticks } from "../../robowidgets/js/shared/ticks.ts";
 const require = createRequire(new URL("../../robowidgets/js/package.json", import.meta.url));
 const d3 = await import(pathToFileURL(require.resolve("d3-array")).href);
 
-test("round numbers are those of d3-array", () => {
+test("round numbers are the same as in d3-array", () => {
   const spans = [
     [0, 1],
     [0, 1039],

@@ -31,7 +31,7 @@ test("the last seconds of each axis on show become lines, by the time before the
   assert.deepEqual(toTimeLines([], groups, 2)[0]?.measured, []);
 });
 
-test("a sample whose time nobody knows is left out", () => {
+test("a sample with an unknown time is left out", () => {
   const samples = [NaN, 0, 500].map((at) => ({ at, frame: { measured: speeds(0.1), commanded: null } }));
   assert.equal(toTimeLines(samples, groups, 10)[0]?.measured.length, 2);
 });

@@ -2,7 +2,7 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 import { toFewWords } from "../../robowidgets/js/topics/groups.ts";
 
-test("a row says the first number or word of what a topic says, without the names before it", () => {
+test("a row shows the first number or word of a topic's value, without the names before it", () => {
   const said = {
     "nearest 0.8 m, 357 rays": "0.8 m",
     "no reading, 357 rays": "no reading",

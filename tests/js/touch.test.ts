@@ -18,7 +18,7 @@ const LEFT: Sensor = { name: "left", state: "free", touches: 3, seconds: 2 };
 const CENTER: Sensor = { name: "center", state: "touched", touches: 1, seconds: 0.5 };
 const RIGHT: Sensor = { name: "right", state: "unknown", touches: 0, seconds: null };
 
-test("a selection keeps its own order, and what nobody spoke of is unknown", () => {
+test("a selection keeps its order, and a sensor without a message is unknown", () => {
   assert.deepEqual(select([LEFT, CENTER], ["center", "tail"]), [
     CENTER,
     { name: "tail", state: "unknown", touches: 0, seconds: null },
@@ -26,7 +26,7 @@ test("a selection keeps its own order, and what nobody spoke of is unknown", () 
   assert.deepEqual(select([LEFT, CENTER], []), [LEFT, CENTER]);
 });
 
-test("sensors that differ in their side stand from left to right, in whatever order they came", () => {
+test("sensors that differ in their side stand from left to right, in any order of arrival", () => {
   const order = (...names: string[]) =>
     select(
       names.map((name) => ({ ...LEFT, name })),
@@ -41,7 +41,7 @@ test("sensors that differ in their side stand from left to right, in whatever or
   assert.deepEqual(order(...create), create);
 });
 
-test("a touched sensor that is not on show is told", () => {
+test("the text names a touched sensor that is not on show", () => {
   assert.equal(tellBeside([LEFT, CENTER, RIGHT], [LEFT]), "also touched: center");
   assert.equal(tellBeside([LEFT, CENTER, RIGHT], [CENTER]), "");
 });
@@ -62,7 +62,7 @@ test("durations are read at a glance", () => {
   ]);
 });
 
-test("a touch says how long it lasts, the others how often there was one", () => {
+test("a touch shows its duration, the others their number of touches", () => {
   assert.equal(detailOf(CENTER, 0.7), "1.2 s");
   assert.equal(detailOf(LEFT, 0.7), "3 touches");
   assert.equal(detailOf({ ...LEFT, touches: 1 }, 0), "1 touch");
@@ -71,11 +71,11 @@ test("a touch says how long it lasts, the others how often there was one", () =>
   assert.equal(detailOf({ ...RIGHT, touches: 2 }, 0), "2 touches");
 });
 
-test("where nobody knows how old a state is, no duration is made up", () => {
+test("without a known age of a state, its duration is left out", () => {
   assert.equal(detailOf(CENTER, null), "1 touch");
 });
 
-test("everything known of a sensor is one sentence", () => {
+test("all facts about a sensor are one sentence", () => {
   assert.equal(tellAll(CENTER, 1), "center: touched for 1.5 s, 1 touch so far");
   assert.equal(tellAll(RIGHT, 1), "right: not known yet, 0 touches so far");
   assert.equal(tellAll(CENTER, null), "center: touched, 1 touch so far");
@@ -85,7 +85,7 @@ test("the summary counts sensors by state and all touches", () => {
   assert.deepEqual(summarize([LEFT, CENTER, RIGHT]), { counts: { touched: 1, free: 1, unknown: 1 }, touches: 4 });
 });
 
-test("modes that are not known are not named", () => {
+test("unknown modes have no text", () => {
   assert.deepEqual(["event", "level", "presence", "loud", undefined].map(modeWord), [
     "events",
     "level",
@@ -95,7 +95,7 @@ test("modes that are not known are not named", () => {
   ]);
 });
 
-test("names in scopes are cut to what tells them apart", () => {
+test("names in scopes are cut to the parts that distinguish them", () => {
   const names = ["bot::base::collision", "bot::arm::collision", "bot::arm::finger", "left"];
   assert.deepEqual(toLabels(names, {}), ["base::collision", "arm::collision", "finger", "left"]);
   assert.deepEqual(toLabels(["a::b", "b"], {}), ["a::b", "b"]);
@@ -118,11 +118,11 @@ test("labels leave out the words that all names share at their start or end", ()
   assert.deepEqual(toLabels(robots, { [robots[0] as string]: "Nose" }), ["Nose", "right"]);
 });
 
-test("a label of one's own is taken as it is, even an empty one", () => {
+test("a given label is used as it is, even an empty one", () => {
   assert.deepEqual(toLabels(["a::b", "c"], { "a::b": "<b>nose</b>", c: "" }), ["<b>nose</b>", ""]);
 });
 
-/** A stream of which the test says when something comes and whether it is frozen. */
+/** A stream whose arrivals and freezing the test controls. */
 class FakeStream {
   paused = false;
   arrived = 0;
@@ -145,7 +145,7 @@ function startClock(values: Partial<FakeStream> = {}) {
   return { stream, time, clock: new Clock(stream, new AbortController().signal, () => time.now) };
 }
 
-test("a frame that is stepped to is shown as it came", () => {
+test("a frame that is stepped to has the age of its arrival", () => {
   const { stream, time, clock } = startClock();
   stream.set({ arrived: 1000 });
   time.now = 3000;
@@ -157,14 +157,14 @@ test("a frame that is stepped to is shown as it came", () => {
   assert.equal(clock.elapsed, 2);
 });
 
-test("a state that a page finds at its load has no known age", () => {
+test("a state found at page load has no known age", () => {
   const { time, clock } = startClock();
   time.now = 60_000;
   assert.equal(clock.elapsed, null);
   assert.equal(clock.runs, false);
 });
 
-test("the clock tells how old the newest frame is", () => {
+test("the clock shows the age of the newest frame", () => {
   const { stream, time, clock } = startClock();
   stream.set({ arrived: 1000 });
   time.now = 2500;
@@ -174,7 +174,7 @@ test("the clock tells how old the newest frame is", () => {
   assert.equal(clock.elapsed, 0);
 });
 
-test("the clock stands still while frozen, whatever comes, and runs on from the newest", () => {
+test("the clock stands still while frozen, also as frames arrive, and runs on from the newest", () => {
   const { stream, time, clock } = startClock();
   stream.set({ arrived: 1000 });
   time.now = 1400;

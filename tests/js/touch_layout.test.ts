@@ -19,12 +19,12 @@ function assertApart(boxes: Iterable<Box>, width: number, height: number): void 
   });
 }
 
-test("what fits in one row stays in one row, of whatever kind", () => {
+test("sensors that fit in one row stay in one row, of any kinds", () => {
   assert.deepEqual(toRows(KOBUKI, 8), [KOBUKI]);
   assert.deepEqual(toRows([], 8), []);
 });
 
-test("where room is short each kind has rows of its own", () => {
+test("without enough room each kind has separate rows", () => {
   assert.deepEqual(toRows(KOBUKI, 7), [KOBUKI.slice(0, 3), KOBUKI.slice(3, 6), KOBUKI.slice(6)]);
 });
 
@@ -51,7 +51,7 @@ test("rows fill the width from left to right", () => {
   assertApart(boxes.values(), 316, bottom);
 });
 
-test("rectangles of many are lower, and higher again where their words need lines of their own", () => {
+test("rectangles of many are lower, and higher again if their words need separate lines", () => {
   const height = (names: string[], width: number, y = 0) => layRows(names, width, y).boxes.get(names[0] ?? "")?.height;
   const alone = height(["left"], 600);
   const many = height(KOBUKI, 600);
@@ -61,7 +61,7 @@ test("rectangles of many are lower, and higher again where their words need line
   assert.equal(height(["left"], 600, 50), many);
 });
 
-test("where the height is short, rows are fewer and lower, but high enough for a label and a state", () => {
+test("in a low room, rows are fewer and lower, but high enough for a label and a state", () => {
   const { boxes, bottom } = layRows(KOBUKI, 385, 0, 80);
   assert.equal(boxes.size, 8);
   assert.equal(new Set([...boxes.values()].map(({ y }) => y)).size, 2);
@@ -75,7 +75,7 @@ test("where the height is short, rows are fewer and lower, but high enough for a
   assert.deepEqual(layRows([], 385, 0, 10), { boxes: new Map(), bottom: 0 });
 });
 
-test("no sensors take no room", () => {
+test("without sensors the layout takes no room", () => {
   assert.deepEqual(layRows([], 300, 40), { boxes: new Map(), bottom: 40 });
 });
 
@@ -98,7 +98,7 @@ const CREATE3 = new Map([
   ["rear right", -3.1],
 ]);
 
-test("sensors lie on the side of the body where they sit, forward up and left on the left", () => {
+test("sensors lie on their side of the body, forward up and left on the left", () => {
   const { boxes, center, radius } = layAround(CREATE3, 676);
   const middle = (name: string) => {
     const { x, y, width, height } = boxes.get(name) as Box;
@@ -143,7 +143,7 @@ test("rectangles keep apart, stay inside and never cover the body, at any width 
   }
 });
 
-test("lines go from the place on the body to the edge that looks at it", () => {
+test("lines go from the place on the body to the edge that faces it", () => {
   const { leads, boxes, center, radius } = layAround(
     new Map([
       ["left", Math.PI / 2],
@@ -161,12 +161,12 @@ test("lines go from the place on the body to the edge that looks at it", () => {
   assert.deepEqual(ahead?.to, { x: center.x, y: above.y + above.height });
 });
 
-test("angles beyond a full turn are where they point", () => {
+test("angles beyond a full turn are at their directions", () => {
   const { leads } = layAround(new Map([["left", Math.PI / 2 + 4 * Math.PI]]), 500);
   assert.ok(Math.abs((leads[0]?.angle ?? 0) - Math.PI / 2) < 1e-9);
 });
 
-test("positions stay as wanted where there is room, and give way in order where there is not", () => {
+test("positions stay as wanted if there is room, and give way in order if not", () => {
   assert.deepEqual(spread([10, 40, 90], 20, 0, 100), [10, 40, 90]);
   assert.deepEqual(spread([10, 12, 14], 20, 0, 100), [10, 30, 50]);
   assert.deepEqual(spread([90, 95, 99], 20, 0, 100), [60, 80, 100]);

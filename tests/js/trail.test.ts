@@ -8,7 +8,7 @@ import { near, scanOf } from "./laser.ts";
 import { FakeModel } from "./models.ts";
 import { frameOf, toNumber, vectors } from "./vectors.ts";
 
-test("the spread of each ray is that of Python", () => {
+test("the spread of each ray is the same as in Python", () => {
   assert.ok(vectors.spreads.length > 2);
   for (const [rows, expected] of vectors.spreads) {
     const found = spreadOf(rows.map((ranges) => scanOf(ranges.map(toNumber), { maxRange: 10 })));
@@ -20,7 +20,7 @@ test("the spread of each ray is that of Python", () => {
   }
 });
 
-test("scans with another number of rays have no part in the spread", () => {
+test("scans with another number of rays do not count for the spread", () => {
   const found = spreadOf([scanOf([5]), scanOf([1, 2]), scanOf([1, 3])]);
   assert.deepEqual([found.count, spreadAt(found, 0)], [2, 0]);
   assert.ok(near(spreadAt(found, 1), 0.45));
@@ -28,7 +28,7 @@ test("scans with another number of rays have no part in the spread", () => {
 
 const [first, second, now] = [scanOf([1]), scanOf([2]), scanOf([3])];
 
-test("without a pose of the scan on show, those before it are where the scanner is", () => {
+test("without a pose of the scan on show, earlier ones stand at the scanner", () => {
   const placed = placeScans([
     { scan: first, pose: [1, 2, 3] },
     { scan: now, pose: undefined },
@@ -36,7 +36,7 @@ test("without a pose of the scan on show, those before it are where the scanner 
   assert.deepEqual(placed, [{ scan: first, x: 0, y: 0, turn: 0 }]);
 });
 
-test("with it they are placed by theirs, and those without one are left out", () => {
+test("with a pose, earlier scans are placed by their poses, and scans without one are left out", () => {
   const placed = placeScans([
     { scan: first, pose: undefined },
     { scan: second, pose: [3, 1, 0] },
@@ -55,7 +55,7 @@ function frame(sequence: number): DataView {
   return bytes;
 }
 
-test("the last scans are those up to the one on show, frozen and stepped back, or as a player gives them", () => {
+test("the last scans end at the one on show, frozen and stepped back, or as a player gives them", () => {
   const fake = new FakeModel({ paused: false, history: 30, _about: {}, _source: {} });
   const controller = new AbortController();
   const stream = new Stream(fake.model, decodeScan, controller.signal);

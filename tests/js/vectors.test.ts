@@ -14,7 +14,7 @@ import { decodeSpeeds } from "../../robowidgets/js/shared/frames/speeds.ts";
 import { decodeTouch } from "../../robowidgets/js/shared/frames/touch.ts";
 import { frameOf, readsOf, vectors } from "./vectors.ts";
 
-/** What is read by name, in plain arrays. */
+/** The fields with the given names, in plain arrays. */
 function pick(read: object, names: object): Record<string, unknown> {
   const values = Object.entries(read).filter(([name]) => name in names);
   return Object.fromEntries(values.map(([name, value]) => [name, ArrayBuffer.isView(value) ? toArray(value) : value]));
@@ -79,7 +79,7 @@ const FRAMES: Record<string, (bytes: DataView) => Record<string, unknown>> = {
   },
 };
 
-// Those of exported pages: export.test.ts.
+// Frames of exported pages are tested in export.test.ts.
 for (const name of Object.keys(vectors.frames).filter((name) => !name.startsWith("packed_"))) {
   test(`a frame that Python packed is read to the byte, wherever it starts: ${name}`, () => {
     for (const offset of [0, 1, 4, 6]) assert.deepEqual(FRAMES[name]?.(frameOf(name, offset)), readsOf(name));

@@ -5,7 +5,7 @@ import type { Mount } from "../../robowidgets/js/shared/traits.ts";
 import type { Limits } from "../../robowidgets/js/speed/traits.ts";
 import { scanOf } from "./laser.ts";
 
-/** What Python would send: limits rounded to float32, and no increment where there is none. */
+/** The scan that Python would send: limits rounded to float32, and a missing increment as 0. */
 export function toScan(given: ScanCase): Scan {
   const values = given.ranges ?? Array.from({ length: given.count ?? 0 }, () => given.fill ?? 0);
   const ranges = values.map(toNumber);
@@ -18,7 +18,7 @@ export function toScan(given: ScanCase): Scan {
   });
 }
 
-/** A number, or a word that stands for one that JSON has not. */
+/** A number, or a word for a number that JSON lacks. */
 export type Word = number | "nan" | "inf" | "-inf";
 
 export interface ScanCase {
@@ -91,7 +91,7 @@ export function frameOf(name: string, offset = 5): DataView {
   return new DataView(bytes.buffer, offset, packed.length);
 }
 
-/** What the front end must read in a frame. */
+/** The expected content of a frame. */
 // biome-ignore lint/suspicious/noExplicitAny: a test compares it with what was read.
 export function readsOf(name: string): any {
   return JSON.parse(JSON.stringify(vectors.frames[name]?.reads), (_, value) => WORDS[value] ?? value);

@@ -40,7 +40,7 @@ const ROBOT = wiring(
   ],
 );
 
-test("messages go from who publishes by the topic to who gets it, and speeds from the program to the robot", () => {
+test("messages go from the publisher by the topic to the subscriber, and speeds from the program to the robot", () => {
   const { items, links, plumbing } = toGraph(ROBOT, ALL);
   assert.equal(items.size, 4 + 4 + 3);
   const ways = links.map((link) => link.join(" > "));
@@ -58,14 +58,14 @@ test("messages go from who publishes by the topic to who gets it, and speeds fro
   assert.deepEqual([...around({ links }, "topic /odom")].sort(), ["node /amcl", "node /base", "topic /odom"]);
 });
 
-test("what every node has is shown where it is asked for", () => {
+test("items that every node has are shown on request", () => {
   const graph = toGraph(ROBOT, { ...ALL, infrastructure: true });
   assert.ok(graph.items.has("topic /rosout"));
   assert.ok(graph.items.has("node /rosout"));
   assert.equal(graph.plumbing, 0);
 });
 
-test("a filter leaves what has the text, and what is wired to that", () => {
+test("a filter keeps the items whose names contain the text, and their neighbours", () => {
   const graph = toGraph(ROBOT, { ...ALL, filter: " SCAN " });
   assert.deepEqual(keys(graph), [
     "function look 0",
@@ -91,7 +91,7 @@ const LARGE = wiring([
   ...Array.from({ length: 20 }, (_, i) => `/base -> /plain_${i} -> /nav`),
 ]);
 
-test("namespaces are folded where there is much, the largest first, and unfolded by a person", () => {
+test("namespaces of a large graph are folded, the largest first, and the user can unfold them", () => {
   const few = toGraph(wiring(["/a/x -> /b/one -> ", "/a/x -> /b/two -> ", "/a/x -> /b/three -> "]), ALL);
   assert.ok(![...few.items.values()].some(({ kind }) => kind === "fold"));
   const graph = toGraph(LARGE, ALL);
@@ -136,7 +136,7 @@ test("boxes lie apart, and wires lead from side to side", () => {
   assert.ok((boxes.get("node /lidar")?.x ?? 0) < (boxes.get("topic /scan")?.x ?? 0));
 });
 
-test("a hundred nodes and three hundred topics are placed whole in time to look at them", () => {
+test("a hundred nodes and three hundred topics are placed fast enough to look at them", () => {
   const lines = Array.from({ length: 300 }, (_, i) => `/node_${i % 100} -> /topic_${i} -> /node_${(i * 7 + 3) % 100}`);
   const graph = toGraph(wiring(lines), ALL);
   assert.equal(graph.items.size, 400);
@@ -158,7 +158,7 @@ test("arrow keys walk to the next box in their direction", () => {
   assert.ok(beside(placed, "nothing", 1, 0));
 });
 
-test("a picture is seen whole where it can be read so, else its left upper part", () => {
+test("a picture is shown whole if it is readable so, else its left upper part", () => {
   assert.deepEqual(fitted({ width: 500, height: 100 }, { width: 700, height: 300 }), { scale: 1, x: 100, y: 100 });
   const large = fitted({ width: 5000, height: 100 }, { width: 700, height: 300 });
   assert.equal(large.x, 0);
@@ -175,14 +175,14 @@ test("a picture is seen whole where it can be read so, else its left upper part"
   assert.ok(moved.x < 700 && moved.y > -100);
 });
 
-test("a topic says its rate and its last message, and why there is none", () => {
+test("a topic shows its rate and its last message, and the reason without one", () => {
   const wire = { name: "/scan", type: "sensor_msgs/msg/LaserScan", from: [], to: [], heard: true, plumbing: false };
   assert.deepEqual([rateOf(wire), sayingOf(wire)], ["", "no message yet"]);
   const live = { ...wire, rate: 10, value: "nearest 0.5 m", age: 0.1 };
   assert.deepEqual([rateOf(live), sayingOf(live), isSilent(live)], ["10.0 Hz", "nearest 0.5 m", false]);
   assert.equal(sayingOf({ ...live, age: 12 }), "silent for 12.0 s");
   assert.deepEqual([isSilent({ ...live, age: 3 }), isSilent({ ...live, rate: 0.5, age: 6 })], [false, false]);
-  // Nobody listened in between.
+  // The widget did not listen in between.
   assert.equal(sayingOf({ ...live, age: 12, glanced: true }), "nearest 0.5 m");
   assert.equal(sayingOf({ ...live, note: "it is of an unknown type" }), "it is of an unknown type");
   assert.equal(sayingOf({ ...wire, offered: false }), "nobody publishes it");
@@ -190,7 +190,7 @@ test("a topic says its rate and its last message, and why there is none", () => 
   assert.deepEqual([rateOf({ ...wire, count: 1 }), rateOf({ ...wire, count: 1234 })], ["once", "1\u202f234 \u00d7"]);
 });
 
-test("what is pointed at is told whole", () => {
+test("the facts about the item under the pointer are complete", () => {
   const { items } = toGraph(ROBOT, ALL);
   const of = (key: string) => {
     const item = items.get(key);

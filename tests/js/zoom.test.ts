@@ -60,7 +60,7 @@ test("a step out undoes a step in", () => {
   }
 });
 
-test("steps out end at what the sensor can see", () => {
+test("steps out end at the range of the sensor", () => {
   assert.equal(stepRange(5, 1, 5.6), 5.6);
   assert.equal(stepRange(5.6, 1, 5.6), 5.6);
   assert.equal(stepRange(60, 1, 60), 60);
@@ -72,7 +72,7 @@ test("any metres that a program set lead back to round numbers", () => {
   assert.equal(stepRange(4.37, 1, 60), 5);
 });
 
-test("the reach leaves out the farthest 2 % of the readings, and what is no reading", () => {
+test("the reach leaves out the farthest 2 % of the readings, and rays without a reading", () => {
   assert.ok(near(reach(room(4)), 4));
   assert.ok(
     near(
@@ -110,7 +110,7 @@ test("a 60 m scanner in a 4 m room shows the room", () => {
   assert.equal(fitRange(0, room(3.9, [55, 58])), 5);
 });
 
-test("a fit never passes what the sensor can see", () => {
+test("a fit never exceeds the range of the sensor", () => {
   assert.equal(fitRange(0, scanOf([5.5], { maxRange: 5.6 })), 5.6);
   assert.equal(fitRange(5.6, scanOf([5.6], { maxRange: 5.6 })), 5.6);
 });
@@ -138,7 +138,7 @@ test("a fit grows at once, and shrinks only when far less is needed", () => {
   assert.equal(fitRange(5, room(20)), 25);
 });
 
-test("a scanner without a limit shows what it reads, and 10 m while it reads nothing", () => {
+test("a scanner without a limit shows the range of its readings, and 10 m without readings", () => {
   const maxRange = 3.4028234663852886e38;
   const reading = scanOf([4, 80, 1e30], { maxRange });
   assert.equal(resolveRange("sensor", scanOf([4, 4], { maxRange }), 0), 5);

@@ -6,7 +6,7 @@ import { type Cloud, countOf } from "./cloud.ts";
 import { ABOUT_FORMS, bandWords, countWords, FORMS, type Form, hasCode, toCode } from "./text.ts";
 import type { Selection } from "./traits.ts";
 
-/** What is selected, in a corner of the picture: how many points, between which bounds, and the code for them. */
+/** The selection, in a corner of the picture: the number of points, their bounds, and the code for them. */
 export class Chip {
   readonly root = make("div", "rw-floating rw-over rw-cloud-chip");
   readonly copy: CopyCode<Form>;
@@ -30,8 +30,9 @@ export class Chip {
   }
 
   /**
-   * @param found which of the points that the page has are selected; null: nothing is, and it goes away
-   * @param whole how many points of the whole cloud are selected; null: not known
+   * @param found 1 for each selected point among the points that the page has; null without a selection, which hides
+   * the chip
+   * @param whole selected points of the whole cloud; null if unknown
    */
   update(cloud: Cloud | null, selection: Selection, found: Uint8Array | null, whole: number | null): void {
     this.#selection = selection;
@@ -42,7 +43,7 @@ export class Chip {
     this.copy.offer((form) => hasCode(selection, form));
   }
 
-  /** In the picture; none while it is away or below. */
+  /** In the picture; empty while the chip is hidden or below the picture. */
   get boxes(): Box[] {
     const { offsetLeft: x, offsetTop: y, offsetWidth: width, offsetHeight: height, hidden } = this.root;
     return hidden || this.#isBelow ? [] : [{ x, y, width, height }];

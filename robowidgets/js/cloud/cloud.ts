@@ -2,7 +2,9 @@ import { copyOf, Reader } from "../shared/bytes.ts";
 import { type Frame, readHead } from "../shared/stream.ts";
 import type { Selection } from "./traits.ts";
 
-/** The numbers of a field; of one with several numbers for each point, all of the first point, then of the next. */
+/**
+ * The numbers of a field. A field with several numbers per point has all numbers of the first point, then of the next.
+ */
 export type Column =
   | Int8Array
   | Uint8Array
@@ -22,7 +24,7 @@ export interface Field {
   values: Column;
 }
 
-/** A cloud, as far as the page has its points: every `step`-th, or every `step`-th row and column. */
+/** A cloud with the points that the page has: every `step`-th, or every `step`-th row and column. */
 export interface Cloud extends Frame {
   /** Points of the whole cloud, its rows, and how many of the points were not measured. */
   total: number;
@@ -30,7 +32,7 @@ export interface Cloud extends Frame {
   columns: number;
   unmeasured: number;
   step: number;
-  /** How many points the page has. */
+  /** Number of points that the page has. */
   count: number;
   fields: Map<string, Field>;
   x: Column;
@@ -87,13 +89,13 @@ export function decodeCloud(bytes: DataView): Cloud {
   return { ...head, total, rows, columns: rows ? total / rows : 0, step, unmeasured, count, fields, x, y, z, distance };
 }
 
-/** Infinite numbers are no measurements, either. */
+/** The distance from the origin; NaN if a coordinate is infinite, which is not a measurement. */
 function distanceTo(x: number, y: number, z: number): number {
   const away = Math.sqrt(x * x + y * y + z * z);
   return Number.isFinite(away) ? away : NaN;
 }
 
-/** How many points of each row the page has. */
+/** Number of points per row that the page has. */
 export function drawnColumns({ columns, step }: Cloud): number {
   return Math.ceil(columns / step);
 }
@@ -105,7 +107,7 @@ export function indexOf(cloud: Cloud, i: number): number {
   return row * cloud.columns + column;
 }
 
-/** Which of the points that the page has a point of the whole cloud is; -1: it has it not. */
+/** The index in the page of a point of the whole cloud; -1 if the page does not have it. */
 export function drawnAt(cloud: Cloud, index: number | null): number {
   if (index === null || index >= cloud.total) return -1;
   const { step, rows, columns } = cloud;
@@ -121,7 +123,7 @@ export function placeOf(cloud: Cloud, i: number): [row: number, column: number] 
   return [Math.floor(i / wide) * cloud.step, (i % wide) * cloud.step];
 }
 
-/** What colours points, or bounds them: a field with one number for each, or the distance. */
+/** The values that colour points or bound them: a field with one number per point, or the distance. */
 export function columnOf(cloud: Cloud, name: string): Column | null {
   // As in Python, also where a field has that name.
   if (name === "distance") return cloud.distance;
@@ -129,7 +131,7 @@ export function columnOf(cloud: Cloud, name: string): Column | null {
   return field?.size === 1 ? field.values : null;
 }
 
-/** Which of the points that the page has are within bounds; null: nothing is selected. */
+/** 1 for each point of the page that is within bounds; null without a selection. */
 export function selectedIn(cloud: Cloud, selection: Selection): Uint8Array | null {
   const bands = Object.entries(selection);
   if (!bands.length) return null;
@@ -157,7 +159,7 @@ export function countOf(found: Uint8Array): number {
   return count;
 }
 
-/** The point that is nearest to the origin, of those selected; -1 without any. */
+/** The selected point that is nearest to the origin; -1 if there is none. */
 export function nearestOf(cloud: Cloud, found: Uint8Array | null): number {
   let [nearest, least] = [-1, Infinity];
   for (let i = 0; i < cloud.count; i++) {
@@ -167,7 +169,9 @@ export function nearestOf(cloud: Cloud, found: Uint8Array | null): number {
   return nearest;
 }
 
-/** Whether a field holds colours, red, green and blue in the bytes of one number, as cameras of depth send them. */
+/**
+ * Returns true if a field holds colours: red, green and blue in the bytes of one number, as depth cameras send them.
+ */
 export function isColor(name: string): boolean {
   return name === "rgb" || name === "rgba";
 }

@@ -42,11 +42,11 @@ export function domainOf(cloud: Cloud, name: string, before: Domain | null): Dom
   return widened[1] - widened[0] > 2 * (high - low) ? [low, high] : widened;
 }
 
-/** What colours the points. */
+/** The coloring of the points. */
 export interface Coloring {
-  /** The name of the field; empty: one colour. */
+  /** The name of the field, or "" for one colour. */
   by: string;
-  /** Null where colours are those of the field itself, and for one colour. */
+  /** Null for one colour, and if the field itself holds colours. */
   domain: Domain | null;
   /** The pixel of each point. */
   pixels: Uint32Array;
@@ -60,7 +60,7 @@ export function stepsOf(dark: boolean): string[] {
 /**
  * The colours of all points.
  *
- * @param plain of points in one colour
+ * @param plain for points in one colour
  * @param unknown of points without a value
  */
 export function colorsOf(

@@ -6,7 +6,9 @@ import { columnsOf, type Projection } from "./projection.ts";
 /** Pixels around a pointer in which a point is found. */
 const REACH = 7;
 
-/** Points as dots in the bytes of a picture, the nearest to the viewer on top, and which of them is seen where. */
+/**
+ * Points as dots in the bytes of a picture, the nearest to the viewer on top, and the point that is seen at each pixel.
+ */
 export class Dots {
   #width = 0;
   #height = 0;
@@ -37,7 +39,7 @@ export class Dots {
    * Draws points to scale.
    *
    * @param colors a pixel for each point
-   * @param behind which points lie under all others, such as those that are not selected; null: none
+   * @param behind 1 for each point that lies under all others, such as the unselected points; null without such points
    */
   place(cloud: Cloud, projection: Projection, colors: Uint32Array, behind: Uint8Array | null): void {
     const { axes, box, look, scale } = projection;
@@ -53,7 +55,7 @@ export class Dots {
     const { distance, count } = cloud;
     const wide = this.#width;
     for (let i = 0; i < count; i++) {
-      // Only what is a number is not.
+      // Comparisons with NaN are false.
       if (!((distance[i] as number) >= 0)) continue;
       const x = Math.round(centerX + (rights[i] as number) * perRight - half);
       const y = Math.round(centerY - (ups[i] as number) * perUp - half);
@@ -94,7 +96,7 @@ export class Dots {
     if (this.#image) context.putImageData(this.#image, 0, 0);
   }
 
-  /** The point that is seen at a place, or nearest to it; -1 where there is none. */
+  /** The point seen at a place, or the nearest one within reach; -1 if there is none. */
   at({ x, y }: Point, reach = REACH): number {
     const ratio = this.#ratio;
     const [px, py, far] = [Math.floor(x * ratio), Math.floor(y * ratio), Math.ceil(reach * ratio)];

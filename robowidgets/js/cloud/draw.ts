@@ -43,7 +43,7 @@ export function drawGrid(context: Context, projection: Projection, theme: Theme)
   drawSensor(context, projection, theme);
 }
 
-/** The origin of the frame, in which the sensor is as a rule: its nose looks along x where that is in the picture. */
+/** The origin of the frame, usually the place of the sensor: its nose looks along x if x lies in the picture. */
 function drawSensor(context: Context, projection: Projection, theme: Theme): void {
   const { axes, box } = projection;
   const at = toPixel(projection, 0, 0);
@@ -102,13 +102,13 @@ export function drawRowsGround(context: Context, box: Box, cloud: Cloud, theme: 
   write(context, "row", box.x - 5, box.y + 8, theme.muted, font, "right");
 }
 
-/** Where the bar of the legend stands, of a picture that begins at some height. */
+/** Place and domain of the bar of the legend. */
 export interface Legend {
   bar: Box;
   domain: Domain;
 }
 
-/** Pixels of the legend beside the picture. */
+/** Pixels of the legend at the side of the picture. */
 export const LEGEND = 68;
 const [BAR, MOST] = [10, 220];
 
@@ -123,7 +123,7 @@ export function valueAt({ bar, domain: [low, high] }: Legend, y: number): number
   return low + share * (high - low);
 }
 
-/** The colours of values, with what they are, from the lowest at the bottom to the highest. */
+/** The colour bar with its values, from the lowest at the bottom to the highest. */
 export function drawLegend(
   context: Context,
   legend: Legend,
@@ -170,7 +170,7 @@ function short(value: number, step: number): string {
   return Math.abs(value) >= 1e5 ? value.toPrecision(2).replace("e+", "e") : numberOf(value, step);
 }
 
-/** A text that is cut where it has no room. */
+/** Returns a text, cut to fit a width. */
 function fitted(context: Context, text: string, width: number, font: string): string {
   context.font = font;
   let shown = text;
@@ -179,7 +179,10 @@ function fitted(context: Context, text: string, width: number, font: string): st
   return shown;
 }
 
-/** The bounds that a person has drawn, as far as their axes lie in the picture: from edge to edge without bounds. */
+/**
+ * The bounds that the user has drawn, on the axes that the picture shows; an axis without bounds reaches from edge to
+ * edge.
+ */
 export function drawSelection(context: Context, projection: Projection, selection: Selection, theme: Theme): void {
   const { axes, box } = projection;
   const [rights, ups] = [selection[axes.right.name], selection[axes.up.name]];
@@ -208,7 +211,7 @@ export function drawSelection(context: Context, projection: Projection, selectio
   context.restore();
 }
 
-/** The room of the picture within a card, beside its scales and its legend. */
+/** The room of the picture within a card, without its scales and its legend. */
 export function roomIn(width: number, height: number, top: number, hasLegend: boolean): Box {
   return {
     x: LEFT,

@@ -2,13 +2,13 @@ import type { Box, Point } from "../shared/box.ts";
 import type { Cloud, Column } from "./cloud.ts";
 import type { ViewName } from "./traits.ts";
 
-/** An axis of the frame, and whether it grows to the left, down, or away from the viewer. */
+/** An axis of the frame, and its sign: -1 if it grows to the left, down, or away from the viewer. */
 export interface Axis {
   name: "x" | "y" | "z";
   sign: 1 | -1;
 }
 
-/** What lies to the right in the picture, what lies up in it, and what comes towards the viewer. */
+/** The axes that point right in the picture, up in it, and towards the viewer. */
 export interface Axes {
   right: Axis;
   up: Axis;
@@ -32,7 +32,7 @@ export interface Look {
   range: number;
 }
 
-/** Where metres lie in the picture. */
+/** Maps metres to pixels of the picture. */
 export interface Projection {
   axes: Axes;
   /** Of the picture, without its scales. */
@@ -58,7 +58,7 @@ export function toMetres({ box, look, scale }: Projection, { x, y }: Point): [ri
   return [look.right + (x - box.x - box.width / 2) / scale, look.up - (y - box.y - box.height / 2) / scale];
 }
 
-/** The value of an axis of the frame where the picture has some metres to the right, or up. */
+/** The value of an axis of the frame at some metres to the right, or up. */
 export function along({ sign }: Axis, metres: number): number {
   return sign * metres;
 }
@@ -87,7 +87,7 @@ export function fitTo(cloud: Cloud, axes: Axes, box: Box): Look {
   return { right: (west + east) / 2, up: (south + north) / 2, range: range || 1 };
 }
 
-/** The look of live clouds: it widens at once, and narrows only where it is far too wide, so that pictures stand still. */
+/** The look of live clouds: it widens at once, and narrows only if it is far too wide, so that pictures stand still. */
 export function steadied(before: Look | null, fitted: Look): Look {
   if (!before) return fitted;
   const shift = Math.hypot(before.right - fitted.right, before.up - fitted.up);

@@ -11,12 +11,12 @@ const LABELS: Record<string, string> = { z: "height", distance: "distance", "": 
 const MOST_NUMBERS = 4;
 const MOST_FIELDS = 9;
 
-/** What a field is called where points are coloured by it. */
+/** The label of a field by which points are coloured. */
 export function labelOf(name: string): string {
   return LABELS[name] ?? name;
 }
 
-/** The name of a field, with its unit where that is sure: a range may be in any. */
+/** The name of a field, with its unit if that is certain: a range may have any. */
 export function titleOf(name: string): string {
   return name in UNITS && name !== "range" ? `${labelOf(name)} ${UNITS[name]}` : labelOf(name);
 }
@@ -35,7 +35,7 @@ function toText(value: number): string {
   return Number.isFinite(value) ? String(value).replace("-", "\u2212") : toFixed(value, 0);
 }
 
-/** What the pop-up says of a point that the page has. */
+/** The texts of the pop-up of a point. */
 export function describePoint(cloud: Cloud, i: number): PopupWords {
   const index = indexOf(cloud, i);
   const places = [cloud.x, cloud.y, cloud.z].map((column, axis) => {
@@ -61,20 +61,20 @@ export function describePoint(cloud: Cloud, i: number): PopupWords {
   };
 }
 
-/** A colour that a camera of depth packed into a number. */
+/** The colour that a depth camera packed into a number. */
 function colorAt(values: Column, i: number): string {
   if (values.BYTES_PER_ELEMENT !== 4) return String(values[i]);
   const word = new Uint32Array(values.buffer, values.byteOffset)[i] ?? 0;
   return `${(word >> 16) & 0xff}, ${(word >> 8) & 0xff}, ${word & 0xff}`;
 }
 
-/** How many points are within bounds, and of how many that is known. */
+/** The number of points within bounds, and the number of points that were checked. */
 export function countWords(cloud: Cloud, found: number, whole: number | null): string {
   if (whole !== null || cloud.step === 1) return `${toCount(whole ?? found)} of ${toMany(cloud.total, "point")}`;
   return `${toCount(found)} of ${toMany(cloud.count, "drawn point")}`;
 }
 
-/** What is not drawn, for the footer: "every 4th of 100 000 points"; empty where all are. */
+/** For the footer, if points are left out: "every 4th of 100 000 points"; else "". */
 export function thinnedWords(cloud: Cloud): string {
   if (cloud.step === 1) return "";
   const nth = toOrdinal(cloud.step);
@@ -99,7 +99,7 @@ export const ABOUT_FORMS =
 
 const AXES = ["x", "y", "z"];
 
-/** Whether there is code for a selection in a form: an array of shape (N, 3) has no other fields. */
+/** Returns true if a selection has code in a form: an array of shape (N, 3) has no other fields. */
 export function hasCode(selection: Selection, form: Form): boolean {
   return form !== "array" || Object.keys(selection).every((name) => AXES.includes(name));
 }
@@ -119,7 +119,7 @@ export function toCode(selection: Selection, form: Form): string {
     const field = fieldCode(name, form);
     return `(${field} >= ${low}) & (${field} <= ${high})`;
   });
-  // Bounds leave out what is NaN or infinite; a distance has none where x, y or z is.
+  // Bounds exclude NaN and infinite values; a distance is NaN if x, y or z is.
   const unbounded = AXES.filter((axis) => !(axis in selection || "distance" in selection));
   return `points[${[...parts, ...unbounded.map((axis) => `np.isfinite(${fieldCode(axis, form)})`)].join(" & ")}]`;
 }
@@ -129,7 +129,7 @@ function fieldCode(name: string, form: Form): string {
   return isName(name) && !["points", "np"].includes(name) ? name : `points[${quoted(name)}]`;
 }
 
-/** Bounds with the digits that a person would write, of what spans so much. */
+/** Bounds rounded to the digits that suit a span. */
 export function rounded([low, high]: [number, number], span: number): [number, number] {
   const step = 10 ** Math.floor(Math.log10(span / 500 || 1));
   const [first, last] = [low, high].map((value) => Number((Math.round(value / step) * step).toPrecision(8)));

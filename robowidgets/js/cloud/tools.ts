@@ -10,7 +10,7 @@ const VIEWS: [ViewName, string][] = [
   ["rows", "Rows"],
 ];
 
-/** What a person does to the picture. */
+/** Actions of the user on the picture. */
 export interface CloudActs {
   onView(view: ViewName): void;
   onColor(field: string): void;
@@ -47,8 +47,8 @@ export class Tools {
   }
 
   /**
-   * @param fields what may colour the points
-   * @param hasRows whether the cloud lies in rows
+   * @param fields the fields that may colour the points
+   * @param hasRows true if the points of the cloud lie in rows
    */
   update(view: ViewName, color: string, fields: string[], hasRows: boolean, isFitted: boolean, isBox: boolean): void {
     const rows = this.#view.options[this.#view.options.length - 1] as HTMLOptionElement;

@@ -10,17 +10,17 @@ export interface CloudTraits extends LargeTraits {
   view: ViewName;
   /** "z", "distance", the name of a field, or "" for one colour. */
   color_by: string;
-  /** Values between which the colours lie; null: those on show. */
+  /** Values at the ends of the colour scale; null for those on show. */
   color_range: [low: number, high: number] | null;
   selection: Selection;
-  /** Null: as many as the page can draw in time. */
+  /** Null for as many as the page can draw in time. */
   most_points: number | null;
-  /** Metres to the edge of the picture; null: as far as the points reach. */
+  /** Metres to the edge of the picture; null to fit all points. */
   view_range: number | null;
 }
 
-/** What Python says about the newest cloud. */
+/** Facts about the newest cloud, from Python. */
 export interface CloudAbout extends About {
-  /** How many points of the whole cloud are within a selection. */
+  /** A selection, and the number of points of the whole cloud in it. */
   selected?: [selection: Selection, count: number];
 }

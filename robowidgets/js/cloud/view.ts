@@ -37,13 +37,13 @@ const VIEWS: ViewName[] = ["above", "side", "behind", "rows"];
 const RING = 6;
 type DragKind = "move" | "box" | "band";
 
-/** One view of a cloud widget: it wires the card, the drawing, the pop-ups, what is selected and the gestures. */
+/** One view of a cloud widget: it wires the card, the drawing, the pop-ups, the selection and the gestures. */
 export class CloudView implements Zoom, CloudActs, Dragged<DragKind> {
   readonly #model: Model<CloudTraits>;
   readonly #stream: Stream<Cloud>;
   readonly #credit: Credit;
   readonly #card: SampleCard;
-  /** From the ground up: grid and scales, the points, what is pointed at and selected. */
+  /** From the ground up: grid and scales, the points, the pointer and the selection. */
   readonly #ground: Canvas;
   readonly #points: Canvas;
   readonly #over: Canvas;
@@ -63,7 +63,7 @@ export class CloudView implements Zoom, CloudActs, Dragged<DragKind> {
   #looks = new Map<ViewName, Look>();
   #fitted = new Map<ViewName, Look>();
   #found: Uint8Array | null = null;
-  /** What is drawn, so that pointing does not draw points anew. */
+  /** The inputs of the last drawing, so that pointing does not draw the points again. */
   #drawnKey: unknown[] = [];
   #pointer: Point | null = null;
   /** Index in the whole cloud. */
@@ -107,7 +107,7 @@ export class CloudView implements Zoom, CloudActs, Dragged<DragKind> {
     watchZoom(picture, this, signal);
   }
 
-  // What a person does
+  // Actions of the user
 
   onView(view: ViewName): void {
     setTraits(this.#model, { view });
@@ -187,7 +187,7 @@ export class CloudView implements Zoom, CloudActs, Dragged<DragKind> {
     };
     const box = { [right.name]: boundsOf(right, 0), [up.name]: boundsOf(up, 1) };
     const all: Selection = { ...this.#selection, ...box };
-    // As a person reads them: x before y before z.
+    // Sorted in the order in which users read them: x before y before z.
     this.#select(Object.fromEntries(Object.entries(all).sort(([one], [other]) => (one < other ? -1 : 1))));
   }
 
@@ -224,7 +224,7 @@ export class CloudView implements Zoom, CloudActs, Dragged<DragKind> {
     event.preventDefault();
   }
 
-  /** The next view; clouds that do not lie in rows have no picture of them. */
+  /** Shows the next view; clouds whose points do not lie in rows skip the view of rows. */
   #turn(): void {
     const hasRows = (this.#stream.shown?.rows ?? 1) > 1;
     const views = VIEWS.filter((view) => hasRows || view !== "rows");
@@ -300,7 +300,7 @@ export class CloudView implements Zoom, CloudActs, Dragged<DragKind> {
     this.#credit.drawn(newest);
   }
 
-  /** The fields with one number for each point that the list has not anyway. */
+  /** The fields with one number per point that the list lacks. */
   #fieldsOf(cloud: Cloud): string[] {
     const others = [...cloud.fields.values()].filter(({ name, size }) => size === 1 && name !== "z");
     return others.map(({ name }) => name).filter((name) => name !== "distance");
@@ -321,7 +321,7 @@ export class CloudView implements Zoom, CloudActs, Dragged<DragKind> {
     return domain;
   }
 
-  /** Where a person looked, or all points. */
+  /** The look that the user chose, or one that fits all points. */
   #lookIn(cloud: Cloud | null, box: ReturnType<typeof roomIn>): Look | null {
     if (this.#view === "rows" || !cloud) return null;
     const looked = this.#looks.get(this.#view);
@@ -348,7 +348,7 @@ export class CloudView implements Zoom, CloudActs, Dragged<DragKind> {
       const ghost = toPixelColor(theme.ghost);
       const { pixels } = colorsOf(cloud, by, domain, theme.dark, toPixelColor(theme.reading), ghost);
       const found = this.#found;
-      // Fainter than the darkest color of what is selected, and a ground of cells fainter still.
+      // Fainter than the darkest color of a selected point; in the view of rows, fainter still.
       const others = this.#view === "rows" ? toPixelColor(theme.line) : faint(ghost);
       if (found) for (let i = 0; i < cloud.count; i++) if (!found[i]) pixels[i] = others;
       if (this.#view === "rows" || !look) {
@@ -367,7 +367,7 @@ export class CloudView implements Zoom, CloudActs, Dragged<DragKind> {
     this.#dots.paint(this.#points.context);
   }
 
-  /** What is selected and pointed at. */
+  /** Draws the selection and the pointer. */
   #drawOver(cloud: Cloud | null): void {
     const { size, theme, noticeHeight } = this.#card;
     const over = this.#over.begin(size);
@@ -413,7 +413,7 @@ export class CloudView implements Zoom, CloudActs, Dragged<DragKind> {
     };
   }
 
-  /** How many points of the whole cloud are selected, once Python has counted. */
+  /** The number of selected points of the whole cloud, once Python has counted them. */
   get #wholeCount(): number | null {
     const [selection, count] = (this.#stream.about as CloudAbout).selected ?? [];
     return JSON.stringify(selection) === JSON.stringify(this.#selection) ? (count ?? null) : null;

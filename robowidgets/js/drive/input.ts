@@ -4,17 +4,17 @@ import { CENTER, isDriving, type Knob, ofKeys, toKnob, toSlide } from "./knob.ts
 /** Pixels. */
 const KNOB_RADIUS = 19;
 
-/** What a person does to a pad. */
+/** Actions of the user on a pad. */
 interface PadInput {
-  /** Whether the robot moves sideways. */
+  /** True if the robot moves sideways. */
   readonly sideways: boolean;
   onHold(knob: Knob): void;
   onRelease(): void;
 }
 
 /**
- * Follows pointers and keys on a pad and on the slide for sideways: one pointer on each, or keys. What is let go of
- * comes to rest, while the other goes on. Losing a pointer, the focus, the window or the page releases both.
+ * Follows pointers and keys on a pad and on the slide for sideways: one pointer on each, or keys. A released knob
+ * returns to rest while the other one goes on. Losing a pointer, the focus, the window or the page releases both.
  */
 export function watchInput(pad: HTMLElement, slide: HTMLElement, input: PadInput, signal: AbortSignal): void {
   const held = new Set<string>();

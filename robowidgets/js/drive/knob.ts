@@ -1,4 +1,4 @@
-/** Where the knobs are: shares of the limits within ±1, ahead and to the left above 0. */
+/** Positions of the knobs: shares of the limits within ±1, positive ahead and to the left. */
 export interface Knob {
   forward: number;
   turn: number;
@@ -7,7 +7,7 @@ export interface Knob {
 
 export const CENTER: Knob = { forward: 0, turn: 0, lateral: 0 };
 
-/** Dead zone around the centre, as a share of the way to the edge, so that a person can drive straight. */
+/** Dead zone around the centre, as a share of the way to the edge, for driving straight. */
 const SLACK = 0.06;
 
 const clamp = (value: number) => Math.max(-1, Math.min(1, value));
@@ -27,7 +27,7 @@ export function toSlide(right: number, reach: number): Pick<Knob, "lateral"> {
   return { lateral: toShare(-right / reach) };
 }
 
-/** Where the knobs are drawn: shares of the reach, right of and below the middle. */
+/** Positions of the drawn knobs: shares of the reach, right of and below the middle. */
 export function toPlace({ forward, turn, lateral }: Knob): { right: number; below: number; slide: number } {
   const out = (share: number) => Math.sign(share) * (Math.abs(share) * (1 - SLACK) + SLACK);
   return { right: -out(turn), below: -out(forward), slide: -out(lateral) };
@@ -47,8 +47,8 @@ const KEYS: Record<string, Partial<Knob>> = {
 };
 
 /**
- * Whether a key drives a robot that moves sideways, or does not. Keys are named by their place, so that W, A, S, D are
- * where they are on any keyboard.
+ * Returns true if a key drives the robot. Keys are named by their position, so that W, A, S, D are in the same places
+ * on any keyboard.
  */
 export function isDriving(code: string, sideways: boolean): boolean {
   const knob = KEYS[code];

@@ -1,14 +1,14 @@
 import { PRESS_SILENT_MS } from "../shared/staleness.ts";
 import { CENTER, type Knob } from "./knob.ts";
 
-/** What the page tells Python. */
+/** A message of the pad to Python. */
 export interface PadMessage extends Partial<Knob> {
   act: "press" | "hold" | "release";
   press: string;
   token?: number;
 }
 
-/** What Python answers: a token that the next message carries back, or why the press is over. */
+/** An answer of Python: a token that the next message carries back, or the reason why the press is over. */
 export interface Answer {
   press: string;
   token?: number;
@@ -18,7 +18,7 @@ export interface Answer {
 /** Milliseconds between two messages of a press. */
 export const BEAT_MS = 100;
 
-/** Milliseconds after a message before the knob's next place is told. */
+/** Least milliseconds between two messages while the knob moves. */
 const SOONEST_MS = 40;
 
 /**
@@ -41,7 +41,7 @@ export type State =
 
 /**
  * Sends the presses of a pad. While the pad is held, Python gets the position of the knob ten times a second, as long
- * as it answers. After half a second without an answer the press has ended: a person must release and press again.
+ * as it answers. After half a second without an answer the press has ended: the user must release and press again.
  */
 export class PressLease {
   state: State = "free";
@@ -108,7 +108,7 @@ export class PressLease {
     else if (this.#goes && token) this.#onToken(token);
   }
 
-  /** Whether the press that is held is not over. */
+  /** True while the press that is held is not over. */
   get #goes(): boolean {
     return this.state === "asking" || this.state === "driving";
   }

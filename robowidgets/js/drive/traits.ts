@@ -8,7 +8,9 @@ export interface DriveTraits extends DrivingTraits {
   angular_limit: number;
 }
 
-/** State of the robot's driver, and m/s at the ends of the slide for sideways; 0: the robot does not move sideways. */
+/**
+ * State of the robot's driver, and m/s at the ends of the slide for sideways, or 0 if the robot does not move sideways.
+ */
 export interface DriveTold extends Told {
   lateral_limit: number;
 }

@@ -60,7 +60,7 @@ export class DriveView {
     return this.#lateralLimit > 0;
   }
 
-  /** A notebook that was saved by an earlier version has none. */
+  /** A notebook saved by an earlier version lacks this trait. */
   get #lateralLimit(): number {
     return this.#model.get("_state").lateral_limit ?? 0;
   }

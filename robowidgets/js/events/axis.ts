@@ -9,18 +9,18 @@ import { type Times, toTimeText } from "./text.ts";
 export const AXIS = 40;
 const MARGIN = 12;
 const BASE = 24;
-/** Heights tell levels apart, too. */
+/** Heights distinguish levels in addition to colours. */
 const [LOW, MIDDLE, HIGH] = [6, 12, 18];
 const LEAST_WIDTH = 3;
 const PER_TICK = 90;
 /** Seconds of a live axis whose times need a decimal. */
 const FINE = 10;
 
-/** What the axis shows. */
+/** The data of the axis. */
 export interface Axis {
   span: Span;
   times: Times;
-  /** Seconds of the cursor, and of what is pointed at; null: none. */
+  /** Seconds of the cursor, and of the pointer; null if there is none. */
   cursor: number | null;
   pointed: number | null;
 }
@@ -64,7 +64,7 @@ export class AxisView {
     }
   }
 
-  /** Each pixel has the highest level in it: of thousands of rows, none that matters is lost. */
+  /** Each pixel has the highest level in it: an error among thousands of rows stays visible. */
   #drawRows(context: Context, rows: Row[], theme: Theme): void {
     const { axis } = this;
     const most = new Map<number, number>();
@@ -72,7 +72,7 @@ export class AxisView {
       if (until < axis.span[0] || seconds > axis.span[1]) continue;
       const [from, to] = [seconds, until].map((time) => Math.round(clamp(toX(axis, time), axis))) as [number, number];
       for (const x of [from, to]) most.set(x, Math.max(level, most.get(x) ?? 0));
-      // What came again and again.
+      // Bursts of equal events.
       context.fillStyle = colorOf(level, theme);
       context.fillRect(from, BASE - 2, to - from, 2);
     }

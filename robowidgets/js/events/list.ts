@@ -5,13 +5,13 @@ import { describeRow, type Times, toLine, toTimes, toTimeText } from "./text.ts"
 
 export const ROW = 24;
 
-/** What the list shows. */
+/** The content of the list. */
 export interface Listing {
   rows: Row[];
   times: Times;
-  /** Index of the row at the cursor; -1: none. */
+  /** Index of the row at the cursor; -1 without one. */
   current: number;
-  /** Number of the row that is unfolded; null: none. */
+  /** Number of the unfolded row; null if all are folded. */
   open: number | null;
 }
 
@@ -29,33 +29,33 @@ interface Line {
   shown: Row | null;
 }
 
-/** Whether two show the same. */
+/** Returns true if two listings look the same. */
 function isAlike(a: Listing, b: Listing): boolean {
   const isSameTimes = a.times.start === b.times.start && a.times.span.join() === b.times.span.join();
   return isSameTimes && a.rows === b.rows && a.current === b.current && a.open === b.open;
 }
 
 /**
- * Rows of which only those in view are in the page. What is in view sticks to the top of what scrolls, so that a picture
- * of the card, which knows of no scrolling, shows the same.
+ * A list of rows that has only the rows in view in the page. The rows in view stick to the top of the scrolled box, so
+ * that a saved picture of the card, which ignores scrolling, shows the same.
  */
 export class List {
   readonly root = make("div", "rw-events-list");
   readonly #sizer = make("div", "rw-events-sizer");
   readonly #window = make("div", "rw-events-window");
-  /** Those in view in their order, then those that are hidden. */
+  /** The lines in view in their order, then the hidden ones. */
   #lines: Line[] = [];
   #listing: Listing = { rows: [], times: { span: [], start: null }, current: -1, open: null };
-  /** Pixels by which the open row is higher than the others. */
+  /** Pixels by which the open row is higher than other rows. */
   #extra = 0;
   #isPointedAt = false;
   #isLive = false;
-  /** Whether it stays at its end, where rows come. */
+  /** True while the list stays at its end as rows arrive. */
   #follows = true;
 
   /**
    * @param onPick called with a row that is clicked
-   * @param onPoint called with the row under the pointer; null: none
+   * @param onPoint called with the row under the pointer, or null
    */
   constructor(onPick: (row: Row) => void, onPoint: (row: Row | null) => void, signal: AbortSignal) {
     this.#sizer.append(this.#window);
@@ -91,7 +91,7 @@ export class List {
     );
   }
 
-  /** Whether rows may not move below the pointer. */
+  /** True while rows must not move below the pointer. */
   get isPointedAt(): boolean {
     return this.#isPointedAt;
   }
@@ -101,12 +101,12 @@ export class List {
     if (!isPointedAt && this.#isLive && this.#listing.current < 0) this.#follow();
   }
 
-  /** @param isLive whether rows come at the end, where it stays, unless a person has scrolled away */
+  /** @param isLive true if rows arrive at the end, where the list stays unless the user has scrolled away */
   update(listing: Listing, isLive: boolean): void {
     const before = this.#listing;
     const isSame = isLive === this.#isLive && isAlike(listing, before);
     this.#isLive = isLive;
-    // Where it scrolls to needs the page laid out, which a drawing that changes nothing here must not wait for.
+    // Reading the scroll position forces a layout of the page, which an unchanged drawing must not wait for.
     if (isSame) return;
     this.#listing = listing;
     if (listing.open === null) this.#extra = 0;
@@ -125,7 +125,7 @@ export class List {
     if (!this.#isPointedAt && this.#isLive && this.#listing.current < 0) this.#follow();
   }
 
-  /** Scrolls as far as it must to have a row in view. */
+  /** Scrolls just enough to bring a row into view. */
   reveal(index: number): void {
     if (index < 0) return;
     const { scrollTop, clientHeight } = this.root;
@@ -173,7 +173,10 @@ export class List {
     }
   }
 
-  /** Puts rows in order into the page. Each keeps its element while it is in view: what is about to be clicked stays. */
+  /**
+   * Puts rows in order into the page. Each keeps its element while it is in view, so that a row does not move just
+   * before a click.
+   */
   #place(rows: Row[], first: number): void {
     const before = new Map(this.#lines.map((line) => [line.shown?.number, line]));
     const numbers = new Set(rows.map(({ number }) => number));

@@ -3,7 +3,7 @@ import { firstWhere } from "../shared/search.ts";
 import { type Frame, readHead } from "../shared/stream.ts";
 import type { LevelName } from "./traits.ts";
 
-/** Levels with their numbers, and a sign and a word for each: none is known by its colour alone. */
+/** Levels with a number, a sign and a word for each, so that colour is not needed to distinguish them. */
 export const LEVELS: readonly { name: LevelName; least: number; sign: string; word: string }[] = [
   { name: "DEBUG", least: 10, sign: "\u00B7", word: "debug" },
   { name: "INFO", least: 20, sign: "\u25E6", word: "info" },
@@ -15,7 +15,7 @@ export const [WARN, ERROR] = [30, 40];
 
 /** A row of the list: equal events that follow each other. */
 export interface Row {
-  /** Counts all rows from 0 on. */
+  /** Number among all rows, from 0. */
   number: number;
   /** Seconds of the first and of the last of its events. */
   seconds: number;
@@ -25,11 +25,11 @@ export interface Row {
   text: string;
   topic: string;
   count: number;
-  /** Characters of the whole text, of which `text` may be the beginning. */
+  /** Length of the whole text; `text` may be only its beginning. */
   length: number;
 }
 
-/** The moment on show: its seconds, and the number of the first row after it; infinite: the time tells. */
+/** The moment on show: its seconds, and the number of the first row after it; infinite if the time alone decides. */
 export interface EventsFrame extends Frame {
   seconds: number;
   stop: number;
@@ -57,13 +57,13 @@ function decodeRows(value: unknown): Row[] {
   );
 }
 
-/** What a person asks for: a level, and words that all must be there. */
+/** The filter of the user: a level, and words that a row must all contain. */
 export interface Filter {
   level: LevelName;
   words: string;
 }
 
-/** The rows of a widget, as its traits have them, and those of them that a person asks for. */
+/** All rows of a widget, from its traits, and the rows that pass the filter. */
 export class Rows {
   #parts: [unknown, Row[]][] = [
     [undefined, []],
@@ -76,8 +76,8 @@ export class Rows {
   #shown: Row[] = [];
 
   /**
-   * All rows, oldest first; the same array as before where nothing changed.
-   * @param older the number of rows that are forgotten
+   * All rows, oldest first; the same array as before if nothing changed.
+   * @param older the number of forgotten rows
    */
   all(old: unknown, fresh: unknown, older = 0): Row[] {
     const given = [old, fresh];
@@ -93,7 +93,7 @@ export class Rows {
     return this.#all;
   }
 
-  /** Those of some rows that a filter lets through; what is alike then and follows each other is one row. */
+  /** The rows that pass a filter; equal neighbours among them are joined into one row. */
   shown(rows: Row[], filter: Filter): Row[] {
     const key = JSON.stringify(filter);
     if (rows === this.#from && key === this.#key) return this.#shown;

@@ -4,7 +4,7 @@ import { ERROR, levelOf, type Row, WARN } from "./rows.ts";
 
 const [LONGEST_LINE, LONGEST_SAID] = [400, 120];
 
-/** How times are written: from the start of a recording, or, live, by the clock of the page. */
+/** The form of times: from the start of a recording, or, live, by the clock of the page. */
 export interface Times {
   span: number[];
   start: number | null;
@@ -28,7 +28,7 @@ export function toTimes({ count }: Row): string {
   return count > 1 ? `\u00D7 ${toCount(count)}` : "";
 }
 
-/** What else is known of a row that is unfolded. */
+/** The details of an unfolded row. */
 export function describeRow(row: Row, times: Times): string {
   const { seconds, until, count, text, length, source, topic } = row;
   const first = toTimeText(seconds, times, 3);
@@ -37,7 +37,7 @@ export function describeRow(row: Row, times: Times): string {
   return [when, levelOf(row).word, source, topic, left].filter(Boolean).join(" \u00B7 ");
 }
 
-/** A row as a screen reader says it. */
+/** A row as texts for a screen reader. */
 export function toSpoken(row: Row, times: Times): string[] {
   const line = toLine(row);
   const text = line.length > LONGEST_SAID ? `${line.slice(0, LONGEST_SAID)}\u2026` : line;
@@ -45,7 +45,7 @@ export function toSpoken(row: Row, times: Times): string[] {
   return [levelOf(row).word, toTimeText(row.seconds, times), row.source, text, count];
 }
 
-/** How many errors and warnings there are among rows. */
+/** Counts errors and warnings among rows. */
 export function countLevels(rows: Row[]): { errors: number; warnings: number; others: number } {
   let [errors, warnings, others] = [0, 0, 0];
   for (const { level, count } of rows) {

@@ -28,7 +28,7 @@ const LEAST: Record<LevelName, string> = {
   ERROR: "errors",
   FATAL: "fatal alone",
 };
-/** A screen reader hears a row a second at most. */
+/** Least milliseconds between two rows for a screen reader. */
 const SAY_MS = 1000;
 
 type Traits = EventsTraits & Pointing;
@@ -50,12 +50,12 @@ export class EventsView {
   readonly #rows = new Rows();
   readonly #sayNew: () => void;
   #shown: Row[] = [];
-  /** Number of the row that a person picked, and of the one that is unfolded. */
+  /** Number of the row that the user picked, and of the unfolded row. */
   #picked: number | null = null;
   #open: number | null = null;
-  /** The row under the pointer, and the time where it is on the axis. */
+  /** The row under the pointer, and the time under it while it is on the axis. */
   #hovered: number | null = null;
-  /** The number of the first row that was not said. */
+  /** The number of the first row that was not announced. */
   #said = Infinity;
   #frozen: Row[] | null = null;
 
@@ -118,7 +118,7 @@ export class EventsView {
     return { span: this.#model.get("_span"), start: this.#model.get("_start") };
   }
 
-  /** The time on show: that of the frozen moment, else the cursor's; null: live, without one. */
+  /** The time on show: the frozen moment, else the cursor; null while live without a cursor. */
   get #cursor(): number | null {
     const { paused, shown } = this.#stream;
     if (paused && this.#isInPlayer && shown) return shown.seconds;
@@ -157,12 +157,12 @@ export class EventsView {
     this.#hear(all, isLive);
   }
 
-  /** How many rows Python has forgotten. */
+  /** Number of rows that Python has forgotten. */
   get #older(): number {
     return (this.#stream.about as EventsAbout).older ?? 0;
   }
 
-  /** The rows up to the moment on show; while live ones are frozen, those that were there. */
+  /** The rows up to the moment on show; while live rows are frozen, the rows of that moment. */
   #all(): Row[] {
     const rows = this.#rows.all(this.#model.get("_old"), this.#model.get("_new"), this.#older);
     const { paused, shown } = this.#stream;
@@ -179,7 +179,7 @@ export class EventsView {
     return this.#shown.find(({ number }) => number === this.#picked);
   }
 
-  /** Index of the row in ink: of the cursor's time, or, live, the one that a person picked. */
+  /** Index of the current row: the row at the cursor's time, or, live, the row that the user picked. */
   #current(cursor: number | null): number {
     if (cursor !== null) return rowAt(this.#shown, cursor);
     return this.#shown.findIndex(({ number }) => number === this.#picked);
@@ -205,7 +205,7 @@ export class EventsView {
     setText(this.#extent, toExtent(this.#shown.length, all.length, this.#older));
   }
 
-  /** Has a screen reader say what came, one row a second at most, and the worst first. */
+  /** Announces new rows to a screen reader, one a second at most, the worst first. */
   #hear(all: Row[], isLive: boolean): void {
     const next = (all.at(-1)?.number ?? -1) + 1;
     if (!isLive || this.#said === Infinity) this.#said = next;
@@ -223,7 +223,7 @@ export class EventsView {
     return toTime(this.#axis.axis, pointIn(this.#axis.root, event).x);
   }
 
-  /** All widgets of a player show the moment that is pointed at. */
+  /** Shows the moment under the pointer in all widgets of a player. */
   #point(seconds: number | null): void {
     if (seconds === this.#hovered) return;
     this.#hovered = seconds;
@@ -236,14 +236,14 @@ export class EventsView {
     this.#pick(row);
   }
 
-  /** In a player goes to the moment of a row. */
+  /** Goes to the moment of a row in a player. */
   #pick(row: Row): void {
     this.#picked = row.number;
     if (this.#isInPlayer) setTraits(this.#model, { time: row.seconds } as Partial<Traits>);
     this.#card.redraw();
   }
 
-  /** To a time on the axis; live, to the row there. */
+  /** Goes to a time on the axis, or, live, to the row at that time. */
   #goTo(seconds: number): void {
     if (this.#isInPlayer) {
       setTraits(this.#model, { time: seconds } as Partial<Traits>);
@@ -266,7 +266,7 @@ export class EventsView {
     this.#card.redraw();
   }
 
-  /** Escape empties the filter, and then leaves it; all other keys are for its text. */
+  /** Empties the filter, or leaves it if it is empty, on Escape; all other keys are for its text. */
   #onFilterKey(event: KeyboardEvent): void {
     event.stopPropagation();
     if (event.key !== "Escape" && event.key !== "Enter") return;
@@ -285,7 +285,7 @@ export class EventsView {
     else this.#picked = null;
   }
 
-  /** Index of the row from which arrows walk. */
+  /** Index of the row from which arrow keys move. */
   get #walked(): number {
     return this.#current(this.#cursor);
   }

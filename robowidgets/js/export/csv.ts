@@ -6,13 +6,13 @@ import { decodeSpeeds, STEERING } from "../shared/frames/speeds.ts";
 import { decodeTouch } from "../shared/frames/touch.ts";
 
 const AXES = ["linear_x", "linear_y", "linear_z", "angular_x", "angular_y", "angular_z"];
-/** Bytes of a frame before the stamp of its sample, and of a speed before that of its command. */
+/** Bytes of a frame before the stamp of its sample, and of a speed before the stamp of its command. */
 const STAMP_AT = 16;
 const COMMAND_STAMP_AT = 48;
 
 type Table = { head: string[]; rows: (string | number)[][] };
 
-/** By widget, the values of its frames; those of others are not known here. */
+/** By widget, the values of its frames; other widgets have no CSV. */
 const TABLES: Record<string, (frames: DataView[], layers: LayerAbout[], role?: string) => Table> = {
   laser_widget: toScans,
   path_widget: toPoses,
@@ -25,9 +25,10 @@ export function hasTable(widget: string): boolean {
 }
 
 /**
- * Samples of a topic as CSV, with seconds from the start of the recording and the stamp in ns (0: none).
- * @param layers those of a map
- * @param role that of the samples, where frames have some in several
+ * Samples of a topic as CSV, with seconds from the start of the recording and the stamp in ns, or 0 if there is no
+ * stamp.
+ * @param layers the layers of a map
+ * @param role the role of the samples, for frames that have several
  */
 export function toCsv(widget: string, frames: TimedFrame[], layers: LayerAbout[] = [], role?: string): string {
   const stampAt = role === "commanded" ? COMMAND_STAMP_AT : STAMP_AT;
@@ -56,7 +57,9 @@ function toScans(frames: DataView[]): Table {
   };
 }
 
-/** The poses of odometry; of a map those of each of its layers, in its frame, each with the time of its message. */
+/**
+ * The poses of odometry; for a map, the poses of each of its layers in its frame, each with the time of its message.
+ */
 function toPoses(frames: DataView[], layers: LayerAbout[]): Table {
   const poses = frames.map(decodePose);
   if (!layers.length) return { head: ["x", "y", "yaw"], rows: poses.map(({ x, y, yaw }) => [x, y, yaw].map(toText)) };
@@ -101,7 +104,7 @@ function toShortest(value: number | undefined): string {
   return value.toPrecision(9);
 }
 
-/** A number as other programs read it; empty where there is none. */
+/** A number as other programs read it, or "" if it is missing. */
 function toText(value: number | undefined): string {
   if (value === undefined) return "";
   if (Number.isNaN(value)) return "nan";

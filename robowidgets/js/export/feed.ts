@@ -20,7 +20,7 @@ export class Segments {
 
   /**
    * @param seconds the length of each
-   * @param begin the time at which the first one begins, which may be in its midst
+   * @param begin the time at which the first one begins, which may lie within it
    */
   constructor(elements: HTMLElement[], seconds: number, begin: number) {
     this.#elements = elements;
@@ -33,7 +33,7 @@ export class Segments {
     return this.#elements.map((_, i) => this.#first + i);
   }
 
-  /** The frames of a track of a segment, without the one that was there before, with which each track begins. */
+  /** The frames of a track of a segment, without the earlier frame with which each track begins. */
   framesOf({ segment, tracks }: SegmentMessage, track: number): TimedFrame[] {
     const bytes = tracks[track];
     const [held, ...frames] = bytes ? decodeFrames(bytes) : [];
@@ -70,7 +70,9 @@ export class Segments {
   }
 }
 
-/** Gives a player its segments, in the place of Python: first the one on show, then the others, the nearest first. */
+/**
+ * Gives a player its segments, as Python does in a notebook: first the one on show, then the others, the nearest first.
+ */
 export class Feed {
   readonly #player: PageModel;
   readonly #segments: Segments;
@@ -112,7 +114,7 @@ export class Feed {
     this.run();
   }
 
-  /** The nearest segment that the player lacks; undefined where it has all, or all that it may keep. */
+  /** The nearest segment that the player lacks; undefined if it has all that it may keep. */
   #next(): number | undefined {
     const lacking = this.#segments.numbers.filter((number) => !this.#given.has(number));
     const nearest = this.#farthest(lacking, -1);
@@ -122,7 +124,7 @@ export class Feed {
     return hasRoom || this.#distance(nearest) < this.#distance(farthest) ? nearest : undefined;
   }
 
-  /** The farthest of some segments, or, by a sign of -1, the nearest. */
+  /** The farthest of some segments, or the nearest if the sign is -1. */
   #farthest(numbers: number[], sign = 1): number | undefined {
     return numbers.sort((a, b) => sign * (this.#distance(b) - this.#distance(a)))[0];
   }
@@ -136,7 +138,7 @@ export class Feed {
     return [...this.#given.values()].reduce((sum, bytes) => sum + bytes, 0);
   }
 
-  /** Forgets the farthest segments while there is no room for some bytes; their numbers. */
+  /** Forgets the farthest segments until there is room for some bytes, and returns their numbers. */
   #makeRoom(size: number): number[] {
     const dropped: number[] = [];
     while (this.#given.size && this.#bytes + size > this.#most) {

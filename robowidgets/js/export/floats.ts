@@ -1,11 +1,11 @@
 import type { Taker } from "./taker.ts";
 
-/** How Python has packed float32 numbers; robowidgets/export/_floats.py. */
+/** Packing of float32 numbers by Python; robowidgets/export/_floats.py. */
 export interface PackedFloats {
-  /** All numbers are multiples of it, or special; 0: they have no common step. */
+  /** All numbers are multiples of it, or special; 0 if they have no common step. */
   step: number;
   count: number;
-  /** Number of changes, of those among them that take more than a byte, and of values that are listed by their bits. */
+  /** Number of changes, of changes that take more than a byte, and of values that are listed by their bits. */
   small: number;
   large: number;
   other: number;

@@ -8,7 +8,7 @@ function isSame(a: unknown, b: unknown): boolean {
   return !isBinary(a) && !isBinary(b) && JSON.stringify(a) === JSON.stringify(b);
 }
 
-/** A widget's model without a kernel: what its view and other models of the page set, and nothing else, changes it. */
+/** A widget's model without a kernel: only its view and other models of the page change it. */
 export class PageModel {
   readonly widget_manager: { get_model(id: string): Promise<unknown> };
   readonly #state: State;
@@ -37,7 +37,7 @@ export class PageModel {
 
   save_changes(): void {}
 
-  /** A message to Python; those who answer in its place listen to "sent". */
+  /** Sends a message to Python; a page's code that answers instead listens to "sent". */
   send(content: unknown): void {
     this.fire("sent", content);
   }

@@ -7,21 +7,23 @@ import { explain, findParts, readPart } from "./parts.ts";
 import { ScanogramMaker } from "./scanogram.ts";
 import { build, FOREVER, type Script, type Shown } from "./views.ts";
 
-/** What Python says of the page; robowidgets/export/models.py. */
+/** Facts about the page, from Python; robowidgets/export/models.py. */
 export interface PageFacts {
   models: { id: string; widget: string; state: Record<string, unknown> }[];
   /** Model, trait and number of bytes of each binary trait, which follow one after the other. */
   buffers: [string, string, number][];
   shown: Shown;
-  /** Of the player; empty without one. */
+  /** Model of the player, or "" without one. */
   player: string;
-  /** Of the scanogram that is drawn here from the scans of a track. */
+  /** Model and track of the scanogram that is drawn here from scans. */
   scanogram: { model: string; track: number } | null;
   /** Time at which the first segment begins. */
   begin: number;
-  /** By the names of widgets that are not built into the page, under which their scripts leave what they make. */
+  /**
+   * By the names of widgets that are not built into the page, the keys under which their scripts leave their exports.
+   */
   keys: Record<string, string>;
-  /** Of a contact sheet, and by the number of each of its moments the first part of it and how many follow. */
+  /** The contact sheet, and for each of its moments the number of its first part and of the parts that follow. */
   sheet?: string;
   moments?: Record<string, [first: number, count: number]>;
   /** The beginning of the names of files that are saved. */
@@ -64,7 +66,7 @@ async function show(
   // Base64 has four characters for three bytes.
   const packed = parts.reduce((sum, { textContent }) => sum + (textContent?.length ?? 0), 0);
   player?.set("_unpacking", Math.round((packed * 3) / 4));
-  // All models are there before the first is initialised: a player moves the others.
+  // All models exist before the first is initialised: a player moves the others.
   for (const [id, model] of models) scripts.get(id)?.initialize?.({ model, signal });
   place.append(build(facts.shown, models, scripts, signal));
   if (player) play(facts, models, player, parts).catch((error) => explain(`This page cannot be played: ${error}`));
@@ -85,7 +87,10 @@ async function play(
   await maker?.run();
 }
 
-/** Opens the moments of a contact sheet below it, in the place of Python: each has a part, and segments after it. */
+/**
+ * Opens the moments of a contact sheet below it, as Python does in a notebook: each has a part, followed by its
+ * segments.
+ */
 function offerMoments(facts: PageFacts, models: Map<string, PageModel>, place: HTMLElement, widgets: Widgets): void {
   const { moments = {}, sheet = "" } = facts;
   const model = models.get(sheet);
@@ -111,7 +116,7 @@ function offerMoments(facts: PageFacts, models: Map<string, PageModel>, place: H
   });
 }
 
-/** @param css what the widgets put into a picture that is saved */
+/** @param css the stylesheet that the widgets put into a saved picture */
 export function toModels(
   facts: Pick<PageFacts, "models" | "buffers">,
   bytes: Uint8Array<ArrayBuffer>,
@@ -129,7 +134,7 @@ export function toModels(
   return models;
 }
 
-/** Waits for scripts, which run in any order and leave what they make under these keys. */
+/** Waits for scripts, which run in any order and leave their exports under these keys. */
 async function haveRun(keys: string[]): Promise<void> {
   const until = performance.now() + PATIENCE_MS;
   while (!keys.every((key) => Symbol.for(key) in globalThis) && performance.now() < until) {
@@ -165,7 +170,7 @@ function offerData({ models, name }: PageFacts, player: PageModel, segments: Seg
   }
 }
 
-/** What a widget shows that has a file of its own, by the name of its topic, and its role where there are several. */
+/** The topics of a widget that are saved as files, with the role of each if there are several. */
 function topicsOf(widget: string, { title, command_title }: Record<string, unknown>): [topic: string, role?: string][] {
   const [measured, commanded] = [`${title}`, `${command_title ?? ""}`];
   if (widget === "speed_widget" && commanded) {

@@ -1,4 +1,4 @@
-/** What Python has put into a script element of the page: facts, and the bytes after them. */
+/** The content of a script element of the page, written by Python: facts, and the bytes after them. */
 interface Part<F> {
   facts: F;
   bytes: Uint8Array<ArrayBuffer>;
@@ -22,7 +22,7 @@ export async function readPart<F>(part: string): Promise<Part<F>> {
 /** The digits of base85 as Python writes them, with a comma for "<". */
 const DIGITS = "0123456789ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz!#$%&()*+-;,=>?@^_`{|}~";
 
-/** Four bytes for each five digits; of the last ones, as many fewer as digits are missing. */
+/** Four bytes for every five digits; the last group has as many bytes fewer as it lacks digits. */
 function fromBase85(text: string): Uint8Array<ArrayBuffer> {
   const values = new Uint8Array(128);
   for (let i = 0; i < DIGITS.length; i++) values[DIGITS.charCodeAt(i)] = i;
@@ -37,7 +37,7 @@ function fromBase85(text: string): Uint8Array<ArrayBuffer> {
   return new Uint8Array(view.buffer, 0, view.byteLength - missing);
 }
 
-/** Shows why nothing is on show, above the first samples as text, which are in the page. */
+/** Shows why the page has no widgets, above the first samples as text, which are in the page. */
 export function explain(reason: string): void {
   const place = document.querySelector<HTMLElement>(".rw-page-text");
   const line = document.querySelector<HTMLElement>(".rw-page-why");

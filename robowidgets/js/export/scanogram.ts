@@ -14,7 +14,10 @@ const MOST_ROWS = 2048;
 /** Before and after the span that the page asks for, as a part of it. */
 const MARGIN = 0.5;
 const NO_PAUSE = 0.1;
-/** Bytes of a laser's frame before its ranges; of these the last ones, which tell its rays; and of its limits there. */
+/**
+ * Bytes of a laser's frame before its ranges; the last of these bytes, which describe its rays; and the place of its
+ * limits among them.
+ */
 const HEAD = 72;
 const GEOMETRY = 40;
 const LIMITS = 16;
@@ -105,7 +108,7 @@ export class ScanogramMaker {
     this.#seen.set(message.segment, { times: scans.map(({ time }) => time), codes });
   }
 
-  /** When scans start and end: where the next one begins, or a gap. */
+  /** Sets the start and end of each scan: a scan ends at the start of the next one, or at a gap. */
   #setClock(times: number[]): void {
     this.#starts = Float64Array.from(times);
     const steps = times.slice(1).map((time, i) => time - (times[i] as number));
@@ -115,7 +118,7 @@ export class ScanogramMaker {
     this.#ends = this.#starts.map((start, i) => start + ((steps[i] ?? Infinity) > gap ? this.#pause : (steps[i] ?? 0)));
   }
 
-  /** The scans between two times: number of the first, and of the first after them. */
+  /** The scans between two times: the number of the first, and the number after the last. */
   #between(start: number, end: number): [number, number] {
     const first = firstWhere(this.#ends, (time) => time > start);
     return [
@@ -138,7 +141,7 @@ export class ScanogramMaker {
     this.#model.set_state({ _detail: this.#pack(facts, part) });
   }
 
-  /** Some scans, at a level or the first coarser one that fits in some bytes. */
+  /** Some scans, at a level or the first coarser level that fits into some bytes. */
   async #part(first: number, stop: number, finest: number, most: number): Promise<Part> {
     const [rows, starts, ends] = [this.#rows, this.#starts, this.#ends];
     let level = finest;
@@ -156,7 +159,7 @@ export class ScanogramMaker {
     };
   }
 
-  /** The code of each ray in some cells: the least, or the median, of an even number the lesser one in the middle. */
+  /** The code of each ray in some cells: the least, or the median; for an even number, the lower middle one. */
   #fold(firsts: number[], size: number): Uint16Array {
     const rows = this.#rows;
     const middle = this.#model.get("pixel") === "median";

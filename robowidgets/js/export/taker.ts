@@ -12,7 +12,7 @@ export class Taker {
     return this.#bytes.subarray(this.#at - count, this.#at);
   }
 
-  /** Rows of as many bytes each, which Python has sorted by their place in the row: all first ones first. */
+  /** Rows of equal width, which Python has stored column by column. */
   rows(count: number, width: number): Uint8Array<ArrayBuffer> {
     const sorted = this.bytes(count * width);
     const rows = new Uint8Array(count * width);

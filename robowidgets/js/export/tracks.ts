@@ -1,24 +1,27 @@
 import { type PackedFloats, unpackFloats } from "./floats.ts";
 import type { Taker } from "./taker.ts";
 
-/** How Python has packed the frames of all widgets in a segment; robowidgets/export/segments.py. */
+/** Packing of the frames of all widgets in a segment by Python; robowidgets/export/segments.py. */
 export interface PackedTracks {
-  /** For each column of 8-byte numbers how many it has, and the scale by which they become whole; 0: none does. */
+  /**
+   * For each column of 8-byte numbers, their number and the scale by which they become whole, or 0 if there is no such
+   * scale.
+   */
   columns: [count: number, scale: number][];
   tracks: PackedTrack[];
 }
 
 /** The frames of one widget. */
 interface PackedTrack {
-  /** Number of frames, and of bytes of all of them. */
+  /** Number of frames, and bytes of all frames together. */
   count: number;
   bytes: number;
   abouts: Record<string, unknown>[];
   /** The columns of the table of times. */
   table: number[];
-  /** For each 8-byte number of a frame, or of its head, which of the columns holds it. */
+  /** For each 8-byte number of a frame, or of its head, the index of the column that holds it. */
   columns?: number[];
-  /** The arrays of float32 after the head, of each frame equally long ones. */
+  /** The arrays of float32 after the head; each frame has arrays of the same lengths. */
   floats?: PackedFloats[];
 }
 
@@ -61,7 +64,7 @@ function unpackTrack(packed: PackedTrack, shared: BigUint64Array[], taker: Taker
   return view;
 }
 
-/** The bits of the numbers of a column, of which Python may have packed the changes. */
+/** The bits of the numbers of a column; Python may have packed their changes instead. */
 function unpackColumn(packed: BigUint64Array<ArrayBuffer>, scale: number): BigUint64Array {
   if (!scale) return packed;
   let whole = 0n;
@@ -72,7 +75,7 @@ function unpackColumn(packed: BigUint64Array<ArrayBuffer>, scale: number): BigUi
   return new BigUint64Array(values.buffer);
 }
 
-/** The bytes of rows, of which each place has the numbers of a column. */
+/** The bytes of rows; each place of a row takes its numbers from a column. */
 function toRows(places: number[], columns: BigUint64Array[], count: number): Uint8Array {
   const rows = new BigUint64Array(count * places.length);
   for (const [place, index] of places.entries()) {

@@ -5,7 +5,7 @@ import type { Statistics } from "./region.ts";
 import type { Pixel } from "./text.ts";
 import type { ImageTraits } from "./traits.ts";
 
-/** What Python answers. */
+/** An answer of Python. */
 interface Answer {
   of?: number;
   pixel?: number[];
@@ -14,17 +14,19 @@ interface Answer {
   statistics?: Omit<Statistics, "isExact">;
 }
 
-/** What Python knows of the picture on show that the page does not have; it is asked once for each. */
+/** Facts about the picture on show that only Python has; each is requested once. */
 export class Answers {
   readonly #model: Model<ImageTraits>;
   readonly #stream: Stream<Picture>;
-  /** By question, of the picture of a number; what was asked is not known yet. */
+  /** Answers on the picture of a number, by question; null while an answer is pending. */
   #known = new Map<string, Answer | null>();
   #of = -1;
-  /** Of the picture before: they stand until those on this one come, or numbers would flicker from picture to picture. */
+  /**
+   * Answers on the previous picture: they stay until new ones arrive, or numbers would flicker from picture to picture.
+   */
   #before = new Map<string, Answer | null>();
 
-  /** @param onAnswer called when another one has come */
+  /** @param onAnswer called with each new answer */
   constructor(model: Model<ImageTraits>, stream: Stream<Picture>, onAnswer: () => void, signal: AbortSignal) {
     this.#model = model;
     this.#stream = stream;
@@ -37,12 +39,12 @@ export class Answers {
     onMessage(model, take, signal);
   }
 
-  /** The values of a pixel of a picture as they are; undefined: not known yet, or not on show. */
+  /** The exact values of a pixel; undefined if they are not known yet, or not on show. */
   valuesAt({ row, column }: Pixel, picture: Picture): number[] | undefined {
     return this.#ask({ pixel: [row, column] }, picture)?.values?.map(Number);
   }
 
-  /** What is in all of a region of a picture; undefined: not known yet, or not on show. */
+  /** The statistics of a region of a picture; undefined if they are not known yet, or not on show. */
   statistics(region: number[], picture: Picture): Statistics | undefined {
     const { statistics } = this.#ask({ region }, picture) ?? {};
     return statistics && { ...statistics, isExact: true };

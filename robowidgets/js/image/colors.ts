@@ -38,7 +38,7 @@ export function scaleColors(isDepth: boolean, dark: boolean): string[] {
   return Array.from({ length: 256 }, (_, i) => `#${i.toString(16).padStart(2, "0").repeat(3)}`);
 }
 
-/** Paints numbers as pixels; what is no number stays clear. Returns how many those are. */
+/** Paints numbers as pixels; invalid numbers stay clear. Returns the number of invalid ones. */
 export function paintNumbers(pixels: Uint32Array, numbers: ArrayLike<number>, scale: Scale, colors: string[]): number {
   const palette = Uint32Array.from(colors, toPixel);
   const last = palette.length - 1;

@@ -1,7 +1,7 @@
 import { copyOf, Reader } from "../shared/bytes.ts";
 import { type Frame, readHead } from "../shared/stream.ts";
 
-/** What the bytes of a picture are, numbered as in Python. */
+/** Forms of the bytes of a picture, numbered as in Python. */
 export const FILE = 0;
 export const RGB = 1;
 export const RGBA = 2;
@@ -15,13 +15,13 @@ export interface Picture extends Frame {
   /** Of the whole picture. */
   rows: number;
   columns: number;
-  /** Every how many rows and columns are there. */
+  /** Step of the rows and columns that the page has. */
   every: number;
-  /** Metres of one step of a depth image; 0: it is none. */
+  /** Metres of one step of a depth image; 0 for other images. */
   depthScale: number;
-  /** Whether the numbers are those of the pixels. */
+  /** True if the numbers are exactly those in the message. */
   isExact: boolean;
-  /** The bytes of the rows and columns that are there, or of a file. */
+  /** The bytes of the rows and columns that the page has, or of a file. */
   data: Uint8Array<ArrayBuffer>;
 }
 
@@ -33,17 +33,17 @@ export function decodeImage(bytes: DataView): Picture {
   return { ...head, form, rows, columns, every, depthScale, isExact: isExact === 1, data };
 }
 
-/** Rows and columns that are there. */
+/** Number of rows and columns that the page has. */
 export function sizeThere({ rows, columns, every }: Pick<Picture, "rows" | "columns" | "every">) {
   return { height: Math.ceil(rows / every), width: Math.ceil(columns / every) };
 }
 
-/** Whether each pixel is one number, not a color. */
+/** Returns true if each pixel is one number, not a color. */
 export function isNumbers({ form }: Pick<Picture, "form">): boolean {
   return form === UINT16 || form === FLOAT32;
 }
 
-/** The numbers of such a picture; metres of a depth image, NaN for 0 and what is no distance. */
+/** The numbers of a picture; metres of a depth image, NaN for 0 and for an invalid distance. */
 export function toNumbers(picture: Picture): Float32Array | Uint16Array {
   const { data, depthScale } = picture;
   const values = picture.form === FLOAT32 ? new Float32Array(data.buffer) : new Uint16Array(data.buffer);
@@ -54,7 +54,7 @@ export function toNumbers(picture: Picture): Float32Array | Uint16Array {
   return depths;
 }
 
-/** Metres; NaN for 0 and what is no distance. */
+/** Metres; NaN for 0 and for an invalid distance. */
 export function toDepth(value: number, scale: number): number {
   return value > 0 && value < Infinity ? value * scale : NaN;
 }

@@ -3,7 +3,7 @@ import { toMetres } from "../shared/format.ts";
 import { type Scale, scaleColors } from "./colors.ts";
 import { toValue } from "./text.ts";
 
-/** What the colors mean: the numbers at their ends, and how much of the picture has none. */
+/** The color scale: the numbers at its ends, and the share of the picture without a value. */
 export class Legend {
   readonly root = make("span", "rw-image-legend");
   readonly #low = make("b", "");
@@ -18,7 +18,7 @@ export class Legend {
     this.root.append(this.#low, this.#bar, this.#high, this.#keep, this.#nothing);
   }
 
-  /** @param scale null: the picture has no numbers that are shown as colors */
+  /** @param scale null if the picture has no numbers that are shown as colors */
   update(scale: Scale | null, isKept: boolean, isDepth: boolean, nothing: number, dark: boolean): void {
     setHidden(this.root, scale === null);
     if (!scale) return;
@@ -33,7 +33,7 @@ export class Legend {
   }
 }
 
-/** A share in per cent; never 0 for some, or 100 for not all. */
+/** A share in per cent; 0 and 100 only for none and all. */
 function toShare(share: number): string {
   if (share < 0.01) return "< 1 %";
   return `${share < 1 ? Math.min(99, Math.round(100 * share)) : 100} %`;

@@ -5,7 +5,7 @@ interface Pointed {
   hovered: number | null;
 }
 
-/** The ray that is pointed at, in the picture or in the laser that shows the same scan. */
+/** The ray under the pointer, in the picture or in the laser that shows the same scan. */
 export class Lit {
   readonly #host: Model<unknown>;
   readonly #onChange: () => void;
@@ -20,7 +20,7 @@ export class Lit {
     this.#signal = signal;
   }
 
-  /** Goes with a laser by the name of its model; "" for none. */
+  /** Follows a laser by the name of its model; "" for none. */
   async follow(id: string): Promise<void> {
     if (id === this.#id) return;
     [this.#id, this.#laser] = [id, null];

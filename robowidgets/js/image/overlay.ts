@@ -5,7 +5,7 @@ import type { PopupWords } from "../shared/popup.ts";
 import { type Theme, textFont } from "../shared/theme.ts";
 import type { Placement } from "./place.ts";
 
-/** Parts of a pixel that Python tells. */
+/** Parts of a pixel in the coordinates that Python sends. */
 const FINE = 4;
 /** Numbers of a dot: index, column, row, millimetres. */
 const EACH = 4;
@@ -15,9 +15,9 @@ const DOT = 3;
 /** Pixels of a line of words. */
 const LINE = 16;
 const LIT = 6;
-/** Metres of what a camera sees, which set the decimals. */
+/** Typical metres in the view of a camera, which set the decimals. */
 const REACHES = 10;
-/** Seconds by which a picture and a scan may differ without a word. */
+/** Greatest difference in seconds between a picture and a scan that is not mentioned. */
 const TOGETHER = 0.005;
 
 /** A surface, a line or words in the picture, from the ground up. */
@@ -31,9 +31,9 @@ export interface SeenThing {
   dashed?: boolean;
 }
 
-/** What Python says lies over a picture. */
+/** The overlay of a picture, from Python. */
 export interface Over {
-  /** Of each reading in the picture its index, its column and row in quarters of a pixel, and its millimetres. */
+  /** For each reading in the picture its index, its column and row in quarters of a pixel, and its millimetres. */
   dots?: number[];
   angle_min?: number;
   angle_increment?: number;
@@ -80,7 +80,7 @@ export function dotAt(dots: Dot[], { x, y }: Point): Dot | null {
   return found;
 }
 
-/** What the pop-up says of a reading, as the laser does. */
+/** The texts of the pop-up of a reading, the same as in the laser. */
 export function describeDot({ index, distance, angle }: Dot, unit: AngleUnit = "deg"): PopupWords {
   return {
     expression: `ranges[${index}]`,
@@ -91,7 +91,7 @@ export function describeDot({ index, distance, angle }: Dot, unit: AngleUnit = "
   };
 }
 
-/** What the footer says: how far apart in time both are, and why something is missing. */
+/** The text of the footer: the difference in time between both, and the reasons why something is missing. */
 export function wordsOf({ dots, apart, missing = [] }: Over): string {
   const count = (dots?.length ?? 0) / EACH;
   const what = dots ? `${count} ${count === 1 ? "reading" : "readings"} in the picture` : "";
@@ -116,7 +116,7 @@ export function drawOver(
   for (const thing of over.drawn ?? []) drawThing(context, thing, placement, theme, names);
   for (const { at, index } of dots) {
     const size = index === lit ? LIT : DOT;
-    // On a picture of any colour, a dot needs an edge of its own.
+    // A dot needs an edge to be seen on a picture of any colour.
     context.fillStyle = theme.background;
     context.fillRect(at.x - size / 2 - 1, at.y - size / 2 - 1, size + 2, size + 2);
     context.fillStyle = theme.reading;
@@ -199,7 +199,7 @@ function trace(context: CanvasRenderingContext2D, points: Point[], isClosed: boo
   if (isClosed) context.closePath();
 }
 
-/** Draws the path with an edge that keeps it apart from the picture. */
+/** Strokes the path, with an edge that separates it from the picture. */
 function haloed(context: CanvasRenderingContext2D, color: string, width: number, theme: Theme): void {
   context.globalAlpha = 0.7;
   stroke(context, theme.background, width + 1.5);
@@ -207,14 +207,14 @@ function haloed(context: CanvasRenderingContext2D, color: string, width: number,
   stroke(context, color, width);
 }
 
-/** Words that stand at the middle of something, as far as there is room. */
+/** A label at the middle of a thing, cut to the room. */
 interface Name {
   points: Point[];
   text: string;
   color: string;
 }
 
-/** Writes names within the picture, each where it covers no other, else not at all. */
+/** Writes labels within the picture; a label that would cover another one is left out. */
 function drawNames(context: CanvasRenderingContext2D, names: Name[], room: Box, theme: Theme): void {
   const font = `600 ${textFont(theme)}`;
   const taken: Box[] = [];
@@ -233,7 +233,7 @@ function drawNames(context: CanvasRenderingContext2D, names: Name[], room: Box, 
   }
 }
 
-/** The middle of what is seen of something; null where nothing is. */
+/** The middle of the visible part of something; null if all of it is out of view. */
 function middleIn(points: Point[], { x, y, width, height }: Box): Point | null {
   const middle = (all: number[], low: number, high: number) => {
     const [least, most] = [Math.max(low, Math.min(...all)), Math.min(high, Math.max(...all))];

@@ -4,14 +4,14 @@ import type { Box, Point, Size } from "../shared/box.ts";
 const CLOSEST = 64;
 const STEP = 1.3;
 
-/** The middle of what is looked at, in pixels of the picture, and how many pixels of the screen each of them has. */
+/** The middle of the view, in pixels of the picture, and the number of pixels of the screen for each of them. */
 export interface Look {
   column: number;
   row: number;
   scale: number;
 }
 
-/** Where a picture lies on the screen. */
+/** The placement of a picture on the screen. */
 export interface Placement {
   /** Pixels of the screen for one of the picture. */
   scale: number;
@@ -20,12 +20,14 @@ export interface Placement {
   top: number;
 }
 
-/** The largest scale at which all of the picture is there. */
+/** The largest scale at which all of the picture fits. */
 export function fitScaleOf(picture: Size, room: Size): number {
   return Math.min(room.width / picture.width, room.height / picture.height);
 }
 
-/** Places a picture in a box: all of it, or what is looked at, without room beside it that it could fill. */
+/**
+ * Places a picture in a box: all of it, or the look, moved so that the picture leaves no room empty that it could fill.
+ */
 export function placeIn(picture: Size, room: Box, look: Look | null): Placement {
   const fitted = fitScaleOf(picture, room);
   const scale = look ? Math.max(fitted, look.scale) : fitted;
@@ -41,7 +43,7 @@ export function placeIn(picture: Size, room: Box, look: Look | null): Placement 
   };
 }
 
-/** What is in the middle of a box. */
+/** The look at the middle of a box. */
 export function lookAt({ scale, left, top }: Placement, room: Box): Look {
   return {
     scale,
@@ -50,7 +52,10 @@ export function lookAt({ scale, left, top }: Placement, room: Box): Look {
   };
 }
 
-/** One step nearer (-1) or farther (+1), with a place of the screen staying where it is; null: all of it. */
+/**
+ * Returns the look one step nearer (-1) or farther (+1), with a place of the screen staying where it is; null for all
+ * of the picture.
+ */
 export function zoomed(placement: Placement, direction: -1 | 1, at: Point, picture: Size, room: Box): Look | null {
   const fitted = fitScaleOf(picture, room);
   const scale = Math.min(Math.max(CLOSEST, fitted), placement.scale * (direction < 0 ? STEP : 1 / STEP));
@@ -65,10 +70,10 @@ export function toPicture({ scale, left, top }: Placement, { x, y }: Point): { r
   return { row: (y - top) / scale, column: (x - left) / scale };
 }
 
-/** Pixels between a part of the picture and what is said of it. */
+/** Pixels between a part of the picture and its pop-up. */
 const GAP = 8;
 
-/** Where a pop-up covers the least of a part of the picture, as near to it as that may be. */
+/** The place at which a pop-up covers the least of a part of the picture, as near to it as possible. */
 export function placeBeside({ width, height }: Size, room: Box, part: Box): Point {
   const along = (start: number, length: number, size: number, from: number, long: number) => {
     const [first, last] = [start + GAP, Math.max(start + GAP, start + length - size - GAP)];

@@ -1,12 +1,12 @@
-/** What is in a part of a picture. */
+/** Statistics of a part of a picture. */
 export interface Statistics {
-  /** Pixels in it, and how many of them have a value. */
+  /** Number of its pixels, and number of those with a value. */
   of: number;
   count: number;
-  /** For each channel least, mean, median and greatest value; null: there is none. */
+  /** For each channel least, mean, median and greatest value; null without a value. */
   channels: (number[] | null)[];
   isExact: boolean;
-  /** Whether they are of red, green and blue as shown, not of the channels of the message. */
+  /** True if they are red, green and blue as shown, not the channels of the message. */
   isShown?: boolean;
 }
 
@@ -26,7 +26,7 @@ export function regionOf(
   return [Math.min(a, b), Math.max(a, b) + 1, Math.min(c, d), Math.max(c, d) + 1];
 }
 
-/** The statistics of some pixels, channel by channel; NaN is nothing. */
+/** The statistics of some pixels, channel by channel; NaN is a missing value. */
 export function statisticsOf(channels: Float64Array[], isExact: boolean): Statistics {
   const of = channels[0]?.length ?? 0;
   let count = 0;

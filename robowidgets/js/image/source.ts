@@ -5,16 +5,16 @@ import { type Statistics, statisticsOf } from "./region.ts";
 import type { Known, Pixel } from "./text.ts";
 import type { ImageAbout } from "./traits.ts";
 
-/** The pixels of the picture on show, painted once for each frame, and what they say. */
+/** The pixels of the picture on show, painted once for each frame, and their values. */
 export class Source {
   readonly canvas = make("canvas", "");
   readonly #context = this.canvas.getContext("2d", { willReadFrequently: true });
-  /** What is painted; null before the first. */
+  /** The painted picture; null before the first. */
   picture: Picture | null = null;
-  /** Why the newest file could not be shown; empty: it could. */
+  /** The reason why the newest file could not be shown, or "" if it could. */
   problem = "";
   scale: Scale = [0, 1];
-  /** Share of the pixels with nothing. */
+  /** Share of the pixels without a value. */
   nothing = 0;
   #numbers: Float32Array | Uint16Array | null = null;
   #decoding: Picture | null = null;
@@ -22,12 +22,12 @@ export class Source {
   /** The pixels that were painted last, to be painted over. */
   #painted: ImageData | null = null;
   #look = "";
-  /** What was asked for last of a part, which pointing asks for again. */
+  /** The last statistics of a part, which pointing asks for again. */
   #found: { picture: Picture; key: string; statistics: Statistics } | null = null;
 
   /**
-   * Paints a picture. A file is unpacked first, and `onReady` called then; the picture before stays until that.
-   * @returns whether it is painted now
+   * Paints a picture. A file is unpacked first, and then `onReady` is called; until then, the previous picture stays.
+   * @returns true if it is painted now
    */
   paint(picture: Picture, fixed: Scale | null, dark: boolean, onReady: () => void): boolean {
     const look = JSON.stringify([fixed, dark]);
@@ -85,12 +85,12 @@ export class Source {
     onReady();
   }
 
-  /** Whether a picture is being unpacked. */
+  /** Returns true while a picture is being unpacked. */
   isBehind(picture: Picture): boolean {
     return picture !== this.picture && picture !== this.#damaged;
   }
 
-  /** The values of a pixel of the whole picture, or of the nearest one that is there. */
+  /** The values of a pixel of the whole picture, or of the nearest pixel that the page has. */
   valuesAt({ row, column }: Pixel, about: ImageAbout): Known | null {
     const { picture } = this;
     if (!picture) return null;
@@ -100,7 +100,7 @@ export class Source {
     return { values: inChannels(values, about), isExact, isShown: about.recolored === true };
   }
 
-  /** What is in a part of the whole picture, of the pixels that are there. */
+  /** The statistics of a part of the whole picture, from the pixels that the page has. */
   statistics(region: readonly number[], about: ImageAbout): Statistics | null {
     const { picture } = this;
     if (!picture) return null;
@@ -119,7 +119,7 @@ export class Source {
     return statistics;
   }
 
-  /** The values of some pixels that are there, channel by channel. */
+  /** The values of some pixels that the page has, channel by channel. */
   #read(picture: Picture, x: number, y: number, width: number, height: number): Float64Array[] {
     const { form, data } = picture;
     const columns = sizeThere(picture).width;
@@ -134,15 +134,15 @@ export class Source {
 }
 
 /**
- * What the page has as red, green and blue, in the order of the channels of the message. Of a picture with one channel
- * that came as a JPEG each is that channel.
+ * Red, green and blue of the page in the order of the channels of the message. For a picture with one channel that came
+ * as a JPEG, each of them is that channel.
  */
 function inChannels<T>(shown: T[], { channels = "", recolored }: ImageAbout): T[] {
   if (recolored || shown.length === 1) return shown;
   return [...(channels || "r")].flatMap((letter) => shown["rgba".indexOf(letter)] ?? []);
 }
 
-/** A channel of a part of a picture: so many of each row of so many columns, from the pixel of a number on. */
+/** Cuts one channel of a part of a picture out of its pixels, row by row, from the pixel of a number on. */
 function cut(
   values: ArrayLike<number>,
   start: number,

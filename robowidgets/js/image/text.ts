@@ -4,23 +4,23 @@ import { FILE, type Picture } from "./frame.ts";
 import type { Statistics } from "./region.ts";
 import type { ImageAbout } from "./traits.ts";
 
-/** A value with the digits that it has: whole numbers whole, others with three decimals. */
+/** A value with its digits: whole numbers without decimals, others with three. */
 export function toValue(value: number): string {
   return Number.isInteger(value) ? toCount(value).replace("-", "\u2212") : toFixed(value, 3);
 }
 
-/** Of which pixel something is said. */
+/** The pixel that a text describes. */
 export interface Pixel {
   row: number;
   column: number;
 }
 
-/** What is known of a pixel. */
+/** The known values of a pixel. */
 export interface Known {
   values: number[];
-  /** Whether they are those of the message. */
+  /** True if they are the values of the message. */
   isExact: boolean;
-  /** Whether they are red, green and blue as shown, not the channels of the message. */
+  /** True if they are red, green and blue as shown, not the channels of the message. */
   isShown?: boolean;
 }
 
@@ -29,7 +29,7 @@ export function thinned({ every }: Pick<Picture, "every">): string {
   return every > 1 ? `every ${toOrdinal(every)} row and column` : "";
 }
 
-/** Why what is said is not what the message has. */
+/** The reasons why the shown values differ from the message. */
 function reasons(picture: Picture, { isExact, isShown = false }: Omit<Known, "values">, of: string): string[] {
   if (isExact) return [];
   const isFile = picture.form === FILE;
@@ -38,7 +38,7 @@ function reasons(picture: Picture, { isExact, isShown = false }: Omit<Known, "va
   return [picture.every > 1 ? `${of} ${thinned(picture)}` : "", picture.isExact ? "" : why].filter(Boolean);
 }
 
-/** The letters of the channels of which something is known. */
+/** The letters of the channels whose values are known. */
 function lettersOf(isShown: boolean | undefined, { channels = "" }: ImageAbout): string {
   return isShown ? "rgba" : channels;
 }
@@ -48,7 +48,7 @@ export function toCamera({ row, column }: Pixel, depth: number, [fx = 1, fy = 1,
   return [((column - cx) * depth) / fx, ((row - cy) * depth) / fy, depth];
 }
 
-/** What the pop-up says of a pixel. */
+/** The texts of the pop-up of a pixel. */
 export function describePixel(
   pixel: Pixel,
   known: Known | null,
@@ -73,7 +73,7 @@ export function describePixel(
   };
 }
 
-/** The values of a pixel with the letters of their channels; of a depth image the distance. */
+/** The values of a pixel with the letters of their channels; for a depth image the distance. */
 function toValues(values: number[], { depthScale }: Picture, letters: string): string {
   if (depthScale) return Number.isNaN(values[0] ?? NaN) ? "nothing" : `${toFixed(values[0] ?? NaN, 3)} m`;
   const several = values.length > 1 ? letters : "";
@@ -85,7 +85,7 @@ export function toCode([top, bottom, left, right]: readonly number[], isDepth: b
   return `${isDepth ? "image.depth" : "image"}[${top}:${bottom}, ${left}:${right}]`;
 }
 
-/** What the pop-up says of a region. */
+/** The texts of the pop-up of a region. */
 export function describeRegion(
   region: readonly number[],
   found: Statistics | null,

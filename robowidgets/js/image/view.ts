@@ -112,7 +112,7 @@ export class ImageView implements Zoom, Dragged<"mark" | "move"> {
     watchZoom(picture, this, signal);
   }
 
-  // What a person does
+  // Actions of the user
 
   onZoom(direction: -1 | 1): void {
     const [placement, shown] = [this.#placement, this.#source.picture];
@@ -142,10 +142,10 @@ export class ImageView implements Zoom, Dragged<"mark" | "move"> {
     this.#card.redraw();
   }
 
-  /** A drag marks a part; with Shift, with the middle button, or of a finger it moves the picture. */
+  /** A drag marks a part. A drag with Shift, with the middle button, or by a finger moves the picture. */
   startsAt(_at: Point, event: PointerEvent): "mark" | "move" | null {
     const isTouch = event.pointerType === "touch";
-    // A finger scrolls the page where all of the picture is there. The middle button would scroll it, too.
+    // A finger scrolls the page if all of the picture is in view. The middle button would scroll it, too.
     if (event.button > 1 || (isTouch && !this.#look)) return null;
     if (event.button === 1) event.preventDefault();
     return isTouch || event.shiftKey || event.button === 1 ? "move" : "mark";
@@ -195,7 +195,7 @@ export class ImageView implements Zoom, Dragged<"mark" | "move"> {
     event.preventDefault();
   }
 
-  /** Takes back the pixel first, then the region. */
+  /** Clears the pixel first, then the region. */
   #clear(): void {
     if (this.#pixel) this.#pixel = null;
     else this.#mark(null);
@@ -218,7 +218,7 @@ export class ImageView implements Zoom, Dragged<"mark" | "move"> {
     this.#card.redraw();
   }
 
-  // What Python knows
+  // Values of pixels
 
   #knownOf(pixel: Pixel, picture: Picture): Known | null {
     const known = this.#source.valuesAt(pixel, this.#about);
@@ -243,7 +243,7 @@ export class ImageView implements Zoom, Dragged<"mark" | "move"> {
     return this.#stream.about;
   }
 
-  /** What lies over the picture. */
+  /** The overlay of the picture. */
   get #over(): Over | undefined {
     return this.#model.get("overlay") ? this.#about.over : undefined;
   }
@@ -291,7 +291,7 @@ export class ImageView implements Zoom, Dragged<"mark" | "move"> {
     set(this.#laser, "ariaPressed", String(isOver));
     this.#drawPopups(picture);
     card.texts.ask(this.#tell);
-    // A file is on the screen once it is unpacked.
+    // The picture of a file is on the screen once it is unpacked.
     if (isNothing || !source.isBehind(shown)) this.#credit.drawn(newest);
   }
 
@@ -310,7 +310,7 @@ export class ImageView implements Zoom, Dragged<"mark" | "move"> {
     context.fillRect(box.x, box.y, box.width, box.height);
     const { canvas } = this.#source;
     context.imageSmoothingEnabled = scale * picture.every < SQUARES && !isNumbers(picture);
-    // The last rows and columns that are there stand for fewer.
+    // The last rows and columns that the page has stand for fewer.
     context.beginPath();
     context.rect(box.x, box.y, box.width, box.height);
     context.clip();

@@ -9,26 +9,26 @@ import { ABOUT_FORMS, FORMS, type Form } from "./code.ts";
 export interface ChipTexts {
   expression: string;
   angles: string;
-  /** Of its limits. */
+  /** State of its limits. */
   state: string;
   distance: string;
   nearest: string;
   index: string;
   median: string;
   valid: string;
-  /** Of a kept sector; "" for another one. */
+  /** Name of a kept sector; "" for another one. */
   name: string;
 }
 
-/** What a person asks for on the chip. */
+/** Actions of the user on the chip. */
 interface ChipActions {
   toCode(form: Form): string;
   say(words: string[]): void;
-  /** Returns what is wrong with the name, or "". */
+  /** Returns an error text, or "". */
   onName(name: string): string;
   onRemove(): void;
   onClose(): void;
-  /** Returns what is wrong with the text, or "". */
+  /** Returns an error text, or "". */
   onType(text: string): string;
 }
 
@@ -89,7 +89,7 @@ export class Chip {
     this.#nameField.maxLength = LONGEST_NAME;
     this.#naming.hidden = true;
     this.element.append(this.#copy.row, this.#naming, this.#copy.field);
-    // Keys in a field belong to it alone; those on buttons are the picture's too.
+    // Keys in a field are for it alone; keys on buttons are for the picture, too.
     const keepKeys = (event: KeyboardEvent) => {
       if (!(event.target instanceof HTMLButtonElement)) event.stopPropagation();
     };
@@ -109,18 +109,18 @@ export class Chip {
       if (!this.#given) actions.onClose();
     };
     onEnter(this.#expression, type, leave, signal);
-    // A field that is left without Enter shows again what is so.
+    // A field that is left without Enter shows its old text again.
     on(this.#expression, "blur", undo, signal);
   }
 
-  /** Of the chip with a sector. */
+  /** Size of the chip while a sector is picked. */
   get size(): Size {
     return { width: this.#size.width, height: Math.max(USUAL.height, this.#size.height) };
   }
 
   /**
    * @param texts null without a sector
-   * @param isBelow whether it stands below the picture, not in it
+   * @param isBelow true if it stands below the picture, not in it
    */
   show(texts: ChipTexts | null, isBelow: boolean): void {
     if (this.element.parentElement === null || this.element.classList.contains("rw-chip-below") !== isBelow) {
@@ -176,7 +176,7 @@ export class Chip {
   }
 
   #write(): void {
-    // The attribute is for the PNG, the value for a field in which a person has typed.
+    // The attribute is for the PNG, the value for a field in which the user has typed.
     if (this.#expression.getAttribute("value") !== this.#given) this.#expression.setAttribute("value", this.#given);
     if (this.#expression.value !== this.#given) this.#expression.value = this.#given;
     this.#expression.size = Math.max(8, Math.min(26, this.#given.length));
@@ -207,7 +207,7 @@ function makeField(className: string, label: string): HTMLInputElement {
   return field;
 }
 
-/** What Enter and Escape do in a text field. */
+/** Handles Enter and Escape in a text field. */
 function onEnter(field: HTMLElement, enter: () => void, leave: () => void, signal: AbortSignal): void {
   const onKey = (event: KeyboardEvent) => {
     if (event.key !== "Enter" && event.key !== "Escape") return;

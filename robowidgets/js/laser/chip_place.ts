@@ -8,10 +8,10 @@ import { type Sector, sweepOf } from "./sector.ts";
 const MARGIN = 10;
 
 /**
- * The corner of the picture for a chip, near the sector that it speaks of: it lies on no ray of it, no reading, no label
- * and no other element. Null without such a corner.
+ * The corner of the picture for a chip, near its sector: it covers no ray of the sector, no reading, no label and no
+ * other element. Null if there is no such corner.
  *
- * @param before where it stands, and stays as long as it may; one of the boxes that the stage has as covered
+ * @param before its present place, which it keeps as long as possible; one of the covered boxes of the stage
  */
 export function placeChip({ width, height }: Size, stage: Stage, sector: Sector, before: Box | null): Box | null {
   const { box, occupied, labels, covered, projection } = stage;
@@ -36,7 +36,7 @@ export function placeChip({ width, height }: Size, stage: Stage, sector: Sector,
   return (stay ? [stay, ...corners] : corners).find(isFree) ?? null;
 }
 
-/** A line from a handle to the chip outside the area, which crosses no label; none where there is no such line. */
+/** Draws a line from a handle to the chip outside the area, unless every such line crosses a label. */
 export function leadTo(context: CanvasRenderingContext2D, stage: Stage, sector: Sector, chip: Box, theme: Theme): void {
   const end = { x: chip.x + (chip.x < stage.size.width / 2 ? chip.width : 0), y: chip.y + 18 };
   const outward = Math.sign(end.x - stage.size.width / 2);

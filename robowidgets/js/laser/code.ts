@@ -23,7 +23,7 @@ function toScanCode({ start, end }: Sector): string {
   const isQuarter = ([from, to]: [number, number]) => from * DEGREE === start && to * DEGREE === end;
   const name = Object.keys(QUARTERS).find((key) => isQuarter(QUARTERS[key] as [number, number]));
   if (name) return `scan.distance("${name}")`;
-  // Where a sector goes far round to a smaller angle, Python would ask whether the two are swapped.
+  // Python would take a sector that goes far round to a smaller angle for one with swapped angles.
   const turns = start > end && sweepOf({ start, end }) > Math.PI ? (end <= 0 ? [0, 1] : [-1, 0]) : [0, 0];
   return `scan.distance((${toAngleCode(start, turns[0])}, ${toAngleCode(end, turns[1])}))`;
 }
@@ -69,7 +69,7 @@ distance(msg)
 `;
 }
 
-/** An angle in radians as "20deg", where at most four decimals of degrees are exactly that angle; else "". */
+/** An angle in radians as "20deg", if at most four decimals of degrees give exactly that angle; else "". */
 function toAngleText(radians: number): string {
   const text = toDecimals(inDegrees(radians), 4);
   return Number(text) * DEGREE === radians ? `${text}deg` : "";
@@ -80,7 +80,7 @@ function toRadiansText(radians: number): string {
   return text.includes(".") ? text : `${text}.0`;
 }
 
-/** A finite number with at most so many decimals, and none that is not needed. A tie goes away from zero. */
+/** A finite number with at most so many decimals, without needless zeros. A tie goes away from zero. */
 function toDecimals(value: number, most: number): string {
   const text = value.toFixed(most).replace(/\.?0+$/, "");
   return text === "-0" ? "0" : text;

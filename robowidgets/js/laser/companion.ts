@@ -44,7 +44,7 @@ export class Companion<F extends Frame, T extends SampleTraits = SampleTraits> {
     return this.#model;
   }
 
-  /** Python's words about what it shows. */
+  /** Facts about its sample, from Python. */
   get about(): About {
     return this.#model?.get("_about") ?? {};
   }

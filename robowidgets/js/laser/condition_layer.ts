@@ -11,9 +11,9 @@ const BEHIND = 5;
 const WIDTH = 2.25;
 /** Half the length of the line behind a single ray, in pixels. */
 const HALF = 3;
-/** Neighbours farther apart, in pixels, are not of one thing. */
+/** Neighbours farther apart, in pixels, are separate things. */
 const APART = 14;
-/** Pixels from the scanner at which what is too close is marked. */
+/** Pixels from the scanner to the mark of a ray that is too close. */
 const INNER = 17;
 /** Height of the bar at the foot of the index view, in pixels. */
 const FOOT = 3.5;
@@ -26,7 +26,7 @@ export function litRuns(lamps: Lamp[]): [number, number][] {
   });
 }
 
-/** Lines just behind the readings of some runs of rays, in pixels; a single point has a short one of its own. */
+/** Lines just behind the readings of some runs of rays, in pixels; a single point has a short line. */
 export function linesBehind({ scan, projection }: Pick<Stage, "scan" | "projection">, runs: [number, number][]) {
   const lines: Point[][] = [];
   if (!scan) return lines;

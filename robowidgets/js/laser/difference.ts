@@ -5,7 +5,7 @@ const CODES_END = 0.0195;
 /** Radians within which two sweeps are the same. Python has the same number. */
 const SAME_ANGLE = 1e-6;
 
-/** What a ray counts as: metres, 0 for too close, infinity when nothing is in range, NaN where that is unknown. */
+/** The distance that a ray counts as: metres, 0 for too close, infinity if nothing is in range, NaN if unknown. */
 export function distanceOf({ ranges, kinds, minRange, maxRange }: Scan, index: number): number {
   const range = ranges[index] as number;
   if (kinds[index] === READING) return range;
@@ -14,21 +14,21 @@ export function distanceOf({ ranges, kinds, minRange, maxRange }: Scan, index: n
   return range < minRange && range >= CODES_END ? 0 : NaN;
 }
 
-/** Whether two sweeps have the same rays. */
+/** Returns true if two sweeps have the same rays. */
 export function isSameSweep(a: Sweep, b: Sweep): boolean {
   const ends = (sweep: Sweep) => [angleOf(sweep, 0), angleOf(sweep, Math.max(0, sweep.count - 1))];
   const [first, second] = [ends(a), ends(b)];
   return a.count === b.count && first.every((angle, i) => Math.abs(angle - (second[i] as number)) <= SAME_ANGLE);
 }
 
-/** By ray of one scan, the index of the same direction in another; -1 where that has none. */
+/** By ray of one scan, the index of the same direction in another; -1 if the other one lacks it. */
 export function matchRays(now: Sweep, then: Sweep): (index: number) => number {
   return isSameSweep(now, then) ? (index) => index : (index) => indexAt(then, angleOf(now, index));
 }
 
 /**
- * How much farther each ray of a scan goes than that of another: metres, infinite where one of them meets nothing, 0
- * where both meet nothing, NaN where one is unknown. Python's `scan - other` is the same.
+ * By ray, the distance of a scan minus the distance of another: metres, infinite if one of them meets nothing, 0 if
+ * both meet nothing, NaN if one is unknown. Python's `scan - other` is the same.
  */
 export function difference(now: Scan, then: Scan): Float32Array {
   const match = matchRays(now, then);

@@ -88,7 +88,7 @@ export function drawReadings(
 }
 
 /**
- * Pixels of a dot: by the rays, whose number does not change; by the readings where there are very few.
+ * Pixels of a dot: by the rays, whose number does not change; by the readings if there are very few.
  *
  * @param spacing pixels from one ray to the next at the rim: dots must not run together
  */

@@ -94,7 +94,7 @@ export function drawEdges(
   strokeArc(context, projection, sector, rim, color, isPicked ? 3.5 : 2.5);
 }
 
-/** The limits of a sector as arcs, dashed; the one that is met is lit. */
+/** The limits of a sector as arcs, dashed; the limit that is reached is lit. */
 export function drawLimits(
   context: CanvasRenderingContext2D,
   stage: Stage,
@@ -141,12 +141,12 @@ export function drawHandles(
 const LINE = 15;
 const HALO = 4;
 
-/** Fonts of the lines of a label: the name, then what is said of it. */
+/** The font of a line of a label: the name, then its state and distance. */
 function fontOf(line: number, theme: Theme): string {
   return line ? textFont(theme) : `650 12px ${theme.font}`;
 }
 
-/** Where the name of a sector stands. */
+/** The place of a sector's name. */
 export interface NamePlace {
   box: Box;
   /** Number of lines, steps from the rim inwards, and part of the sweep. */
@@ -154,11 +154,11 @@ export interface NamePlace {
 }
 
 /**
- * Writes a name and the lines below it inside the sector at the rim, where no reading, label or element is; with fewer
- * lines where there is no room for all.
+ * Writes a name and the lines below it inside the sector at the rim, clear of readings, labels and elements; with fewer
+ * lines if there is no room for all.
  *
  * @param before its place in the last picture, which it keeps as long as that is free
- * @returns null where there is no room even for the name
+ * @returns null without room even for the name
  */
 export function drawName(
   context: CanvasRenderingContext2D,

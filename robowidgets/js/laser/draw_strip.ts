@@ -11,7 +11,7 @@ import type { Theme } from "../shared/theme.ts";
 import type { StripStage } from "./layer.ts";
 
 const DOT = 2.5;
-/** Pixels above the plot at which what has no distance in view is marked. */
+/** Pixels above the plot at which rays without a distance in view are marked. */
 const LANE = 5;
 /** Pixels between two marks of the same kind. */
 const SPACING = 4;

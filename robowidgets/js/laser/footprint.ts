@@ -19,15 +19,15 @@ export interface Footprint {
 /** Metres, y to the left. */
 type Place = Point;
 
-/** Seconds of way that the arrow shows. */
+/** Seconds of motion that the arrow shows. */
 const AHEAD = 2;
 const STEPS = 24;
-/** Seconds between a scan and a speed or a touch, beyond which they are of different moments. */
+/** Greatest difference in seconds between a scan and a speed or a touch of the same moment. */
 const APART = 1;
-/** Below these a robot stands: m/s and rad/s. */
+/** Below these speeds a robot stands: m/s and rad/s. */
 const STANDS = [0.005, 0.02] as const;
 
-/** The robot, larger where it would be less than some metres across. */
+/** The robot, enlarged if it would be less than some metres across. */
 export function atLeast(robot: Footprint, across: number): Footprint {
   const factor = across / 2 / Math.max(...outlineOf(robot).map(({ x, y }) => Math.hypot(x, y)));
   if (!(factor > 1)) return robot;
@@ -35,7 +35,7 @@ export function atLeast(robot: Footprint, across: number): Footprint {
   return { ...robot, radius: robot.radius && factor * robot.radius, polygon };
 }
 
-/** Metres from the middle to the outline in a direction; where the outline has several parts, to the farthest. */
+/** Metres from the middle to the outline in a direction; if the outline has several parts, to the farthest. */
 export function reachOf({ radius, polygon }: Footprint, angle: number): number {
   if (radius !== null) return radius;
   const [dx, dy] = [Math.cos(angle), Math.sin(angle)];
@@ -69,7 +69,10 @@ export function partOf(robot: Footprint, sector: Sector): Place[] {
   });
 }
 
-/** The way of a point of the outline in the next two seconds: the foremost in the direction of motion. Empty: it stands. */
+/**
+ * The path of a point of the outline in the next two seconds: the foremost in the direction of motion. Empty while the
+ * robot stands.
+ */
 export function wayOf(robot: Footprint, vx: number, vy: number, turn: number): Place[] {
   const moves = Math.hypot(vx, vy) >= STANDS[0];
   if (!moves && !(Math.abs(turn) >= STANDS[1])) return [];
@@ -93,18 +96,20 @@ export function asSeen({ scanner: [sx, sy, yaw] }: Footprint, { x, y }: Place): 
   return { range: Math.hypot(x - sx, y - sy), angle: Math.atan2(y - sy, x - sx) - yaw };
 }
 
-/** What was measured when a scan arrived, by axis; null while it is unknown. */
+/** The measured speed when a scan arrived, by axis; null if unknown. */
 export function speedAt(scan: Frame | null, speeds: Speeds | null): number[] | null {
   return (!isApart(scan, speeds) && speeds?.measured) || null;
 }
 
-/** The states of touch sensors when a scan arrived, by name. Earlier ones hold: a sensor may tell changes alone. */
+/**
+ * The states of touch sensors when a scan arrived, by name. Earlier states still hold: a sensor may send changes only.
+ */
 export function touchesAt(scan: Frame | null, touch: Touch | null): Map<string, TouchState> {
   const isLater = scan && touch && touch.arrived > scan.arrived && isApart(scan, touch);
   return new Map(isLater ? [] : touch?.sensors.map(({ name, state }) => [name, state]));
 }
 
-/** Never in a player: it has no rate, and a sample arrives when it is read. */
+/** False in a player: it has no rate, and a sample arrives when it is read. */
 function isApart(scan: Frame | null, sample: Frame | null): boolean {
   if (!scan || !sample || !(scan.rate > 0)) return false;
   const delay = sample.arrived - scan.arrived;

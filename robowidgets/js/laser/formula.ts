@@ -3,13 +3,13 @@ import { angleOf, type Sweep } from "../shared/frames/scan.ts";
 import type { Mount } from "../shared/traits.ts";
 import { turnOf } from "./mount.ts";
 
-/** The angle of a ray as a student would work it out, line by line: names, numbers, result. */
+/** The angle of a ray as a student would calculate it, line by line: names, numbers, result. */
 interface Formula {
   names: string;
   numbers: string;
   radians: string;
   degrees: string;
-  /** What a full turn less makes of it, as the label of the ray has it; nothing within half a turn. */
+  /** The angle after a full turn is subtracted or added, as on the label of the ray; "" within half a turn. */
   wrapped: string;
 }
 
@@ -18,12 +18,12 @@ const [FEWEST, MOST] = [5, 15];
 const NBSP = "\u00A0";
 
 /**
- * The formula of the angle of a ray, with its numbers: with so many digits, at least five, that who types them into a
- * calculator reads the result that stands below.
+ * The formula of the angle of a ray, with its numbers: with enough digits, at least five, that a calculator gives the
+ * result that stands below.
  *
  * @param offset radians that were added to the angles of the sweep
- * @param mount how the scanner stands on the robot, whose angles those of the sweep are
- * @param isOwn whether the angle of the scanner is worked out, without both
+ * @param mount mount of the scanner on the robot, if the sweep has angles of the robot
+ * @param isOwn true for the angle of the scanner, without both
  */
 export function angleFormula(sweep: Sweep, index: number, offset = 0, mount?: Mount, isOwn = false): Formula {
   const sign = mount?.upside_down ? -1 : 1;
@@ -35,7 +35,7 @@ export function angleFormula(sweep: Sweep, index: number, offset = 0, mount?: Mo
   const degrees = toDegreesText(angle);
   let shown = FEWEST;
   while (shown < MOST && !same(toDegreesText(Number(angle.toFixed(shown))), degrees)) shown++;
-  // Of an increment as many more digits as the index has: they count so many times as much.
+  // An increment has as many more digits as the index: its error is multiplied by the index.
   const more = String(index).length;
   for (let digits = shown; ; digits++) {
     const first = short(angleMin, digits);
@@ -62,7 +62,7 @@ export function angleFormula(sweep: Sweep, index: number, offset = 0, mount?: Mo
   }
 }
 
-/** A decimal without zeros at its end, for `Number`. */
+/** A decimal without trailing zeros, for `Number`. */
 function short(value: number, digits: number): string {
   const text = value.toFixed(Math.min(100, digits));
   return text.includes(".") ? text.replace(/\.?0+$/, "") : text;
@@ -72,7 +72,7 @@ function toDegreesText(radians: number): string {
   return ((radians * 180) / Math.PI).toFixed(2);
 }
 
-/** Whether two decimals are the same number: "-0.00" is "0.00". */
+/** Returns true if two decimals are the same number: "-0.00" is "0.00". */
 function same(a: string, b: string): boolean {
   return Number(a) === Number(b);
 }

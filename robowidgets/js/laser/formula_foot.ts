@@ -7,7 +7,7 @@ import type { LaserTraits } from "./traits.ts";
 
 const LINES = ["names", "numbers", "result", "wrapped"];
 
-/** The foot of the pop-up of the pinned ray: the formula of its angle, and in which unit angles are shown. */
+/** The foot of the pop-up of the pinned ray: the formula of its angle, and the unit of angles. */
 export class FormulaFoot {
   readonly element = make("div", "rw-popup-foot");
   readonly #model: Model<LaserTraits>;
@@ -22,7 +22,7 @@ export class FormulaFoot {
     this.#unfold = makeButton("rw-unfold", "", () => this.toggleFormula(), signal, "Formula");
     this.#unit = makeButton("rw-angle-unit", "", () => this.toggleUnit(), signal);
     this.#unfold.title = "How the angle is worked out (f)";
-    // Their names are their texts.
+    // Their accessible names are their texts.
     for (const button of [this.#unfold, this.#unit]) button.ariaLabel = null;
     const row = make("div", "rw-popup-row rw-over");
     row.append(this.#unfold, this.#unit);

@@ -7,7 +7,10 @@ import type { Theme } from "../shared/theme.ts";
 import type { Depth, Layer, Painter, Stage } from "./layer.ts";
 import type { LaserTraits } from "./traits.ts";
 
-/** What the scanner has seen to be free: from the robot to each reading, and to the rim when nothing was in range. */
+/**
+ * The space that the scanner has seen to be free: from the robot to each reading, and to the rim if nothing was in
+ * range.
+ */
 export class FreeLayer implements Layer {
   readonly traits = ["free_space"] as const;
   readonly #model: Model<LaserTraits>;
@@ -43,9 +46,9 @@ export class FreeLayer implements Layer {
 }
 
 /**
- * Outlines of free space without the scanner's own place, in pixels: one for each run of rays that tell. A ray without
- * a measurement, one that is too close and one outside the limits tell of no free space. Each ray stands for half of
- * the angle to its neighbours.
+ * Outlines of free space without the scanner's place, in pixels: one for each run of rays with a distance. A ray that
+ * is not measured, too close or outside the limits shows no free space. Each ray stands for half of the angle to its
+ * neighbours.
  */
 export function freeOutlines({ scan, projection }: Pick<Stage, "scan" | "projection">): Point[][] {
   const outlines: Point[][] = [];

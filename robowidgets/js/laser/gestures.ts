@@ -5,7 +5,7 @@ import { watchZoom, ZOOM_KEYS, type Zoom } from "../shared/zoom.ts";
 import type { Drag, Layer } from "./layer.ts";
 
 /**
- * Offers what a person does to the picture to the layers, from the last of the list, until one takes it.
+ * Offers each action of the user on the picture to the layers, from the last of the list, until one takes it.
  *
  * @param zoom null for an element that takes neither the wheel nor keys, apart from Escape
  * @param toPoint the place in the picture that an event on the element means
@@ -137,12 +137,12 @@ function watchPresses(
     get moved() {
       return press?.moved ?? false;
     },
-    /** Puts back what is being dragged; returns whether something was. */
+    /** Cancels a drag; returns true if there was one. */
     cancel: () => {
       swallows ||= press?.moved ?? false;
       return finish("cancel");
     },
-    /** Whether the click that follows now ends a drag. */
+    /** Returns true if the click that follows now ends a drag. */
     takeClick: () => {
       const taken = swallows;
       swallows = false;

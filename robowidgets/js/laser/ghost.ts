@@ -8,7 +8,7 @@ import type { LaserTraits } from "./traits.ts";
 
 const NOTHING = /* @__PURE__ */ new DataView(new ArrayBuffer(0));
 
-/** The scan that the one on show is compared with: a pinned one, one some scans before, or that of another widget. */
+/** The scan that the one on show is compared with: a pinned one, an earlier one, or the scan of another widget. */
 export class Ghost {
   readonly #model: Model<LaserTraits>;
   readonly #stream: Stream<Scan>;
@@ -24,7 +24,7 @@ export class Ghost {
     follow();
   }
 
-  /** Whether there is to be one. */
+  /** True if a ghost is wanted. */
   get isSet(): boolean {
     return Boolean(this.#other.title !== null || this.#model.get("_ghost_ago") || toBytes(this.#model.get("_ghost")));
   }
@@ -37,12 +37,12 @@ export class Ghost {
     return this.#decoded.scan;
   }
 
-  /** Where it comes from: "1.0 s ago", the title of another widget. */
+  /** Its source: "1.0 s ago", or the title of another widget. */
   get words(): string {
     const { title } = this.#other;
     if (title !== null) return title || "the other one";
     const [shown, { scan }] = [this.#stream.shown, this];
-    // In a player there is no history, and scans arrive when they are read. One that Python chose has no number.
+    // A player has no history, and scans arrive when they are read. A scan that Python chose has no number.
     if (!this.#model.get("history") || !shown?.sequence || !scan?.sequence) return "pinned";
     const ms = 1000 * (shown.arrived - scan.arrived);
     return ms < 0 ? `${toAge(-ms)} later` : `${toAge(ms)} ago`;

@@ -9,7 +9,7 @@ import type { Depth, Layer, Painter, Stage, StripPainter, StripStage } from "./l
 
 /** Radius of a dot in pixels. */
 const DOT = 1;
-/** Pixels; a shorter difference is not seen. */
+/** Pixels; a shorter difference is invisible. */
 const SHORT = 3;
 
 /** The scan that the one on show is compared with: gray dots under it, and the difference over the index. */
@@ -59,7 +59,7 @@ function drawGhost(context: CanvasRenderingContext2D, { projection, occupied }: 
   }
 }
 
-/** Dots of the other scan at the same rays, and what lies between them and those of now. */
+/** Draws dots of the other scan at the same rays, and the differences between them and the present readings. */
 function drawDifference(
   context: CanvasRenderingContext2D,
   { viewRange, xOf, yOf }: StripStage,
@@ -111,7 +111,7 @@ export function largestWords(differences: Float32Array): string {
   return index < 0 ? "" : `${value > 0 ? "+" : ""}${toFixed(value, 2)} m at [${index}]`;
 }
 
-/** Under the strip: what is gray, and the largest difference, which is marked in the plot. */
+/** Under the strip: the source of the gray scan, and the largest difference, which is marked in the plot. */
 function drawWords(
   context: CanvasRenderingContext2D,
   { box, size, viewRange, xOf, yOf }: StripStage,
@@ -152,7 +152,7 @@ function drawWords(
     [[most || source, theme.ink]],
   ];
   const widthOf = (texts: [string, string][]) => context.measureText(texts.map(([text]) => text).join("")).width;
-  // The words at the ends stand beside it.
+  // The words at both ends need room, too.
   const texts = parts.find((one) => widthOf(one) <= box.width - 130) ?? [];
   let x = box.x + box.width / 2 - widthOf(texts) / 2;
   for (const [text, color] of texts) {

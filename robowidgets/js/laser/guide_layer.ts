@@ -21,7 +21,7 @@ export class GuideLayer implements Layer {
   readonly #painters: Partial<Record<Depth, Painter>> = {
     area: (context, { projection, sweep }, theme) => drawArea(context, projection, sweep, theme),
     guides: (context, stage, theme) => this.#drawGuides(context, stage, theme),
-    // Names give way to the labels at the rim, and those of arcs to names.
+    // Names give way to the labels at the rim, and labels of arcs to names.
     edges: (_, { labels }) => labels.push(...this.#labelBoxes),
     words: (context, stage, theme) => this.#drawArcLabels(context, stage, theme),
   };
@@ -67,11 +67,11 @@ export class GuideLayer implements Layer {
     this.#arcs = arcDistances(this.#model.get("arc_distances"), this.#model.get("arc_count"), projection.viewRange)
       .filter((distance) => count && distance > minRange && distance <= maxRange * (1 + 1e-6))
       .map((distance) => ({ distance, width: this.#widthOf(toShortMetres(distance), textFont(theme)) + 6 }));
-    // Before the first scan nobody knows what there is to number.
+    // Before the first scan the rays to number are unknown.
     const isFree = (label: RayLabel) => !covered.some((other) => overlaps(rimBox(projection, label), other));
     const thinned = scan ? thinLabels(projection, this.#rayLabels) : [];
     const kept = thinned.filter(isFree);
-    // Also of labels that give way now: what covers them knows by these that it may not.
+    // Includes labels that give way now: elements over the picture avoid these boxes.
     this.#labelBoxes = thinned.map((label) => rimBox(projection, label));
     drawGuides(context, projection, sweep, this.#arcs, scan ? this.#rays : [], theme);
     drawRayLabels(context, projection, sweep, kept, theme);

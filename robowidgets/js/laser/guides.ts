@@ -22,17 +22,17 @@ function divide(count: number | null, whole: number): number[] {
   return Array.from({ length: count }, (_, i) => (whole * (i + 1)) / count);
 }
 
-/** How many radial lines there may be where nobody says how many. */
+/** Fewest and most radial lines without a count. */
 const [FEWEST_LINES, MOST_LINES] = [6, 12];
 const ROUND_STEPS = [45, 30, 20, 15, 10, 5, 2, 1, 0.5, 0.2, 0.1].map((degrees) => (degrees * Math.PI) / 180);
 
 /**
  * Indices of the rays at which radial lines stand, in the order of the rays.
  *
- * @param angles radians; each line stands at the closest ray, and where none is close there is no line
+ * @param angles radians; each line stands at the closest ray, or is left out if no ray is close
  * @param count instead of angles: so many lines divide the swept angle in equal parts, ends included, a full circle
- *   from forward. Without a count they stand at equal angles from forward, a round number of degrees apart where rays
- *   are dense enough, and at both ends.
+ * from forward. Without a count they stand at equal angles from forward, a round number of degrees apart where rays
+ * are dense enough, and at both ends.
  */
 export function rayIndices(sweep: Sweep, angles: number[], count: number | null): number[] {
   if (sweep.count === 0) return [];
@@ -91,7 +91,7 @@ function stepOf({ angleIncrement }: Sweep, sides: number[]): number {
   return inRays.find((step) => sides.every((side) => side % step === 0)) ?? least;
 }
 
-/** Whether lines that so many rays lie between stand at equal angles, although each stands at a ray. */
+/** Returns true if lines that are so many rays apart stand at equal angles, although each stands at a ray. */
 function isOnRays(rays: number): boolean {
   return rays >= 8 || Math.abs(rays - Math.round(rays)) < 0.02;
 }
@@ -104,7 +104,7 @@ function raysOfTurn({ angleIncrement }: Sweep): number {
 export interface RayLabel extends Rim {
   index: number;
   angle: number;
-  /** Whether it stands ahead or at an end of the sweep: such a label is kept where room is short. */
+  /** True for a label ahead or at an end of the sweep: it is kept if room is short. */
   isFixed: boolean;
   /** Angle over index, as a program writes it. */
   lines: [string, string];
@@ -119,7 +119,7 @@ const LETTER = 7;
  *
  * @param measure gives the width of the two lines in pixels
  * @param unit in which the angle is shown
- * @param toShown makes the angle that is shown
+ * @param toShown converts to the angle on show
  */
 export function rayLabels(
   sweep: Sweep,
@@ -155,8 +155,8 @@ export function sweepHeight(
 }
 
 /**
- * Drops labels until none overlaps another: first those that are on forward's or an end's, then every second one,
- * counted from forward, or every third, and so on; on both sides alike.
+ * Drops labels until none overlaps another: first labels that overlap those of forward or an end, then every second
+ * one, counted from forward, or every third, and so on; on both sides alike.
  */
 export function thinLabels(projection: Projection, labels: RayLabel[]): RayLabel[] {
   const boxes = new Map(labels.map((label) => [label, rimBox(projection, label)]));
@@ -188,7 +188,7 @@ function pairsOf(labels: RayLabel[]): RayLabel[][] {
   const pairs: RayLabel[][] = [];
   for (const label of [...labels].sort((a, b) => Math.abs(toSide(a)) - Math.abs(toSide(b)))) {
     const [last] = pairs.at(-1) ?? [];
-    // Each stands at a ray, so that two sides differ by a little.
+    // Each stands at a ray, so that two sides differ slightly.
     const isPair =
       last && Math.abs(toSide(label)) - Math.abs(toSide(last)) < gap / 2 && toSide(label) * toSide(last) < 0;
     if (isPair) pairs.at(-1)?.push(label);
@@ -212,7 +212,7 @@ const LEFT_OF_FORWARD = 0.24;
 
 /**
  * Places of the labels of the arcs: just inside each arc, left of forward, or elsewhere along it when a reading is
- * there. Where the next arc is as close, a label lies on its own one. A label keeps its place as long as that is free,
+ * there. If the next arc is as close, a label lies on its arc. A label keeps its place as long as that is free,
  * so that labels of a live picture do not jump. Without a free place it is left out.
  *
  * @param lines angles of the radial lines
@@ -247,7 +247,7 @@ export function arcLabels(
     const toLabel = (angle: number): ArcLabel | null => {
       const direction = toDirection(angle, projection.forward);
       const half = (Math.abs(direction.x) * width + Math.abs(direction.y) * ARC_LABEL_HEIGHT) / 2;
-      // Beside its arc it is twice as close to that as to any other; on it, it touches no other.
+      // Next to its arc it is twice as close to that as to any other; on it, it touches no other.
       const isBeside = away >= 3 * (half + BESIDE);
       if (!isBeside && away < half + BESIDE) return null;
       const depth = isBeside ? half + BESIDE : 0;

@@ -2,7 +2,7 @@ import { make, makeButton, set, setHidden } from "../shared/dom.ts";
 import { on } from "../shared/events.ts";
 import type { Host, Layer } from "./layer.ts";
 
-/** What a person does, and what comes of it. */
+/** Actions of the user, and their effects. */
 const KEYS = [
   ["drag along an arc", "select rays"],
   ["t", "type rays"],

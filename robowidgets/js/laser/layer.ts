@@ -9,10 +9,10 @@ import type { Stream } from "../shared/stream.ts";
 import type { Theme } from "../shared/theme.ts";
 import type { LaserTraits } from "./traits.ts";
 
-/** Depths of the lower canvas, from the ground up. It is painted anew only when something in it changes. */
+/** Depths of the lower canvas, from the ground up. It is painted again only when something in it changes. */
 export const LOWER = ["area", "free", "fills", "guides"] as const;
 
-/** Depths of the upper canvas, above those of the lower one. It is painted with each scan. */
+/** Depths of the upper canvas, above the depths of the lower one. It is painted with each scan. */
 export const UPPER = [
   "ghost",
   "edges",
@@ -29,7 +29,7 @@ export const UPPER = [
 
 export type Depth = (typeof LOWER)[number] | (typeof UPPER)[number];
 
-/** What all layers share: where things are in the picture, and what is taken already. */
+/** The data that all layers share: the geometry of the picture, and the parts that are taken. */
 export interface Stage {
   /** The scan to draw; null before the first. */
   scan: Scan | null;
@@ -39,17 +39,19 @@ export interface Stage {
   size: Surface;
   /** The part of the picture that is free for drawing. */
   box: Box;
-  /** Parts of the picture that readings cover. A layer adds to it what labels must not cover. */
+  /** Parts of the picture that readings cover. A layer adds its parts that labels must not cover. */
   occupied: Occupancy;
-  /** Boxes of labels. A layer adds those of its own. */
+  /** Boxes of labels. A layer adds its boxes. */
   labels: Box[];
-  /** Boxes of elements that stand over the picture. A layer adds those of its own. */
+  /** Boxes of elements that stand over the picture. A layer adds its boxes. */
   covered: Box[];
-  /** Angles of lines from the scanner to the rim that stand out. A layer adds those of its own. */
+  /** Angles of lines from the scanner to the rim that stand out. A layer adds its lines. */
   edges: number[];
 }
 
-/** Whether a label may stand there: within the picture, and on no reading, other label or element. */
+/**
+ * Returns true if a label may stand at a place: within the picture, and not on a reading, another label or an element.
+ */
 export function isFree({ box, occupied, labels, covered }: Stage, place: Box): boolean {
   const isTaken = [...labels, ...covered].some((other) => overlaps(place, other, 1));
   return isWithin(place, box) && !isTaken && !occupied.count(place);
@@ -60,7 +62,7 @@ export type Painter = (context: CanvasRenderingContext2D, stage: Stage, theme: T
 /** The index view, in which layers paint too: rays from left to right, metres from the bottom up. */
 export interface StripStage {
   scan: Scan | null;
-  /** The plot. Above it is room for what has no distance, and for names. */
+  /** The plot. Above it is room for rays without a distance, and for names. */
   box: Box;
   count: number;
   viewRange: number;
@@ -72,7 +74,7 @@ export interface StripStage {
 
 export type StripPainter = (context: CanvasRenderingContext2D, strip: StripStage, theme: Theme) => void;
 
-/** What a view offers to its layers. */
+/** The interface of a view for its layers. */
 export interface Host {
   readonly model: Model<LaserTraits>;
   readonly stream: Stream<Scan>;
@@ -86,40 +88,40 @@ export interface Host {
 export interface Drag {
   move(point: Point): void;
   end(): void;
-  /** Puts back what was. */
+  /** Restores the state before the drag. */
   cancel(): void;
 }
 
 /** Things of a layer that Tab picks one after the other. */
 export interface Stops {
   readonly names: string[];
-  /** The picked one; "" for none. */
+  /** The picked one, or "". */
   readonly picked: string;
-  /** Picks one, or none by "". */
+  /** Picks one, or none if the name is "". */
   pick(name: string): void;
 }
 
 /**
- * A part of the picture with what belongs to it: drawing, elements, gestures. No layer knows another.
+ * A part of the picture with its drawing, elements and gestures. No layer knows another.
  *
  * An unused layer has no painters, no elements, and takes no gestures.
  */
 export interface Layer {
   /** The traits that it shows: a change redraws the picture. */
   readonly traits: readonly (keyof LaserTraits & string)[];
-  /** What it paints now, by depth. Layers of the same depth paint in the order of the list. */
+  /** Its painters at present, by depth. Layers of the same depth paint in the order of the list. */
   painters(): Partial<Record<Depth, Painter>>;
-  /** What it paints into the index view, if there is one, by depth. */
+  /** Its painters of the index view, if there is one, by depth. */
   strip?(): Partial<Record<Depth, StripPainter>>;
-  /** That on which its painters of the lower canvas depend, apart from the stage's geometry; a value for JSON. */
+  /** The inputs of its painters of the lower canvas, apart from the stage's geometry; a value for JSON. */
   lowerKey?(): unknown;
   /** Pixels that it needs below the picture. */
   roomBelow?(scan: Scan | null): number;
-  /** What it places round the rim of a scan: the picture leaves room for it. */
+  /** Parts that it places round the rim of a scan: the picture leaves room for them. */
   rim?(sweep: Sweep, forward: number, theme: Theme): Rim[];
-  /** Boxes of its elements where they stand since the last drawing: labels and names give way to them. */
+  /** Boxes of its elements at their places since the last drawing: labels and names give way to them. */
   covers?(): Box[];
-  /** Brings its elements up to date after the drawing. Layers at the end of the list come first. */
+  /** Updates its elements after the drawing. Layers at the end of the list come first. */
   place?(stage: Stage): void;
 
   // Gestures are offered to layers from the end of the list, until one takes them.

@@ -8,13 +8,13 @@ import type { ToShown } from "./mount.ts";
 import type { LaserTraits } from "./traits.ts";
 
 /**
- * The counts of the classes that the scanner sends, each of which switches its marks on and off, and the nearest thing.
- * A class that has been counted stays, and texts keep the greatest width that they had: a live legend does not jump.
+ * The counts of the classes that the scanner sends, which are buttons for their marks, and the nearest thing. A class
+ * that has been counted stays, and texts keep their greatest width: a live legend does not jump.
  */
 export class Legend {
   readonly #items: { name: string; item: HTMLElement; count: HTMLElement; kind: Validity }[];
   readonly #nearest = make("span", "rw-nearest");
-  /** What the nearest thing is, its distance and its angle, and its ray, with the words between them. */
+  /** Type, distance, angle and ray of the nearest thing, with the words between them. */
   readonly #words = (["span", "b", "span", "b", "span", "b"] as const).map((tag) => make(tag, ""));
 
   constructor(footer: HTMLElement, model: Model<LaserTraits>, signal: AbortSignal) {
@@ -24,7 +24,7 @@ export class Legend {
       item.title = kind === READING ? explained : `${explained}. Click: marks on or off`;
       const count = make("b", "");
       item.hidden = true;
-      // The space is for screen readers; the page shows none there.
+      // The space is for screen readers; it is invisible on the page.
       const glyph = make("span", "rw-symbol", symbol);
       glyph.ariaHidden = "true";
       item.append(glyph, count, " ", make("span", "", word));
@@ -43,13 +43,13 @@ export class Legend {
   /**
    * @param reach metres of the picture, which set the decimals
    * @param unit in which the angle is shown
-   * @param toShown makes the angle that is shown
+   * @param toShown converts to the angle on show
    */
   update(scan: Scan | null, shown: string[], reach: number, unit: AngleUnit, toShown: ToShown): void {
     for (const { name, item, count, kind } of this.#items) {
       const rays = scan?.counts[kind] ?? 0;
       setText(count, toCount(rays));
-      // A scan without a reading has none, and before the first scan nobody knows.
+      // A scan without a reading has no nearest thing; before the first scan it is unknown.
       if (rays || (scan && kind === READING)) setHidden(item, false);
       keepWidth(count);
       if (kind !== READING) set(item, "ariaPressed", String(shown.includes(name)));
@@ -69,7 +69,7 @@ export class Legend {
   }
 }
 
-/** Never lets an element become narrower than the longest text so far, in widths of a digit. */
+/** Keeps an element at least as wide as its longest text so far, in widths of a digit. */
 function keepWidth({ style, textContent }: HTMLElement): void {
   if (textContent.length > (Number.parseInt(style.minWidth, 10) || 0)) style.minWidth = `${textContent.length}ch`;
 }

@@ -5,7 +5,7 @@ import { type Model, setTraits } from "../shared/model.ts";
 import type { About, Mount } from "../shared/traits.ts";
 import type { LaserTraits } from "./traits.ts";
 
-/** Radians of the robot as they are shown: the robot's, or those of the scanner. */
+/** Converts radians of the robot to the angle on show: of the robot, or of the scanner. */
 export type ToShown = (angle: number) => number;
 
 /** Radians by which the scanner's forward is turned from the robot's, as the angles of a scan have it. */
@@ -19,7 +19,7 @@ export function toScanner(mount: Mount, angle: number): number {
   return mount.upside_down ? -own : own;
 }
 
-/** How angles of a scan are shown now. */
+/** The conversion to the angles on show. */
 export function shownBy(model: Model<LaserTraits>, { mount, angle_offset = 0 }: About): ToShown {
   if (!mount || !model.get("own_angles")) return (angle) => angle;
   return (angle) => toScanner(mount, angle - angle_offset);
@@ -28,7 +28,7 @@ export function shownBy(model: Model<LaserTraits>, { mount, angle_offset = 0 }: 
 /** Pixels from the edges of the picture. */
 const EDGE = 8;
 
-/** Says in a corner of the picture how the scanner stands on the robot, and switches to its own angles and back. */
+/** A button in a corner of the picture: it shows the mount of the scanner, and switches to its own angles and back. */
 export class MountButton {
   readonly element: HTMLButtonElement;
   readonly #model: Model<LaserTraits>;
@@ -39,13 +39,13 @@ export class MountButton {
     this.#model = model;
     const toggle = () => setTraits(model, { own_angles: !model.get("own_angles") });
     this.element = makeButton("rw-mount rw-over", "", toggle, signal, "");
-    // Its name is its text.
+    // Its accessible name is its text.
     this.element.ariaLabel = null;
     this.element.hidden = true;
     this.#size = new LaidOut(redraw, signal).of(this.element);
   }
 
-  /** What it covers of the picture, below a notice. */
+  /** Places it below a notice; returns the boxes that it covers. */
   place({ mount }: About, noticeHeight: number): Box[] {
     this.#top = noticeHeight + EDGE;
     return mount ? [{ x: EDGE, y: this.#top, width: this.#size.width, height: this.#size.height }] : [];

@@ -6,7 +6,7 @@ const NEAR = 9;
 const ROBOT = 8;
 const BEYOND_RIM = 16;
 
-/** Index of the ray under a point: that of the closest reading nearby, else that of the direction; -1 for none. */
+/** Index of the ray under a point: the ray of the closest reading nearby, else the ray in that direction, or -1. */
 export function pick(projection: Projection, scan: Scan, point: Point): number {
   const { range, angle } = fromPixel(projection, point);
   const scale = projection.radius / projection.viewRange;

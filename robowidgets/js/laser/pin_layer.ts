@@ -12,7 +12,7 @@ import { describeRay } from "./text.ts";
 const RING = 6;
 const HEIGHT = 16;
 
-/** Rays that a program has pinned under names: a ring at the reading, or at the rim where there is none. */
+/** Rays that a program has pinned under names: a ring at the reading, or at the rim without one. */
 export class PinLayer implements Layer {
   readonly traits = ["_pins"] as const;
   readonly #host: Host;
@@ -80,7 +80,7 @@ function drawRing(context: CanvasRenderingContext2D, { at, isReading }: Pin, the
   context.setLineDash([]);
 }
 
-/** Writes a name beside its ring, where there is room. */
+/** Writes a name next to its ring, if there is room. */
 function drawName(context: CanvasRenderingContext2D, stage: Stage, { x, y }: Point, name: string, theme: Theme): void {
   const font = `650 12px ${theme.font}`;
   context.font = font;

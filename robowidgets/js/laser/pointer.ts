@@ -43,7 +43,7 @@ export class PointerLayer implements Layer {
   readonly #hovered: Popup;
   readonly #copy: CopyCode<Form>;
 
-  /** @param moreOf what else is said of a ray */
+  /** @param moreOf a text with more about a ray */
   constructor(host: Host, moreOf: (index: number) => string) {
     this.#host = host;
     this.#moreOf = moreOf;
@@ -115,7 +115,7 @@ export class PointerLayer implements Layer {
     return true;
   }
 
-  /** The distance of the pinned ray, by its angle; as a part of the array by its index. */
+  /** Code for the pinned ray: its distance by its angle, or its part of the array by its index. */
   #toCode(form: Form): string {
     const { model, stage, stream } = this.#host;
     const index = model.get("pinned") ?? 0;
@@ -161,7 +161,7 @@ export class PointerLayer implements Layer {
     return describeRay(scan, index, reach, model.get("angle_unit"), more, shownBy(model, stream.about));
   }
 
-  /** The pinned ray and the one under the pointer, where that is another. */
+  /** The pinned ray, and the ray under the pointer if it is another one. */
   get #indices(): [number | null, number | null] {
     const [pinned, hovered] = [this.#host.model.get("pinned"), this.#host.model.get("hovered")];
     return [pinned, hovered === pinned ? null : hovered];
@@ -190,7 +190,7 @@ function lengthOf({ projection }: Stage, scan: Scan, index: number): number {
   return Math.min(isMeasured ? Math.max(0, scan.ranges[index] as number) : scan.maxRange, projection.viewRange);
 }
 
-/** Where a ray ends in the picture: at its reading, or at the edge of the view. */
+/** The end of a ray in the picture: its reading, or the edge of the view. */
 function endOf(stage: Stage, scan: Scan, index: number): Point {
   return toPixel(stage.projection, lengthOf(stage, scan, index), angleOf(scan, index));
 }

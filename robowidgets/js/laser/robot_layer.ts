@@ -16,7 +16,7 @@ const LEAST = 26;
 /** Pixels from the outline to the middle of a bumper. */
 const OUTSIDE = 4;
 
-/** The robot to scale, when asked for, with its bumpers and the way that it makes in two seconds. */
+/** The robot to scale, if enabled, with its bumpers and its path in the next two seconds. */
 export class RobotLayer implements Layer {
   readonly traits = ["_robot"] as const;
   readonly #host: Host;
@@ -94,7 +94,7 @@ export class RobotLayer implements Layer {
     for (const { x, y } of way) stage.occupied.mark(x, y);
   }
 
-  /** The speed in words below the robot, where nothing else is. */
+  /** Writes the speed below the robot, if the place is free. */
   #drawSpeed(context: CanvasRenderingContext2D, stage: Stage, theme: Theme): void {
     const robot = this.#robotOn(stage);
     const [vx = NaN, vy = 0] = speedAt(stage.scan, this.#speed.shown) ?? [];

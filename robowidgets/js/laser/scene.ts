@@ -9,7 +9,7 @@ import { type Depth, type Layer, LOWER, type Painter, type Stage, UPPER } from "
 import type { LaserTraits } from "./traits.ts";
 import { fitsReadings, resolveRange } from "./zoom.ts";
 
-/** What an empty widget shows: the area of a common scanner. */
+/** The sweep of an empty widget: a common scanner. */
 const PLACEHOLDER = {
   angleMin: (-3 * Math.PI) / 4,
   angleIncrement: Math.PI / 180,
@@ -21,7 +21,10 @@ const PLACEHOLDER = {
 /** The traits on which the geometry of the picture depends. */
 export const SETTINGS = ["view_range", "forward"] as const;
 
-/** The two canvases of one view, on which the layers paint: beneath, what changes seldom; above, what every scan changes. */
+/**
+ * The two canvases of one view, on which the layers paint: the lower one for parts that change seldom, the upper one
+ * for parts that change with each scan.
+ */
 export class Scene {
   stage: Stage;
   readonly #model: Model<LaserTraits>;

@@ -30,7 +30,7 @@ export function sweepOf({ start, end }: Sector): number {
   return end - start >= TURN ? TURN : modulo(end - start, TURN);
 }
 
-/** Whether an angle lies in a sector, its ends included. */
+/** Returns true if an angle lies in a sector, its ends included. */
 export function isIn(sector: Sector, angle: number): boolean {
   return modulo(angle - sector.start + ROUNDING, TURN) <= sweepOf(sector) + 2 * ROUNDING;
 }
@@ -61,11 +61,11 @@ export function toExpression(stretches: Stretch[], count: number): string {
     .join(" + ");
 }
 
-/** What the rays of a sector measured. */
+/** Measurements of the rays of a sector. */
 export interface Measured {
-  /** As in Python's `Scan.distance`: 0 too close, Infinity nothing met, NaN unknown. */
+  /** As in Python's `Scan.distance`: 0 if too close, Infinity if nothing is in range, NaN if unknown. */
   distance: number;
-  /** Index of the ray that meets the nearest thing; -1 where nothing is met, or that is unknown. */
+  /** Index of the ray to the nearest thing; -1 if nothing is in range, or the distance is unknown. */
   nearest: number;
   /** Metres, of the readings; NaN without any. */
   median: number;
@@ -99,7 +99,7 @@ export function measure({ ranges, kinds, minRange, maxRange }: Scan, stretches: 
   return { distance: isKnown ? distance : NaN, nearest, median, valid: readings.length, count };
 }
 
-/** What the limits of a sector say; "" for a sector without any. */
+/** The state that the limits of a sector set; "" for a sector without limits. */
 export type State = "stop" | "warning" | "occupied" | "free" | "unknown" | "";
 
 /** The limits with the states that they set, the most severe first. */
@@ -109,7 +109,7 @@ export const LIMITS = [
   ["near", "occupied"],
 ] as const;
 
-/** @param before the state at the scan before, which holds up to the hysteresis */
+/** @param before the state at the previous scan, which holds up to the hysteresis */
 export function stateOf(sector: Sector, distance: number, before: State): State {
   if (LIMITS.every(([name]) => sector[name] === undefined)) return "";
   if (Number.isNaN(distance)) return "unknown";
@@ -144,7 +144,7 @@ export function sectorOf(sweep: Sweep, first: number, last: number): Sector {
 const PART = /^\s*(?:(?:msg\.|scan\.)?ranges\s*)?\[\s*(-?\d{1,7})?\s*(:)?\s*(-?\d{1,7})?\s*\]\s*$/;
 
 /**
- * The stretches that a text names: slices and single indices, joined by "+"; null where it is no such text. They may be
+ * The stretches that a text names: slices and single indices, joined by "+"; null for any other text. They may be
  * empty, and may lie beyond the array.
  */
 export function parseRays(text: string, count: number): Stretch[] | null {

@@ -11,7 +11,7 @@ import { describeSector, sayOf, sectorOfText } from "./sector_words.ts";
 
 const AHEAD: Sector = { start: 0, end: 0 };
 
-/** What the chip leaves to the layer. */
+/** The owner of the chip: the layer of sectors. */
 interface Owner {
   say(): void;
   remove(): void;
@@ -19,11 +19,11 @@ interface Owner {
 }
 
 /**
- * The chip of the picked sector, in a free corner of the picture or below it. It is there, too, while a person types the
+ * The chip of the picked sector, in a free corner of the picture or below it. It also shows while the user types the
  * rays of a new sector.
  */
 export class SectorChip {
-  /** Where it stands in the picture; null where it is not in it. */
+  /** Its place in the picture; null while it is elsewhere or hidden. */
   box: Box | null = null;
   readonly #host: Host;
   readonly #store: SectorStore;
@@ -33,9 +33,9 @@ export class SectorChip {
     if (this.#key) this.#show();
   };
   readonly #chip: Chip;
-  /** What was picked when a person was asked for the rays of another sector; null while nobody is asked. */
+  /** The sector that was picked when the field for other rays opened; null while the field is closed. */
   #asked: string | null = null;
-  /** Whether it has found no room in the picture, and stays below it. */
+  /** True after it has found no room in the picture; it then stays below. */
   #isBelow = false;
   #key = "";
 
@@ -65,10 +65,10 @@ export class SectorChip {
       return null;
     }
     const box = this.#isBelow ? null : placeChip(this.#chip.size, stage, picked?.sector ?? AHEAD, before);
-    // It does not come back while it is there: the picture may have become lower, and would jump.
+    // It does not return to the picture while it shows: the picture may have become lower, and would jump.
     this.#isBelow = !box;
     const key = JSON.stringify([picked, isAsking, this.#isBelow]);
-    // Its numbers follow a drag at once, and a live scan as fast as a person reads.
+    // Its numbers follow a drag at once, and a live scan at reading speed.
     if (key === this.#key) this.#host.card.texts.ask(this.#tell);
     else this.#show();
     this.#key = key;
@@ -78,7 +78,7 @@ export class SectorChip {
     return box;
   }
 
-  /** Tells a picked sector from others, whatever becomes of the angles of a kept one. */
+  /** Identifies the picked sector, even if the angles of a kept one change. */
   get #pickedKey(): string {
     const { picked } = this.#store;
     return picked ? picked.name || JSON.stringify(picked.sector) : "";
@@ -91,7 +91,7 @@ export class SectorChip {
     this.#chip.askRays();
   }
 
-  /** Asks no more for the rays of a new sector; returns whether it did. */
+  /** Closes the field for a new sector; returns true if it was open. */
   close(): boolean {
     const wasAsking = this.#asked !== null;
     this.#asked = null;
@@ -107,7 +107,7 @@ export class SectorChip {
     this.#chip.copy();
   }
 
-  /** What a screen reader says of the picked sector. */
+  /** The text of the picked sector for a screen reader. */
   get words(): string[] {
     const texts = this.#texts;
     return texts ? sayOf(texts) : [];
@@ -162,8 +162,8 @@ export class SectorChip {
   }
 
   /**
-   * Selects the rays that a text names: those of the picked sector, or of a new one where a person was asked for them.
-   * Returns what is wrong with it, or "".
+   * Selects the rays that a text names: as the picked sector, or as a new one if the field for other rays is open.
+   * Returns an error text, or "".
    */
   #type(text: string): string {
     const scan = this.#host.stream.shown;

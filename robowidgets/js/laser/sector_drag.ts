@@ -14,7 +14,7 @@ export class SectorDrags {
 
   /**
    * @param stage the picture as it was drawn last
-   * @param end called with what puts back what was, when a drag has ended
+   * @param end called after a drag, with a function that undoes it
    */
   constructor(store: SectorStore, stage: () => Stage, end: (undo: () => void) => void) {
     this.#store = store;
@@ -26,7 +26,7 @@ export class SectorDrags {
     return fromPixel(this.#stage().projection, point).angle;
   }
 
-  /** A new sector from the ray under the pointer on. */
+  /** Starts a new sector at the ray under the pointer. */
   ofNew(scan: Scan, point: Point): Drag {
     const angle = this.angleAt(point);
     const found = indexAt(scan, angle);
@@ -36,7 +36,7 @@ export class SectorDrags {
     return this.#drag(scan, angle, (rays) => ({ name: "", sector: sectorTo(scan, from, from + rays) }));
   }
 
-  /** An edge of a sector; null where the sector has no rays. */
+  /** Drags an edge of a sector; null for a sector without rays. */
   ofEdge(scan: Scan, named: Named, edge: Edge, point: Point): Drag | null {
     const at = raysAt(scan, named.sector, edge);
     if (!at) return null;
@@ -51,7 +51,7 @@ export class SectorDrags {
   /**
    * The pointer may go round more than once.
    *
-   * @param beyond radians from the ray that moves to what the pointer holds
+   * @param beyond radians from the ray that moves to the edge under the pointer
    */
   #drag(scan: Scan, from: number, toNamed: (rays: number) => Named, beyond = 0): Drag {
     const undo = this.#store.snapshot();

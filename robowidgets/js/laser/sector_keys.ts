@@ -10,7 +10,7 @@ const ARROWS: Record<string, number> = {
   PageDown: -10,
 };
 
-/** What a key does to sectors; returns whether it does something. */
+/** Handles a key for sectors; returns true if it has an effect. */
 export function onSectorKey(event: KeyboardEvent, layer: SectorLayer): boolean {
   const { key, shiftKey, target } = event;
   const onPicture = target instanceof HTMLElement && target.classList.contains("rw-picture");

@@ -30,11 +30,11 @@ const RIM = 8;
 const GRAB = { mouse: 12, touch: 22 };
 const ROBOT = 20;
 
-/** Sectors: kept ones with their names, and the one that a person drags, names, copies as code. */
+/** Sectors: the kept ones with their names, and the sector that the user drags, names or copies as code. */
 export class SectorLayer implements Layer {
   readonly traits = ["_sectors", "_selection"] as const;
   readonly store: SectorStore;
-  /** What the footer says until the first drag. */
+  /** The hint in the footer until the first drag. */
   readonly hint = make("span", "rw-drag-hint");
   readonly #host: Host;
   readonly #numbers = new SectorNumbers();
@@ -109,8 +109,8 @@ export class SectorLayer implements Layer {
   }
 
   /**
-   * All of each sector, also where the scanner has no rays: else its handles may be out of the picture. Which moves under
-   * no drag.
+   * All of each sector, also outside the rays of the scanner: else its handles may be out of the picture. It does not
+   * change during a drag.
    */
   rim(_: Sweep, forward: number): Rim[] {
     const all = this.#drags.before ?? this.store.all;
@@ -152,7 +152,7 @@ export class SectorLayer implements Layer {
     return this.#isInside(point, isTouch) ? this.#drags.ofNew(scan, point) : null;
   }
 
-  /** Whether a drag from here makes a sector. */
+  /** Returns true if a drag from a point makes a sector. */
   #isInside(point: Point, isTouch = false): boolean {
     const { stage } = this.#host;
     const pixels = Math.hypot(point.x - stage.projection.centerX, point.y - stage.projection.centerY);
@@ -175,13 +175,13 @@ export class SectorLayer implements Layer {
     return { names: Object.keys(kept), picked: picked?.name ?? "", pick };
   }
 
-  // What keys, gestures and the chip ask for
+  // Actions of keys, gestures and the chip
 
   get edge(): Edge | null {
     return this.#edge;
   }
 
-  /** Chooses an edge that arrow keys move; makes a sector where none is picked. */
+  /** Chooses an edge for the arrow keys; makes a sector if there is not a picked one. */
   chooseEdge(edge: Edge): void {
     const scan = this.#host.stream.shown;
     if (!scan || scan.count < 2) return;
@@ -206,7 +206,7 @@ export class SectorLayer implements Layer {
     this.say();
   }
 
-  /** Ends the change of edges; a sector without a name is asked for one. */
+  /** Ends the change of edges; asks for the name of a sector without one. */
   keep(): void {
     this.#leaveEdge();
     if (!this.store.picked?.name) this.askName();
@@ -224,7 +224,7 @@ export class SectorLayer implements Layer {
     this.#chip.askName(this.store.picked?.name || `sector ${number}`);
   }
 
-  /** Undoes the change of an edge, else deselects; returns false where there is nothing to undo. */
+  /** Undoes the change of an edge, else deselects; returns false without anything to undo. */
   escape(): boolean {
     if (this.#chip.close()) return true;
     if (!this.store.picked) return false;
@@ -236,7 +236,7 @@ export class SectorLayer implements Layer {
   }
 
   deselect(): void {
-    // The field for other rays goes first.
+    // The field for other rays closes first.
     if (!this.#chip.close()) {
       this.#leaveEdge();
       this.store.pick(null);
@@ -255,7 +255,7 @@ export class SectorLayer implements Layer {
     this.#chip.copy();
   }
 
-  /** Has a screen reader say the picked sector. */
+  /** Announces the picked sector to a screen reader. */
   say(): void {
     this.#host.card.say(this.#chip.words);
   }
@@ -322,7 +322,7 @@ export class SectorLayer implements Layer {
         reach,
       );
       const color = isPicked ? theme.pointer : theme.ink;
-      // The chip has the numbers of the picked one.
+      // The chip has the numbers of the picked sector.
       const shown = isPicked ? lines.slice(0, 1) : lines;
       const place = drawName(context, stage, named.sector, shown, color, theme, before.get(named.name));
       if (!place) continue;

@@ -5,19 +5,19 @@ import type { Named } from "./sector_store.ts";
 /** Sectors of one scan whose numbers are kept: a drag over a frozen scan makes many. */
 const MOST = 50;
 
-/** The rays of a sector, and what they measured. */
+/** The rays of a sector, and their measurements. */
 interface Looked {
   stretches: Stretch[];
   measured: Measured;
 }
 
-/** What the sectors of a view hold, computed once for each scan. */
+/** The measurements of the sectors of a view, computed once for each scan. */
 export class SectorNumbers {
   #scan: Scan | null = null;
   #looked = new Map<string, Looked>();
   #judged: Scan | null = null;
   #states = new Map<string, State>();
-  /** The states at the scan before. */
+  /** The states at the previous scan. */
   #before = this.#states;
 
   look(scan: Scan, { start, end }: Sector): Looked {
@@ -32,7 +32,7 @@ export class SectorNumbers {
     return found;
   }
 
-  /** Brings the states of the limits up to date. A frozen scan is judged by itself, without the scan before. */
+  /** Updates the states of the limits. A frozen scan is judged by itself, without the previous scan. */
   judge(all: Named[], scan: Scan | null, isFrozen: boolean): void {
     if (!scan) return;
     if (scan !== this.#judged) this.#before = this.#states;

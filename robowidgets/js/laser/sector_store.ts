@@ -14,7 +14,7 @@ export interface Named {
 
 export type Edge = "start" | "end";
 
-/** What is kept and picked, in the traits. While a person drags, Python gets ten changes a second. */
+/** The kept and the picked sectors, in the traits. While the user drags, Python gets ten changes a second. */
 export class SectorStore {
   readonly #model: Model<LaserTraits>;
   readonly #save: () => void;
@@ -48,13 +48,13 @@ export class SectorStore {
     this.#put(this.kept, name === null ? {} : { name });
   }
 
-  /** Selects other rays, in place of the sector of this name; with the name "", as one that is not kept. */
+  /** Selects other rays for the sector of this name; with the name "", as a sector that is not kept. */
   put({ name, sector }: Named): void {
     if (name) this.#put({ ...this.kept, [name]: sector }, { name });
     else this.#put(this.kept, { ...sector });
   }
 
-  /** Keeps the picked sector under a name, or gives it another one; returns what is wrong with the name, or "". */
+  /** Keeps the picked sector under a name, or renames it; returns an error text, or "". */
   keep(name: string): string {
     const { picked } = this;
     if (!picked) return "";
@@ -69,7 +69,7 @@ export class SectorStore {
     this.#put(Object.fromEntries(Object.entries(this.kept).filter(([name]) => name !== picked?.name)), {});
   }
 
-  /** A function that puts back what is kept and picked now. */
+  /** A function that restores the kept and the picked sectors of now. */
   snapshot(): () => void {
     const [kept, selection] = [this.kept, this.#model.get("_selection")];
     return () => this.#put(kept, selection);
@@ -90,7 +90,7 @@ function endsOf(sweep: Sweep, sector: Sector): { first: number; last: number } |
   return { first, last: first + stretches.reduce((sum, [start, stop]) => sum + stop - start, 0) - 1 };
 }
 
-/** Index of the ray at an edge of a sector, and at the other edge; null where it has no rays. */
+/** Index of the ray at an edge of a sector, and at the other edge; null for a sector without rays. */
 export function raysAt(sweep: Sweep, sector: Sector, edge: Edge): { moved: number; fixed: number } | null {
   const ends = endsOf(sweep, sector);
   if (!ends) return null;

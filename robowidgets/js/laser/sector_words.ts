@@ -5,13 +5,13 @@ import type { ToShown } from "./mount.ts";
 import { type Measured, parseRays, type Sector, type State, type Stretch, sectorOf, toExpression } from "./sector.ts";
 import type { Named } from "./sector_store.ts";
 
-/** Metres to the nearest thing, or what there is in place of a number. */
+/** Metres to the nearest thing, or a word without a number. */
 function toDistance({ distance }: Measured, reach: number): string {
   if (distance === Infinity) return "nothing";
   return Number.isNaN(distance) ? "unknown" : distance === 0 ? "too close" : toMetres(distance, reach);
 }
 
-/** The lines that stand on a sector: its name, with its state, and its distance. */
+/** The lines on a sector: its name, with its state, and its distance. */
 export function toLines({ name }: Named, measured: Measured, state: State, reach: number): string[] {
   const isSaid = state !== "" && state !== "free" && state !== "unknown";
   return [isSaid ? `${name} \u00B7 ${state}` : name, toDistance(measured, reach)];
@@ -20,7 +20,7 @@ export function toLines({ name }: Named, measured: Measured, state: State, reach
 /**
  * @param reach metres of the picture, which set the decimals
  * @param unit in which angles are shown
- * @param toShown makes the angles that are shown
+ * @param toShown converts to the angles on show
  */
 export function describeSector(
   { name, sector }: Named,
@@ -49,13 +49,13 @@ export function describeSector(
   };
 }
 
-/** What a screen reader says of a sector. */
+/** The text of a sector for a screen reader. */
 export function sayOf(texts: ChipTexts): string[] {
   const { name, state, expression, distance, nearest, index, valid } = texts;
   return [name, state, expression, `${nearest} ${index} ${distance}`.trim(), valid];
 }
 
-/** The sector of the rays that a text names, or what is wrong with it. */
+/** The sector of the rays that a text names, or an error text. */
 export function sectorOfText(sweep: Sweep, text: string): Sector | string {
   const { count } = sweep;
   const stretches = parseRays(text, count);

@@ -14,7 +14,7 @@ interface ShapeLabel {
 
 const ROBOT = 10;
 
-/** The words of shapes, each in a place of its own. They keep their places as long as these are free. */
+/** The words of shapes at separate places. They keep their places as long as these are free. */
 export class ShapeLabels {
   #before = new Map<string, number>();
 
@@ -31,7 +31,7 @@ export class ShapeLabels {
     }
   }
 
-  /** A place for all lines, or without one for the name alone. */
+  /** A place for all lines, or, without one, for the name alone. */
   #place(
     context: CanvasRenderingContext2D,
     stage: Stage,
@@ -47,7 +47,7 @@ export class ShapeLabels {
       const width = Math.max(...shown.map((line, i) => widthOf(context, line, i, theme)));
       const box = (place: number) => boxAt(path, width, LINE * count, place, shape.kind === "text");
       for (let place = -1; place < PLACES; place++) {
-        // First where it stood before.
+        // First its previous place.
         const at = place < 0 ? before : place;
         const tried = at === undefined ? null : box(at);
         if (tried && free(tried)) return { box: tried, place: at as number, lines: shown };

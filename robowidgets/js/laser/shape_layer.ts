@@ -15,14 +15,14 @@ export interface Placed {
   places: Metres[];
 }
 
-/** What the program drew on the scan on show. */
+/** The shapes that the program drew on the scan on show. */
 export class ShapeLayer implements Layer {
   readonly traits = ["angle_unit"] as const;
   readonly #host: Host;
   readonly #labels = new ShapeLabels();
-  /** What was said of the newest sample, and when that came, in milliseconds of the page's clock. */
+  /** The facts about the newest sample, and the time of their arrival in milliseconds of the page's clock. */
   #newest: { about: About; at: number } | null = null;
-  /** What was drawn last, with points of the picture along it. */
+  /** The shapes that were drawn last, with points of the picture along them. */
   #drawn: (Placed & { path: Point[] })[] = [];
   #timer: ReturnType<typeof setTimeout> | undefined;
   readonly #painters: Partial<Record<Depth, Painter>> = {
@@ -46,14 +46,14 @@ export class ShapeLayer implements Layer {
     if (Number.isFinite(wait)) this.#timer = setTimeout(() => this.#host.card.redraw(), wait + 1);
   }
 
-  /** A frozen picture shows what was drawn on its scan, however long ago that was. */
+  /** A frozen picture shows the shapes of its scan, however old they are. */
   get #shapes(): Shape[] {
     const { about, paused } = this.#host.stream;
     const shapes = about.shapes ?? [];
     return paused ? shapes : lasting(shapes, this.#age(about));
   }
 
-  /** Milliseconds since the page got these words. */
+  /** Milliseconds since these facts arrived in the page. */
   #age(about: About): number {
     if (this.#newest?.about !== about) this.#newest = { about, at: performance.now() };
     return performance.now() - this.#newest.at;
@@ -76,7 +76,7 @@ export class ShapeLayer implements Layer {
       path: pathOf(toPoint, isInView, one.shape, one.places),
     }));
     for (const { x, y } of this.#drawn.flatMap(({ path }) => path)) occupied.mark(x, y);
-    // One clip for all: a clip of its own for each shape takes longer than all else here.
+    // One clip for all: a separate clip for each shape takes longer than everything else here.
     clipToView(context, projection, () => {
       for (const { shape, places } of this.#drawn) drawShape(context, toPoint, shape, places, theme);
     });
@@ -98,7 +98,7 @@ export class ShapeLayer implements Layer {
   }
 }
 
-/** Calls a function that draws in the view only: what lies beyond it would lie over the labels round it. */
+/** Calls a function that draws only within the view: shapes beyond it would cover the labels round it. */
 function clipToView(context: CanvasRenderingContext2D, projection: Projection, draw: () => void): void {
   context.save();
   context.beginPath();

@@ -16,8 +16,8 @@ export function toPicture(projection: Projection, [x, y]: Metres): Point {
 }
 
 /**
- * The numbers of a shape in words: of a line how far it is from the scanner and how it runs, of points how many, of an
- * arc its radius, of a pose its place and direction.
+ * The numbers of a shape in words: distance and heading of a line, the number of points, the
+ * radius of an arc, place and direction of a pose.
  *
  * @param reach metres of the picture, which set the decimals
  */
@@ -56,12 +56,12 @@ function headingOf([ax, ay]: Metres, [bx, by]: Metres): number {
   return angle <= -Math.PI / 2 ? angle + Math.PI : angle;
 }
 
-/** The shapes that are there some milliseconds after Python sent them. */
+/** The shapes that still last some milliseconds after Python sent them. */
 export function lasting(shapes: Shape[], ms: number): Shape[] {
   return shapes.filter(({ left = Infinity }) => 1000 * left > ms);
 }
 
-/** Milliseconds until the next of the shapes goes; infinite when all stay. */
+/** Milliseconds until the next of the shapes expires; infinite if all stay. */
 export function untilNext(shapes: Shape[], ms: number): number {
   return Math.min(...lasting(shapes, ms).map(({ left = Infinity }) => 1000 * left - ms));
 }

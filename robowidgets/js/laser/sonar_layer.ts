@@ -25,13 +25,13 @@ const STEP = Math.PI / 60;
 /** Pixels of words. */
 const LINE = 14;
 
-/** What is needed of a sonar widget. */
+/** The traits of a sonar widget that the layer reads. */
 interface RingTraits extends SampleTraits {
   poses: Poses;
   field_of_view: number;
 }
 
-/** A sensor on the robot, as the scanner's picture shows it: metres and radians of the scanner's frame. */
+/** A sensor on the robot, in metres and radians of the scanner's frame. */
 export interface Beam {
   name: string;
   x: number;
@@ -44,10 +44,7 @@ export interface Beam {
   isReading: boolean;
 }
 
-/**
- * The beams of a ring that stand in the picture: of those that measured, and whose place is known. Of the others
- * nobody knows where they would be.
- */
+/** The beams of a ring that stand in the picture: only sensors with a measurement and a known pose. */
 export function toBeams(ring: Ring, about: SonarAbout, poses: Poses, usual: number, scanner: Place): Beam[] {
   return toPlaced(ring, about, poses, usual).flatMap(({ name, mount, sonar, view }) => {
     if (!mount.isKnown || !isThere(sonar)) return [];
@@ -60,12 +57,12 @@ export function toBeams(ring: Ring, about: SonarAbout, poses: Poses, usual: numb
 /** Metres and radians of the scanner on the robot. */
 type Place = [x: number, y: number, yaw: number];
 
-/** Whether a sensor has measured something, and not long ago. */
+/** Returns true if a sensor has a recent measurement. */
 function isThere({ kind, behind, silentAfter }: Sonar): boolean {
   return behind <= silentAfter && (kind === READING || kind === NOTHING_IN_RANGE);
 }
 
-/** Where a place on the robot is for the scanner. */
+/** A place on the robot in the frame of the scanner. */
 function asSeen([sx, sy, turn]: Place, { x, y, yaw }: Mount): { x: number; y: number; yaw: number } {
   const [dx, dy, cos, sin] = [x - sx, y - sy, Math.cos(turn), Math.sin(turn)];
   return { x: cos * dx + sin * dy, y: cos * dy - sin * dx, yaw: yaw - turn };
@@ -122,7 +119,7 @@ function pointOf({ projection }: Stage, { x, y, yaw }: Beam, distance: number, a
   return toPixel(projection, Math.hypot(ahead, aside), Math.atan2(aside, ahead));
 }
 
-/** The points of the arc at the end of a beam, as far as the picture goes. */
+/** The points of the arc at the end of a beam that lie within the picture. */
 function arcOf(stage: Stage, beam: Beam): Point[] {
   const reach = Math.min(beam.reach, 3 * stage.projection.viewRange);
   const count = Math.max(2, Math.ceil(beam.view / STEP));
@@ -150,7 +147,7 @@ function drawBeam(context: CanvasRenderingContext2D, stage: Stage, beam: Beam, t
   context.restore();
 }
 
-/** The name inside of a cone, and what it measured outside, where nothing else is. */
+/** Writes the name inside of a cone, and its distance outside, if the place is free. */
 function drawWords(context: CanvasRenderingContext2D, stage: Stage, beam: Beam, theme: Theme): void {
   const { viewRange, radius } = stage.projection;
   const reach = Math.min(beam.reach, viewRange);

@@ -3,15 +3,15 @@ import { READING, type Scan } from "../shared/frames/scan.ts";
 /** The percentiles between which nine of ten readings of a ray lie. Python has the same. */
 const [LOW, HIGH] = [0.05, 0.95];
 
-/** Of each ray, the metres between which its readings lie; NaN for fewer than two. */
+/** For each ray, the metres between which its readings lie; NaN for fewer than two. */
 export interface Spread {
   low: Float64Array;
   high: Float64Array;
-  /** How many scans it is of. */
+  /** Number of scans. */
   count: number;
 }
 
-/** How far the readings of each ray scatter over some scans, of those with as many rays as the last one. */
+/** The scatter of the readings of each ray over the scans that have as many rays as the last one. */
 export function spreadOf(scans: Scan[]): Spread {
   const rays = scans.at(-1)?.count ?? 0;
   const alike = scans.filter(({ count }) => count === rays);
@@ -28,12 +28,12 @@ export function spreadOf(scans: Scan[]): Spread {
   return { low, high, count: alike.length };
 }
 
-/** Metres by which the readings of a ray scatter, as Python's `spread` has it. */
+/** Metres by which the readings of a ray scatter, the same as Python's `spread`. */
 export function spreadAt({ low, high }: Spread, index: number): number {
   return ((high[index] ?? NaN) - (low[index] ?? NaN)) / 2;
 }
 
-/** Of at least two sorted numbers. */
+/** A percentile of at least two sorted numbers. */
 function percentile(sorted: Float32Array, share: number): number {
   const place = share * (sorted.length - 1);
   const below = Math.floor(place);

@@ -8,7 +8,7 @@ import type { Depth, Layer, Painter, Stage, StripPainter, StripStage } from "./l
 import { type Spread, spreadAt, spreadOf } from "./spread.ts";
 import type { LaserTraits } from "./traits.ts";
 
-/** How far the readings of each ray scatter: a bar along the ray, and a band in the index view. */
+/** The scatter of the readings of each ray: a bar along the ray, and a band in the index view. */
 export class SpreadLayer implements Layer {
   readonly traits = ["spread"] as const;
   readonly #model: Model<LaserTraits>;
@@ -30,14 +30,14 @@ export class SpreadLayer implements Layer {
     return spread ? { ghost: (context, strip, theme) => drawBand(context, strip, spread, theme) } : {};
   }
 
-  /** "spread ±0.012 m in 50 scans", of a ray; empty where it has none. */
+  /** "spread ±0.012 m in 50 scans", of a ray; "" if it is unknown. */
   readonly wordsOf = (index: number): string => {
     const spread = this.#spread;
     const metres = spread ? spreadAt(spread, index) : NaN;
     return spread && metres >= 0 ? `spread \u00b1${toFixed(metres, 3)} m in ${spread.count} scans` : "";
   };
 
-  /** Null unless it is asked for. */
+  /** Null unless enabled. */
   get #spread(): Spread | null {
     const count = this.#model.get("spread");
     if (!count) return null;

@@ -17,7 +17,7 @@ const TEXT = 11;
 /**
  * The index view below the picture: distance over index, as the program sees the array.
  *
- * What a person does in it is done at the same ray and distance of the picture, so that every layer takes it.
+ * An action of the user in it is passed on at the same ray and distance of the picture, so that every layer takes it.
  */
 export class Strip {
   readonly root = make("div", "rw-strip");

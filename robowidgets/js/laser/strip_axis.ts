@@ -17,14 +17,16 @@ interface StripAxes {
   viewRange: number;
 }
 
-/** The plot within a strip of some size: room at the left for metres, below for indices, above for what has no metres. */
+/**
+ * The plot within a strip of some size: room at the left for metres, below for indices, above for rays without metres.
+ */
 export function plotBox(width: number, height: number): Box {
   const isNarrow = width < NARROW;
   const [left, right, top, bottom] = isNarrow ? [42, 16, 20, 32] : [46, 22, 24, 36];
   return { x: left, y: top, width: Math.max(1, width - left - right), height: Math.max(1, height - top - bottom) };
 }
 
-/** Where the middle of a ray stands; a half index is the edge between two. */
+/** The middle of a ray in pixels; a half index is the edge between two. */
 export function toX({ box, count }: StripAxes, index: number): number {
   return box.x + ((index + 0.5) / Math.max(1, count)) * box.width;
 }
@@ -66,7 +68,7 @@ export function metreTicks({ box, viewRange }: StripAxes): number[] {
 
 const PLACES = ["front", "left front", "left", "left rear", "rear", "right rear", "right", "right front"];
 
-/** Where an angle points, in words: "right rear" for -135 degrees. */
+/** The direction of an angle in words: "right rear" for -135 degrees. */
 export function placeOf(angle: number): string {
   const eighth = Math.round(angle / (Math.PI / 4));
   return PLACES[((eighth % 8) + 8) % 8] as string;

@@ -8,7 +8,7 @@ import type { Named } from "./sector_store.ts";
 
 type Context = CanvasRenderingContext2D;
 
-/** What sectors paint into the index view. */
+/** The painters of sectors in the index view. */
 export function sectorStrip(
   all: Named[],
   picked: Named | null,
@@ -46,7 +46,7 @@ export function sectorStrip(
 /** Pixels from the left. */
 type Span = [from: number, to: number];
 
-/** Where a stretch starts and ends in the index view; a single ray has a width, too. */
+/** Start and end of a stretch in the index view; a single ray has a width, too. */
 function endsOf({ xOf }: StripStage, [start, stop]: Stretch): [number, number] {
   return [xOf(start - 0.5), xOf(stop - 0.5)];
 }
@@ -108,7 +108,7 @@ function drawHandles(context: Context, strip: StripStage, stretches: Stretch[], 
   }
 }
 
-/** The name of a sector within its widest stretch, where it is wide enough and no other name stands. */
+/** The name of a sector within its widest stretch, if that is wide enough and free of other names. */
 function drawName(
   context: Context,
   strip: StripStage,

@@ -5,7 +5,10 @@ import type { PopupWords } from "../shared/popup.ts";
 import type { About } from "../shared/traits.ts";
 import type { ToShown } from "./mount.ts";
 
-/** Where the range of a ray stands in what its scan was made of, by Python's template; empty where that is nothing else. */
+/**
+ * The source of a ray's range in the data that its scan was made of, by Python's template; "" if the scan is the
+ * source.
+ */
 export function sourceOf(scan: Scan, index: number, about: About): string {
   const number = scan.sources[index];
   const [, code = ""] = about.made_of ?? [];
@@ -14,12 +17,12 @@ export function sourceOf(scan: Scan, index: number, about: About): string {
 }
 
 /**
- * What the pop-up says of one ray.
+ * The texts of the pop-up of a ray.
  *
  * @param reach metres of the picture, which set the decimals
  * @param unit in which the angle is shown
- * @param more what else is said of the ray
- * @param toShown makes the angle that is shown
+ * @param more a text with more about the ray
+ * @param toShown converts to the angle on show
  */
 export function describeRay(
   scan: Scan,
@@ -47,7 +50,7 @@ export function describeRay(
   if (isReading) {
     const metres = (value: number) => (range < 1000 ? toFixed(value, decimalsFor(reach)) : toMetres(value, reach));
     const [x, y] = [Math.cos(angle), Math.sin(angle)].map((part) => metres(range * part));
-    // Each number stays with its letter where the pop-up is narrow.
+    // Each number stays with its letter in a narrow pop-up.
     parts[0] = `x\u00A0${x}  y\u00A0${y}`;
   }
   if (intensity !== undefined) parts.push(`intensity ${toFixed(intensity, Number.isInteger(intensity) ? 0 : 2)}`);

@@ -15,7 +15,7 @@ export class TrailLayer implements Layer {
   readonly #host: Host;
   readonly #words = make("span", "");
   #image: TrailImage | null = null;
-  /** None unless a trail is asked for, and while the page keeps no scan before the one on show. */
+  /** Empty unless a trail is enabled, and while the page has only the scan on show. */
   #placed: Placed[] = [];
 
   constructor(host: Host) {
@@ -43,21 +43,21 @@ export class TrailLayer implements Layer {
   }
 }
 
-/** A scan, and where its scanner was in the frame of odometry, where that is known. */
+/** A scan, and the pose of its scanner in the frame of odometry, if it is known. */
 interface Past {
   scan: Scan;
   pose: About["pose"];
 }
 
-/** A scan, and where its scanner was in the frame of the scanner now: metres, and radians that it was turned. */
+/** A scan, and the pose of its scanner in the frame of the scanner now: metres and radians. */
 export interface Placed extends Point {
   scan: Scan;
   turn: number;
 }
 
 /**
- * The scans before the last one, oldest first. Where the pose of the last is known, the others are placed by theirs, and
- * those without one are left out; else they are where the scanner is.
+ * The scans before the last one, oldest first. If the pose of the last is known, the others are placed by their poses,
+ * and scans without a pose are left out; else all stand at the scanner.
  */
 export function placeScans(scans: Past[]): Placed[] {
   const here = scans.at(-1)?.pose;
@@ -71,8 +71,8 @@ export function placeScans(scans: Past[]): Placed[] {
 }
 
 /**
- * Draws scans as dots, by writing pixels: as rectangles they would take five times as long as all the rest of the picture.
- * Of dots at one place the newest shows.
+ * Draws scans as dots by writing pixels: rectangles would take five times as long as all the rest of the picture. The
+ * newest of several dots at one place shows.
  */
 class TrailImage {
   readonly #canvas = new OffscreenCanvas(1, 1);
@@ -99,7 +99,7 @@ class TrailImage {
   }
 }
 
-/** Fills the pixels of a scan's readings in view, as far as they are empty, with black of some opacity. */
+/** Fills the pixels of a scan's readings in view that are still empty with black of some opacity. */
 function fillDots(
   pixels: Uint32Array,
   { width, height }: Size,

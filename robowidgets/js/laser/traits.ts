@@ -3,12 +3,12 @@ import type { SampleTraits } from "../shared/traits.ts";
 import type { Footprint } from "./footprint.ts";
 import type { Sector, Stretch } from "./sector.ts";
 
-/** The picked sector: a kept one by its name, another one with its angles and limits, or none. */
+/** The picked sector: the name of a kept one, angles and limits of another one, or nothing. */
 export interface Selection extends Partial<Sector> {
   name?: string;
 }
 
-/** Rays that are lit, by stretches of the array or by a sector, and the text on them. */
+/** Lit rays, by stretches of the array or by a sector, and the text on them. */
 export interface Highlight {
   text?: string;
   stretches?: Stretch[];
@@ -16,18 +16,18 @@ export interface Highlight {
 }
 
 /**
- * How far the picture reaches: "sensor" (range_max, if it sets a limit), "data" (fit to the readings), metres, or "auto":
+ * The range of the picture: "sensor" (range_max, if it sets a limit), "data" (fit to the readings), metres, or "auto":
  * the first scan decides between "sensor" and "data".
  */
 export type ViewRange = "sensor" | "data" | "auto" | number;
 
 export interface LaserTraits extends SampleTraits {
   view_range: ViewRange;
-  /** Null: at round distances. */
+  /** Null for arcs at round distances. */
   arc_count: number | null;
   /** Metres. */
   arc_distances: number[];
-  /** Null: at round angles. */
+  /** Null for lines at round angles. */
   ray_count: number | null;
   /** Radians. */
   ray_angles: number[];
@@ -39,15 +39,15 @@ export interface LaserTraits extends SampleTraits {
   /** Classes whose rays are marked. */
   marks: string[];
   color_by_intensity: boolean;
-  /** Of a cloud, the lower and the upper height in metres of the points that are a scan; null: all. */
+  /** For a cloud, the lower and the upper height in metres of the points that make the scan; null for all points. */
   band: [low: number, high: number] | null;
-  /** Which of several echoes of a ray is its range. */
+  /** The echo that is the range of a ray with several. */
   echo: "first" | "last" | "strongest";
   index_view: boolean;
   free_space: boolean;
-  /** How many scans before the one on show are behind it. */
+  /** Number of earlier scans behind the one on show. */
   trail: number;
-  /** Over how many scans the spread of each ray is drawn; 0: it is not. */
+  /** Number of scans whose spread is drawn for each ray, or 0 for no spread. */
   spread: number;
   /** Indices of rays. */
   hovered: number | null;
@@ -57,18 +57,18 @@ export interface LaserTraits extends SampleTraits {
   /** Indices of rays by name. */
   _pins: Record<string, number>;
   _highlight: Highlight;
-  /** The robot to scale; empty: none. */
+  /** The robot to scale, or empty to draw none. */
   _robot: Partial<Footprint>;
-  /** In which angles are shown. */
+  /** The unit in which angles are shown. */
   angle_unit: AngleUnit;
-  /** Whether the pop-up of the pinned ray shows how its angle is worked out. */
+  /** True if the pop-up of the pinned ray shows the calculation of its angle. */
   formula: boolean;
   /** The frame of a pinned scan; empty without one. */
   _ghost: DataView;
-  /** How many scans before the one on show; 0: none. */
+  /** Compares with the scan so many scans earlier, or 0 not to compare. */
   _ghost_ago: number;
-  /** The name of the model of another laser widget; empty: none. */
+  /** The name of the model of another laser widget, or "". */
   _ghost_of: string;
-  /** The name of the model of a sonar widget, whose cones are drawn; empty: none. */
+  /** The name of the model of a sonar widget whose cones are drawn, or "". */
   _sonar_of: string;
 }

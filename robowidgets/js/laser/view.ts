@@ -144,8 +144,8 @@ export class LaserView implements Host {
   }
 
   /**
-   * Makes the picture no higher than the sweep needs: that of the scan which is there when the view is made. An empty
-   * picture keeps its height, so that the first scan moves nothing on the page.
+   * Makes the picture no higher than the sweep of the scan that is on show when the view is made. An empty picture
+   * keeps its height, so that the first scan moves nothing on the page.
    */
   #shape(): void {
     const { model, stream, card } = this;
@@ -184,7 +184,7 @@ export class LaserView implements Host {
     this.#drawStrip(hasGhost);
   }
 
-  /** It stands in the middle of the picture. */
+  /** The box of an empty picture, in its middle. */
   get #emptyBox(): Box {
     const { width, height } = this.#emptySize;
     const { size } = this.card;
@@ -198,7 +198,7 @@ export class LaserView implements Host {
     this.#legend.update(shown, model.get("marks"), this.#viewRange, model.get("angle_unit"), toShown);
   }
 
-  /** Draws the index view: while the trait asks for it, and below a ghost, whose difference it shows. */
+  /** Draws the index view: if the trait enables it, and below a ghost, whose difference it shows. */
   #drawStrip(hasGhost: boolean): void {
     if ((this.model.get("index_view") || hasGhost) === (this.#strip !== null)) {
       this.#strip?.view.draw();

@@ -11,7 +11,7 @@ export function reach(scan: Scan): number {
   return readings[Math.ceil(readings.length * 0.98) - 1] ?? 0;
 }
 
-/** A range that fits the readings and keeps still: it grows when they need it, shrinks only when they need far less. */
+/** A range that fits the readings and keeps still: it grows if they need it, and shrinks only if they need far less. */
 export function fitRange(previous: number, scan: Scan): number {
   const needed = reach(scan) * 1.05;
   if (needed === 0) return previous || (scan.maxRange > NO_LIMIT ? EMPTY : scan.maxRange);
@@ -19,19 +19,19 @@ export function fitRange(previous: number, scan: Scan): number {
   return Math.min(scan.maxRange, FARTHEST_VIEW, roundUp(needed));
 }
 
-/** Whether the picture is to reach as far as the readings do. */
+/** Returns true if the picture reaches as far as the readings. */
 export function fitsReadings(setting: ViewRange, maxRange = 0): boolean {
   return setting === "data" || (setting === "sensor" && maxRange > NO_LIMIT);
 }
 
-/** What "auto" becomes with this scan; null, and it stays "auto", if the scan has no reading. */
+/** The setting that "auto" becomes with this scan; null, and it stays "auto", for a scan without readings. */
 export function decideRange(scan: Scan): "data" | "sensor" | null {
   const metres = reach(scan);
   if (metres === 0) return null;
   return metres < scan.maxRange / 3 ? "data" : "sensor";
 }
 
-/** The metres to show for a setting; `fitted` is what was fitted to the readings last, or 0. */
+/** The metres to show for a setting; `fitted` is the range that last fitted the readings, or 0. */
 export function resolveRange(setting: ViewRange, scan: Scan | null, fitted: number): number {
   if (typeof setting === "number") return setting;
   if (!scan) return fitted || EMPTY;

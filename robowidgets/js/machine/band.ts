@@ -3,7 +3,7 @@ import { StateBand } from "../shared/states/band.ts";
 import type { StateSpan } from "../shared/states/states.ts";
 import type { Theme } from "../shared/theme.ts";
 
-/** The last states as rows, in Python's monotonic seconds; null: still active. */
+/** The last states as rows, in Python's monotonic seconds; the end of an active state is null. */
 export type Rows = [start: number, end: number | null, path: string][][];
 
 const LABELS = 64;
@@ -31,7 +31,7 @@ export class MachineBand {
   }
 
   /**
-   * While the picture is frozen, the band stays as it was, and the states of the moment on show are in ink.
+   * While the picture is frozen, the band stays as it was, and the states of the moment on show are highlighted.
    *
    * @param depth levels of machines, for each of which a row keeps its room
    * @param time of the step on show

@@ -6,7 +6,7 @@ import type { Fired } from "./traits.ts";
 
 const STEPS: Record<string, number> = { ArrowDown: 1, ArrowUp: -1 };
 
-/** What fired, the newest first. Arrows walk the entries; a click shows the moment of one. */
+/** The moves that were made, the newest first. Arrow keys walk the entries; a click shows the moment of one. */
 export class Entries {
   readonly root = make("div", "rw-fired");
   readonly #show: (fired: Fired) => void;
@@ -21,9 +21,9 @@ export class Entries {
     on(this.root, "keydown", (event) => this.#onKey(event), signal);
   }
 
-  /** @param shown time of arrival of the frozen picture; null while it is live */
+  /** @param shown time of arrival of the frozen picture, or null while it is live */
   update(fired: Fired[], shown: number | null): void {
-    // What is about to be clicked stays where it is.
+    // Entries below the pointer do not move before a click.
     if (!this.root.matches(":hover")) this.#list(fired);
     const current = shown === null ? undefined : fired.filter(({ at }) => at <= shown).at(-1);
     const rows = [...this.#rows.values()];

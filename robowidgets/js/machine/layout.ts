@@ -8,7 +8,7 @@ export interface PlacedState extends Box {
   machine: MachineOutline;
   state: StateOutline;
   isInitial: boolean;
-  /** Whether its machines are drawn within. */
+  /** True if its machines are drawn within. */
   isOpen: boolean;
 }
 
@@ -26,19 +26,19 @@ export interface Placed {
   height: number;
   states: PlacedState[];
   moves: PlacedMove[];
-  /** Where moves from any state begin. */
+  /** Start boxes of moves from any state. */
   any: Box[];
   /** Frames of machines that run side by side. */
   lanes: (Box & { name: string })[];
 }
 
-/** What the places depend on. */
+/** The inputs of the layout. */
 interface Setting {
   /** Width of a text in the picture. */
   measure(text: string): number;
-  /** Width beyond which machines stand below each other, not side by side. */
+  /** Width beyond which machines stand below each other instead of side by side. */
   room: number;
-  /** Whether the machines within a state are drawn. */
+  /** Returns true if the machines within a state are drawn. */
   isOpen(state: StateOutline, machine: MachineOutline): boolean;
 }
 
@@ -58,7 +58,10 @@ const DOT_WIDTH = 16;
 const DEEPEST = 3;
 const GAPS = { rankdir: "TB", nodesep: 18, edgesep: 14, ranksep: 44 } as const;
 
-/** Places machines that run side by side, with all within. Moves never leave their machine: each is laid out alone. */
+/**
+ * Places machines that run side by side, with everything within. Moves never leave their machine: each is laid out
+ * alone.
+ */
 export function place(machines: MachineOutline[], setting: Setting, depth = 1): Placed {
   const parts = machines.map((machine) => placeMachine(machine, setting, depth));
   const [only] = parts;
@@ -79,7 +82,7 @@ export function place(machines: MachineOutline[], setting: Setting, depth = 1): 
   return all;
 }
 
-/** Whether a state is timed: it has a ring. */
+/** Returns true if a state is timed: it has a ring. */
 export function isTimed(machine: MachineOutline, state: StateOutline): boolean {
   return machine.moves.some(({ source, after }) => after !== null && source === state.name);
 }
@@ -121,7 +124,7 @@ function placeMachine(machine: MachineOutline, setting: Setting, depth: number):
   }
   const any = boxes.get(ANY);
   if (any) placed.any.push(any);
-  /** Where the words of the last loop of a state end; the room that dagre leaves for them may begin far from it. */
+  /** Right end of the words of the last loop of a state; the room that dagre leaves for them may begin far from it. */
   const loops = new Map<string, number>();
   for (const { source, target, label } of edges) {
     if (source !== target) continue;
@@ -138,7 +141,7 @@ function placeMachine(machine: MachineOutline, setting: Setting, depth: number):
   return fit(placed);
 }
 
-/** Moves all to the right where an arrow lies left of the picture, and grows the picture to hold all. */
+/** Moves everything to the right if an arrow lies left of the picture, and grows the picture to hold everything. */
 function fit(placed: Placed): Placed {
   const edges = placed.moves.flatMap(({ points, label }) => [
     ...points.map(([x]) => x),

@@ -15,7 +15,7 @@ export class Outlines {
     onChange(model, ["_outline"], () => this.#keep(), signal);
   }
 
-  /** The outline of a version; the newest for one that is not known. */
+  /** The outline of a version; the newest for an unknown one. */
   of(key = ""): VersionOutline {
     return this.#known.get(key) ?? this.#model.get("_outline");
   }

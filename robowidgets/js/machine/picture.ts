@@ -6,17 +6,17 @@ import type { Fired } from "./traits.ts";
 
 const HEAD = 5;
 
-/** What can be seen of a machine beside its places. */
+/** The appearance of a machine, apart from its places. */
 interface Shown {
   step: Step;
   fired: Fired[];
-  /** Whether it is the program that drives, or will go on to drive. */
+  /** True if the program drives, or will go on to drive. */
   isInForce: boolean;
-  /** Whether rings empty by tenths. */
+  /** True if rings empty by tenths. */
   isCalm: boolean;
   /** Path of the state in which a step failed. */
   failed: string;
-  /** Whether a person may choose a state. */
+  /** True if the user may choose a state. */
   canGo: boolean;
 }
 
@@ -26,12 +26,12 @@ export class Picture {
   #updates: ((shown: Shown) => void)[] = [];
   readonly #onGo: (path: string) => void;
 
-  /** @param onGo called with the path of a state that a person chose */
+  /** @param onGo called with the path of a state that the user chose */
   constructor(onGo: (path: string) => void) {
     this.#onGo = onGo;
   }
 
-  /** Draws other places, in a part of their size. */
+  /** Draws other places at a scale. */
   draw(placed: Placed, scale: number): void {
     this.root.style.zoom = String(scale);
     this.root.style.width = `${placed.width}px`;

@@ -2,7 +2,7 @@ import { Reader } from "../shared/bytes.ts";
 import { type Frame, readHead } from "../shared/stream.ts";
 import type { Fired, MachineOutline, MoveOutline, StateOutline } from "./traits.ts";
 
-/** What a step of a machine left. */
+/** The result of a step of a machine. */
 export interface Step extends Frame {
   /** The version that made it. */
   key: string;
@@ -10,9 +10,9 @@ export interface Step extends Frame {
   time: number;
   /** By path of a machine: its active state, and when it was entered. */
   states: Record<string, [name: string, entered: number]>;
-  /** What events said in this step; null for unknown. */
+  /** The values of events in this step; null for unknown. */
   judged: [machine: string, event: string, value: boolean | null, text: string][];
-  /** How long time-outs last, also where a variable says it. */
+  /** Durations of time-outs, including durations that a variable sets. */
   seconds: [machine: string, after: string, seconds: number][];
 }
 
@@ -37,13 +37,13 @@ export function activeText(machines: MachineOutline[], step: Step): string {
   return parts.join(" + ");
 }
 
-/** What the event of a move said in the step: "unknown" also where it was not judged. */
+/** The value of the event of a move in the step: "unknown" also if it was not judged. */
 export function verdictOf(machine: MachineOutline, { event }: MoveOutline, step: Step): [state: string, text: string] {
   const found = step.judged.find(([path, name]) => path === machine.path && name === event);
   return found ? [String(found[2] ?? "unknown"), found[3]] : ["unknown", ""];
 }
 
-/** Seconds of the next time-out of an active state, and those that are left; null where it has none. */
+/** Seconds until the next time-out of an active state, and its duration; null without a time-out. */
 export function timeLeft(machine: MachineOutline, state: StateOutline, step: Step): [left: number, of: number] | null {
   if (!isActive(machine, state, step)) return null;
   const passed = step.time - (step.states[machine.path]?.[1] ?? step.time);
@@ -55,7 +55,7 @@ export function timeLeft(machine: MachineOutline, state: StateOutline, step: Ste
   return all.length ? [Math.max(0, Math.min(...all) - passed), Math.min(...all)] : null;
 }
 
-/** Whether a move is the way on which its machine came to its active state. */
+/** Returns true if a move led its machine to its active state. */
 export function isTaken(machine: MachineOutline, move: MoveOutline, fired: Fired[], step: Step): boolean {
   const last = fired.filter((one) => one.machine === machine.path && one.time <= step.time).at(-1);
   return (

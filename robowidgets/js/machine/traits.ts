@@ -35,24 +35,24 @@ export interface MoveOutline {
   after: string | null;
   /** "on near", "after 0.5" or "at once". */
   why: string;
-  /** Whether its event may tell the numbers that it compares. */
+  /** True if its event may provide the numbers that it compares. */
   compares: boolean;
 }
 
-/** What Python says of a machine beside its frame. */
+/** Facts about a machine in addition to its frame, from Python. */
 export interface MachineAbout extends About {
   mode?: "running" | "paused" | "failed" | "ended";
   version?: number;
   /** The last moves that were made, oldest first. */
   fired?: Fired[];
   states?: Rows;
-  /** Path of the state in which a step failed; empty where none did. */
+  /** Path of the state in which a step failed, or "". */
   failed?: string;
 }
 
 /** A move that was made. */
 export interface Fired {
-  /** Seconds of Python's monotonic clock, as `arrived` of a frame. */
+  /** Seconds of Python's monotonic clock, the same as `arrived` of a frame. */
   at: number;
   /** Seconds since the first step of the program. */
   time: number;
@@ -61,8 +61,8 @@ export interface Fired {
   source: string;
   target: string;
   why: string;
-  /** What was compared; empty where nothing was. */
+  /** The numbers that were compared, or "". */
   reading: string;
-  /** Index of the nearest ray that was looked at. */
+  /** Index of the nearest ray that the event looked at. */
   index: number | null;
 }

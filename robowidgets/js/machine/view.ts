@@ -14,9 +14,9 @@ import { activeText, isActive, type Step } from "./step.ts";
 import type { MachineAbout, MachineOutline, MachineTraits, StateOutline } from "./traits.ts";
 
 const PADDING = 12;
-/** Of what fired, where there is room for it beside the picture. */
+/** Width of the list of moves if there is room for it next to the picture. */
 const LIST_WIDTH = 236;
-/** By how much a picture shrinks, at most: to be seen whole, to show what is folded else, and to keep its height. */
+/** Least scale of a picture that shrinks: to fit, to show machines that would be folded, and to keep its height. */
 const SMALLEST = 0.5;
 const UNFOLDED = 0.75;
 const KEPT = 0.65;
@@ -24,7 +24,7 @@ const SAY_MS = 1000;
 const REFUSAL = "this moment is not kept here";
 const REFUSAL_MS = 4000;
 
-/** One view of a machine: its picture, and what fired. */
+/** One view of a machine: its picture, and the moves that were made. */
 export class MachineView {
   readonly #model: Model<MachineTraits>;
   readonly #stream: Stream<Step>;
@@ -40,7 +40,7 @@ export class MachineView {
   readonly #text = make("canvas", "").getContext("2d");
   readonly #sayActive: () => void;
   #placed = "";
-  /** The width for which the height of the picture is kept, that height, and whether the list stands beside it. */
+  /** The width for which the height of the picture is kept, that height, and true if the list stands next to it. */
   #kept = { width: 0, height: 0, isWide: false };
   #active = "";
   #said = "";
@@ -110,9 +110,9 @@ export class MachineView {
   }
 
   /**
-   * Places the states anew for another version or size. A picture that is too wide shrinks; where that does not do, only
-   * active states are unfolded. Its height stays as it was, so that the code below it does, unless it would shrink too
-   * much for that; where the layout sets the height, it shrinks into that, too.
+   * Places the states again for another version or size. A picture that is too wide shrinks; if that is not enough,
+   * only active states are unfolded. Its height stays, so that the code below it does not move, unless the picture
+   * would shrink too much. If the layout sets the height, the picture shrinks to that, too.
    */
   #place(key: string, machines: MachineOutline[], step: Step): void {
     const { width, picture, noticeHeight, size } = this.#card;
@@ -160,7 +160,7 @@ export class MachineView {
     if (!isSeen) picture.scrollLeft = left + (width - picture.clientWidth) / 2;
   }
 
-  /** Has the machine go to a state at its next step. Python takes no message that a busy kernel has delayed. */
+  /** Tells the machine to go to a state at its next step. Python ignores a message that a busy kernel has delayed. */
   #go(path: string): void {
     this.#model.send({ go: path, beat: this.#model.get("_beat") });
   }
@@ -169,7 +169,7 @@ export class MachineView {
     this.#refuse(this.#stream.freezeAt(time) ? "" : REFUSAL);
   }
 
-  /** Says for a while why what a person asked for was not done. */
+  /** Shows for a while why a request of the user was not carried out. */
   #refuse(words: string): void {
     clearTimeout(this.#refused);
     setText(this.#refusal, words);

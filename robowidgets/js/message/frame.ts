@@ -1,7 +1,7 @@
 import { Reader } from "../shared/bytes.ts";
 import { type Frame, readHead } from "../shared/stream.ts";
 
-/** A number as it was sent: as text where JSON has none, or a page would round it; null: there is none. */
+/** A number as it was sent: as text if JSON has no such number, or a page would round it; null without a value. */
 export type Sent = number | string | null;
 
 /** The values of a message, which are nested as its nodes are. */

@@ -2,10 +2,10 @@ import { make, set, setHidden, setText } from "../shared/dom.ts";
 import { toSaid, toWhole } from "./text.ts";
 import type { Field } from "./tree.ts";
 
-/** Digits of a number that is read from afar. */
+/** Digits of a number that is read from a distance. */
 const DIGITS = 5;
 
-/** Some fields alone, large. */
+/** Some fields alone, in large type. */
 export class Readout {
   readonly root = make("dl", "rw-message-readout");
   readonly #parts: { box: HTMLElement; name: HTMLElement; value: HTMLElement; unit: HTMLElement; more: HTMLElement }[] =

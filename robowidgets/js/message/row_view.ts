@@ -19,7 +19,7 @@ export class RowView {
     this.root.append(this.#fold, this.#name, this.#derived, this.#gap, this.#more, this.#value, this.#unit);
   }
 
-  /** Where the buttons of the row stand. */
+  /** The place for the buttons of the row. */
   get gap(): HTMLElement {
     return this.#gap;
   }

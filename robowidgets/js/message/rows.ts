@@ -2,28 +2,28 @@ import { toCount, toDegrees } from "../shared/format.ts";
 import { yawOf } from "./text.ts";
 import { canUnfold, elementsOf, type Field, summaryOf, textsOf } from "./tree.ts";
 
-/** Rows up to which messages within the message are unfolded unless a person says otherwise. */
+/** Rows up to which messages within the message are unfolded by default. */
 const ROOM = 40;
 /** Elements of an array that stand together. */
 const PAGE = 32;
 
-/** A row of the tree: a field, a part of a long array, or words on what is missing. */
+/** A row of the tree: a field, a part of a long array, or a text about missing parts. */
 export interface Row {
   /** Its name among all rows. */
   key: string;
   depth: number;
   field: Field | null;
-  /** Name of a row without a field of its own. */
+  /** Label of a row without a field. */
   label: string;
-  /** Null: there is nothing to unfold. */
+  /** Null for a row that cannot be unfolded. */
   isOpen: boolean | null;
-  /** What is worked out of other fields; empty: it is in the message. */
+  /** The source of a value that is computed from other fields, or "" for a value of the message. */
   derived: string;
-  /** The path that Python is asked for when the row is chosen; empty: none. */
+  /** The path that is requested from Python when the row is chosen, or "". */
   asks: string;
 }
 
-/** The rows on show, from top to bottom. @param folds what a person unfolded or folded, by key */
+/** The rows on show, from top to bottom. @param folds the parts that the user unfolded or folded, by key */
 export function toRows(fields: readonly Field[], folds: Record<string, boolean>): Row[] {
   const open = openAtFirst(fields);
   const rows: Row[] = [];
@@ -91,7 +91,7 @@ function missing(path: string, depth: number, label: string): Row {
   return { ...PLAIN, key: `${path} \u2026`, depth, label };
 }
 
-/** The paths that are unfolded at first: what is nearest to the root, as long as there is room. */
+/** The paths that are unfolded at first: those nearest to the root, as long as there is room. */
 function openAtFirst(fields: readonly Field[]): Set<string> {
   const open = new Set<string>();
   let room = ROOM - fields.length;

@@ -7,9 +7,9 @@ export interface Bar {
   low: number;
   high: number;
   value: number;
-  /** Where it begins: at 0 where that is within the ends, else at the lower end. */
+  /** Start of the bar: 0 if that is within the ends, else the lower end. */
   from: number;
-  /** What stands at the ends; empty: nothing. */
+  /** Texts at the ends, or "". */
   ends: [string, string];
 }
 
@@ -22,15 +22,15 @@ export interface Cell {
 }
 
 export interface TableRow {
-  /** The path of what it tells of. */
+  /** The path of its field. */
   key: string;
   name: string;
-  /** Its index in the arrays; empty: it is no element. */
+  /** Its index in the arrays, or "" if it is not an element. */
   index: string;
   cells: Cell[];
-  /** What else there is, shown when it is unfolded. */
+  /** More values, shown when the row is unfolded. */
   inner: [name: string, value: string][];
-  /** Of a diagnostic: how bad it is, by the numbers of its definition. */
+  /** Level of a diagnostic, by the numbers of its definition. */
   level: number | null;
 }
 
@@ -58,7 +58,7 @@ export class Seen {
   }
 }
 
-/** Rows with bars of a message that has better ones than its tree; null of any other. */
+/** Rows with bars for a message that they show better than a tree; null for any other. */
 export function toTable(fields: readonly Field[], seen: Seen): Table | null {
   const by = new Map(fields.map((field) => [field.node.name, field]));
   const has = (...names: string[]) => names.every((name) => by.has(name));
@@ -97,7 +97,7 @@ function toJoints(by: Map<string, Field>, seen: Seen): Table {
       if (Number.isNaN(number)) return { text: "\u2014", unit: "", more: "", isNone: true, bar: null };
       const [low, high] = seen.with(`${head} ${toText(value) || i}`, number);
       const text = toReadable(field.value, field.node.type, 4);
-      // Beyond a turn it is a wheel.
+      // Beyond a full turn it is a wheel.
       const turns = head === "position" && Math.max(-low, high) > 2 * Math.PI ? number / (2 * Math.PI) : null;
       if (turns !== null)
         return { text, unit: "", more: `${turns.toFixed(1).replace("-", "\u2212")} turns`, isNone: false, bar: null };

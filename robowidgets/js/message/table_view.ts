@@ -94,7 +94,7 @@ export class TableView {
     this.root.append(this.#table, this.#note);
   }
 
-  /** @param isChanged whether what a row tells of has changed @param isOpen whether a row is unfolded */
+  /** @param isChanged returns true if the field of a row has changed @param isOpen returns true if a row is unfolded */
   update(table: Table, isChanged: (key: string) => boolean, isOpen: (key: string) => boolean): void {
     const columns = table.rows[0]?.cells.length ?? 1;
     const key = `${table.kind} ${table.rows.length} ${columns}`;

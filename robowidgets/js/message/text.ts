@@ -9,13 +9,13 @@ const LONGEST = 10;
 /** From here on, seconds are a time of day. */
 const DATED = 1e8;
 
-/** What a value says: its text, its unit, and more that is said in gray. */
+/** The texts of a value: the value, its unit, and more in gray. */
 export interface Said {
   text: string;
   unit: string;
-  /** After the text: the number of a name, or what a value is in the message. */
+  /** After the value: the number of a name, or the value in the message. */
   more: string;
-  /** Whether nothing was measured. */
+  /** True if nothing was measured. */
   isNone: boolean;
 }
 
@@ -36,7 +36,7 @@ function shortestOf(value: number): string {
   return String(Number(value.toPrecision(9)));
 }
 
-/** A number that is read while it changes: all its digits where they are few, else seven. */
+/** A number for reading while it changes: all its digits if they are few, else seven. */
 export function toReadable(value: Value, type: string, digits = 7): string {
   const exact = toExact(value, type);
   if (exact.length <= LONGEST && digits === 7) return exact;
@@ -46,7 +46,7 @@ export function toReadable(value: Value, type: string, digits = 7): string {
   return short.length < exact.length ? short : exact;
 }
 
-/** What a number is called: by its name, or by those of its bits. */
+/** The name of a number, or the names of its bits. */
 export function nameOf(value: Value, names: Record<string, string> | undefined): string {
   const own = names?.[String(value)];
   if (own !== undefined || !names) return own ?? "";
@@ -58,7 +58,7 @@ export function nameOf(value: Value, names: Record<string, string> | undefined):
     : "";
 }
 
-/** What stands beside the name of a field. @param digits of a number whose digits are many */
+/** The texts next to the name of a field. @param digits number of digits, if a number has many */
 export function toSaid(field: Field, digits = 7): Said {
   const { node, value } = field;
   const said = { text: "", unit: node.unit ?? "", more: "", isNone: false };
@@ -103,7 +103,7 @@ function toTime([seconds = 0, nanoseconds = 0]: number[]): Partial<Said> {
   return { text: `${timeOfDay}.${digits.slice(0, 3)}`, unit: "UTC" };
 }
 
-/** What a folded message or array says of itself. */
+/** The text of a folded message or array. */
 function toSum(field: Field): Partial<Said> {
   const { node, children } = field;
   if (node.kind === "messages") return { text: toLength(node.count ?? 0), unit: "", isNone: !node.count };
@@ -140,19 +140,19 @@ function toSpan(field: Field): string {
   return `${toLength(count)} ${[span, ...more].filter(Boolean).join(", ")}`;
 }
 
-/** Angles of a quaternion, radians; null where these fields are none. */
+/** Angles of a quaternion, radians; null if these fields are not a quaternion. */
 export function yawOf(fields: readonly Field[]): { roll: number; pitch: number; yaw: number } | null {
   if (fields.map(({ node }) => node.name).join("") !== "xyzw") return null;
   const [x = NaN, y = NaN, z = NaN, w = NaN] = fields.map(({ value }) => toNumber(value));
   const size = Math.hypot(x, y, z, w);
-  // One that was never set is all 0, and no direction.
+  // A quaternion that was never set is all 0, and has no direction.
   if (!(Math.abs(size - 1) < 0.1)) return null;
   const roll = Math.atan2(2 * (w * x + y * z), 1 - 2 * (x * x + y * y));
   const pitch = Math.asin(Math.max(-1, Math.min(1, 2 * (w * y - z * x))));
   return { roll, pitch, yaw: Math.atan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z)) };
 }
 
-/** The length of a vector that is no place. */
+/** The length of a vector, unless it is a position. */
 function lengthOf({ node, children }: Field): Partial<Said> | null {
   const parts = children ?? [];
   const unit = parts[0]?.node.unit ?? "";
@@ -170,7 +170,7 @@ function isCovariance({ node }: Field): boolean {
   return node.kind === "numbers" && /(^|_)covariance$/.test(node.name);
 }
 
-/** What the definition says of a value that may surprise; empty: nothing. */
+/** A note from the definition about a surprising value, or "". */
 export function noteOf(field: Field): string {
   const { node, value } = field;
   if (isCovariance(field)) {
@@ -227,7 +227,7 @@ const SPOKEN: Record<string, string> = {
   "\u00b0C": "degrees Celsius",
 };
 
-/** What a screen reader says of a row. */
+/** The text of a row for a screen reader. */
 export function toSpoken(field: Field, isChanged: boolean): string {
   const { text, unit, more } = toSaid(field);
   const name = field.path.replaceAll(".", ", ").replaceAll("_", " ");

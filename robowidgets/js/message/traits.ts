@@ -1,21 +1,21 @@
 import type { About, SampleTraits } from "../shared/traits.ts";
 
 export interface MessageTraits extends SampleTraits {
-  /** Paths of the fields that are shown alone; empty: all. */
+  /** Paths of the fields that are shown alone, or empty for all. */
   fields: string[];
   /** Paths of numbers that are drawn over the last seconds. */
   over_time: string[];
-  /** Whether joints, cells and diagnostics are rows, not a tree. */
+  /** True if joints, cells and diagnostics are rows instead of a tree. */
   rows: boolean;
-  /** Type of messages that do not tell theirs. */
+  /** Type of messages that do not contain theirs. */
   type: string;
-  /** Path of a part to whether a person, or the program, unfolded it. */
+  /** By path of a part, true if the user or the program unfolded it. */
   folds: Record<string, boolean>;
-  /** Whether what changed is marked. */
+  /** True if changes are marked. */
   changes: boolean;
-  /** Whether there is a view that can show a plot of a field. */
+  /** True while a view can show a plot of a field. */
   _plots: boolean;
-  /** Paths of large parts that Python is asked for. */
+  /** Paths of large parts that are requested from Python. */
   _wanted: string[];
 }
 
@@ -23,27 +23,27 @@ export interface MessageTraits extends SampleTraits {
 export interface Node {
   name: string;
   kind: "number" | "flag" | "text" | "time" | "message" | "messages" | "numbers" | "texts";
-  /** Of its numbers, as `float32`; or the type of a message. */
+  /** Type of its numbers, such as `float32`; or the type of a message. */
   type: string;
   unit?: string;
-  /** What numbers are called, by the number. */
+  /** Names of numbers, by the number. */
   names?: Record<string, string>;
   /** Messages in an array. */
   count?: number;
-  /** What is in it, as far as it was sent. */
+  /** The parts of it that were sent. */
   children?: Node[];
-  /** Number of fields in it, none of which was sent. */
+  /** Number of its fields, if they were not sent. */
   folded?: number;
-  /** How many more than its children there are. */
+  /** Number of parts in addition to its children. */
   more?: number;
 }
 
-/** What Python says about the newest message. */
+/** Facts about the newest message, from Python. */
 export interface MessageAbout extends About {
   tree?: Node[];
   type?: string;
-  /** Whether fields are keys of a dictionary, not attributes. */
+  /** True if fields are keys of a dictionary, not attributes. */
   keyed?: boolean;
-  /** Of a message of a recording: its topic. Its frame then has its seconds from the start as its arrival. */
+  /** Topic of a message of a recording. Its frame then has its seconds from the start as its arrival. */
   recorded?: string;
 }

@@ -11,7 +11,7 @@ export interface Field {
   readonly value: Value;
   /** The bytes of arrays of its message. */
   readonly numbers: DataView;
-  /** What is in it, as far as it was sent; null: it has nothing in it, or nothing was sent. */
+  /** The parts of it that were sent; null if it has none, or none was sent. */
   readonly children: readonly Field[] | null;
 }
 
@@ -22,7 +22,7 @@ export interface Summary {
   most: Sent;
   nans: number;
   infinite: number;
-  /** Where its numbers lie in the bytes; -1: they were not sent. */
+  /** Place of its numbers in the bytes; -1 if they were not sent. */
   place: number;
 }
 
@@ -56,7 +56,7 @@ function placeOf({ path, steps }: Pick<Field, "path" | "steps">, name: string): 
   return { path: path + joint + name, steps: [...steps, name] };
 }
 
-/** Whether a person can look into it. */
+/** Returns true if the user can unfold it. */
 export function canUnfold({ node }: Field): boolean {
   if (node.kind === "message") return (node.children?.length ?? node.folded ?? 0) > 0;
   return node.kind === "messages" ? (node.count ?? 0) > 0 : node.kind === "numbers" || node.kind === "texts";
@@ -68,7 +68,7 @@ export function summaryOf({ value }: Field): Summary {
   return { count, least, most, nans, infinite, place };
 }
 
-/** The numbers of an array from one index to another, as fields of their own. */
+/** The numbers of an array from one index to another, as separate fields. */
 export function elementsOf(field: Field, from: number, to: number): Field[] {
   const { node, numbers } = field;
   const { count, place } = summaryOf(field);
@@ -115,7 +115,7 @@ function toSafe(value: bigint): Sent {
   return Number.isSafeInteger(Number(value)) ? Number(value) : String(value);
 }
 
-/** The texts of an array, as fields of their own, as far as they were sent. */
+/** The texts of an array that were sent, as separate fields. */
 export function textsOf(field: Field): Field[] {
   const texts = (field.value as [number, Value[]])[1];
   return texts.map((value, i) => {
@@ -124,13 +124,13 @@ export function textsOf(field: Field): Field[] {
   });
 }
 
-/** A number as the page counts with it: NaN where there is none. */
+/** A number for calculations; NaN without a value. */
 export function toNumber(value: Value): number {
   if (typeof value !== "string") return typeof value === "number" ? value : NaN;
   return value.endsWith("inf") ? (value.startsWith("-") ? -Infinity : Infinity) : Number(value);
 }
 
-/** The field of a path; undefined where it was not sent. An element of an array has its number in the path. */
+/** The field of a path; undefined if it was not sent. An element of an array has its number in the path. */
 export function find(fields: readonly Field[], path: string): Field | undefined {
   for (const field of fields) {
     if (field.path === path) return field;
@@ -144,7 +144,7 @@ export function find(fields: readonly Field[], path: string): Field | undefined 
   return undefined;
 }
 
-/** Whether two fields of one path have the same value. */
+/** Returns true if two fields of one path have the same value. */
 export function isSame(one: Field, other: Field | undefined): boolean {
   if (one.node.kind !== other?.node.kind) return false;
   if (one.node.kind === "numbers") {

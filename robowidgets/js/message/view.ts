@@ -17,7 +17,7 @@ import { toCode, toNote, toSpoken, toWhole } from "./text.ts";
 import type { MessageAbout, MessageTraits } from "./traits.ts";
 import { type Field, find, isSame, toFields, toNumber } from "./tree.ts";
 
-/** For so long a change is seen at least. */
+/** Least milliseconds for which a change is marked. */
 const LIT_MS = 300;
 /** Messages of a player in the last seconds, at most. */
 const MOST_RECENT = 1000;
@@ -49,12 +49,12 @@ export class MessageView {
   readonly #code = make("textarea", "rw-code rw-message-code");
   readonly #views: RowView[] = [];
   readonly #seen = new Seen();
-  /** Until when the rows of these paths are marked. */
+  /** End of the marks of the rows of these paths. */
   readonly #lit = new Map<string, number>();
   readonly #numbers = new WeakMap<DataView, Map<string, number | null>>();
   #rows: Row[] = [];
   #fields: Field[] = [];
-  /** What was on show before, by path, and the message that it is of. */
+  /** The fields that were on show before, and the number of their message. */
   #before: { sequence: number; fields: Field[] } = { sequence: NaN, fields: [] };
   #tabled: Table | null = null;
   #active = "";
@@ -123,7 +123,7 @@ export class MessageView {
     const page = model as Model<Recent>;
     if (page.get("_needs") !== needs) page.set("_needs", needs);
     const { type = "" } = this.#about;
-    // A topic that spoke once is not silent.
+    // A topic that sent one message is not silent.
     card.update([card.width < WIDE ? type.replace(/^.*\//, "") : type], "message", stream.rate > 0);
     const isEmpty = shown === null || this.#about.tree === undefined;
     setText(this.#empty, shown ? "no message up to this time of the recording" : card.waiting("message"));
@@ -187,7 +187,7 @@ export class MessageView {
     }
   }
 
-  /** Tells which fields differ from the message before, and for how long that is marked. */
+  /** Finds the fields that differ from the previous message, and the end of their marks. */
   #findChanges(shown: Packed): (field: Field) => boolean {
     if (!this.#model.get("changes")) return () => false;
     const isPlayed = this.#about.recorded !== undefined;
@@ -225,7 +225,7 @@ export class MessageView {
     return toFields((before.about as MessageAbout).tree ?? [], this.#stream.frameOf(before));
   }
 
-  /** Whether something changed in what a row of the table tells of: elements of several arrays, or a field. */
+  /** Returns true if a part of a table's row has changed: elements of several arrays, or a field. */
   #isChangedAt(key: string, isChanged: (field: Field) => boolean): boolean {
     const index = /^name(\[\d+\])$/.exec(key)?.[1];
     const paths = index ? ["position", "velocity", "effort"].map((name) => name + index) : [key];
@@ -235,7 +235,7 @@ export class MessageView {
     });
   }
 
-  /** The numbers of a message that are drawn over time; null where it has none. */
+  /** The numbers of a message that are drawn over time; null for a missing one. */
   #numbersOf(moment: Moment, paths: readonly string[]): Record<string, number | null> {
     const known = this.#numbers.get(moment.bytes) ?? new Map<string, number | null>();
     this.#numbers.set(moment.bytes, known);
@@ -250,7 +250,7 @@ export class MessageView {
     return Object.fromEntries(paths.map((path) => [path, known.get(path) ?? null]));
   }
 
-  /** What the foot says: of the row that is pointed at or has the focus, and which message it is. */
+  /** Updates the foot: the row under the pointer or with the focus, and the message that it belongs to. */
   #tell(): void {
     const { shown } = this.#stream;
     const { frame_id = "", recorded } = this.#about;
@@ -289,7 +289,7 @@ export class MessageView {
     this.#tell();
   }
 
-  /** Puts the buttons into the row that is pointed at, else into the one with the focus. */
+  /** Puts the buttons into the row under the pointer, else into the one with the focus. */
   #placeActions(): void {
     const key = this.#rowOf(this.#hovered) ? this.#hovered : this.#active;
     const row = this.#rowOf(key);
@@ -358,7 +358,7 @@ export class MessageView {
     setTraits(this.#model, { folds: { ...this.#model.get("folds"), [key]: isOpen } });
   }
 
-  /** Has Python send a part that is too large to be sent unasked. */
+  /** Requests a part from Python that is too large to be sent unasked. */
   #ask(path: string): void {
     const wanted = this.#model.get("_wanted");
     if (!wanted.includes(path)) setTraits(this.#model, { _wanted: [...wanted, path] });
@@ -368,7 +368,7 @@ export class MessageView {
     setTraits(this.#model, { [name]: !this.#model.get(name) });
   }
 
-  /** The number of the row that is pointed at, else of the one with the focus. */
+  /** The number of the row under the pointer, else of the one with the focus. */
   get #pickedNumber(): Field | null {
     const field = this.#rowOf(this.#rowOf(this.#hovered) ? this.#hovered : this.#active)?.field;
     return field && (field.node.kind === "number" || field.node.kind === "flag") ? field : null;
@@ -466,7 +466,7 @@ export class MessageView {
   }
 }
 
-/** Whether what is in a part is to be asked for. */
+/** Returns true if the content of a part has to be requested. */
 function isMissing({ node, value }: Field): boolean {
   if (node.kind === "numbers") return (value as number[])[5] === -1 && ((value as number[])[0] ?? 0) <= 1000;
   return node.folded !== undefined;

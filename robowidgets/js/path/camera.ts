@@ -4,7 +4,7 @@ import { BELOW, type Bounds, MARGIN, type Place } from "../shared/floor.ts";
 const [CLOSEST, FARTHEST] = [0.2, 1e6];
 const STEP = 1.25;
 
-/** What of the floor is on show, once a person has zoomed or moved: its middle, and metres from side to side. */
+/** The part of the floor on show after the user has zoomed or moved: its middle, and metres from side to side. */
 export interface Look extends Place {
   width: number;
 }
@@ -19,7 +19,7 @@ function aspectOf({ width, height }: Size): number {
   return Math.max(1, width - 2 * MARGIN) / Math.max(1, height - MARGIN - BELOW);
 }
 
-/** A look at what is on show now. */
+/** The look at the part on show. */
 export function lookOf({ west, east, south, north }: Bounds): Look {
   return { x: (west + east) / 2, y: (south + north) / 2, width: east - west };
 }

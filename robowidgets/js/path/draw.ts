@@ -3,12 +3,12 @@ import { drawBody, drawFloor, type Projection, scaleOf, toPixel } from "../share
 import type { Theme } from "../shared/theme.ts";
 import { isKnown, multiples, type Point, type TimedPose } from "./path.ts";
 
-/** Radius of the robot in pixels: odometry does not say how large it is. */
+/** Radius of the robot in pixels: odometry does not contain its size. */
 const ROBOT = 8;
-/** Radius of the dot where the path begins, and of the ring round a place that is named. */
+/** Radius of the dot at the start of the path, and of the ring round the place of the pop-up. */
 const [START, RING] = [3.5, 5.5];
 
-/** The floor with a grid, whose lines lie as far apart as the scale below says. */
+/** The floor with a grid, whose lines are as far apart as the scale below shows. */
 export function drawGrid(context: Context, projection: Projection, theme: Theme): void {
   drawFloor(context, projection, theme);
   const { west, east, south, north } = projection.bounds;
@@ -21,7 +21,7 @@ export function drawGrid(context: Context, projection: Projection, theme: Theme)
   stroke(context, theme.line, 1);
 }
 
-/** The way so far, the rest, the robot, and a ring at the place that is named. */
+/** The path so far, the rest, the robot, and a ring at the place of the pop-up. */
 export function drawPath(
   context: Context,
   projection: Projection,

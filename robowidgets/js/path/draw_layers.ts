@@ -18,16 +18,16 @@ const NEEDLE = 9;
 const HALO = 3.5;
 /** Pixels between two lines of the floor, and between two of their numbers, at least. */
 const [LINES, NUMBERS] = [24, 60];
-/** Pixels between the places of a way that names keep off. */
+/** Pixels between the points of a path that names avoid. */
 const STEP = 5;
-/** Dashes of the ways that are not the robot's, by their order. */
+/** Dashes of other paths than the robot's, by their order. */
 const DASHES = [[], [2, 3], [8, 3, 2, 3], [7, 4]];
 
-/** A layer that is on show, with all that draws it. */
+/** A layer on show, with all data for drawing it. */
 export interface Shown {
   about: LayerAbout;
   state: LayerState;
-  /** Of a pose, its way up to now, and after. */
+  /** Path of a pose up to now, and after. */
   before: Point[];
   after: Point[];
   isRobot: boolean;
@@ -41,13 +41,13 @@ export interface Scene {
   named: Point | null;
 }
 
-/** The first grid, below all, and then those that lie over it. */
+/** Returns true if a grid lies over the ground: the first grid that is not a costmap is the ground. */
 export function isOverlay({ about }: Shown, layers: readonly Shown[]): boolean {
   const first = layers.find((one) => one.about.kind === "grid" && !/costmap/i.test(one.about.name));
   return first !== undefined ? first.about !== about : /costmap/i.test(about.name);
 }
 
-/** Draws the map, from the ground up. The floor is there. */
+/** Draws the map on the floor, from the ground up. */
 export function drawMap(context: Context, projection: Projection, scene: Scene, theme: Theme): void {
   const { layers, named } = scene;
   const of = (kind: LayerAbout["kind"]) => layers.filter(({ about }) => about.kind === kind);
@@ -71,7 +71,7 @@ export function drawMap(context: Context, projection: Projection, scene: Scene, 
     for (const { state } of poses.filter(({ isRobot }) => isRobot)) {
       const at = toPixel(projection, state);
       if (Number.isNaN(state.yaw)) {
-        // A position says nothing of the heading: GPS.
+        // A position without a heading: GPS.
         circle(context, at, ROBOT / 2);
         fill(context, theme.ink);
       } else drawBody(context, at, state.yaw, ROBOT, theme.ink, theme);
@@ -149,7 +149,7 @@ function drawCells(
   context.restore();
 }
 
-/** Adds a way to the path, with a new stroke after each jump. */
+/** Adds a path to the context, with a new stroke after each jump. */
 function trace(context: Context, projection: Projection, points: readonly (Place & { isAfterJump?: boolean })[]): void {
   context.beginPath();
   context.lineJoin = "round";
@@ -160,7 +160,7 @@ function trace(context: Context, projection: Projection, points: readonly (Place
   }
 }
 
-/** Another way than the robot's, thin, with a hollow end. */
+/** Another path than the robot's, thin, with a hollow end. */
 function drawOther(context: Context, projection: Projection, one: Shown, dash: number[], theme: Theme): void {
   drawEllipse(context, projection, one.state, theme.guide);
   trace(context, projection, one.before);
@@ -178,7 +178,7 @@ function drawOther(context: Context, projection: Projection, one: Shown, dash: n
   stroke(context, theme.guide, 1.5);
 }
 
-/** The way of the robot, with a white edge, what comes after, where it began, and how sure it is where it is. */
+/** The path of the robot, with a white edge, the rest of it, its start, and the uncertainty of the pose. */
 function drawRobot(context: Context, projection: Projection, { state, before, after }: Shown, theme: Theme): void {
   trace(context, projection, after);
   stroke(context, theme.guide, 1.25);
@@ -241,7 +241,7 @@ function drawScan(context: Context, projection: Projection, places: readonly Pla
   }
 }
 
-/** The cone of a sonar: red where it met something, dashed where it met nothing. */
+/** The cone of a sonar: red if it met something, dashed if it met nothing. */
 function drawCone(context: Context, projection: Projection, state: LayerState, theme: Theme): void {
   const [sensor, ...arc] = state.points.map((place) => toPixel(projection, place));
   if (!sensor) return;
@@ -280,7 +280,7 @@ export function placeOf({ from = [0, 0, 0] }: PlacedShape, [x, y]: readonly [num
   return { x: left + x * Math.cos(yaw) - y * Math.sin(yaw), y: low + x * Math.sin(yaw) + y * Math.cos(yaw) };
 }
 
-/** The places of a shape that are no rays, of which a map has none. */
+/** The places of a shape; a shape by rays has no places on a map. */
 export function spotsOf(shape: Shape): [number, number][] {
   return shape.at.filter((spot) => typeof spot !== "number");
 }
@@ -290,7 +290,7 @@ function drawPlacedShape(context: Context, projection: Projection, shape: Placed
   if (places.length) drawShape(context, (place) => toPixel(projection, placeOf(shape, place)), shape, places, theme);
 }
 
-/** Names beside their things, with a halo, none on another. */
+/** Names next to their things, with a halo, without overlaps. */
 function drawNames(context: Context, projection: Projection, scene: Scene, theme: Theme): void {
   const floor = floorOf(projection);
   const taken: Box[] = [];
@@ -338,7 +338,7 @@ function drawNames(context: Context, projection: Projection, scene: Scene, theme
   }
 }
 
-/** Where ways are in the picture. */
+/** Marks the parts of the picture that paths cover. */
 function markWays({ x, y, width, height }: Box, ways: Place[][]): Occupancy {
   const marked = new Occupancy(x + width, y + height);
   for (const way of ways) {
@@ -352,7 +352,7 @@ function markWays({ x, y, width, height }: Box, ways: Place[][]): Occupancy {
   return marked;
 }
 
-/** Where a name may stand beside its thing, best first. */
+/** Places for a name next to its thing, best first. */
 function spotsFor({ x, y }: Place, width: number): Box[] {
   const size = { width, height: 14 };
   return [12, 20, 32].flatMap((gap) => [
@@ -365,7 +365,7 @@ function spotsFor({ x, y }: Place, width: number): Box[] {
   ]);
 }
 
-/** What a person measures: a line with its length. */
+/** The measuring line of the user, with its length. */
 export function drawMeasure(context: Context, projection: Projection, from: Place, to: Place, theme: Theme): void {
   const [a, b] = [toPixel(projection, from), toPixel(projection, to)];
   context.beginPath();

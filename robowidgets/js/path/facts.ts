@@ -7,14 +7,14 @@ import { type Cells, cellValue, distanceTo, ellipseOf, lengthOf, wordOf } from "
 import { isKnown, type TimedPose } from "./path.ts";
 import { toPose } from "./text.ts";
 
-/** How old a layer is at the time of a frame; nothing where it is of that moment. */
+/** The age of a layer at the time of a frame, or "" if it is of that moment. */
 function ageOf(time: number, now: number): string {
   return Number.isFinite(time) && now - time >= 0.005
     ? `${toAge(1000 * (now - time), now - time < 10 ? 2 : 1)} old`
     : "";
 }
 
-/** What the list says of a layer: what it is, how far from the robot, how old. */
+/** The text of a layer in the list: its content, distance from the robot, and age. */
 export function factOf(shown: Shown, robot: Shown | undefined, ground: Ground, now: number): string {
   const { about, state, before } = shown;
   const age = ageOf(state.time, now);
@@ -62,7 +62,7 @@ export function sureness({ state }: Shown): string {
   return ellipse ? `\u00B1 ${toMetres(ellipse.long)}` : "";
 }
 
-/** What the pop-up says of a cell: as the program finds it, its value, where it is, how far from the robot. */
+/** The texts of the pop-up of a cell: the code for it, its value, its place, its distance from the robot. */
 export function describeCell(
   { about }: Shown,
   cells: Cells,

@@ -28,11 +28,11 @@ interface Version {
   ready: Promise<void>;
 }
 
-/** The large grids of a map, each of which comes once, and the pictures of all grids. */
+/** The large grids of a map, each of which is sent once, and the pictures of all grids. */
 export class Ground {
   /** By their own numbers, in the order in which they came. */
   readonly #versions = new Map<number, Version>();
-  /** What each layer had on show last. */
+  /** The grid that each layer had on show last. */
   readonly #last = new Map<number, Grid>();
   readonly #pictures = new Map<number, { cells: Cells; key: string; picture: HTMLCanvasElement }>();
   readonly #corners = new WeakMap<Cells, { key: string; places: Place[] }>();
@@ -41,7 +41,7 @@ export class Ground {
    * Takes the grids of a trait, and calls back when they are inflated. Earlier ones stay as long as a sample of the
    * history shows them, up to a number of cells.
    *
-   * @param oldest What the layers show in the oldest sample of the history.
+   * @param oldest the states of the layers in the oldest sample of the history.
    */
   async take(value: unknown, oldest: readonly LayerState[], callback: () => void): Promise<void> {
     const bytes = toBytes(value);
@@ -62,7 +62,7 @@ export class Ground {
     this.#versions.set(version, added);
   }
 
-  /** Drops the grids that nothing shows any more, and the oldest where the rest is too large. */
+  /** Drops unused grids, and the oldest used ones if the rest is too large. */
   #forget(present: ReadonlySet<number>, oldest: ReadonlyMap<number, number>): void {
     const earlier = [...this.#versions].filter(([version]) => !present.has(version));
     let size = earlier.reduce((sum, [, one]) => sum + one.size, 0);
@@ -73,7 +73,7 @@ export class Ground {
     }
   }
 
-  /** What a state shows: until its own grid is inflated the one before, where that was; null where there is none. */
+  /** The grid of a state; until it is inflated, the previous one, or null. */
   gridOf(state: LayerState): Grid | null {
     const version = this.#versions.get(state.version);
     const cells = state.cells ?? version?.cells;
@@ -83,13 +83,13 @@ export class Ground {
     return grid;
   }
 
-  /** Whether the grid of a state was there, and is kept no longer. */
+  /** Returns true if the grid of a state was dropped. */
   hasDropped({ number, version }: LayerState): boolean {
     if (this.#versions.has(version)) return false;
     return [...this.#versions].some(([later, one]) => later > version && one.number === number);
   }
 
-  /** The corners of what a grid knows, where it lies in the map. */
+  /** The corners of the known part of a grid, at its place in the map. */
   cornersOf(state: LayerState): Place[] {
     const grid = this.gridOf(state);
     if (!grid) return [];
@@ -102,7 +102,9 @@ export class Ground {
     return places;
   }
 
-  /** The picture of a layer's grid, a pixel for each cell, the last row on top; of each layer the last one is kept. */
+  /**
+   * The picture of a layer's grid, a pixel for each cell, the last row on top; the last picture of each layer is kept.
+   */
   pictureOf({ number, most = 100 }: LayerAbout, cells: Cells, isOver: boolean, theme: Theme): HTMLCanvasElement | null {
     const colors = isOver ? overColors(most, theme) : groundColors(most, theme);
     const key = [isOver, theme.seen, theme.muted, theme.guide].join();
@@ -132,12 +134,12 @@ function toRgb(hex: string): Rgb {
   return [1, 3, 5].map((i) => Number.parseInt(hex.slice(i, i + 2), 16));
 }
 
-/** A pixel as canvases keep it: alpha, blue, green and red, from the highest byte. */
+/** A pixel as canvases store it: alpha, blue, green and red, from the highest byte. */
 function toPixelValue([red = 0, green = 0, blue = 0]: Rgb, alpha: number): number {
   return ((alpha << 24) | (blue << 16) | (green << 8) | red) >>> 0;
 }
 
-/** The colour of each byte: free as seen, occupied dark, in between mixed; the ground shows through what is unknown. */
+/** The colour of each byte: free as seen, occupied dark, in between mixed; the ground shows through unknown cells. */
 function groundColors(most: number, theme: Theme): Uint32Array {
   const [free, full] = [toRgb(theme.seen), toRgb(theme.muted)];
   return Uint32Array.from({ length: 256 }, (_, byte) => {
@@ -150,7 +152,9 @@ function groundColors(most: number, theme: Theme): Uint32Array {
   });
 }
 
-/** The colour of each byte of a costmap over the ground: two grays, of what is near something and what is too close. */
+/**
+ * The colour of each byte of a costmap over the ground: two grays, for cells near something and for cells too close.
+ */
 function overColors(most: number, theme: Theme): Uint32Array {
   const gray = toRgb(theme.guide);
   const close = most > 127 ? 253 : 99;

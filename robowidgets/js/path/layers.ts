@@ -2,14 +2,16 @@ import type { Reader } from "../shared/bytes.ts";
 import type { Place, Pose } from "../shared/floor.ts";
 import { type Point, readPoints } from "./path.ts";
 
-/** What Python says of a layer. */
+/** Facts about a layer, from Python. */
 export interface LayerAbout {
   number: number;
   name: string;
   kind: "pose" | "goal" | "poses" | "path" | "scan" | "cone" | "grid";
-  /** The frame in which it is drawn: of layers that nothing joins, each in its own. Missing: that of the map. */
+  /**
+   * The frame in which it is drawn, if nothing joins that to the frame of the map; missing for the frame of the map.
+   */
   frame?: string;
-  /** Of a grid, the value of what is surely occupied: 100, or 254 for costs. */
+  /** For a grid, the value of a cell that is certainly occupied: 100, or 254 for costs. */
   most?: number;
   note?: string;
 }
@@ -25,17 +27,17 @@ export interface Cells {
   data: Uint8Array;
 }
 
-/** What a layer shows at the time of a frame, in the frame of the map. */
+/** State of a layer at the time of a frame, in the frame of the map. */
 export interface LayerState extends Pose {
   number: number;
   time: number;
-  /** Covariance of x, of x and y, and of y, in square metres; NaN where nobody knows. */
+  /** Covariance of x, of x and y, and of y, in square metres; NaN if unknown. */
   scatter: [xx: number, xy: number, yy: number];
-  /** Of a path, a scan or poses, as far as they are drawn; of a cone, its sensor and then its arc. */
+  /** The drawn points of a path, a scan or poses; for a cone, its sensor and then its arc. */
   points: Pose[];
   /** Points in the message. */
   total: number;
-  /** Of its large grid, as `_grids` has it; 0: it has none. */
+  /** Version of its large grid, as in `_grids`; 0 without one. */
   version: number;
   cells: Cells | null;
 }
@@ -58,7 +60,7 @@ export function readLayers(reader: Reader): LayerState[] {
   return layers;
 }
 
-/** Places, given from the first of them; yaw is NaN where they have none. */
+/** Places relative to the first of them; yaw is NaN for positions. */
 function readPlaces(reader: Reader, rows: number, columns: number): Pose[] {
   const [left = 0, low = 0] = reader.float64s(2);
   const values = reader.float32s(rows * columns);
@@ -69,7 +71,7 @@ function readPlaces(reader: Reader, rows: number, columns: number): Pose[] {
   });
 }
 
-/** The ways of layers, by their numbers. */
+/** The paths of layers, by their numbers. */
 export function toTracks(reader: Reader | null): Map<number, Point[]> {
   const tracks = new Map<number, Point[]>();
   while (reader && reader.left > 0) {
@@ -79,10 +81,10 @@ export function toTracks(reader: Reader | null): Map<number, Point[]> {
   return tracks;
 }
 
-/** A large grid of a layer, as it comes. */
+/** A large grid of a layer, as it was sent. */
 export interface PackedGrid extends Omit<Cells, "data"> {
   number: number;
-  /** The grid's own; later ones have greater numbers. */
+  /** Version of the grid; later ones have greater numbers. */
   version: number;
   packed: ArrayBuffer;
 }
@@ -102,7 +104,7 @@ export async function inflate({ packed, rows, columns, size, step }: PackedGrid)
   return { rows, columns, size, step, data: new Uint8Array(await new Response(stream).arrayBuffer()) };
 }
 
-/** The row and the column of the cell at a place; null beside the grid. */
+/** The row and the column of the cell at a place; null outside of the grid. */
 export function cellAt({ rows, columns, size }: Cells, corner: Pose, at: Place): [row: number, column: number] | null {
   const [dx, dy] = [at.x - corner.x, at.y - corner.y];
   const [cos, sin] = [Math.cos(corner.yaw), Math.sin(corner.yaw)];
@@ -110,7 +112,7 @@ export function cellAt({ rows, columns, size }: Cells, corner: Pose, at: Place):
   return row >= 0 && row < rows && column >= 0 && column < columns ? [row, column] : null;
 }
 
-/** The value of a cell as messages have it; -1: unknown. */
+/** The value of a cell as in messages; -1 if unknown. */
 export function cellValue({ data, columns }: Cells, row: number, column: number, most: number): number {
   const byte = data[row * columns + column] as number;
   if (byte === 255) return -1;
@@ -125,7 +127,7 @@ export function wordOf(value: number, most: number): string {
   return value >= 65 ? "occupied" : value <= 25 ? "free" : "in between";
 }
 
-/** The corners of what a grid knows; none where all of it is unknown. */
+/** The corners of the known part of a grid; empty if all cells are unknown. */
 export function cornersOf({ rows, columns, size, data }: Cells, corner: Pose): Place[] {
   let [left, right, low, high] = [columns, -1, rows, -1];
   for (let row = 0; row < rows; row++) {
@@ -176,7 +178,7 @@ export function lengthOf(line: readonly Place[]): number {
   return line.slice(1).reduce((sum, { x, y }, i) => sum + Math.hypot(x - (line[i]?.x ?? x), y - (line[i]?.y ?? y)), 0);
 }
 
-/** The layer that is the robot: of poses that are on show, one that says how sure it is, else one of tf, else the first. */
+/** The layer that is the robot: of poses that are on show, one with a covariance, else one of tf, else the first. */
 export function robotOf(
   layers: readonly LayerAbout[],
   states: ReadonlyMap<number, LayerState>,

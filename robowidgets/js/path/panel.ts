@@ -6,13 +6,13 @@ import type { LayerAbout } from "./layers.ts";
 export interface Row {
   name: string;
   kind: LayerAbout["kind"] | "shape";
-  /** Of a way, whether it is the robot's. */
+  /** For a path, true if it is the robot's. */
   isRobot: boolean;
   fact: string;
-  /** Whether something is there that may be drawn. */
+  /** True if it has something to draw. */
   isThere: boolean;
   isOn: boolean;
-  /** The frame in which it is drawn, where that is not the one on show: of the first row of that frame. */
+  /** The frame in which it is drawn if that is not the one on show; only in the first row of that frame. */
   other?: string;
 }
 
@@ -54,7 +54,7 @@ export class Panel {
       on(this.root, type as "click", (event) => event.stopPropagation(), signal, { passive: true });
   }
 
-  /** @param foot the frame, and how things got there */
+  /** @param foot the frame, and a note on its transforms */
   update(rows: Row[], foot: string[]): void {
     const key = JSON.stringify(rows.map(({ fact: _fact, ...rest }) => rest));
     if (key !== this.#built) {
@@ -84,7 +84,7 @@ export class Panel {
     square.ariaChecked = String(isOn);
     square.ariaLabel = name;
     square.title = isOn ? "Take it off the map" : "Draw it on the map";
-    // A program takes off itself what it drew.
+    // A program removes its own drawings.
     square.disabled = kind === "shape";
     on(square, "click", () => this.#onToggle(name), this.#signal);
     const title = make("span", "rw-layers-name", name);
@@ -102,7 +102,7 @@ export class Panel {
   }
 }
 
-/** What a layer looks like on the map. */
+/** The symbol of a layer on the map. */
 function sampleOf(kind: Row["kind"], isRobot: boolean, isThere: boolean): SVGElement {
   const svg = makeSvg("svg", { viewBox: "0 0 26 12", width: 26, height: 12, "aria-hidden": "true" });
   const add = (tag: string, attributes: Record<string, string | number>) => svg.append(makeSvg(tag, attributes));

@@ -6,19 +6,19 @@ import { type Frame, readHead } from "../shared/stream.ts";
 import { ticks } from "../shared/ticks.ts";
 import { type LayerState, readLayers } from "./layers.ts";
 
-/** A pose at a time in seconds; without a value NaN. */
+/** A pose at a time in seconds; NaN for a missing value. */
 export interface TimedPose extends Pose {
   time: number;
 }
 
-/** A place on the path: metres of the way up to it. */
+/** A place on the path, with metres of the path up to it. */
 export interface Point extends TimedPose {
   way: number;
-  /** Whether the robot jumped to it, as odometry does that was set back. */
+  /** True if the robot jumped to it, such as odometry that was reset. */
   isAfterJump?: boolean;
 }
 
-/** Metres by which two points of a way may lie farther apart than it is long. */
+/** Metres by which two points may lie farther apart than the path between them is long. */
 const SLACK = 0.15;
 
 export interface PoseFrame extends Frame, TimedPose {
@@ -53,7 +53,7 @@ export function isKnown({ x, y }: Place): boolean {
   return Number.isFinite(x) && Number.isFinite(y);
 }
 
-/** The way up to a pose, which ends there, and what comes after it. */
+/** The path up to a pose, which ends there, and the rest. */
 export function splitAt(points: Point[], now: TimedPose): { before: Point[]; after: Point[] } {
   const next = firstWhere(points, ({ time }) => time > now.time);
   const [before, after] = [points.slice(0, next), points.slice(next)];
@@ -66,7 +66,7 @@ export function splitAt(points: Point[], now: TimedPose): { before: Point[]; aft
   return { before: [...before, here], after: [here, ...after] };
 }
 
-/** The place of a path nearest to another one, between two points where that is nearer; null without a path. */
+/** The place of a path nearest to another one, between two points if that is nearer; null without a path. */
 export function nearestOn(points: Point[], { x, y }: Place): Point | null {
   let [nearest, least]: [Point | null, number] = [points[0] ?? null, Infinity];
   for (const [i, to] of points.entries()) {
@@ -80,7 +80,7 @@ export function nearestOn(points: Point[], { x, y }: Place): Point | null {
   return nearest;
 }
 
-/** A part of the way from one point to the next; it turns the shorter way round. */
+/** A place on the path between two points; it turns the shorter way round. */
 function between(from: Point, to: Point, share: number): Point {
   const mix = (a: number, b: number) => a + share * (b - a);
   const turn = to.yaw - from.yaw;
@@ -111,7 +111,7 @@ export function boundsOf(places: Place[], picture: Size): Bounds {
   return { west: x - width / 2, east: x + width / 2, south: y - height / 2, north: y + height / 2 };
 }
 
-/** The multiples of a step in a span; none where damaged numbers make it endless. */
+/** The multiples of a step in a span; empty if damaged numbers make it endless. */
 export function multiples(step: number, from: number, to: number): number[] {
   const count = (to - from) / step;
   if (!Number.isFinite(count)) return [];

@@ -11,12 +11,12 @@ export function toHeading({ yaw }: TimedPose): string {
   return Number.isNaN(yaw) ? "unknown" : toDegrees(yaw);
 }
 
-/** A place, and the heading there where it is known. */
+/** A place, with its heading if that is known. */
 export function toPose(pose: TimedPose): string {
   return Number.isNaN(pose.yaw) ? toPlace(pose) : `${toPlace(pose)}, ${toHeading(pose)}`;
 }
 
-/** What the pop-up says of a place of the path: its time, also from the moment on show. */
+/** The texts of the pop-up of a place of the path: its time, also from the moment on show. */
 export function describePoint(point: Point, now: TimedPose): PopupWords {
   const apart = point.time - now.time;
   const side = Math.abs(apart) < 0.005 ? "now" : `${toFixed(Math.abs(apart), 2)} s ${apart < 0 ? "before" : "later"}`;

@@ -2,7 +2,7 @@ import { make, makeButton, setHidden } from "../shared/dom.ts";
 import { on } from "../shared/events.ts";
 import type { Place } from "../shared/floor.ts";
 
-/** What a person does to the map. */
+/** Actions of the user on the map. */
 export interface MapActs {
   onFollow(): void;
   onMeasure(): void;
@@ -65,7 +65,7 @@ export class Tools {
   }
 }
 
-/** A line that a person measures. */
+/** A line that the user measures. */
 export interface Measured {
   from: Place;
   to: Place | null;

@@ -27,7 +27,9 @@ import { describePoint, toPose } from "./text.ts";
 import { type Measured, Tools } from "./tools.ts";
 import type { PathTraits, PlacedShape } from "./traits.ts";
 
-/** Pixels from the path within which a place of it is named; on a map, where cells are named, fewer. */
+/**
+ * Greatest distance in pixels of the pointer from a path for a pop-up; less on a map, whose cells have pop-ups, too.
+ */
 const [REACH, REACH_ON_MAP] = [40, 12];
 const WALK: Record<string, number> = {
   ArrowRight: 1,
@@ -39,10 +41,10 @@ const WALK: Record<string, number> = {
   Home: -Infinity,
   End: Infinity,
 };
-/** Width of a card in which the list of layers stands beside the map, from the start. */
+/** Width of a card from which the list of layers stands next to the map at first. */
 const BESIDE = 640;
 const PANEL = 270;
-/** Metres from side to side that following shows, where nothing else was looked at. */
+/** Metres from side to side that following shows unless the user zoomed. */
 const NEAR = 12;
 
 /** One view of a path widget: it wires the card, the drawing, the pop-up and the gestures. */
@@ -61,9 +63,9 @@ export class PathView {
   #projection: Projection | null = null;
   #points: Point[] = [];
   #tracks = new Map<number, Point[]>();
-  /** What is on show of each layer. */
+  /** The layers on show. */
   #layers: Shown[] = [];
-  /** The ways on show whose places are named, each up to the present pose and after it; the robot's first. */
+  /** The paths on show that have pop-ups, each up to the present pose and after it; the robot's first. */
   #ways: { name: string; points: Point[] }[] = [];
   #pointer: Place | null = null;
   #picked: Point | null = null;
@@ -71,7 +73,7 @@ export class PathView {
   #isOpen: boolean | null = null;
   #isMeasuring = false;
   #measured: Measured | null = null;
-  /** Writes what is said of the drawing. */
+  /** Updates the texts about the drawing. */
   #said = () => {};
   readonly #tell = () => this.#said();
 
@@ -111,7 +113,7 @@ export class PathView {
     this.#onGrids();
   }
 
-  // What a person does
+  // Actions of the user
 
   onFollow(): void {
     setTraits(this.#model, { follow: !this.#model.get("follow") });
@@ -137,7 +139,7 @@ export class PathView {
 
   onFrame(frame: string): void {
     this.#look = this.#measured = this.#picked = null;
-    // What is drawn in it already is on show at once, also without a kernel.
+    // Layers that are already drawn in it are on show at once, also without a kernel.
     setTraits(this.#model, { frame });
     this.#card.redraw();
   }
@@ -212,7 +214,7 @@ export class PathView {
     this.#card.redraw();
   }
 
-  // What comes from Python
+  // Data from Python
 
   #onPath(): void {
     this.#points = toPoints(this.#model.get("_path"));
@@ -227,7 +229,7 @@ export class PathView {
     void this.#ground.take(this.#model.get("_grids"), layers, this.#card.redraw);
   }
 
-  /** What is on show of each layer at the time of a frame. */
+  /** The layers on show at the time of a frame. */
   #toShown(now: PoseFrame | null): Shown[] {
     const { layers = [] } = this.#model.get("_map");
     const hidden = new Set(this.#model.get("hidden"));
@@ -254,18 +256,18 @@ export class PathView {
     return Boolean(this.#model.get("_map").layers?.length);
   }
 
-  /** Of the program, as far as they are placed in the frame on show. */
+  /** The shapes of the program that have a place in the frame on show. */
   get #shapes(): PlacedShape[] {
     const { shapes = [], frame_id = "" } = this.#stream.about;
     return this.#frame === frame_id ? shapes : [];
   }
 
-  /** The frames that have layers: nothing joins one to the other, and each is a map of its own. */
+  /** The frames that have layers: nothing joins them, so that each is a separate map. */
   get #frames(): string[] {
     return [...new Set((this.#model.get("_map").layers ?? []).flatMap(({ frame }) => frame ?? []))];
   }
 
-  /** The frame on show: the one that a person chose where something is drawn in it, else that of the map. */
+  /** The frame on show: the user's choice if something is drawn in it, else the frame of the map. */
   get #frame(): string {
     const asked = this.#model.get("frame");
     return this.#frames.includes(asked) ? asked : (this.#stream.about.frame_id ?? "");
@@ -321,7 +323,7 @@ export class PathView {
     card.texts.ask(this.#tell);
   }
 
-  /** The floor on show: all of it, what a person looked at, or the robot in the middle. */
+  /** The floor on show: all of it, the part that the user chose, or the robot in the middle. */
   #boundsIn(room: { width: number; height: number }, here: Place | null): Bounds {
     const isFollowing = this.#model.get("follow") && here && isKnown(here);
     const all = () => boundsOf(this.#places(), room);
@@ -356,7 +358,7 @@ export class PathView {
     write(context, measureWords(from, end), at.x, at.y - 12, theme.pointer, font, "center", theme.background);
   }
 
-  /** The place of a way under the pointer. */
+  /** The place of a path under the pointer. */
   get #pointed(): { point: Point; name: string } | null {
     const projection = this.#projection;
     const pointer = this.#pointer;
@@ -366,7 +368,7 @@ export class PathView {
       const point = nearestOn(points, toFloor(projection, pointer));
       const at = point && toPixel(projection, point);
       const away = at ? Math.hypot(at.x - pointer.x, at.y - pointer.y) : Infinity;
-      // Where two lie on each other, the robot's.
+      // The robot's path if two lie on each other.
       if (point && away <= (this.#hasLayers ? REACH_ON_MAP : REACH) && away < least - 3)
         [found, least] = [{ point, name }, away];
     }
@@ -400,7 +402,7 @@ export class PathView {
     return name ? { ...words, details: `${words.details}\n${name}` } : words;
   }
 
-  /** What is told of the cell under the pointer; null beside all grids. */
+  /** The texts about the cell under the pointer; null outside of all grids. */
   #cellWords(): PopupWords | null {
     const [projection, pointer] = [this.#projection, this.#pointer];
     if (!projection || !pointer || this.#isMeasuring || !this.#stream.shown) return null;
@@ -422,7 +424,7 @@ export class PathView {
     return !this.#panel.root.hidden && this.#card.width >= BESIDE;
   }
 
-  /** Puts the list beside the map, or below it where the card is narrow; returns whether it is beside. */
+  /** Puts the list next to the map, or below it in a narrow card; returns true if it is next to the map. */
   #placePanel(hasLayers: boolean): boolean {
     const { picture, width } = this.#card;
     const { root } = this.#panel;
@@ -449,12 +451,15 @@ export class PathView {
     setText(layers, this.#panel.root.hidden ? ["Layers", ...this.#countMissing()].join(", ") : "Layers");
     set(this.#card.picture.dataset, "cursor", this.#isMeasuring ? "measure" : "");
     const { frames = [] } = this.#model.get("_map");
-    // Without a kernel, what is drawn already.
+    // Without a kernel, frames that are already drawn.
     if (hasLayers) this.#tools.updateFrames(lacksKernel(this.#model) ? this.#frames : frames, this.#frame);
     else setHidden(frame, true);
   }
 
-  /** How many layers that were asked for are not drawn, or in other frames: scans, which come along, are not. */
+  /**
+   * Texts about requested layers that are not drawn, or in other frames; scans, which are added automatically, do not
+   * count.
+   */
   #countMissing(): string[] {
     const { missing = {} } = this.#stream.about;
     const asked = (this.#model.get("_map").layers ?? []).filter(({ kind }) => kind !== "scan" && kind !== "cone");

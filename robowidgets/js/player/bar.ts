@@ -112,7 +112,7 @@ export class PlayerBar {
     on(slider, "pointerleave", () => this.#playback.point(null), signal);
   }
 
-  /** Also before the first drawing, for which the bar may wait: a person may move it by then. */
+  /** Also before the first drawing, for which the bar may wait: the user may already move it. */
   #placeSlider(): void {
     const { shown, begin, duration } = this.#playback;
     this.#slider.min = String(begin);
@@ -136,7 +136,7 @@ export class PlayerBar {
     this.#playback.point(begin + part * (duration - begin));
   }
 
-  /** Whether a key was pressed on a widget that the bar moves, and the widget did not use it. */
+  /** Returns true if a key was pressed on a widget that the bar moves, and the widget did not use it. */
   #isLeftOver({ target, key, defaultPrevented }: KeyboardEvent): boolean {
     if (defaultPrevented || isBarsAlone(key) || !(target instanceof Element)) return false;
     // Rerun's viewer has no card; it uses its keys itself.
@@ -159,7 +159,7 @@ export class PlayerBar {
     setText(this.#time, toMinutes(shown, DECIMALS, duration));
     const whole = toMinutes(duration, DECIMALS);
     setText(this.#duration, ` / ${whole}${duration < MINUTE ? " s" : ""}`);
-    // Reserve the final width, so that nothing beside it moves.
+    // Reserve the final width, so that its neighbours stay at their places.
     this.#time.style.minWidth = `${whole.length}ch`;
     this.#drawClock(shown);
     this.#placeSlider();
@@ -196,7 +196,7 @@ export class PlayerBar {
     this.#list.update(marks, shown);
   }
 
-  /** What is waited for: the kernel, or in a page in a file its own data. */
+  /** The text while the player waits: for the kernel, or in a page in a file for its own data. */
   get #waiting(): string {
     const bytes = this.#model.get("_unpacking");
     return bytes ? `unpacking ${toFixed(bytes / 1e6, 1)} MB` : "waiting for the kernel";

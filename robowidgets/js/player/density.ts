@@ -2,22 +2,22 @@ import type { Mark } from "../shared/marks.ts";
 
 /** Pixels that a mark takes at least, and so the width of a bin. */
 const BIN = 3;
-/** How dark a bin is in which one mark lies, and one with the most of them. */
+/** Opacity of a bin with one mark, and of a bin with the most marks. */
 const [LIGHTEST, DARKEST] = [0.4, 1];
 
 /** Marks at a place of the slider, in pixels from its left: a single one, or some that would touch. */
 export interface Dense {
   left: number;
   width: number;
-  /** How many there are. */
+  /** Number of marks. */
   count: number;
-  /** How dark it is, from 0 to 1. */
+  /** Opacity, from 0 to 1. */
   share: number;
   label: string;
 }
 
 /**
- * Join marks that would touch on a slider to a density: of thousands of them, each bin is as dark as they are many.
+ * Join marks that would touch on a slider to a density: the more marks a bin has, the darker it is.
  *
  * @param marks sorted by start
  * @param width of the slider, in pixels
@@ -28,7 +28,7 @@ export function toDensity(marks: Mark[], begin: number, end: number, width: numb
   for (const mark of marks) {
     const [left, right] = [toX(mark[0]), Math.max(toX(mark[0]) + BIN, toX(mark[1]))];
     const last = groups.at(-1);
-    // A pixel between two keeps them apart.
+    // A pixel between two separates them.
     if (last && left < last.right + 1) {
       last.marks.push(mark);
       last.right = Math.max(last.right, right);
@@ -38,7 +38,7 @@ export function toDensity(marks: Mark[], begin: number, end: number, width: numb
   return groups.flatMap((group) => toBins(group, toX, most));
 }
 
-/** Return how many marks of a group lie in each of its bins. */
+/** The number of marks of a group in each of its bins. */
 function toCounts({ marks, right }: { marks: Mark[]; right: number }, toX: (time: number) => number): number[] {
   const left = toX(marks[0]?.[0] ?? 0);
   const counts = new Array<number>(Math.ceil((right - left) / BIN)).fill(0);

@@ -2,7 +2,7 @@ import { type Model, setTraits } from "../shared/model.ts";
 import type { Playback } from "./playback.ts";
 import type { PlayerTraits } from "./traits.ts";
 
-/** How fast a recording may be played, from the list. */
+/** Speeds of playing, in the list. */
 export const SPEEDS = [0.1, 0.25, 0.5, 1, 2, 5, 10];
 
 type Action = (playback: Playback, model: Model<PlayerTraits>) => void;
@@ -33,7 +33,7 @@ const ACTIONS: Record<string, Action> = {
   End: (playback) => playback.seek(playback.duration),
 };
 
-/** What a key does; undefined when it does nothing here. */
+/** The action of a key; undefined without one. */
 export function actionOf(key: string, shift: boolean): Action | undefined {
   const far = shift ? 10 : 1;
   if (key === "ArrowRight" || key === "ArrowUp") return jump(far);
@@ -41,12 +41,12 @@ export function actionOf(key: string, shift: boolean): Action | undefined {
   return ACTIONS[key];
 }
 
-/** Whether a key belongs to the bar only while the bar has the focus; elsewhere it scrolls the page. */
+/** Returns true for a key that is for the bar only while the bar has the focus; elsewhere it scrolls the page. */
 export function isBarsAlone(key: string): boolean {
   return key === "ArrowUp" || key === "ArrowDown";
 }
 
-/** Whether the focused element uses a key itself: lists and text fields all keys, buttons the space bar. */
+/** Returns true if the focused element uses a key itself: lists and text fields all keys, buttons the space bar. */
 export function usesItself(focused: HTMLElement, key: string): boolean {
   if (focused.isContentEditable || focused.matches("select, textarea, input:not([type=range])")) return true;
   return key === " " && focused.matches("button, a");

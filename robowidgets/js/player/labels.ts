@@ -12,12 +12,12 @@ const TAG = "M1 1h5l5.2 5.2-5 5L1 6z M3.2 2.3a.9.9 0 1 0 0 1.8.9.9 0 0 0 0-1.8z"
 /** Milliseconds after which a kernel that has not answered is busy. */
 const BUSY_MS = 700;
 
-/** What the kernel is asked: to keep the first, in place of the second. Either may be none. */
+/** A request to the kernel: to keep the first, in exchange for the second. Either may be null. */
 type Asked = [to: Mark | null, from: Mark | null];
 
 const isSame = (a: Asked, b: Asked) => JSON.stringify(a) === JSON.stringify(b);
 
-/** Names that people give to spans: a row of them below the slider, and what gives one and takes it away. */
+/** Names of spans that the user gives: a row of them below the slider, and the controls to add and remove them. */
 export class Labels {
   readonly button: HTMLButtonElement;
   readonly lane = make("div", "rw-play-labels");
@@ -27,12 +27,12 @@ export class Labels {
   readonly #playback: Playback;
   readonly #redraw: () => void;
   readonly #signal: AbortSignal;
-  /** Where the span begins that is to be named; null: none was begun. */
+  /** Start of the span that will be named; null if none was begun. */
   #from: number | null = null;
-  /** What the row asks the name of. */
+  /** The span whose name the row asks for. */
   #span: Span = [0, 0];
   #old: Mark | null = null;
-  /** What the kernel has not answered yet. */
+  /** Requests that the kernel has not answered yet. */
   #asked: Asked[] = [];
   #isBusy = false;
   #timer: ReturnType<typeof setTimeout> | undefined;
@@ -57,7 +57,7 @@ export class Labels {
     onAbort(signal, () => clearTimeout(this.#timer));
   }
 
-  /** What the bar says; empty: nothing. */
+  /** The text in the bar, or "". */
   get words(): string {
     const [to, from] = this.#asked[0] ?? [null, null];
     if (this.#isBusy && (to || from)) {
@@ -66,7 +66,7 @@ export class Labels {
     return this.#from === null ? "" : `from ${toFixed(this.#from, 2)} s on: go to its end, press a`;
   }
 
-  /** Names the selection, or the span from where it was pressed before to here. */
+  /** Names the selection, or the span from the previous press to here. */
   press(): void {
     if (this.row.isOpen) {
       this.row.close();
@@ -79,7 +79,7 @@ export class Labels {
     this.#redraw();
   }
 
-  /** Forgets what was begun; returns whether there was anything. */
+  /** Cancels a span that was begun; returns true if there was one. */
   cancel(): boolean {
     const isBegun = this.#from !== null;
     this.#from = null;
@@ -151,7 +151,7 @@ export class Labels {
     this.row.open(problem || about, old?.[2] ?? "", known, typed);
   }
 
-  /** Its span is selected then: naming it again takes it back. */
+  /** Its span is then selected, so that naming it again restores it. */
   #remove(label: Mark | null): void {
     if (!label) return;
     this.#ask([null, label]);
@@ -181,7 +181,7 @@ export class Labels {
     this.#isBusy &&= this.#asked.length > 0;
     const [to, from] = asked;
     const span = to ?? from;
-    // Nothing is lost: what was typed stands in the row again.
+    // Nothing is lost: the typed text stands in the row again.
     if (problem && span && !this.row.isOpen) this.#name([span[0], span[1]], from, problem, (to ?? from)?.[2]);
     this.#redraw();
   }

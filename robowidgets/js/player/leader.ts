@@ -7,8 +7,9 @@ import type { PlayerTraits } from "./traits.ts";
 type Leading = Model<PlayerTraits> & Pick<Host<PlayerTraits>, "_state_lock">;
 
 /**
- * Calls back with the time of the place to which the leader of a player moves; NaN where there is no such place.
- * @param goTo told, too, whether the kernel sent the move: then it was made elsewhere, as was that of the follower
+ * Calls back with the time of the place to which the leader of a player moves; NaN if there is no such place.
+ *
+ * @param goTo also gets true if the kernel sent the move: then another page made it, and moves the follower, too
  */
 export function followLeader(
   model: Model<PlayerTraits>,
@@ -33,7 +34,7 @@ export function followLeader(
       goTo(toPlace(shown), Boolean(other._state_lock));
     };
     if (isAtPlace) {
-      // The page was loaded anew: the follower stays where it is by now, until the leader moves.
+      // The page was reloaded: the follower stays at its present time until the leader moves.
       before = other.get("_shown") ?? other.get("time");
       if (Number.isNaN(toPlace(before))) goTo(NaN, false);
     }

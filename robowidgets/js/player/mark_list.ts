@@ -3,12 +3,12 @@ import { on } from "../shared/events.ts";
 import { MINUTE, toFixed, toMinutes } from "../shared/format.ts";
 import { describeMark, type Mark } from "../shared/marks.ts";
 
-/** Rows of the list; more would be slow to lay out, and nobody reads them. */
+/** Rows of the list; more would be slow to lay out, and too many to read. */
 const MOST_ROWS = 500;
 
-/** The marks as rows to click on, below the bar: start, length, and what is marked. A click seeks the start. */
+/** The marks as rows of buttons, below the bar: start, length, and name. A click seeks the start. */
 export class MarkList {
-  /** In the bar: which mark of how many is on show; it unfolds the rows. */
+  /** In the bar: the number of the mark on show, and the number of marks; it unfolds the rows. */
   readonly toggle: HTMLButtonElement;
   readonly rows = make("div", "rw-play-rows");
   readonly #number = make("span", "");

@@ -31,25 +31,25 @@ export class Playback {
   readonly #tell: () => void;
   readonly #nextFrame: () => void;
   #followers: Follower[] = [];
-  /** Whether widgets are given what the player shows just now. */
+  /** True while widgets are set to the frames on show. */
   #isGiving = false;
   #targets = new Targets([]);
   #time: number;
-  /** What a person points at; all widgets show its moment until the pointer leaves. */
+  /** The thing under the pointer; all widgets show its moment until the pointer leaves. */
   #pointed: Pointing["_pointed"] = null;
-  /** The moment at which the widgets are frozen; null: they are not. */
+  /** The moment at which the widgets are frozen; null while they are not. */
   #frozenAt: number | null = null;
   /** The newest step that the page could not take yet, because it lacks a segment; null without one. */
   #wished: Step | null = null;
-  /** Whether frozen widgets go to the time, too, once the page has its segment: it was reached by a step. */
+  /** True if frozen widgets go to the time, too, once the page has its segment: a step led there. */
   #movesFrozen = false;
-  /** Index of the ray that the laser shows because a person points at it on the scanogram. */
+  /** Index of the ray that the laser shows because the user points at it on the scanogram. */
   #ray: number | null = null;
-  /** Whether the player that this one follows is at no place of this recording. */
+  /** True while the player that this one follows is outside of this recording. */
   #isLost = false;
   #joined: { of: Mark[][]; marks: Mark[] } = { of: [], marks: [] };
   #last = 0;
-  /** Whether the segment of the moment on show is missing. */
+  /** True while the segment of the moment on show is missing. */
   #lacks = true;
 
   constructor(model: Model<PlayerTraits>, find: () => Promise<Moved>, signal: AbortSignal) {
@@ -86,7 +86,7 @@ export class Playback {
     });
   }
 
-  /** Moves these, until what is on show changes. */
+  /** Moves these models until others are to be moved. */
   #move(found: Moved, signal: AbortSignal): void {
     this.#followers = found.followers;
     this.#targets = new Targets(found.targets);
@@ -95,7 +95,7 @@ export class Playback {
       this.#watchFreezing(target, signal);
       this.#watchPicking(target, signal);
       onChange(target, ["trail", "spread"], () => this.#show(), signal);
-      // Once all that the kernel sent is set.
+      // After all traits from the kernel are set.
       const onGiven = () => this.#isGiving || queueMicrotask(() => signal.aborted || this.#show());
       onChange(target, ["_frame", "_about"], onGiven, signal);
     }
@@ -106,22 +106,22 @@ export class Playback {
     return this.#time;
   }
 
-  /** The moment on show: the one that a person points at, else the time. Widgets that lack it are pale. */
+  /** The moment on show: the one under the pointer, else the time. Widgets that lack it are pale. */
   get shown(): number {
     return this.#pointed?.time ?? this.#time;
   }
 
-  /** What a person points at, where the page has it. */
+  /** The thing under the pointer, if the page has its moment. */
   get #previewed(): Pointing["_pointed"] {
     return this.#pointed && this.#segments.has(this.#pointed.time) ? this.#pointed : null;
   }
 
-  /** Whether a segment is missing: of the moment on show, or of a step. */
+  /** True while a segment is missing: for the moment on show, or for a step. */
   get waits(): boolean {
     return this.#lacks || this.#wished !== null;
   }
 
-  /** What is said while the player that this one follows is at no place of this recording; else empty. */
+  /** The text while the player that this one follows is outside of this recording; else "". */
   get lost(): string {
     return (this.#isLost && this.#model.get("_leader").lost) || "";
   }
@@ -138,18 +138,20 @@ export class Playback {
     return this.#model.get("playing");
   }
 
-  /** The span that is played: the selection while it is looped, else all; without a kernel what the page has of it. */
+  /**
+   * The span that is played: the selection while it is looped, else all; without a kernel, the part that the page has.
+   */
   get span(): [number, number] {
     const chosen = this.#model.get("selection");
     const [start, end] = (chosen && this.#model.get("loop") ? chosen : [this.begin, this.duration]).map((time) =>
       this.#within(time),
     ) as Span;
     const [first, last] = this.held ?? [start, end];
-    // A selection of which the page has nothing is replaced by what it has.
+    // Without a kernel, a selection outside of the page's data is replaced by these data.
     return start < last && end > first ? [Math.max(start, first), Math.min(end, last)] : [first, last];
   }
 
-  /** The span that the page has, where nothing more will come; else null. */
+  /** The span that the page has, if no more data will come; else null. */
   get held(): Span | null {
     const held = lacksKernel(this.#model) ? this.#segments.span : null;
     return held && [this.#within(held[0]), this.#within(held[1])];
@@ -169,7 +171,7 @@ export class Playback {
     this.#goTo(time, false);
   }
 
-  /** Follows another player; where there is no same place, what was shown stays. */
+  /** Follows another player; without the same place here, the moment on show stays. */
   #goToPlace(time: number, isSent: boolean): void {
     this.#isLost = Number.isNaN(time);
     if (this.#isLost) this.#changed();
@@ -192,12 +194,12 @@ export class Playback {
     setTraits(this.#model, { time: this.#time });
   }
 
-  /** Notes the time under the pointer, which a person may click next; null when there is none. */
+  /** Notes the time under the pointer, which the user may click next; null without one. */
   point(time: number | null): void {
     this.#prefetcher.point(time === null ? null : this.#within(time));
   }
 
-  /** Shows the moment of what a person points at in all widgets, until it is null; the time stays. Playing goes on. */
+  /** Shows the moment under the pointer in all widgets, until it is null; the time stays. Playing goes on. */
   preview(pointed: Pointing["_pointed"]): void {
     this.point(pointed?.time ?? null);
     this.#pointed = pointed && !this.playing ? { ...pointed, time: this.#within(pointed.time) } : null;
@@ -215,7 +217,7 @@ export class Playback {
     this.#changed();
   }
 
-  /** Takes the step that is wished, where the page has what it needs. */
+  /** Takes the wanted step if the page has the data for it. */
   #takeStep(): void {
     const to = this.#wished && this.#segments.neighbour(0, ...this.#wished, this.duration);
     if (to !== null) this.#goTo(to, true);
@@ -234,7 +236,7 @@ export class Playback {
     return this.#joined.marks;
   }
 
-  /** To the start of the next mark, or of the one before. */
+  /** Goes to the start of the next mark, or of the previous one. */
   toMark(direction: -1 | 1): void {
     const found = markBeside(this.marks, this.#time, direction);
     if (found !== undefined) this.seek(found);
@@ -328,7 +330,7 @@ export class Playback {
     this.#changed();
   }
 
-  /** Frozen widgets are at one moment, from which steps go on. */
+  /** Keeps frozen widgets at one moment, from which steps go on. */
   #watchFreezing(target: Host<Target>, signal: AbortSignal): void {
     const onPaused = () => {
       const isFrozen = this.#targets.models.some((other) => other.get("paused"));
@@ -339,11 +341,11 @@ export class Playback {
     onChange(target, ["paused"], onPaused, signal);
   }
 
-  /** A click on a place of the path goes to its time. */
+  /** Goes to the time of a place of the path that is clicked. */
   #watchPicking(target: Host<Target>, signal: AbortSignal): void {
     const onPicked = () => {
       const time = target.get("_picked");
-      // Set back, so that the same place can be picked again.
+      // Reset, so that the same place can be picked again.
       target.set_state({ _picked: null });
       if (typeof time === "number") this.seek(time);
     };
@@ -351,7 +353,7 @@ export class Playback {
     onChange(target, ["_picked"], onPicked, signal);
   }
 
-  /** A step of frozen widgets: all of them show the moment, and stay frozen. */
+  /** Shows a moment on frozen widgets after a step; they stay frozen. */
   #holdFrozen(frames: Shown[]): void {
     this.#movesFrozen = false;
     if (this.#frozenAt === null) return;
@@ -359,7 +361,7 @@ export class Playback {
     this.#targets.hold(frames);
   }
 
-  /** The ring on the scanogram and the ring on the laser are the same ray. */
+  /** Shows the ray of the ring on the scanogram on the laser. */
   #showRay(): void {
     const ray = this.#previewed?.ray ?? null;
     const [laser] = this.#targets.models;
@@ -368,13 +370,13 @@ export class Playback {
     laser?.set_state({ hovered: ray });
   }
 
-  /** Follows the time and the selection that a person sets on another widget. */
+  /** Follows the time and the selection that the user sets on another widget. */
   #follow(follower: Follower, signal: AbortSignal): void {
     const onTime = () => {
       if (this.#isGiving) return;
       const time = follower.get("time");
-      // Of what the kernel sends, a click in another page or what it had long ago, the time of the player tells by itself.
-      // A plot has no time after Escape; a player always has one.
+      // A change from the kernel, which is a click in another page or an old value, is ignored: the time of the player
+      // has it, too. A plot has no time after Escape; a player always has one.
       if (follower._state_lock || time === null) this.#give(follower);
       else if (time !== this.#time) this.seek(time);
     };
@@ -395,7 +397,7 @@ export class Playback {
     if (laser) onChange(laser, ["hovered"], onRay, signal);
   }
 
-  /** Has a widget show the time; the kernel is sent nothing. */
+  /** Sets the time of a widget; nothing is sent to the kernel. */
   #give(follower: Follower): void {
     this.#isGiving = true;
     follower.set_state({ time: this.#time });

@@ -23,7 +23,7 @@ export class Prefetcher {
     onAbort(signal, () => clearTimeout(this.#timer));
   }
 
-  /** Notes the time under the pointer; null when it has left. */
+  /** Notes the time under the pointer, or null after it has left. */
   point(time: number | null): void {
     const index = time === null ? undefined : this.#segments.indexOf(time);
     if (index === this.#pointed) return;

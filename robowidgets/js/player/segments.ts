@@ -5,7 +5,7 @@ import type { About } from "../shared/traits.ts";
 export interface TimedFrame {
   /** Seconds from the start of the recording. */
   time: number;
-  /** Index of Python's words about it, in its track. */
+  /** Index of its facts from Python, in its track. */
   about: number;
   bytes: DataView;
 }
@@ -23,8 +23,9 @@ export interface Shown {
 }
 
 /**
- * Whether a frame has a new sample, by the texts on it.
- * @param role of the sample; without one, any counts
+ * Returns true if a frame has a new sample, by its texts.
+ *
+ * @param role the role of the sample; without one, any sample counts
  */
 export function isNew(about: About = {}, role?: string): boolean {
   if (!about.new) return true;
@@ -81,7 +82,7 @@ export class Segments {
     return this.#tracks.has(this.indexOf(time));
   }
 
-  /** What each widget shows at a time; null where that segment is not here. */
+  /** The frames of all widgets at a time; null if that segment is missing. */
   at(time: number): Shown[] | null {
     const tracks = this.#tracks.get(this.indexOf(time));
     if (!tracks) return null;
@@ -91,7 +92,7 @@ export class Segments {
     });
   }
 
-  /** The last frames of one widget up to a time, oldest first: at most so many, as far back as segments are here. */
+  /** The last frames of one widget up to a time, oldest first: at most so many, within the segments of the page. */
   upTo(of: number, time: number, count: number): Shown[] {
     let found: Shown[] = [];
     for (let index = this.indexOf(time); found.length < count; index--) {
@@ -104,8 +105,9 @@ export class Segments {
   }
 
   /**
-   * The time of the next sample of one widget, or of the one before: of frames that have a new one.
-   * @returns null where the segment that must hold it is not here
+   * The time of the next or the previous new sample of one widget.
+   *
+   * @returns null if the segment that contains it is missing
    */
   neighbour(of: number, time: number, direction: -1 | 1, duration: number): number | null {
     for (let index = this.indexOf(time); index >= 0 && index * this.#seconds <= duration; index += direction) {

@@ -6,7 +6,7 @@ import type { Segments, Shown } from "./segments.ts";
 /** Samples that are given at most. */
 const MOST = 600;
 
-/** The models of the widgets that show frames, and what each of them shows. */
+/** The models of the widgets that show frames, and the frame of each. */
 export class Targets {
   readonly models: Host<Target>[];
   #abouts: About[] = [];
@@ -18,10 +18,10 @@ export class Targets {
   }
 
   /**
-   * Shows a frame on each widget, where it has another one or its age has changed. A page whose connection was lost gets
+   * Shows a frame on each widget whose frame or age has changed. A page whose connection was lost gets
    * the frames that Python has, which may be of another moment.
    *
-   * @param pauses seconds after which the sample of each widget is old; 0: never
+   * @param pauses seconds after which the sample of each widget is old, or 0 for never
    */
   show(frames: Shown[], time: number, pauses: number[]): void {
     for (const [i, { track, frame }] of frames.entries()) {
@@ -40,7 +40,7 @@ export class Targets {
         frame.bytes.setFloat64(0, number, true);
         state._frame = frame.bytes;
       }
-      // The verdicts in a history are those of its frames, which have new numbers.
+      // The verdicts in a history belong to its frames, which have new numbers.
       if (about.judged !== undefined) about.judged = frame.bytes.getFloat64(0, true);
       this.#abouts[i] = about;
       target.set_state(state);
@@ -48,7 +48,7 @@ export class Targets {
     this.#isWaiting = false;
   }
 
-  /** Marks what was shown as that of another moment, until the next is shown. */
+  /** Marks the frames on show as frames of another moment, until the next are shown. */
   wait(): void {
     if (this.#isWaiting) return;
     this.#isWaiting = true;
@@ -67,7 +67,7 @@ export class Targets {
     }
   }
 
-  /** Gives widgets that show earlier samples, too, or numbers over time, the last ones up to the one on show. */
+  /** Gives the last frames up to the one on show to widgets that show earlier samples or numbers over time. */
   giveRecent(segments: Segments, time: number, frozenAt: number | null): void {
     for (const [i, target] of this.models.entries()) {
       const before = target.get("_recent");
@@ -88,7 +88,7 @@ export class Targets {
   }
 }
 
-/** Milliseconds since the newest sample, in tenths of a second, where that is longer than a pause; else 0. */
+/** Milliseconds since the newest sample, in tenths of a second, if that is longer than a pause; else 0. */
 function toAge(seconds: number, pause = 0): number {
   return pause && seconds > pause ? Math.floor(seconds * 10) * 100 : 0;
 }

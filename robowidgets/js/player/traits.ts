@@ -5,14 +5,14 @@ export interface PlayerTraits {
   /** Seconds from the start of the recording. */
   time: number;
   duration: number;
-  /** Seconds at which it begins: 0, or later where an exported page has a stretch of the recording. */
+  /** Seconds at which it begins: 0, or later if an exported page has a part of the recording. */
   _begin: number;
   playing: boolean;
   speed: number;
   loop: boolean;
   selection: [number, number] | null;
   marks: Mark[];
-  /** Spans to which people gave a name. */
+  /** Spans that the user named. */
   labels: Mark[];
   /** Rows of states below the slider, outer machines first. */
   states: StateSpan[][];
@@ -20,7 +20,7 @@ export interface PlayerTraits {
   _segment: number;
   /** Names of the models of the widgets that show frames. */
   _targets: string[];
-  /** For each target, seconds after which its newest frame is old; 0: never. */
+  /** For each target, seconds after which its newest frame is old, or 0 for never. */
   _pauses: number[];
   /** Names of the models of the widgets that show the time itself. */
   _followers: string[];
@@ -28,26 +28,26 @@ export interface PlayerTraits {
   _first: SegmentMessage[];
   /** Seconds since the epoch. */
   _start: number | null;
-  /** Seconds that the widgets show: the time, what a person points at, or where they are frozen. */
+  /** Seconds that the widgets show: the time, the moment under the pointer, or the frozen moment. */
   _shown: number | null;
   /** The player that this one follows; empty without one. */
   _leader: Partial<Leader>;
   /** Why the recording can be read no further; else empty. */
   _status: string;
   _note: string;
-  /** Bytes of the data that an exported page unpacks; 0 with a kernel. */
+  /** Bytes of the data that an exported page unpacks, or 0 with a kernel. */
   _unpacking: number;
 }
 
-/** Another player, and when the robot of this one was where the robot of that one is. */
+/** Another player, and the times here at which this robot was at the places of the other. */
 export interface Leader {
   /** Name of its model. */
   model: string;
   /** Its times in seconds, in order, as float64. */
   times: DataView;
-  /** For each of them, the time of the same place here; NaN where there is none. */
+  /** For each of them, the time of the same place here; NaN without one. */
   seconds: DataView;
-  /** What is said where there is none. */
+  /** The text without such a place. */
   lost: string;
 }
 
@@ -57,8 +57,8 @@ export interface SegmentMessage {
   segment: number;
   /** Numbers of segments that the page is to forget. */
   drop: number[];
-  /** For each target, what is said of its frames. */
+  /** For each target, the facts about its frames. */
   abouts: Record<string, unknown>[][];
-  /** In place of the buffers, where it is in the state of the model. */
+  /** The frames, instead of the buffers, if it is in the state of the model. */
   tracks: DataView[];
 }

@@ -1,7 +1,7 @@
 import { make, makeButton, setHidden } from "../shared/dom.ts";
 import { on } from "../shared/events.ts";
 
-/** Choices that are listed at once; the words that are typed leave fewer. */
+/** Greatest number of choices in the list; typed words filter it. */
 const MOST = 50;
 
 /** A button that unfolds a list of fields, each of which becomes a line. */
@@ -31,8 +31,8 @@ export class Adder {
   }
 
   /**
-   * @param choices fields of which lines can be made
-   * @param taken those that have one
+   * @param choices fields that can become lines
+   * @param taken fields that are lines
    */
   update(choices: string[], taken: string[]): void {
     setHidden(this.button, !choices.length);

@@ -14,16 +14,16 @@ export const TIMES = 26;
 const TOP = 22;
 /** Of each time on the axis, at least. */
 const TIME_WIDTH = 75;
-/** Height of the bar above a mark, and the least width of what is marked. */
+/** Height of the bar above a mark, and least width of the mark. */
 const BAR = 3;
-/** Width of a line that is pointed at. */
+/** Width of a highlighted line. */
 const LIT = 2.5;
 
-/** What a chart shows. */
+/** The content of a chart. */
 export interface Shown {
   rows: Rows[];
   span: Span;
-  /** The longest time on the axis, which decides how times are written. */
+  /** The longest time on the axis, which determines the form of times. */
   end: number;
   marks: Mark[];
   theme: Theme;
@@ -40,7 +40,7 @@ export class Chart {
   readonly #plot: uPlot;
   readonly #isFirst: boolean;
   #shown: Shown;
-  /** The line that is pointed at in the legend; null: none. */
+  /** The line under the pointer in the legend, or null. */
   #lit: string | null = null;
 
   constructor(parent: HTMLElement, group: Group, isFirst: boolean, isLast: boolean, shown: Shown) {
@@ -109,7 +109,7 @@ export class Chart {
     });
   }
 
-  /** Draws a line that is pointed at wider, and the others in gray; null: all as ever. */
+  /** Draws a highlighted line wider, and the others in gray; null to highlight none. */
   light(name: string | null): void {
     const isIn = this.group.entries.some((entry) => entry.name === name);
     const lit = isIn ? name : null;
@@ -128,7 +128,7 @@ export class Chart {
     return isGhost ? theme.ghost : theme.ink;
   }
 
-  /** Where the graph stands, in pixels of the picture. */
+  /** The place of the graph, in pixels of the picture. */
   get box(): { left: number; top: number; width: number; height: number } {
     const { offsetLeft: left, offsetTop: top, offsetWidth: width, offsetHeight: height } = this.#plot.over;
     return { left: this.root.offsetLeft + left, top: this.root.offsetTop + top, width, height };
@@ -150,7 +150,7 @@ export class Chart {
     return timeTicks(span, Math.max(1, (width - SCALE - right) / TIME_WIDTH), end);
   }
 
-  /** What all lines share as times, with null in gaps, and nothing where only others have a value. */
+  /** The times of all lines, with null in gaps, and undefined at times of other lines. */
   #data(): uPlot.AlignedData {
     const tables = this.#shown.rows.map(({ times, values }): [number[], (number | null)[]] => [
       [...times],
@@ -180,14 +180,14 @@ export class Chart {
   }
 }
 
-/** A number of a scale whose numbers stand at such a step: all of them with the digits that the step needs. */
+/** A number of a scale at such a step, with the digits that the step needs. */
 function toScale(value: number, step: number): string {
   if (Math.abs(value) >= 1e6 || step < 1e-5) return value.toExponential(1).replace(/-/g, "\u2212");
   const digits = String(Number(step.toPrecision(4))).split(".")[1] ?? "";
   return toFixed(value, digits.length);
 }
 
-/** The scale of the least and the most value; both are null where there is none. */
+/** The scale of the least and the greatest value; both are null if there are no values. */
 function toRange(_: uPlot, least: number | null, most: number | null): uPlot.Range.MinMax {
   if (least === null || most === null) return [null, null];
   // A line at zero would lie at the bottom of a scale up to 100.

@@ -27,7 +27,7 @@ export class PlotData {
     return [first, Math.max(last, this.#part?.whole[1] ?? last)];
   }
 
-  /** The lines as finely as the page has them. */
+  /** The lines in the finest detail that the page has. */
   get lines(): Rows[] {
     const part = this.#part;
     this.#lines ??= (this.#frame?.lines ?? []).map((all, i) => {
@@ -37,7 +37,7 @@ export class PlotData {
     return this.#lines;
   }
 
-  /** Whether Python has more values for a span in so many columns than the page. */
+  /** Returns true if Python has more values than the page for a span in so many columns. */
   lacks([start, end]: Span, columns: number): boolean {
     const frame = this.#frame;
     if (!frame || frame.lines.every(({ total, times }) => times.length >= total)) return false;

@@ -1,22 +1,22 @@
 import { copyOf, toBytes } from "../shared/bytes.ts";
 import type { Span } from "../shared/time_axis.ts";
 
-/** Values of a line in the order of time, and what lies between them. */
+/** Values of a line in the order of time, with the counts between them. */
 export interface Rows {
   times: Float64Array;
-  /** NaN where there is none. */
+  /** NaN for a missing value. */
   values: Float64Array;
-  /** How many values there are after the row before, up to this one; -1: no value, but a silence. */
+  /** Number of values after the previous row, up to this one; -1 for a silence instead of a value. */
   counts: Float64Array;
   /** The sum of these. */
   sums: Float64Array;
-  /** How many values the line has in all. */
+  /** Number of all values of the line. */
   total: number;
 }
 
 /** Lines as they show a span in so many columns of pixels. */
 export interface PlotFrame {
-  /** Of the lines: what is of different editions does not fit together. */
+  /** Edition of the lines: frames of different editions do not fit together. */
   edition: number;
   /** The first and the last time of all lines. */
   whole: Span;
@@ -28,7 +28,7 @@ export interface PlotFrame {
 const HEAD = 7;
 const DOUBLE = 8;
 
-/** Decodes what `robowidgets/plotting/frame.py` packs; null where there is nothing. */
+/** Decodes the frame that `robowidgets/plotting/frame.py` packs; null for an empty trait. */
 export function decodePlot(trait: unknown): PlotFrame | null {
   const bytes = toBytes(trait);
   if (!bytes) return null;

@@ -1,12 +1,12 @@
 import { toLabels } from "./names.ts";
 
-/** How a line is drawn. */
+/** The style of a line. */
 export interface Pen {
   width: number;
   dash: number[];
 }
 
-/** Told apart without colour, also where two lie over each other. */
+/** Distinguishable without colour, also if two lie over each other. */
 const PENS: Pen[] = [
   { width: 1.75, dash: [] },
   { width: 1.25, dash: [2.5, 2] },
@@ -22,11 +22,11 @@ export interface Entry {
   label: string;
   index: number;
   pen: Pen;
-  /** Whether it is drawn in gray, to be compared with. */
+  /** True if it is drawn in gray, for comparison. */
   isGhost: boolean;
-  /** Whether it holds each value until the next. */
+  /** True if it holds each value until the next. */
   isStepped: boolean;
-  /** Why it is not drawn; empty: it is. */
+  /** The reason why it is not drawn, or "" if it is. */
   left: "" | "off" | "crowded";
 }
 
@@ -36,7 +36,7 @@ export interface Group {
   entries: Entry[];
 }
 
-/** What is said of lines. */
+/** Settings of lines. */
 export interface Wanted {
   units: Record<string, string>;
   off?: string[];
@@ -45,8 +45,8 @@ export interface Wanted {
 }
 
 /**
- * Groups of lines by unit, in the order in which the lines came. Of a graph the first four are drawn, so that their pens
- * differ, and of graphs the first three; a person may switch lines off, and has room for others.
+ * Groups of lines by unit, in the order in which the lines were added. The first four of a graph are drawn, so that
+ * their pens differ, and the first three graphs; the user can switch lines off to make room for others.
  */
 export function toGroups(names: string[], { units, off = [], ghosts = [], steps = [] }: Wanted): Group[] {
   const groups = new Map<string, Group>();

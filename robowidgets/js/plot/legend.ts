@@ -5,13 +5,13 @@ import { type Entry, type Group, toDigits } from "./groups.ts";
 import { fieldOf, toDifference } from "./names.ts";
 import type { Measures, Reading } from "./rows.ts";
 
-/** What stands beside a line. */
+/** Values at the side of a line. */
 export interface Values {
   reading: Reading | null;
   measures: Measures | null;
 }
 
-/** What stands below the lines: a state, or whether a condition holds. */
+/** Rows below the lines: a state, or a condition. */
 export interface More {
   kind: "state" | "mark";
   name: string;
@@ -19,9 +19,9 @@ export interface More {
   isOn: boolean;
 }
 
-/** What a person does with a line. */
+/** Actions of the user on a line. */
 export interface LineGestures {
-  /** Null: no more. */
+  /** Null after the pointer has left. */
   onPoint(name: string | null): void;
   onSwitch(name: string): void;
 }
@@ -41,7 +41,7 @@ interface Difference {
 
 const LEFT = { off: "not drawn", crowded: "no room: switch another line off" };
 
-/** The lines with their exact values, and the least, mean and greatest of what is seen. */
+/** The lines with their exact values, and the least, mean and greatest of the values on show. */
 export class Legend {
   readonly root = make("table", "rw-plot-legend");
   readonly #rows: Row[] = [];

@@ -1,6 +1,6 @@
 import { firstWhere } from "../shared/search.ts";
 
-/** The topic of a line, and its field; all of a name that is none of a topic is the topic. */
+/** The topic of a line, and its field; a name without a field is the topic. */
 export function split(name: string): [string, string] {
   const at = name.startsWith("/") ? name.indexOf(".") : -1;
   return at < 0 ? [name, ""] : [name.slice(0, at), name.slice(at + 1)];
@@ -9,7 +9,7 @@ export function split(name: string): [string, string] {
 const PARTS = /^(d\/dt )?(.*?)( \(.*\))?$/;
 
 /**
- * The shortest names that tell lines apart: the end of the topic, "odom"; of several fields of a topic the end of the
+ * The shortest names that distinguish lines: the end of the topic, "odom"; for several fields of a topic the end of the
  * field, "linear.x"; else the whole name. A derivative, and a line of another recording, is named after its own line.
  */
 export function toLabels(names: string[]): string[] {
@@ -19,14 +19,14 @@ export function toLabels(names: string[]): string[] {
   return parts.map(([before = "", base = "", after = ""]) => `${before}${short[own.indexOf(base)]}${after}`);
 }
 
-/** What two lines differ by, in short: "one − other" of "nearest (one)" and "nearest (other)". */
+/** The short name of a difference: "one − other" of "nearest (one)" and "nearest (other)". */
 export function toDifference(labels: [string, string]): string {
   const [one, other] = labels.map((label) => /^(.*) \((.*)\)$/.exec(label));
   const of = one && other && one[1] === other[1] ? [one[2], other[2]] : labels;
   return of.join(" \u2212 ");
 }
 
-/** The field of a line; empty where its name is none of a topic. */
+/** The field of a line; "" for a name without one. */
 export function fieldOf(name: string): string {
   return split(PARTS.exec(name)?.[2] ?? "")[1];
 }
@@ -49,7 +49,7 @@ function lastOf(field: string, count: number): string {
   return field.split(".").slice(-count).join(".");
 }
 
-/** Heights at which labels stand: near those that are wanted, in their order, and so far apart that each is readable. */
+/** Heights of labels: near the wanted ones, in their order, and far enough apart to be readable. */
 export function spread(wanted: number[], apart: number, top: number, bottom: number): number[] {
   const order = wanted.map((_, i) => i).sort((a, b) => (wanted[a] as number) - (wanted[b] as number));
   const places = order.map((i) => wanted[i] as number);
@@ -65,7 +65,7 @@ export function spread(wanted: number[], apart: number, top: number, bottom: num
   return found;
 }
 
-/** How often spans hold within some time, and for how long. */
+/** The number of times that spans hold within some time, and their duration. */
 export function holding(marks: [number, number, string][], [start, end]: [number, number]): [number, number] {
   const last = firstWhere(marks, ([from]) => from > end);
   const inside = marks.slice(0, last).filter(([, to]) => to >= start);

@@ -9,14 +9,14 @@ export interface Reading {
   value: number;
 }
 
-/** Of all values in a span, also those that the page does not have. */
+/** Measures of all values in a span, also of values that the page lacks. */
 export interface Measures {
   least: number;
   mean: number;
   most: number;
 }
 
-/** The rows of a line: those of a part, and around it those of all of it. */
+/** The rows of a line: inside the span of a part its rows, and outside the rows of the whole line. */
 export function merged(all: Rows, part: Rows, [start, end]: Span): Rows {
   const before = firstWhere(all.times, (time) => time >= start);
   const after = firstWhere(all.times, (time) => time > end);
@@ -50,7 +50,7 @@ export function readingAt({ times, values, counts }: Rows, time: number): Readin
   return at < 0 ? null : { time: times[at] as number, value: values[at] as number };
 }
 
-/** The time of the next value, or of the one before; undefined where there is none. */
+/** The time of the next value, or of the previous one; undefined if there is none. */
 export function timeBeside({ times, counts }: Rows, time: number, by: number): number | undefined {
   const step = by < 0 ? -1 : 1;
   let left = Math.abs(by);
@@ -64,14 +64,14 @@ export function timeBeside({ times, counts }: Rows, time: number, by: number): n
   return found;
 }
 
-/** The least, the mean and the greatest of the values in a span; null where there is none. */
+/** The least, the mean and the greatest of the values in a span; null without a value. */
 export function measure({ times, values, counts, sums }: Rows, [start, end]: Span): Measures | null {
   let [least, most, sum, count] = [Infinity, -Infinity, 0, 0];
   const first = firstWhere(times, (time) => time >= start);
   const stop = firstWhere(times, (time) => time > end);
   for (let i = first; i < stop; i++) {
     const value = values[i] as number;
-    // What the first row stands for lies before the span.
+    // The values that the first row stands for lie before the span.
     const isFirst = i === first;
     sum += isFirst ? value || 0 : (sums[i] as number);
     count += isFirst ? Number(!Number.isNaN(value)) : Math.max(0, counts[i] as number);

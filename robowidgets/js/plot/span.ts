@@ -1,14 +1,14 @@
 import type { Span } from "../shared/time_axis.ts";
 
-/** What decides which time is on show. */
+/** The inputs of the time on show. */
 export interface Looking {
   /** The first and the last time of all lines. */
   whole: Span;
   view: Span | null;
   live: boolean;
-  /** Seconds that are on show while values come; null: all. */
+  /** Seconds that are on show while values arrive; null for all. */
   window: number | null;
-  /** The last time on show while frozen; null: it is not. */
+  /** The last time on show while frozen; null while it is not. */
   frozenAt: number | null;
 }
 
@@ -18,7 +18,7 @@ export function wholeOf({ whole: [first, last], frozenAt }: Looking): Span {
   return [first, end > first ? end : first + 1];
 }
 
-/** Whether the newest values stay on show as they come. */
+/** Returns true if the newest values stay on show as they arrive. */
 export function follows({ view, live, frozenAt }: Looking): boolean {
   return live && view === null && frozenAt === null;
 }

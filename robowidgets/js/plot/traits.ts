@@ -4,11 +4,11 @@ import type { Span } from "../shared/time_axis.ts";
 import type { CardTraits } from "../shared/traits.ts";
 
 export interface PlotTraits extends CardTraits {
-  /** Name of a line to its unit. */
+  /** By name of a line, its unit. */
   units: Record<string, string>;
-  /** Seconds on show; null: all, or live the newest. */
+  /** Seconds on show; null for all, or live the newest. */
   view: Span | null;
-  /** Seconds on show while values come; null: all. */
+  /** Seconds on show while values arrive; null for all. */
   window: number | null;
   /** The time cursor in seconds. */
   time: number | null;
@@ -23,30 +23,30 @@ export interface PlotTraits extends CardTraits {
   ghosts: string[];
   /** Seconds by which ghosts are moved. */
   shift: number;
-  /** Names of two lines of which the second is drawn over the first; null: all over time. */
+  /** Names of two lines, of which the second is drawn over the first; null for all over time. */
   x_over_y: string[] | null;
   paused: boolean;
   /** The last time on show while frozen. */
   _frozen_at: number | null;
   /** All of the lines. */
   _lines: DataView;
-  /** A part of them, with more values; empty where all of the lines show each value. */
+  /** A part of them, with more values; empty if all of the lines show each value. */
   _detail: DataView;
   _facts: PlotFacts;
-  /** Names of fields of which lines can be made. */
+  /** Names of fields that can become lines. */
   _choices: string[];
-  /** Name of the group that is frozen together; empty: alone. */
+  /** Name of the group that is frozen together, or "" to freeze alone. */
   _together: string;
-  /** Start and end of what the page looks at, and for how many columns. */
+  /** Start and end of the span that the page shows, and the number of its columns. */
   _wanted: number[];
 }
 
 export interface PlotFacts {
   /** Of the lines, in their order. */
   names?: string[];
-  /** Whether values come one by one. */
+  /** True if values arrive one by one. */
   live?: boolean;
   error?: string;
-  /** How many messages did not come, in words. */
+  /** The number of lost messages, in words. */
   missed?: string;
 }

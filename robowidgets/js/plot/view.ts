@@ -27,15 +27,15 @@ import { follows, type Looking, seen, wholeOf } from "./span.ts";
 import type { PlotTraits } from "./traits.ts";
 import { type Axis, drawPairs, drawRing, type Pairs, Projection, timeNear, toPairs } from "./xy.ts";
 
-/** Width of a card from which the legend stands beside the graphs. */
+/** Width of a card from which the legend stands next to the graphs. */
 const WIDE = 640;
 const [LEAST_GRAPH, ONE_GRAPH, GRAPH] = [110, 230, 160];
-/** Pixels right of the lines: for their names, where there is room. */
+/** Pixels right of the lines: with names if there is room. */
 const [RIGHT, NAMES] = [14, 96];
 /** Width of a picture from which names stand at the ends of its lines. */
 const NAMED = 440;
 const ONE_OVER_OTHER = 320;
-/** Seconds that are looked at, at least. */
+/** Least seconds on show. */
 const SHORTEST = 1e-4;
 const LATE = "finer detail when the kernel is free";
 const HINT = "least, mean and most are of this";
@@ -67,9 +67,9 @@ export class PlotView {
   #charts: Chart[] = [];
   #groups: Group[] = [];
   #built = "";
-  /** The line that keys picked; null: none. */
+  /** The line that keys picked, or null. */
   #picked: string | null = null;
-  /** The time at which a person points on the states; null: at none. */
+  /** The time under the pointer on the states; null if it is elsewhere. */
   #onStates: number | null = null;
   #pairs: { key: unknown[]; pairs: Pairs } | null = null;
   #projection: Projection | null = null;
@@ -208,7 +208,7 @@ export class PlotView {
     setTraits(this.#model, { time: null });
   }
 
-  /** To the next value of any line, or to the one before. */
+  /** Goes to the next or the previous value of any line. */
   onStep(by: number): void {
     const looking = this.#looking;
     if (!looking) return;
@@ -239,7 +239,7 @@ export class PlotView {
     return whole && { whole, view: model.get("view"), live, window: model.get("window"), frozenAt };
   }
 
-  /** Where the times stand. */
+  /** The axis of times in the picture. */
   get #axis(): TimeAxis | null {
     const looking = this.#looking;
     const box = this.#charts[0]?.box;
@@ -277,7 +277,7 @@ export class PlotView {
     const at = names.indexOf(this.#picked ?? "");
     if (event.key === " ") this.#member.toggle();
     else if (event.key === "[" || event.key === "]") {
-      // After the last comes none, which stands for all.
+      // After the last comes null, which stands for all.
       const next = at + (event.key === "]" ? 1 : -1);
       this.#pick(names[next < -1 ? names.length - 1 : next] ?? null);
     } else if (event.key === "Delete" && this.#picked !== null) {
@@ -289,7 +289,7 @@ export class PlotView {
     event.preventDefault();
   }
 
-  /** Picks a line, by whose values arrow keys go; null: those of all. */
+  /** Picks a line, whose values arrow keys visit; null for the values of all lines. */
   #pick(name: string | null): void {
     this.#picked = name;
     this.#light(name);
@@ -306,7 +306,7 @@ export class PlotView {
     setTraits(this.#model, { off: off.includes(name) ? off.filter((one) => one !== name) : [...off, name] });
   }
 
-  /** The second line over the first, or over the one that is picked; or all over time again. */
+  /** Draws the second line over the first, or over the one that is picked; or all over time again. */
   #toggleOver(): void {
     const names = this.#entries.map(({ name }) => name);
     const first = names.includes(this.#picked ?? "") ? (this.#picked as string) : names[0];
@@ -315,7 +315,7 @@ export class PlotView {
     setTraits(this.#model, { x_over_y: isOver || !first || !second ? null : [first, second] });
   }
 
-  /** Publishes the time at which a person points, which a player shows in all its widgets. */
+  /** Publishes the time under the pointer, which a player shows in all its widgets. */
   #tellPointed(time: number | null): void {
     const before = this.#model.get("_pointed");
     if (before?.time !== time && (before || time !== null)) {
@@ -323,7 +323,7 @@ export class PlotView {
     }
   }
 
-  /** The time at a place of the picture; null where there is none. */
+  /** The time at a place of the picture; null if it is outside of the axis. */
   #timeAt(point: Point): number | null {
     const axis = this.#axis;
     if (this.#projection && this.#pairs) return timeNear(this.#pairs.pairs, this.#projection, point);
@@ -357,7 +357,7 @@ export class PlotView {
     setText(this.#empty, lacksKernel(this.#model) ? NO_KERNEL : "waiting for values");
     setHidden(this.#empty, looking !== null);
     this.#card.root.classList.toggle("rw-plot-wide", this.#card.width >= WIDE);
-    // Until the lines of these names are there, as right after another one came.
+    // Until the lines of these names are there, such as right after a line was added.
     const isWhole = looking !== null && lines.length === names.length;
     if (isWhole || !names.length) this.#drawGraphs(isWhole ? groups : [], looking);
     this.#drawTop();
@@ -430,7 +430,7 @@ export class PlotView {
     return this.#card.size.width >= NAMED ? NAMES : RIGHT;
   }
 
-  /** The two lines of which one is drawn over the other, if there are such; else null. */
+  /** The two lines of which one is drawn over the other, or null. */
   get #axes(): [Axis, Axis] | null {
     const wanted = this.#model.get("x_over_y") ?? [];
     const all = this.#groups.flatMap(({ unit, entries }) => entries.map((entry) => ({ ...entry, unit })));
@@ -438,7 +438,7 @@ export class PlotView {
     return one && other ? [one, other] : null;
   }
 
-  /** Asks Python for what the page lacks of the span on show. */
+  /** Requests the data of the span on show that the page lacks. */
   #askFor(looking: Looking): void {
     const span = seen(looking);
     const columns = Math.max(1, Math.round((this.#card.size.width - SCALE - this.#right) * devicePixelRatio));
@@ -452,7 +452,7 @@ export class PlotView {
     if (!isAlone && !isAsked && (!wanted.length || !isFine)) setTraits(this.#model, { _wanted: wanted });
   }
 
-  /** Draws what moves with the pointer, and the values there. */
+  /** Draws the parts that move with the pointer, and the values there. */
   #drawTop(): void {
     const { size, theme, noticeHeight } = this.#card;
     const context = this.#top.begin(size);
@@ -508,7 +508,7 @@ export class PlotView {
     if (isShown) {
       const text = toMoment(time, last, 3);
       const half = 34;
-      // Beside the unit of the first graph, which stands at the left end of the same line.
+      // After the unit of the first graph, which stands at the left end of the same line.
       context.font = font;
       const unit = context.measureText(this.#charts[0]?.group.unit ?? "").width;
       const x = Math.min(size.width - half, Math.max(axis.left + unit + half, toX(axis, time)));
@@ -518,7 +518,7 @@ export class PlotView {
     setText(this.#span, `seen ${from} to ${to}`);
   }
 
-  /** The names of lines at their ends, apart from each other. */
+  /** Writes the names of lines at their ends, apart from each other. */
   #drawNames(context: Context, chart: Chart, values: Values[], looking: Looking, axis: TimeAxis): void {
     const { theme } = this.#card;
     const { top, height } = chart.box;
@@ -551,7 +551,7 @@ export class PlotView {
     }
   }
 
-  /** One line over the other. */
+  /** Draws one line over the other. */
   #drawOver(context: Context, over: [Axis, Axis], span: Span): void {
     const { size, theme, noticeHeight } = this.#card;
     const rows = over.map(({ index }) => this.#data.lines[index]);
@@ -567,7 +567,7 @@ export class PlotView {
     this.#projection = projection;
   }
 
-  /** The cursor on one line over the other. */
+  /** Draws the cursor on one line over the other. */
   #drawMoment(context: Context, over: [Axis, Axis], values: Values[], text: string): void {
     const { theme } = this.#card;
     const [x, y] = over.map(({ index }) => values[index]?.reading?.value ?? NaN) as [number, number];
@@ -580,7 +580,7 @@ export class PlotView {
     write(context, text, place.x + (isRight ? -10 : 10), place.y - 12, theme.ink, font, align, theme.background);
   }
 
-  /** The states and the conditions of a moment, below the lines of the legend. */
+  /** Updates the states and the conditions of a moment, below the lines of the legend. */
   #updateMore(time: number, span: Span, isPicked: boolean): void {
     const marks = this.#model.get("marks");
     const more: More[] = statesAt(this.#model.get("states"), isPicked ? time : NaN).map(([start, , path]) => {

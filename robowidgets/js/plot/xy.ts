@@ -8,7 +8,7 @@ import { type Entry, toDigits } from "./groups.ts";
 
 export type Axis = Entry & { unit: string };
 
-/** Two lines over each other: the values of both at each time of either, NaN where one has none. */
+/** Two lines over each other: the values of both at each time of either, NaN for a missing value. */
 export interface Pairs {
   times: Float64Array;
   xs: Float64Array;
@@ -41,13 +41,13 @@ const APART = 56;
 /** Pixels from a point within which it is pointed at. */
 const NEAR = 40;
 
-/** Where values stand in the picture. */
+/** Maps values to places in the picture. */
 export class Projection {
   readonly box: Box;
   readonly x: Span;
   readonly y: Span;
 
-  /** @param isEqual whether a unit has the same length on both sides */
+  /** @param isEqual true if a unit has the same length on both sides */
   constructor({ xs, ys }: Pairs, width: number, height: number, top: number, isEqual: boolean) {
     this.box = {
       x: ROOM.left,
@@ -72,7 +72,7 @@ export class Projection {
   }
 }
 
-/** The time of the pair nearest to a point of the picture; null where none is near. */
+/** The time of the pair nearest to a point of the picture; null if all are far. */
 export function timeNear({ times, xs, ys }: Pairs, projection: Projection, point: Point): number | null {
   let [nearest, least] = [-1, NEAR];
   for (let i = 0; i < times.length; i++) {
@@ -128,14 +128,14 @@ export function drawPairs(
   stroke(context, theme.ink, 1.25);
 }
 
-/** Draws a ring where the cursor is. */
+/** Draws a ring at the cursor. */
 export function drawRing(context: Context, place: Point, theme: Theme): void {
   circle(context, place, 4.5);
   fill(context, theme.background);
   stroke(context, theme.pointer, 2);
 }
 
-/** What all finite values lie within, with some room. */
+/** The span of all finite values, with some room. */
 function around(values: Float64Array): Span {
   let [least, most] = [Infinity, -Infinity];
   for (const value of values) {

@@ -2,7 +2,7 @@ import type { Told } from "../shared/driving/traits.ts";
 import { toFixed } from "../shared/format.ts";
 import type { Program, Variable } from "./traits.ts";
 
-/** What a program does while nothing comes from Python. */
+/** The state of a program without an answer from Python. */
 export const NOT_KNOWN = "not known";
 
 /** The state of running, as a word. */
@@ -12,7 +12,7 @@ export function toMode(told: Told, program: Program, isKnown = true): string {
   return program.mode === "running" && program.waiting ? "waiting" : program.mode;
 }
 
-/** What a step returned, as Python code. */
+/** The speed that a step returned, as Python code. */
 export function toCode([linear, angular, lateral]: Program["speed"], kept: boolean): string {
   const sideways = lateral ? `, lateral=${toPython(lateral)}` : "";
   const drive = `Drive(${toPython(linear)}, ${toPython(angular)}${sideways})`;
@@ -24,7 +24,7 @@ function toPython(value: number): string {
   return Number.isInteger(Number(text)) ? `${text}.0` : text;
 }
 
-/** The line under the facts: the error, why the program waits, or what happened to it; and whether it is an error. */
+/** The line under the facts: the error, the reason why the program waits, or an event; and true for an error. */
 export function toNotice(told: Told, program: Program): { text: string; isError: boolean } {
   const error = told.error || program.error;
   if (error) return { text: error, isError: true };
@@ -33,7 +33,7 @@ export function toNotice(told: Told, program: Program): { text: string; isError:
   return { text: program.waiting || (isSilent ? program.note : ""), isError: false };
 }
 
-/** A variable's value with as many decimals as its slider tells apart. */
+/** A variable's value with as many decimals as its slider needs. */
 export function toValue({ value, low, high, whole }: Variable): string {
   if (typeof value !== "number") return String(value);
   if (low === null || high === null) return String(Math.round(value * 1e6) / 1e6);

@@ -9,7 +9,7 @@ export interface ProgramTraits extends NamedTraits {
 export interface ProgramTold extends Told {
   program: Program | null;
   variables: Variable[];
-  /** Names and texts of what the program keeps in its state. */
+  /** Names and texts of the values that the program keeps in its state. */
   kept: [name: string, value: string][];
 }
 
@@ -27,11 +27,11 @@ export interface Program {
   step_ms: number;
   /** Seconds since the version is in force. */
   since: number;
-  /** What the last step returned: m/s forward, rad/s counter-clockwise, m/s to the left. */
+  /** The speed that the last step returned: m/s forward, rad/s counter-clockwise, m/s to the left. */
   speed: [number, number, number];
-  /** Whether it returned None, which keeps the speed. */
+  /** True if it returned None, which keeps the speed. */
   kept: boolean;
-  /** Of each of them; 0: the robot does not move so. */
+  /** Limits of the speeds, each 0 if the robot cannot move in that way. */
   limits: [number, number, number];
   /** The active states of a state machine. */
   active: string;
@@ -39,15 +39,15 @@ export interface Program {
   prints: [number, string][];
 }
 
-/** A value that a person may set; with ends where it has a slider. */
+/** A value that the user may set; with ends if it has a slider. */
 export interface Variable {
   name: string;
   value: number | boolean | string;
-  /** The value of the version before. */
+  /** The value of the previous version. */
   before: number | boolean | string;
   low: number | null;
   high: number | null;
   unit: string;
-  /** Whether a number is an integer; a slider of integers has no others. */
+  /** True for integers; a slider of integers has no other numbers. */
   whole: boolean;
 }

@@ -39,7 +39,7 @@ export class VariableRows {
     }
   }
 
-  /** Puts back what is being dragged. */
+  /** Cancels a drag. */
   cancel(): void {
     for (const row of this.#rows.values()) row.cancel();
   }

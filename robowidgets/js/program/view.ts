@@ -13,7 +13,7 @@ import { VariableRows } from "./variables.ts";
 
 const RESTART = "Restart from the beginning, with an empty state, and let programs drive";
 
-/** A program: what it does, its variables, its prints or its error, and Stop. */
+/** A program: its state, its variables, its prints or its error, and Stop. */
 export class ProgramView {
   readonly #model: Model<ProgramTraits>;
   readonly #control: StopControl;
@@ -142,7 +142,7 @@ export class ProgramView {
     setTip(this.#hint, this.#control.told.sender ?? "");
   }
 
-  /** What the program keeps, a row for each. */
+  /** Draws a row for each value that the program keeps. */
   #drawKept(kept: [name: string, value: string][]): void {
     setHidden(this.#kept, kept.length === 0);
     while (this.#kept.children.length > 2 * kept.length) this.#kept.lastChild?.remove();
@@ -156,7 +156,7 @@ export class ProgramView {
     }
   }
 
-  /** The last three lines; the error, or why it does not drive, in their place. */
+  /** Draws the last three lines, or instead the error or the reason why it does not drive. */
   #drawPrints(program: Program | null): void {
     const notice = program ? toNotice(this.#model.get("_state"), program) : { text: "", isError: false };
     const lines = notice.text ? [] : (program?.prints ?? []);

@@ -2,13 +2,13 @@ import { firstWhere } from "../shared/search.ts";
 import type { Span } from "../shared/time_axis.ts";
 import { type Block, type Detail, NO_SCAN, type Speeds, toRange, type Whole } from "./data.ts";
 
-/** Bytes of details that a page keeps, the whole not counted. */
+/** Bytes of details that a page keeps, without the whole. */
 const KEPT_BYTES = 48_000_000;
 
 /** One ray at one time, in the finest detail that the page has. */
 export interface Place {
   index: number;
-  /** Number of scans and of rays of which this is the nearest. */
+  /** Number of scans and of rays that share this value. */
   scans: number;
   rays: number;
   /** Number of the first of these scans, and its time in seconds; when the last one ends. */
@@ -18,7 +18,7 @@ export interface Place {
   code: number;
   /** Metres; NaN for codes that stand for no distance. */
   range: number;
-  /** Whether the range is the measured number, not one decoded from a code. */
+  /** True if the range is the measured number, not one decoded from a code. */
   exact: boolean;
 }
 
@@ -52,7 +52,7 @@ export class Blocks {
     return this.all.find((block) => covers(block, span)) ?? this.#whole.block;
   }
 
-  /** Whether Python has finer detail of a span shown in some number of columns. */
+  /** Returns true if Python has finer detail of a span shown in some number of columns. */
   wants(span: Span, columns: number): boolean {
     const block = this.over(span);
     if (block.size === 1 && block.ranges.length) return false;
@@ -71,7 +71,7 @@ export class Blocks {
     return fine?.speeds ?? this.#whole.speed?.speeds ?? null;
   }
 
-  /** The ray of an index at a time; null where there is no scan. */
+  /** The ray of an index at a time; null without a scan. */
   at(time: number, index: number): Place | null {
     const { sweep } = this.#whole;
     for (const block of this.all) {
@@ -101,7 +101,7 @@ export class Blocks {
     return null;
   }
 
-  /** The start of the scan a number of steps from a time, as far as the page has single scans. */
+  /** The start of the scan a number of steps from a time, if the page has single scans there. */
   step(time: number, by: number): number {
     for (const block of this.all) {
       const { startsAt } = block;
@@ -113,7 +113,7 @@ export class Blocks {
     return time;
   }
 
-  /** How many scans start in a span, and whether that is exact. */
+  /** The number of scans that start in a span, and true if that is exact. */
   count([start, end]: Span): { scans: number; exact: boolean } {
     const block = this.over([start, end]);
     const [first, stop] = [start, end].map((time) => firstWhere(block.startsAt, (other) => other >= time - 1e-9));
@@ -122,7 +122,7 @@ export class Blocks {
   }
 }
 
-/** The number of the cell at a time; -1 where there is none. */
+/** The number of the cell at a time; -1 without one. */
 export function cellAt({ startsAt, endsAt }: Block, time: number): number {
   const cell = firstWhere(startsAt, (start) => start > time) - 1;
   return cell >= 0 && ((endsAt[cell] as number) > time || startsAt[cell] === time) ? cell : -1;

@@ -16,7 +16,7 @@ export interface Block {
   endsAt: Float64Array;
   /** Cell after cell, ray after ray. */
   codes: Uint16Array;
-  /** The ranges themselves, where they are known; else empty. */
+  /** The ranges themselves, or empty if they are unknown. */
   ranges: Float32Array;
 }
 
@@ -33,7 +33,7 @@ export interface Sweep {
   count: number;
   minRange: number;
   maxRange: number;
-  /** Whether scans had different rays and are drawn by angle; then an index means nothing for all of them. */
+  /** True if scans had different rays and are drawn by angle; an index then is not the same ray in all of them. */
   byAngle: boolean;
   /** The distance of the greatest code. */
   far: number;
@@ -45,15 +45,15 @@ export interface Whole {
   edition: number;
   sweep: Sweep;
   scanCount: number;
-  /** When the picture begins and ends. */
+  /** Start and end of the picture. */
   span: [number, number];
   /** Usual seconds from scan to scan. */
   pause: number;
-  /** How many rays there are of each class, numbered as in Python. */
+  /** Number of rays of each class, numbered as in Python. */
   counts: number[];
   /** Metres of the nearest and the farthest color, fitted to the readings of all scans. */
   colors: [number, number];
-  /** Which reading the cells show. */
+  /** The reading that the cells show. */
   pixel: Pixel;
   block: Block;
   speed: { title: string; axes: string[]; limits: ([number, number] | null)[]; gap: number; speeds: Speeds } | null;
@@ -67,7 +67,7 @@ export interface NamedSpan {
   name: string;
 }
 
-/** The finer detail that the page asked for. */
+/** The finer detail that the page requested. */
 export interface Detail {
   /** Edition of the whole that it belongs to. */
   edition: number;
@@ -167,7 +167,7 @@ export function decodeDetail(bytes: DataView, sweep: Sweep): Detail {
   };
 }
 
-/** The code of a range. Of several codes the least is shown, as in Python. */
+/** The code of a range. The least of several codes is shown, as in Python. */
 export function toCode(range: number, { minRange, maxRange, far }: Sweep): number {
   if (minRange <= range && range <= maxRange) {
     return Math.floor(((range - minRange) * FARTHEST) / (far - minRange));

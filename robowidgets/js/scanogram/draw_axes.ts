@@ -11,7 +11,9 @@ const APART_ALONE = 22;
 const WORDS_APART = 92;
 const LABEL_HEIGHT = 17;
 
-/** The time axis, with a label in ink at the line, of the time and the state, in place of the numbers there. */
+/**
+ * Draws the time axis. A label in ink at the line has the time and the state, and replaces the numbers that it covers.
+ */
 export function drawTimes(
   context: CanvasRenderingContext2D,
   axis: TimeAxis,
@@ -39,7 +41,7 @@ export function drawTimes(
   }
 }
 
-/** The time of the line, in ink; returns where it begins and ends. */
+/** Draws the time of the line, in ink; returns its left and right end. */
 function drawMoment(
   context: CanvasRenderingContext2D,
   axis: TimeAxis,
@@ -62,8 +64,8 @@ function drawMoment(
 }
 
 /**
- * Rows with round angles, the height of each in the picture, and the middle of its label; null where the label at an end
- * of the axis, which is moved into the picture, leaves no room for it.
+ * Rows with round angles, the height of each in the picture, and the middle of its label; null if the label at an end
+ * of the axis, which is moved into the picture, covers it.
  */
 export function angleLabels(
   rows: Rows,

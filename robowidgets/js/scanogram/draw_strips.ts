@@ -18,14 +18,14 @@ const LETTERS: Record<string, string> = {
 
 type Speed = NonNullable<Whole["speed"]>;
 
-/** Whether a speed exceeds its limits by more than rounding errors, as in Python. */
+/** Returns true if a speed exceeds its limits by more than rounding errors, as in Python. */
 function isPast(value: number, limits: [number, number] | null): boolean {
   if (!limits) return false;
   const [low, high] = limits;
   return value < low - ROUNDING * Math.max(1, -low) || value > high + ROUNDING * Math.max(1, high);
 }
 
-/** The speed at the ends of a strip: the greatest there is, with the limit where it is not far off. */
+/** The speed at the ends of a strip: the greatest speed, or the limit if that is not much greater. */
 function reachOf(speed: Speed, axis: number): number {
   const { least, greatest } = speed.speeds;
   let most = 0;
@@ -36,7 +36,7 @@ function reachOf(speed: Speed, axis: number): number {
   return (most > limit / 2 ? Math.max(most, limit) : most) || 1;
 }
 
-/** One axis of the speed: a line from the least to the greatest at each place; red and marked where past a limit. */
+/** Draws one axis of the speed: a line from the least to the greatest at each place; red and marked if past a limit. */
 export function drawSpeed(
   context: CanvasRenderingContext2D,
   axis: TimeAxis,

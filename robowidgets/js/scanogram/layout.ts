@@ -8,23 +8,23 @@ export interface Band {
   height: number;
 }
 
-/** Where everything stands in the picture, in pixels. */
+/** The layout of the picture, in pixels. */
 export interface Layout {
   left: number;
   width: number;
-  /** Where words end at the latest. */
+  /** Right end of the room for words. */
   right: number;
   /** Above the scans. */
   marks: Band;
   scans: Band;
-  /** Whether the angles have their indices below them. */
+  /** True if the angles have their indices below them. */
   indices: boolean;
-  /** One for each axis of the speeds, as far as there is room. */
+  /** One for each axis of the speeds that has room. */
   speeds: Band[];
   touch: Band | null;
   /** One for each row of states. */
   states: Band[];
-  /** Where the numbers of the time axis begin. */
+  /** Top of the numbers of the time axis. */
   bottom: number;
   height: number;
 }

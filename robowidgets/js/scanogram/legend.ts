@@ -12,8 +12,8 @@ import { toShare } from "./text.ts";
 const WIDE = 560;
 
 /**
- * What the colours mean, how much there is of each class, the time cursor and the selection: in the header, or below
- * the picture where the header has no room.
+ * The scale of the colours, the share of each class, the time cursor and the selection: in the header, or below the
+ * picture if the header has no room.
  */
 export class Legend {
   readonly #card: Card;
@@ -39,7 +39,7 @@ export class Legend {
     this.#state.append(this.#selected, this.#clear, cursor);
   }
 
-  /** Puts it where it has room. */
+  /** Puts it into a place with room. */
   place(hasHeader: boolean, hasFooter: boolean, width: number): void {
     const { header, controls, footer } = this.#card;
     const isAbove = hasHeader && width >= WIDE;

@@ -4,22 +4,22 @@ import { type Block, NO_SCAN } from "./data.ts";
 import type { Rows } from "./rows.ts";
 import type { Pixel } from "./traits.ts";
 
-/** Codes of a picture, line after line from the top: what each pixel shows. */
+/** Codes of a picture, line after line from the top: one for each pixel. */
 interface Raster {
   width: number;
   height: number;
   codes: Uint16Array;
 }
 
-/** Shows one of the codes of each pixel of a column: cells `first` to `stop - 1` of a block. */
+/** Merges the codes of each pixel of a column into one: cells `first` to `stop - 1` of a block. */
 type Merge = (block: Block, first: number, stop: number, lineOfRay: Uint16Array, column: Uint16Array) => void;
 
 /**
- * The picture of a span, each column from the finest block that covers it. Where several scans or rays share a pixel,
+ * The picture of a span, each column from the finest block that covers it. If several scans or rays share a pixel,
  * the least code is shown, so that the nearest distance does not vanish; or the median.
  *
  * @param blocks the finest first
- * @param height at most so many lines; fewer where there are fewer rays
+ * @param height at most so many lines; fewer if there are fewer rays
  */
 export function toRaster(
   blocks: Block[],
@@ -53,7 +53,7 @@ export function toRaster(
   return { width, height: lines, codes };
 }
 
-/** The cells of the finest block that knows a time; null where there is none. */
+/** The cells of the finest block that has a time; null if all lack it. */
 function cellsIn(blocks: Block[], from: number, to: number): { block: Block; first: number; stop: number } | null {
   for (const block of blocks) {
     const { startsAt, endsAt } = block;
@@ -84,7 +84,7 @@ const nearest: Merge = ({ codes, rays }, first, stop, lineOfRay, column) => {
   }
 };
 
-/** Merges by the median; of an even number, the nearer of the two in the middle. */
+/** Merges by the median; for an even number, the nearer of the two in the middle. */
 function medians(): Merge {
   let known: { lineOfRay: Uint16Array; rays: Uint16Array } | null = null;
   let shared = new Uint16Array(64);

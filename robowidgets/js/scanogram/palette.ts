@@ -3,7 +3,7 @@ import type { Theme } from "../shared/theme.ts";
 import { VIRIDIS } from "../shared/viridis.ts";
 import { FARTHEST, KINDS, NO_SCAN, type Sweep, toRange } from "./data.ts";
 
-/** How each class without a distance is painted. */
+/** The colour of each class without a distance. */
 export function classColors(theme: Theme): Partial<Record<Validity, string>> {
   const grays = theme.dark ? ["#262d34", "#6b7785", "#a9b4c0"] : ["#eef1f4", "#b9c2cc", "#7d8997"];
   const [nothing = "", outside = "", none = ""] = grays;

@@ -9,7 +9,7 @@ import type { Pointed, Scene } from "./scene.ts";
 import type { State } from "./state.ts";
 import { describeMark, describePlace, describeSpeed, describeState, describeTouches } from "./text.ts";
 
-/** The thing under the pointer, its place, and the text of its pop-up; null when there is none. */
+/** The thing under the pointer, its place, and the text of its pop-up; null if there is none. */
 export function pointAt(point: Point, scene: Scene, state: State): (Pointed & { y: number; words: PopupWords }) | null {
   const { whole, blocks } = state;
   const { left, width, scans, speeds, touch, states } = scene.layout;

@@ -7,18 +7,18 @@ const ROUNDING = 1e-6;
 const DEGREE = Math.PI / 180;
 const STEPS = [0.1, 0.2, 0.5, 1, 2, 5, 10, 15, 30, 45, 90];
 
-/** Which ray stands in which row, from the bottom up: angles grow upwards. */
+/** The rays in rows from the bottom up: angles grow upwards. */
 export interface Rows {
   /** By row: the index of the ray, and its angle in radians. */
   rayOf: number[];
   angles: number[];
   /** By index: the row. */
   rowOf: number[];
-  /** Whether the indices are those of the picture alone. */
+  /** True if the indices belong to the picture alone. */
   byAngle: boolean;
 }
 
-/** Rays as the scanner's angles have them; where they close a circle, forward is in the middle. */
+/** Rays by the scanner's angles; if they close a circle, forward is in the middle. */
 export function toRows({ angleMin, angleIncrement, count, byAngle }: Sweep): Rows {
   const isCircle = isFullCircle({ angleMin, angleIncrement, count });
   const bottom = -Math.PI - ROUNDING;
@@ -54,6 +54,6 @@ export function angleTicks({ angles }: Rows, height: number, apart: number): num
       angles.length - 1,
     );
   });
-  // Where rays are few, several round angles have the same as the nearest.
+  // With few rays, several round angles have the same nearest one.
   return [...new Set(ticks)];
 }

@@ -22,13 +22,15 @@ import type { State } from "./state.ts";
 
 const NO_ROWS: Rows = { rayOf: [], angles: [], rowOf: [], byAngle: false };
 
-/** Where a person points: in a row, or below the scans. */
+/** The place of the pointer: in a row, or below the scans. */
 export interface Pointed {
   time: number;
   row: number | null;
 }
 
-/** The canvases of one view: beneath, the scans and strips; above, what a person points at and sets. */
+/**
+ * The canvases of one view: the lower one for the scans and strips, the upper one for the pointer and the selection.
+ */
 export class Scene {
   layout: Layout = layOut({ width: 0, height: 0 }, null, 0);
   axis: TimeAxis = { span: [0, 1], left: 0, width: 1 };
@@ -102,8 +104,8 @@ export class Scene {
   }
 
   /**
-   * The selection, and one line through all at the moment that is pointed at, or at the time cursor; on it a ring at
-   * the ray that is pointed at, here or on another widget.
+   * Draws the selection, and one line through all at the moment under the pointer, or at the time cursor; on it a ring
+   * at the ray under the pointer, here or on another widget.
    */
   drawTop(time: number, selection: number[] | null, pointed: Pointed | null, theme: Theme): void {
     const context = this.#top.begin(this.#size);
@@ -132,7 +134,7 @@ export class Scene {
     return this.layout.states.map((band, i) => [band, this.#states[i] ?? []]);
   }
 
-  /** Where the cursor stays while a person points elsewhere; the line itself has a flag in ink. */
+  /** Draws the flag of the cursor while the pointer is elsewhere; the line itself has a flag in ink. */
   #drawFlag(context: CanvasRenderingContext2D, time: number, color: string, theme: Theme): void {
     const { left, width, scans } = this.layout;
     const x = toX(this.axis, time);
@@ -206,7 +208,7 @@ function drawRing(context: CanvasRenderingContext2D, x: number, y: number, theme
   strokeTwice(context, 3.5, 2, theme);
 }
 
-/** A line that is seen on any colour. */
+/** Strokes a line that is visible on any colour. */
 function strokeTwice(context: CanvasRenderingContext2D, outer: number, inner: number, theme: Theme): void {
   context.lineWidth = outer;
   context.strokeStyle = theme.background;

@@ -23,7 +23,7 @@ export class State {
   #seen: { span: Span; columns: number } | null = null;
   #asked = "";
   #late: ReturnType<typeof setTimeout> | undefined;
-  /** Whether a request for finer detail has been unanswered for a while. */
+  /** True while a request for finer detail has been unanswered for a while. */
   waits = false;
 
   constructor(model: Model<ScanogramTraits & Pointing>, signal: AbortSignal) {
@@ -65,7 +65,7 @@ export class State {
     return this.#model.get("states");
   }
 
-  /** The start of the next mark, or of the one before. */
+  /** The start of the next or the previous mark. */
   markBeside(direction: -1 | 1): number | undefined {
     return markBeside(this.#model.get("marks"), this.time, direction);
   }
@@ -86,13 +86,13 @@ export class State {
     return this.#model.get("pixel");
   }
 
-  /** Whether the page lacks the cells that show what is wanted of each pixel. */
+  /** True while the page lacks the cells for the wanted reading of each pixel. */
   get lacksPixels(): boolean {
     const whole = this.whole;
     return whole !== null && whole.pixel !== this.pixel && (whole.block.size > 1 || whole.block.rayStep > 1);
   }
 
-  /** Index of the ray at which a person points on another widget. */
+  /** Index of the ray at which the user points on another widget. */
   get ray(): number | null {
     return this.#model.get("_ray") ?? null;
   }
@@ -145,7 +145,7 @@ export class State {
   #onDetail(): void {
     const whole = this.whole;
     const detail = whole && this.blocks && this.#take(this.blocks, whole);
-    // Answers to earlier requests may come first; only that to the last request ends the wait.
+    // Answers to earlier requests may come first; only the answer to the last request ends the wait.
     if (detail && this.#asked.startsWith(`${detail.span},`)) this.#settle();
     this.#tell();
   }

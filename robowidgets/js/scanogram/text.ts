@@ -15,7 +15,7 @@ const SYMBOLS: Record<number, string> = {
   [OUTSIDE_LIMITS]: "outside",
 };
 
-/** What the pop-up says of a ray at a moment. */
+/** The texts of the pop-up of a ray at a moment. */
 export function describePlace(place: Place, angle: number, sweep: Sweep, pixel: Pixel = "nearest"): PopupWords {
   const kind = kindOf(place.code);
   const known = kind === OUTSIDE_LIMITS && place.exact ? `${toFixed(place.range, 3)} m` : SYMBOLS[kind];
@@ -33,7 +33,10 @@ function toMoment({ scan, scans, time }: Place): string {
   return scans === 1 ? `${toSeconds(time)}  scan ${toCount(scan)}` : `from ${toSeconds(time)}`;
 }
 
-/** Of how many scans and rays this is the nearest, or the median; empty for a single measurement. */
+/**
+ * The number of scans and rays that share a pixel, for which this is the nearest, or the median; "" for a single
+ * measurement.
+ */
 function sharedBy({ scans, rays, code }: Place, pixel: Pixel): string {
   if (scans === 1 && rays === 1) return "";
   const parts = [scans > 1 ? toMany(scans, "scan") : "", rays > 1 ? toMany(rays, "ray") : ""].filter(Boolean);
@@ -57,7 +60,7 @@ export function describeSelection(selection: number[], scans: { scans: number; e
   return `${toFixed(start, 2)} \u2013 ${toSeconds(end)}${rays} · ${scans.exact ? "" : "about "}${toMany(scans.scans, "scan")}`;
 }
 
-/** What the pop-up says of one axis of the speed at a moment. */
+/** The texts of the pop-up of one axis of the speed at a moment. */
 export function describeSpeed(axis: string, title: string, low: number, high: number, time: number): PopupWords {
   const unit = axis.startsWith("linear") ? "m/s" : "rad/s";
   const value = low === high ? toFixed(low, 2) : `${toFixed(low, 2)} to ${toFixed(high, 2)}`;
@@ -65,7 +68,7 @@ export function describeSpeed(axis: string, title: string, low: number, high: nu
   return { expression: axis, distance: words, details: `${toSeconds(time)}  ${title}` };
 }
 
-/** What the pop-up says of the touches at a moment. */
+/** The texts of the pop-up of the touches at a moment. */
 export function describeTouches(touches: NamedSpan[], title: string, time: number): PopupWords {
   const sensors = [...new Set(touches.map(({ name }) => name))];
   const spans = touches.map(toWords);
@@ -76,12 +79,12 @@ export function describeTouches(touches: NamedSpan[], title: string, time: numbe
   };
 }
 
-/** What the pop-up says of a mark. */
+/** The texts of the pop-up of a mark. */
 export function describeMark(mark: NamedSpan): PopupWords {
   return { expression: mark.name, distance: toWords(mark), details: "marked" };
 }
 
-/** What the pop-up says of a state. */
+/** The texts of the pop-up of a state. */
 export function describeState([start, end, path]: StateSpan): PopupWords {
   return { expression: toPath(path), distance: nameOf(path), details: toWords({ start, end, name: "" }) };
 }
@@ -90,7 +93,7 @@ function toWords({ start, end }: NamedSpan): string {
   return `${toFixed(start, 2)} \u2013 ${toSeconds(end)}`;
 }
 
-/** What the header says of all of it. */
+/** Facts about the whole recording for the header. */
 export function toFacts({ scanCount, sweep, span }: Whole): string[] {
   return [toMany(scanCount, "scan"), toMany(sweep.count, "ray"), toSeconds(span[1] - span[0], 1)];
 }

@@ -144,7 +144,7 @@ export class ScanogramView {
     return { time: this.#timeAt(point), ray: isRay ? (rows.rayOf[this.#scene.toRow(point.y)] ?? null) : null };
   }
 
-  /** The time of a click; the start of a scan where the page has single scans. */
+  /** The time of a click; the start of a scan if the page has single scans. */
   #timeAt({ x }: Point): number {
     const time = toTime(this.#scene.axis, x);
     const place = this.#state.blocks?.at(time, 0);
@@ -197,7 +197,7 @@ export class ScanogramView {
     this.#legend.drawState(toSeconds(time), shown ? describeSelection(shown, scans) : "");
   }
 
-  /** Names what is pointed at; returns the moment there, and the row. */
+  /** Draws the pop-up of the thing under the pointer; returns the moment there, and the row. */
   #drawPopup(): Pointed | null {
     const point = this.#pointer;
     const time = point && this.#pointedAt(point)?.time;

@@ -25,7 +25,7 @@ export class Bar {
     this.root.append(back, slider, next, time);
   }
 
-  /** @param place of the sample on show in the history; null when the history has no other sample */
+  /** @param place of the sample on show in the history, or null if the history has no other sample */
   update(place: Place | null): void {
     setHidden(this.root, !place);
     if (!place) return;

@@ -36,8 +36,8 @@ export class Canvas {
     }
     this.context.setTransform(ratio, 0, 0, ratio, 0, 0);
     this.context.clearRect(0, 0, width, height);
-    // Chromium prints what is drawn after a canvas is cleared as it was called, the clearing included, which clears the
-    // canvases below. Using its pixels in between has it print pixels.
+    // Chromium prints the calls after a canvas is cleared, the clearing included, which clears the canvases below.
+    // Using its pixels in between makes it print pixels.
     if (isPrinting()) make("canvas", "").getContext("2d")?.drawImage(element, 0, 0, 1, 1);
     return this.context;
   }
@@ -45,7 +45,7 @@ export class Canvas {
 
 const HALO = 4;
 
-/** Writes text, vertically centred at y; with a halo of some colour, which keeps it apart from lines below it. */
+/** Writes text, vertically centred at y; with a halo of some colour, which separates it from lines below it. */
 export function write(
   context: Context,
   text: string,
@@ -106,7 +106,7 @@ export function sizeOf({ clientWidth, clientHeight }: HTMLElement, ratio = scree
   return { width: clientWidth, height: clientHeight, ratio };
 }
 
-/** What is done with the size of an element. */
+/** The callbacks for the size of an element. */
 interface Watcher {
   prepare: () => void;
   callback: (size: Surface) => void;
@@ -148,13 +148,13 @@ class Sizes {
 
 const KEY: unique symbol = Symbol.for("robowidgets sizes") as never;
 
-/** The scripts of different widgets meet nowhere but here. */
+/** The scripts of different widgets share only this object. */
 const page = globalThis as { [KEY]?: Sizes };
 
 /**
  * Calls back with the size of an element soon, and whenever the size or the pixel ratio changes.
  *
- * @param prepare called before any picture of the page is drawn for its size: it reads what the browser lays out
+ * @param prepare called before any picture of the page is drawn for its size: it reads sizes of the layout
  */
 export function watchSize(
   element: HTMLElement,

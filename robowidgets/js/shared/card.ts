@@ -10,20 +10,23 @@ import { followTheme, type Theme } from "./theme.ts";
 import type { CardTraits, Problem } from "./traits.ts";
 
 const BORDER = 1;
-/** Milliseconds between two drawings of what is scrolled out of sight, where only its texts can be found. */
+/** Milliseconds between two drawings of a card that is scrolled out of sight, so that its texts can be found. */
 const UNSEEN_MS = 500;
 
-/** The frame around a picture: title and controls above, a notice over it, a footer below. It has the picture drawn. */
+/**
+ * The frame around a picture: title and controls above, a notice over it, a footer below. It schedules the drawings of
+ * the picture.
+ */
 export class Card {
   readonly root: HTMLElement;
   readonly header = make("div", "rw-header");
   readonly controls = make("span", "rw-controls");
   readonly picture = make("div", "rw-picture");
   readonly footer = make("div", "rw-footer");
-  /** Draws the picture anew in the next animation frame. */
+  /** Draws the picture again in the next animation frame. */
   readonly redraw: () => void;
   readonly texts: Texts;
-  /** Of the picture. */
+  /** Size of the picture. */
   size: Surface = { width: 0, height: 0, ratio: 1 };
   readonly #outer: LaidOut;
   readonly #title = make("span", "rw-title");
@@ -35,20 +38,21 @@ export class Card {
   readonly #model: Model<CardTraits>;
   readonly #draw: () => void;
   readonly #theme: () => Theme;
-  /** Whether some of it is in view. */
+  /** True while some of it is in view. */
   #isSeen = true;
 
   /**
    * @param kind name of the widget, for its CSS class and its label: "laser", "speed", "touch"
-   * @param draw draws the picture, as soon as it has a size: for another size now, else in an animation frame. It paints
-   *   first, and then brings the elements up to date: to paint text, a browser first lays out anew what has changed
+   * @param draw draws the picture, as soon as it has a size: for another size now, else in an animation frame. It
+   * paints
+   * first, and then updates the elements: to paint text, a browser first lays out the changed elements again
    */
   constructor(element: HTMLElement, kind: string, model: Model<CardTraits>, draw: () => void, signal: AbortSignal) {
     this.#model = model;
     this.#kind = kind;
     this.#draw = draw;
     this.texts = new Texts(signal);
-    // A person drives by the laser: it waits for no other card.
+    // The user drives by the laser: it waits for no other card.
     const soon = perAnimationFrame(() => this.#drawAll(false), signal, kind === "laser");
     const late = throttle(soon, UNSEEN_MS, signal);
     this.redraw = () => (this.#isSeen ? soon : late)();
@@ -107,7 +111,7 @@ export class Card {
     return this.#theme();
   }
 
-  /** Pixels within its borders, beside the picture too. */
+  /** Pixels within its borders, with everything at the sides of the picture. */
   get width(): number {
     return this.#outer.width - 2 * BORDER;
   }
@@ -118,7 +122,7 @@ export class Card {
   }
 
   /**
-   * Brings header, notice and footer up to date.
+   * Updates header, notice and footer.
    * @param problems those in the data, after the lines
    * @param kind of the notice: a note, an error, or the status of a feed
    */
@@ -131,12 +135,15 @@ export class Card {
     this.#notice.update(lines, problems, kind);
   }
 
-  /** Has a screen reader say words about what keys have moved to. */
+  /** Announces words about the things that keys have moved to, to a screen reader. */
   say(words: string[]): void {
     setText(this.#live, words.filter(Boolean).join(", "));
   }
 
-  /** Shows that what is on show is old, and the words for it; none: only that, or, with `isSilent` false, nothing. */
+  /**
+   * Marks the picture as old, with a text about it. An empty text only marks it, or, with `isSilent` false, removes the
+   * mark.
+   */
   updateSilence(words: string, isSilent = words !== ""): void {
     setText(this.#silence, words);
     this.root.classList.toggle("rw-silent", isSilent);

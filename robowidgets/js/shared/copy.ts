@@ -5,8 +5,8 @@ const COPIED_MS = 2000;
 const LABEL = "Copy code";
 
 /**
- * A button that copies code, in the form that stands beside it where there are several. Where the browser does not allow
- * that, a field shows the code, to be copied by hand.
+ * A button that copies code, in the form that is chosen next to it if there are several. If the browser does not allow
+ * to copy, a field shows the code, to be copied by hand.
  */
 export class CopyCode<F extends string = string> {
   /** The button and the form. */
@@ -20,8 +20,8 @@ export class CopyCode<F extends string = string> {
   #copied: ReturnType<typeof setTimeout> | undefined;
 
   /**
-   * @param say has a screen reader say words
-   * @param forms in which there is code, if there are several
+   * @param say announces words to a screen reader
+   * @param forms the forms of the code, if there are several
    * @param about the tooltip of the forms
    */
   constructor(
@@ -34,13 +34,13 @@ export class CopyCode<F extends string = string> {
     this.#toCode = toCode;
     this.#say = say;
     this.#button = makeButton("rw-copy", `${LABEL} (C)`, () => this.copy(), signal, LABEL);
-    // Its name is the text, which says when it is copied.
+    // Its accessible name is the text, which changes after copying.
     this.#button.ariaLabel = null;
     for (const form of forms) this.#form.append(new Option(form));
     this.#form.title = about;
     this.#form.ariaLabel = "form of the code";
     this.row.append(this.#button, ...(forms.length ? [this.#form] : []));
-    // Their keys are theirs: the picture would walk its rays.
+    // Their keys must not reach the picture, which would walk its rays.
     for (const own of [this.#form, this.field]) {
       on(own, "keydown", (event) => event.key !== "Escape" && event.stopPropagation(), signal);
     }
@@ -49,7 +49,7 @@ export class CopyCode<F extends string = string> {
     this.field.ariaLabel = "code to copy";
   }
 
-  /** Offers only the forms in which there is code now, the first of them where the chosen one has none. */
+  /** Offers only the forms that have code now; chooses the first of them if the chosen one has none. */
   offer(has: (form: F) => boolean): void {
     for (const option of this.#form.options) set(option, "disabled", !has(option.value as F));
     if (this.#form.selectedOptions[0]?.disabled) this.#form.selectedIndex = 0;
@@ -71,7 +71,7 @@ export class CopyCode<F extends string = string> {
     }
   }
 
-  /** As before a click. */
+  /** Restores the state before a click. */
   reset(): void {
     clearTimeout(this.#copied);
     setText(this.#button, LABEL);
@@ -79,7 +79,7 @@ export class CopyCode<F extends string = string> {
   }
 }
 
-/** Copies text; resolves to whether the browser allowed it. */
+/** Copies text; resolves to true if the browser allowed it. */
 export async function copyText(text: string): Promise<boolean> {
   try {
     await navigator.clipboard.writeText(text);
@@ -89,7 +89,7 @@ export async function copyText(text: string): Promise<boolean> {
   }
 }
 
-/** The way of pages that are not served securely, which have no clipboard. */
+/** Copies text in a page that is not served securely, which has no clipboard. */
 function copyByCommand(text: string): boolean {
   let isCopied = false;
   const onCopy = (event: ClipboardEvent) => {

@@ -5,13 +5,13 @@ import { sequenceOf } from "./stream.ts";
 import type { LargeTraits } from "./traits.ts";
 
 /**
- * Tells Python what this page has drawn of the frames of one model, so that the next one goes; its views share it. What
- * is hidden is not drawn, and gets no more.
+ * Reports to Python which frames of one model this page has drawn, so that the next one is sent; its views share it. A
+ * hidden view is not drawn, and gets no more frames.
  */
 export class Credit {
   readonly #model: Model<LargeTraits>;
   readonly #page = newName();
-  /** Undefined: nothing yet, not even that there is no frame. */
+  /** Undefined before the first report, also of a missing frame. */
   #drawn: DataView | null | undefined;
 
   constructor(model: Model<LargeTraits>, signal: AbortSignal) {
@@ -27,12 +27,15 @@ export class Credit {
     onMessage(model, onAsked, signal);
   }
 
-  /** The frame that came last, to draw and to give to `drawn` then. */
+  /** The newest frame, to draw and then to give to `drawn`. */
   get newest(): DataView | null {
     return toBytes(this.#model.get("_frame"));
   }
 
-  /** Tells that a frame is on the screen, or that what is there instead, as while frozen, was drawn after it came. */
+  /**
+   * Reports that a frame is on the screen, or that the picture on show instead, such as a frozen one, was drawn after
+   * it arrived.
+   */
   drawn(bytes: DataView | null = this.newest): void {
     if (bytes === this.#drawn) return;
     this.#drawn = bytes;

@@ -14,19 +14,19 @@ export function make<K extends keyof HTMLElementTagNameMap>(
   return element;
 }
 
-/** Sets text, and leaves the page alone when it is the same. */
+/** Sets text; does not touch the page if it is the same. */
 export function setText(element: HTMLElement, text: string): void {
   if (element.textContent === text) return;
   const { firstChild } = element;
-  // Another node in its place would have rules by `:has()`, such as those of JupyterLab, looked at up to the root.
+  // Another node would make the browser check rules with `:has()`, such as those of JupyterLab, up to the root.
   if (text && firstChild instanceof Text && !firstChild.nextSibling) firstChild.data = text;
   else element.textContent = text;
 }
 
-/** Characters at the end of a name that stay if there is no room for the whole of it. */
+/** Characters at the end of a name that stay without room for the whole of it. */
 const NAME_END = 10;
 
-/** Sets a name that loses its middle if there is no room for it: names that are alike differ at their ends. */
+/** Sets a name that loses its middle without room for it: similar names differ at their ends. */
 export function setName(element: HTMLElement, name: string): void {
   if (element.textContent === name) return;
   element.classList.add("rw-name");
@@ -36,7 +36,10 @@ export function setName(element: HTMLElement, name: string): void {
   );
 }
 
-/** Sets what becomes an attribute, and leaves the page alone when it is so: setting the same has styles computed anew. */
+/**
+ * Sets a property that becomes an attribute; does not touch the page if it is the same: setting it would have styles
+ * computed again.
+ */
 export function set<T, K extends keyof T>(holder: T, name: K, value: T[K]): void {
   if (holder[name] !== value) holder[name] = value;
 }
@@ -46,7 +49,7 @@ export function setHidden(element: HTMLElement, isHidden: boolean): void {
   set(element, "hidden", isHidden);
 }
 
-/** Sets what a pointer that rests on an element shows. */
+/** Sets the text that a pointer resting on an element shows. */
 export function setTip(element: HTMLElement, tip: string): void {
   set(element, "title", tip);
 }
@@ -79,7 +82,7 @@ export function mount(parent: HTMLElement, card: HTMLElement, signal: AbortSigna
   enter(parent, card, signal);
 }
 
-/** The box of an element in the coordinates of one that holds it. */
+/** The box of an element in the coordinates of an ancestor. */
 export function boxWithin(parent: HTMLElement, element: HTMLElement) {
   const [outer, inner] = [parent.getBoundingClientRect(), element.getBoundingClientRect()];
   return { x: inner.left - outer.left, y: inner.top - outer.top, width: inner.width, height: inner.height };
@@ -94,7 +97,7 @@ export function pointIn(element: HTMLElement, { clientX, clientY }: Pick<MouseEv
 /** Pixels; a press that moves less is a click. */
 const CLICK_SLOP = 4;
 
-/** Whether a pointer that was pressed at a place has moved so far that it drags. */
+/** Returns true if a pointer that was pressed at a place has moved so far that it drags. */
 export function isDragged(from: Point, to: Point): boolean {
   return Math.hypot(to.x - from.x, to.y - from.y) >= CLICK_SLOP;
 }

@@ -5,25 +5,25 @@ import { isOver, on } from "./events.ts";
 /** A step of a drag, in pixels of the picture. */
 export interface Step {
   from: Point;
-  /** Where the step before ended. */
+  /** End of the previous step. */
   last: Point;
   at: Point;
-  /** Whether the pointer lets go there. */
+  /** True if the pointer is released there. */
   ends: boolean;
 }
 
-/** What a pointer does over a picture whose drags are of some kinds. */
+/** Actions of a pointer over a picture whose drags are of some kinds. */
 export interface Dragged<Kind extends string> {
-  /** Where the pointer rests or moves; null: nowhere on the picture. A finger does not point. */
+  /** The place at which the pointer rests or moves; null outside of the picture. A finger does not point. */
   onPoint(at: Point | null): void;
-  /** What a press begins once it moves; null: nothing. */
+  /** The kind of drag that a press begins once it moves; null for no drag. */
   startsAt(at: Point, event: PointerEvent): Kind | null;
   onDrag(kind: Kind, step: Step): void;
   /** A press of the main button that has not moved. */
   onTap(at: Point): void;
 }
 
-/** Tells a picture what a pointer does over it, and not over what lies on top. */
+/** Passes on the actions of a pointer over a picture, but not over elements on top of it. */
 export function watchDrags<Kind extends string>(
   picture: HTMLElement,
   dragged: Dragged<Kind>,
@@ -51,7 +51,7 @@ export function watchDrags<Kind extends string>(
     if (press?.id !== event.pointerId) return;
     const { kind, from, last } = press;
     press = null;
-    // One that is cancelled, as by a call, tells no place.
+    // A pointer that is cancelled, such as by a phone call, has no place.
     const at = event.type === "pointerup" ? pointIn(picture, event) : last;
     if (hasMoved) dragged.onDrag(kind, { from, last, at, ends: true });
   };

@@ -15,7 +15,9 @@ export function on<K extends keyof Events>(
 
 const ends = new WeakMap<AbortSignal, (() => void)[]>();
 
-/** Calls back when the signal aborts: the view or the model has ended. One listener does for all: a page has many models. */
+/**
+ * Calls back when the signal aborts: the view or the model has ended. One listener serves all: a page has many models.
+ */
 export function onAbort(signal: AbortSignal, callback: () => void): void {
   const callbacks = ends.get(signal) ?? [];
   if (!callbacks.length) {
@@ -25,12 +27,12 @@ export function onAbort(signal: AbortSignal, callback: () => void): void {
   callbacks.push(callback);
 }
 
-/** Whether an event belongs to what stands over a picture and takes clicks itself: it has the class `rw-over`. */
+/** Returns true for an event on an element over a picture that takes clicks itself: it has the class `rw-over`. */
 export function isOver({ target }: Event): boolean {
   return target instanceof Element && target.closest(".rw-over") !== null;
 }
 
-/** Whether a key is pressed without Ctrl, Alt or Meta. */
+/** Returns true if a key is pressed without Ctrl, Alt or Meta. */
 export function isPlain({ ctrlKey, altKey, metaKey }: KeyboardEvent): boolean {
   return !(ctrlKey || altKey || metaKey);
 }

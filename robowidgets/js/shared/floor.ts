@@ -12,7 +12,7 @@ const NOSE = [
   [-2.4, 0.6],
 ] as const;
 
-/** A place in metres in the frame of the floor; in pixels of the picture where it says so. */
+/** A place in metres in the frame of the floor, unless pixels of the picture are mentioned. */
 export interface Place {
   x: number;
   y: number;
@@ -31,11 +31,11 @@ export interface Bounds {
   north: number;
 }
 
-/** Pixels beside the floor, and below it for the scale. */
+/** Pixels at the sides of the floor, and below it for the scale. */
 export const MARGIN = 12;
 export const BELOW = 28;
 
-/** Where metres lie in the picture. */
+/** Maps metres to pixels of the picture. */
 export interface Projection {
   /** Pixels per metre. */
   scale: number;

@@ -10,14 +10,14 @@ export function toFixed(value: number, decimals: number): string {
 
 const KILOMETRE = 1000;
 
-/** How many decimals tell numbers up to a size apart: two, and more where the size is below 0.1; at most six. */
+/** Number of decimals that distinguish numbers up to a size: two, and more if the size is below 0.1; at most six. */
 export function decimalsFor(size: number): number {
   return Math.min(6, Math.max(2, 1 - Math.floor(Math.log10(size))));
 }
 
 /**
- * Metres with the decimals of a picture that reaches so far, and more where a distance would read as 0: "2.54 m". From
- * 1 km on, kilometres to the metre: "1.234 km".
+ * Metres with the decimals of a picture that reaches so far, and more if a distance would read as 0: "2.54 m". From 1
+ * km on, kilometres to the metre: "1.234 km".
  */
 export function toMetres(value: number, reach = 1): string {
   if (Number.isFinite(value) && Math.abs(value) >= KILOMETRE) return `${toFixed(value / KILOMETRE, 3)} km`;
@@ -67,7 +67,7 @@ export function toOrdinal(number: number): string {
   return `${number}${word}`;
 }
 
-/** How long ago: "2.3 s", "3 min", "2 h". */
+/** An age: "2.3 s", "3 min", "2 h". */
 export function toAge(ms: number, decimals = 1): string {
   const seconds = ms / 1000;
   if (seconds < 60) return `${toFixed(seconds, decimals)} s`;
@@ -78,7 +78,8 @@ export const MINUTE = 60;
 
 /**
  * Seconds from the start of a recording, from a minute on in minutes and hours: "12:05.30".
- * @param of the longest of the times beside which it stands, which decides
+ *
+ * @param of the longest of the times next to it, which determines the form
  */
 export function toMinutes(seconds: number, decimals: number, of = seconds): string {
   if (!(of >= MINUTE)) return toFixed(seconds, decimals);

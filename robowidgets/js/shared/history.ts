@@ -7,12 +7,12 @@ const MOST_BYTES = 8e6;
 /**
  * The last samples, oldest first: a number of seconds of them, at most 20 per second and 8 MB.
  *
- * While frozen, it drops no sample that a person may be stepping through, and has the same capacity again for new ones.
- * When that is full too, each new sample replaces the one before it.
+ * While frozen, it drops no sample that the user may be stepping through, and has the same capacity again for new ones.
+ * If that is full too, each new sample replaces the previous one.
  */
 export class History {
   readonly moments: Moment[] = [];
-  /** Whether older samples than the first were there. */
+  /** True once samples before the first one were dropped. */
   hasDropped = false;
   /** Number of samples when it was frozen, and the time. */
   #frozen: { count: number; at: number } | null = null;
@@ -45,7 +45,7 @@ export class History {
     }
   }
 
-  /** Whether the samples from an index on exceed the capacity, counted since a time. */
+  /** Returns true if the samples from an index on exceed the capacity, counted since a time. */
   #isFull(seconds: number, from: number, since: number): boolean {
     const later = this.moments.slice(from);
     const size = later.reduce((sum, { bytes }) => sum + bytes.byteLength, 0);

@@ -2,8 +2,8 @@ import type { Size } from "./box.ts";
 import { onAbort } from "./events.ts";
 
 /**
- * The size of an element with its borders, as it was laid out last: reading it has the browser lay out nothing. A hidden
- * element keeps the size that it had.
+ * The size of an element with its borders at its last layout: reading it does not cause a layout. A hidden element
+ * keeps its size.
  */
 export class LaidOut implements Size {
   width: number;
@@ -27,7 +27,7 @@ export class LaidOut implements Size {
     onAbort(signal, () => this.#observer.disconnect());
   }
 
-  /** Follows an element in place of the one before; returns itself. */
+  /** Follows another element instead of the previous one; returns itself. */
   of(element: Element): this {
     this.#observer.disconnect();
     this.#observer.observe(element);

@@ -8,7 +8,7 @@ import type { About, Lamp } from "./traits.ts";
 /** Lamps that are unfolded at once; the others are names. */
 const MOST_OPEN = 3;
 
-/** What is known of a sample: without verdicts on this very sample, every lamp is unknown. */
+/** The lamps of a sample: without verdicts on this very sample, every lamp is unknown. */
 export function lampsOf(about: About, sequence: number | undefined, isStale = false): Lamp[] {
   const lamps = about.lamps ?? [];
   if (about.judged === sequence && !isStale) return lamps;
@@ -16,8 +16,8 @@ export function lampsOf(about: About, sequence: number | undefined, isStale = fa
 }
 
 /**
- * Where a state changed, before (-1) or after (1) a place in a list of states; -1 where it did not. What is unknown is
- * passed over.
+ * The place of the last change before (-1) or of the first after (1) a place in a list of states; -1 without a change.
+ * Unknown states are skipped.
  */
 export function changeFrom(states: string[], place: number, direction: -1 | 1): number {
   const known = states.flatMap((state, i) => (state === "true" || state === "false" ? [i] : []));
@@ -26,7 +26,7 @@ export function changeFrom(states: string[], place: number, direction: -1 | 1): 
   return found ?? -1;
 }
 
-/** The state of a lamp in words, with the seconds since it has that. */
+/** The state of a lamp in words, with the seconds for which it has lasted. */
 export function stateWords({ state, since }: Lamp, arrived: number): [word: string, time: string] {
   if (state === "off") return ["off", ""];
   if (state === "unknown" || since === null) return [state, ""];
@@ -62,7 +62,7 @@ class Row {
     this.#texts = texts;
   }
 
-  /** @param isFrozen whether its numbers stand still: they are shown at once then, as a change of state always is */
+  /** @param isFrozen true while its numbers stand still: they are shown at once then, just as a change of state */
   draw(lamp: Lamp, arrived: number, isOpen: boolean, isFrozen: boolean): void {
     const isNew = this.#shown?.lamp.state !== lamp.state;
     this.#shown = { lamp, arrived, isOpen };
@@ -90,9 +90,9 @@ class Row {
 /** The card of the lamps. */
 interface LampCard {
   readonly texts: Texts;
-  /** Whether nothing is known of the present. */
+  /** True while the present is unknown. */
   readonly isStale: boolean;
-  /** Has a screen reader say words. */
+  /** Announces words to a screen reader. */
   say(words: string[]): void;
 }
 
@@ -104,7 +104,7 @@ export class Lamps {
   readonly #signal: AbortSignal;
   #rows = new Map<string, Row>();
   #states = new Map<string, string>();
-  /** Names of the lamps that are unfolded, the last chosen first; a person may have folded others. */
+  /** Names of the unfolded lamps, the last chosen first; the user may have folded others. */
   #open: string[] = [];
 
   constructor(stream: Stream<Frame>, card: LampCard, signal: AbortSignal) {
@@ -118,7 +118,7 @@ export class Lamps {
     on(this.root, "keydown", (event) => /^(Enter| )$/.test(event.key) && event.stopPropagation(), signal);
   }
 
-  /** What they show: unknown while the source is silent. */
+  /** The lamps on show: unknown while the source is silent. */
   get verdicts(): Lamp[] {
     const { shown, about, paused } = this.#stream;
     return lampsOf(about, shown?.sequence, !paused && this.#card.isStale);
@@ -136,7 +136,7 @@ export class Lamps {
     }
   }
 
-  /** Has a screen reader say what changed while it was watched. */
+  /** Announces a change of a watched lamp to a screen reader. */
   #tell({ name, state }: Lamp): void {
     const before = this.#states.get(name);
     this.#states.set(name, state);
@@ -162,7 +162,7 @@ export class Lamps {
     );
   }
 
-  /** Unfolded lamps have a line each; the names of the others share one. */
+  /** Gives each unfolded lamp a line; the names of the others share one. */
   #place(): void {
     const rest = make("div", "rw-lamps-rest");
     this.root.replaceChildren();
@@ -176,7 +176,7 @@ export class Lamps {
 
   #toggle(name: string): void {
     const others = this.#open.filter((other) => other !== name);
-    // In a narrow card only the chosen one is unfolded: a click on another one chooses it.
+    // In a narrow card only the chosen lamp is unfolded: a click on another one chooses it.
     const isFolded = !this.#open.includes(name) || this.#open[0] !== name;
     this.#open = isFolded ? [name, ...others].slice(0, MOST_OPEN) : others;
     this.#place();

@@ -8,7 +8,7 @@ import { onAbort } from "./events.ts";
  */
 export interface Model<T> {
   get<K extends keyof T>(name: K): T[K];
-  /** The layout of ipywidgets: a model of the host's own, or what another host has in its place. */
+  /** The layout of ipywidgets: a model of the host, or another host's substitute for it. */
   get(name: "layout"): { comm_live?: boolean } | null | undefined;
   set<K extends keyof T>(name: K, value: T[K]): void;
   save_changes(): void;
@@ -24,28 +24,30 @@ type ChangeOf<T> = `change:${keyof T & string}`;
 // biome-ignore lint/suspicious/noExplicitAny: each widget has messages of its own.
 type OnMessage = (content: any, buffers: DataView[]) => void;
 
-/** What a widget's script gets once per model. The signal aborts when the model is closed. */
+/** The arguments of a widget's script once per model. The signal aborts when the model is closed. */
 export interface Initialized<T> {
   model: Model<T>;
   signal: AbortSignal;
 }
 
-/** What a widget's script gets once per view. */
+/** The arguments of a widget's script once per view. */
 export interface Rendered<T> extends Initialized<T> {
   el: HTMLElement;
 }
 
-/** A name that no other view of any page has. `crypto.randomUUID` is missing where a page comes over plain http. */
+/**
+ * A name that no other view of any page has. `crypto.randomUUID` is missing in a page that is served over plain http.
+ */
 export function newName(): string {
   return crypto.getRandomValues(new Uint32Array(2)).join("");
 }
 
-/** What a picture says where no kernel will ever answer. */
+/** The text of a picture if no kernel will ever answer. */
 export const NO_KERNEL = "no kernel in this page";
 
 /**
- * Whether nothing here reaches Python: the page was exported, or its kernel has ended. Hosts hand out a model without
- * its comm, but with its layout, a model of the host's own with the same kernel; a host without either has a kernel.
+ * Returns true if Python cannot be reached: the page was exported, or its kernel has ended. Hosts hand out a model
+ * without its comm, but with its layout, a model of the host with the same kernel; a host without either has a kernel.
  */
 export function lacksKernel<T>(model: Pick<Model<T>, "get">): boolean {
   return model.get("layout")?.comm_live === false;

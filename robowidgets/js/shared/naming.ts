@@ -1,20 +1,20 @@
 import { make, makeButton, setHidden, setText } from "./dom.ts";
 import { on } from "./events.ts";
 
-/** What comes of a name that a person types. */
+/** Callbacks for a name that the user types. */
 interface Naming {
   onName(name: string): void;
   onRemove(): void;
 }
 
-/** A row in which a person names something: Enter keeps the name, Escape leaves it, and a button takes it away. */
+/** A row in which the user names something: Enter keeps the name, Escape leaves it, and a button removes it. */
 export class NameRow {
   readonly root = make("span", "rw-naming");
   readonly #about = make("span", "rw-naming-about");
   readonly #field = make("input", "");
   readonly #known = make("datalist", "");
   readonly #remove: HTMLButtonElement;
-  /** They are in the page while the row is open. */
+  /** Elements that are in the page while the row is open. */
   readonly #parts: HTMLElement[];
   readonly #naming: Naming;
   /** The name that was given last, which is offered next. */
@@ -45,9 +45,9 @@ export class NameRow {
   /**
    * Asks for a name.
    *
-   * @param about what is to be named, or what is wrong with its name
-   * @param name that it has; empty: none
-   * @param known names that others have
+   * @param about the thing to name, or an error in its name
+   * @param name its present name, or ""
+   * @param known names of other things
    */
   open(about: string, name: string, known: Iterable<string>, typed = name): void {
     if (!this.isOpen) this.#focused = document.activeElement;

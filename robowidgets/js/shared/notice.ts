@@ -32,7 +32,7 @@ export class Notice {
     this.element.append(this.#text, this.#more, this.#remedies);
     this.#unfold(false);
     this.element.hidden = true;
-    // Escape folds it, and leaves what is pinned.
+    // Escape folds it, and does not reach the pinned ray.
     const onKey = (event: KeyboardEvent) => {
       if (event.key !== "Escape" || !this.#isOpen) return;
       event.stopPropagation();

@@ -9,7 +9,9 @@ export const SECONDS = 10;
 const ROOM = 0.1;
 
 /**
- * The numbers that a program plotted in the last seconds, those of today's names; each sample has at most one.
+ * The numbers that a program plotted in the last seconds, only those whose names are still in use; each sample has at
+ * most one.
+ *
  * @param also gives more numbers of a sample
  */
 export function toNumberLines<M extends Pick<Moment, "about" | "at">>(
@@ -42,7 +44,7 @@ const LONGEST = 14;
 
 function short(name: string): string {
   if (name.length <= LONGEST) return name;
-  // Of a path the end tells most.
+  // The end of a path has the most information.
   return name.includes(".") ? `\u2026${name.slice(1 - LONGEST)}` : `${name.slice(0, LONGEST - 1)}\u2026`;
 }
 

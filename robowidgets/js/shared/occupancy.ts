@@ -2,7 +2,7 @@ import type { Box } from "./box.ts";
 
 const CELL = 6;
 
-/** Which parts of the picture hold something that a label must not cover. */
+/** The parts of the picture that a label must not cover. */
 export class Occupancy {
   readonly #columns: number;
   readonly #rows: number;
@@ -21,7 +21,7 @@ export class Occupancy {
     }
   }
 
-  /** How many marked cells lie under a box. */
+  /** Number of marked cells under a box. */
   count({ x, y, width, height }: Box): number {
     let found = 0;
     const last = { column: Math.floor((x + width) / CELL), row: Math.floor((y + height) / CELL) };

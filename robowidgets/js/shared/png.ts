@@ -8,7 +8,7 @@ const ICON = "M5 1h2v4h2.5l-3.5 3.5-3.5-3.5h2.5z M1.5 9.5h9v1.5h-9z";
 /** Characters that are illegal in XML. */
 const FORBIDDEN = /[^\P{C}\p{Cf}\p{Co}\n]/gu;
 
-/** Offers the card as a PNG: to a person by a button, and to Python, whose requests carry a number. */
+/** Offers the card as a PNG: to the user by a button, and to Python, whose requests carry a number. */
 export function offerPng(card: Card, model: Model<NamedTraits>, signal: AbortSignal): void {
   const take = async () => {
     const ratio = Math.max(2, devicePixelRatio);
@@ -20,7 +20,7 @@ export function offerPng(card: Card, model: Model<NamedTraits>, signal: AbortSig
   const save = (url: string) => {
     const link = make("a", "");
     link.href = url;
-    // Swedish dates are those of ISO 8601, in local time.
+    // Swedish dates are in the form of ISO 8601, in local time.
     const words = `${model.get("title")} ${new Date().toLocaleString("sv")}`.match(/[^\s/:]+/g);
     link.download = `${words?.join("-")}.png`;
     link.click();
@@ -36,7 +36,7 @@ export function offerPng(card: Card, model: Model<NamedTraits>, signal: AbortSig
   card.controls.append(button);
 
   const onAsked = async ({ png }: { png?: number }) => {
-    // A view that is scrolled away may have no size. Python reports an error when no view answers.
+    // A view that is scrolled away may have no size. Python reports an error if no view answers.
     if (!png || !card.root.offsetWidth) return;
     const answer = await take().then(
       (url) => ({ url }),

@@ -2,7 +2,7 @@ import type { Box, Point, Size } from "./box.ts";
 import { make, setHidden, setText } from "./dom.ts";
 import { LaidOut } from "./laid_out.ts";
 
-/** What the pop-up says of a ray, or of another place in a picture. */
+/** The texts of the pop-up of a ray, or of another place in a picture. */
 export interface PopupWords {
   expression: string;
   distance: string;
@@ -56,10 +56,10 @@ export class Popup {
   }
 }
 
-/** Pixels of a card in whose picture what is marked and what is said of it have no room. */
+/** Width of a card in pixels below which a pop-up covers too much of its picture. */
 const NARROW = 440;
 
-/** Puts what is said of what is marked into a picture, or below it in a narrow card; returns whether it is below. */
+/** Puts the pop-up of a mark into a picture, or below it in a narrow card; returns true if it is below. */
 export function putMarked(element: HTMLElement, picture: HTMLElement, width: number): boolean {
   const isBelow = width < NARROW;
   if (element.parentElement === null || element.classList.contains("rw-below") !== isBelow) {
@@ -70,7 +70,7 @@ export function putMarked(element: HTMLElement, picture: HTMLElement, width: num
   return isBelow;
 }
 
-/** The words of a pop-up in the order in which they are heard. */
+/** The words of a pop-up in the order in which a screen reader reads them. */
 export function toSentence({ expression, distance, angle, side, details }: PopupWords): string[] {
   return [expression, distance, angle ?? "", side ?? "", details.replaceAll(/\s*\n\s*/g, ", ").replaceAll("  ", ", ")];
 }

@@ -8,7 +8,7 @@ const MARGIN = 4;
  * Place of a pop-up: inside the box, near the ray that it names but not on it, and off readings and labels if possible.
  *
  * @param from the scanner's place, where the ray starts
- * @param to the reading, or where the ray leaves the view
+ * @param to the reading, or the point at which the ray leaves the view
  */
 export function placePopup(
   size: Size,
@@ -39,7 +39,10 @@ export function placePopup(
   return places[costs.indexOf(Math.min(...costs))] ?? to;
 }
 
-/** Where a side of the pop-up may begin: before, over and behind a point, and evenly from one end of the box to the other. */
+/**
+ * Possible starts of a side of the pop-up: before, over and behind a point, and evenly from one end of the box to the
+ * other.
+ */
 function steps(at: number, size: number, start: number, length: number): number[] {
   const first = start + MARGIN;
   const last = Math.max(first, start + length - size - MARGIN);
@@ -48,7 +51,7 @@ function steps(at: number, size: number, start: number, length: number): number[
   return [...near.map((step) => Math.min(last, Math.max(first, step))), ...even];
 }
 
-/** Whether a line from a to b touches a box. */
+/** Returns true if a line from a to b touches a box. */
 export function crosses(a: Point, b: Point, { x, y, width, height }: Box): boolean {
   let [enter, leave] = [0, 1];
   for (const [start, delta, low, high] of [

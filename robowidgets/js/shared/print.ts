@@ -1,6 +1,6 @@
 import { on } from "./events.ts";
 
-/** The order of the work before a page is printed: colours decide what is drawn, sizes where, and then all is drawn. */
+/** The order of the work before a page is printed: colours, which drawings use, then sizes, then the drawings. */
 const PHASES = ["colours", "sizes", "drawings"] as const;
 
 type Phase = (typeof PHASES)[number];
@@ -40,15 +40,15 @@ class Print {
 
 const KEY: unique symbol = Symbol.for("robowidgets print") as never;
 
-/** The scripts of different widgets meet nowhere but here. */
+/** The scripts of different widgets share only this object. */
 const page = globalThis as { [KEY]?: Print };
 
-/** Return true while the page is printed. */
+/** Returns true while the page is printed. */
 export function isPrinting(): boolean {
   return page[KEY]?.isOn ?? false;
 }
 
-/** Calls before and after the page is printed; returns how to end that. Without a page there is no print. */
+/** Calls before and after the page is printed; returns a function that ends this. Without a page it does nothing. */
 export function onPrint(phase: Phase, call: () => void): () => void {
   if (typeof document === "undefined") return () => {};
   page[KEY] ??= new Print();

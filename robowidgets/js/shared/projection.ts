@@ -1,7 +1,7 @@
 import type { Box, Point } from "./box.ts";
 import { angleFrom, type Sweep, spanOf } from "./frames/scan.ts";
 
-/** Where the scanner stands in the picture. */
+/** The scanner's place in the picture. */
 interface Center {
   centerX: number;
   centerY: number;
@@ -9,7 +9,7 @@ interface Center {
   radius: number;
 }
 
-/** How metres become pixels. */
+/** Maps metres to pixels. */
 export interface Projection extends Center {
   /** Metres from the scanner to the edge of the view. */
   viewRange: number;
@@ -58,7 +58,7 @@ export function sweepRim(sweep: Sweep, forward: number): Rim[] {
   return arcRim(...spanOf(sweep), forward);
 }
 
-/** The rim between two angles, counter-clockwise: its ends, and where it crosses the picture's axes. */
+/** The rim between two angles, counter-clockwise: its ends, and its points on the picture's axes. */
 export function arcRim(from: number, to: number, forward: number): Rim[] {
   const quarters = [0, 1, 2, 3].map((i) => angleFrom(from, (i * Math.PI) / 2 - forward));
   return [from, to, ...quarters.filter((quarter) => quarter <= to)].map((angle) => ({
@@ -72,7 +72,7 @@ export function arcRim(from: number, to: number, forward: number): Rim[] {
 /** Room for the marks beyond the rim, in pixels. */
 export const RIM_MARKS = 7.5;
 const ROBOT = 16;
-/** Pixels between labels and card; half of it where the area needs all the width. */
+/** Pixels between labels and card; half as many if the area needs all the width. */
 const MARGIN = 6;
 const NARROW = 340;
 
@@ -86,7 +86,7 @@ export function rimBox({ centerX, centerY, radius }: Center, { direction, gap, h
   };
 }
 
-/** What the scanner and everything at the rim take, from the scanner. */
+/** The extent of the scanner and everything at the rim, from the scanner. */
 function extentOf(rim: Rim[], radius: number): Box {
   const boxes = rim.map((one) => rimBox({ centerX: 0, centerY: 0, radius }, one));
   const x = Math.min(-ROBOT, ...boxes.map((one) => one.x));

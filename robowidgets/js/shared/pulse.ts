@@ -6,17 +6,19 @@ import { KERNEL_SILENT_MS } from "./staleness.ts";
 /** Milliseconds between two looks at the clock. */
 const LOOK_MS = 250;
 
-/** Whether Python still sends to a widget. A kernel that sleeps or hangs does not, nor does one that was restarted. */
+/**
+ * Watches if Python still sends to a widget. A kernel that sleeps or hangs does not, nor does one that was restarted.
+ */
 export class Pulse<T> {
   readonly #model: Pick<Model<T>, "get" | "on" | "off">;
   readonly #isExpected: () => boolean;
-  /** NaN in a page that never had a kernel: what it shows is kept, not live. */
+  /** NaN in a page that never had a kernel: its contents are kept, not live. */
   #heard: number;
   #said = "";
 
   /**
-   * @param names of the traits of which Python sets one in every second
-   * @param isExpected whether it does
+   * @param names the traits, one of which Python sets every second
+   * @param isExpected returns true while it does
    * @param tell called when the words change
    */
   constructor(
@@ -38,13 +40,13 @@ export class Pulse<T> {
     onAbort(signal, () => clearInterval(looks));
   }
 
-  /** Milliseconds since the last message, where one is missing; 0 while all is well. */
+  /** Milliseconds since the last message if one is missing; 0 while all is well. */
   get silence(): number {
     const silence = performance.now() - this.#heard;
     return this.#isExpected() && silence > (lacksKernel(this.#model) ? 0 : KERNEL_SILENT_MS) ? silence : 0;
   }
 
-  /** How long Python has been silent, or that its kernel is gone; empty while all is well. */
+  /** The time for which Python has been silent, or that its kernel has ended; "" while all is well. */
   get words(): string {
     const { silence } = this;
     if (!silence) return "";

@@ -6,17 +6,17 @@ const KEYWORDS = new Set(
   ).split(" "),
 );
 
-/** Whether Python code may have a text as a name; any other must be quoted. */
+/** Returns true if a text is a valid name in Python code; any other must be quoted. */
 export function isName(text: string): boolean {
   return /^[A-Za-z_]\w*$/.test(text) && !KEYWORDS.has(text);
 }
 
-/** A text as Python code has it, which reads the escapes of JSON. */
+/** A text as a Python literal, which allows the escapes of JSON. */
 export function quoted(text: string): string {
   return JSON.stringify(text);
 }
 
-/** A finite number as Python code has it, whole ones without a point. */
+/** A finite number as a Python literal, whole ones without a point. */
 export function toNumberCode(value: number): string {
   const [digits = "", exponent] = value.toExponential().split("e");
   const power = Number(exponent);

@@ -1,18 +1,18 @@
 import { onAbort } from "./events.ts";
 
 /**
- * The boxes that stylesheets give a place by what is in them. In place of rules by `:has()`: each change of the page would
- * have these looked at up to the root, some 20 ms in JupyterLab.
+ * The boxes whose style depends on their contents. They replace rules with `:has()`, which the browser would check up
+ * to the root at each change of the page, some 20 ms in JupyterLab.
  */
 const BOXES =
   ".rw-one-screen, .rw-one-screen *, .widget-hbox, .jp-OutputArea, .jp-OutputArea-child, .jp-OutputArea-output";
 
-/** The element that the host has made for a card. */
+/** The element of the host around a card. */
 interface Room extends HTMLElement {
   rwBoxes?: HTMLElement[];
 }
 
-/** Has stylesheets know of a card, by `data-rw-holds` on the element around it and on the boxes around that. */
+/** Shows stylesheets a card, by `data-rw-holds` on the element around it and on the boxes around that. */
 export function enter(room: Room, card: HTMLElement, signal: AbortSignal): void {
   const names = [...card.classList].flatMap((name) => (name.startsWith("rw-") ? [name.slice(3)] : []));
   room.classList.add("rw-room");
@@ -21,7 +21,7 @@ export function enter(room: Room, card: HTMLElement, signal: AbortSignal): void 
     room.classList.remove("rw-room");
     delete room.dataset.rwHolds;
     for (const box of room.rwBoxes ?? []) updateSoon(box);
-    // JupyterLab keeps the room, and with it what it knows.
+    // JupyterLab keeps the room, and with it the boxes that it has found.
     delete room.rwBoxes;
   });
   onConnected(
@@ -36,7 +36,7 @@ export function enter(room: Room, card: HTMLElement, signal: AbortSignal): void 
   );
 }
 
-/** Says a word about what a card shows, or takes it back. */
+/** Adds a word about a card's contents to its boxes, or removes it. */
 export function setHeld(card: HTMLElement, word: string, isSo: boolean): void {
   const room: Room | null = card.parentElement;
   const words = new Set(room?.dataset.rwHolds?.split(" "));
@@ -47,7 +47,7 @@ export function setHeld(card: HTMLElement, word: string, isSo: boolean): void {
   for (const box of room.rwBoxes ?? []) updateSoon(box);
 }
 
-/** The boxes that are brought up to date before the page is laid out: each once, however many cards have come. */
+/** The boxes that are updated before the page is laid out: each once, for any number of new cards. */
 const changed = new Set<HTMLElement>();
 
 function updateSoon(box: HTMLElement): void {
@@ -61,7 +61,7 @@ function updateAll(): void {
   for (const box of boxes) update(box);
 }
 
-/** Brings the words of a box up to date: those of all cards in it. */
+/** Updates the words of a box: the words of all cards in it. */
 function update(box: HTMLElement): void {
   const words = new Set<string>();
   const add = (name: string) => words.add(name);
@@ -73,7 +73,7 @@ function update(box: HTMLElement): void {
   else if (box.dataset.rwHolds !== all) box.dataset.rwHolds = all;
 }
 
-/** Calls back once an element is in the page: before it is laid out there, but in a shadow root, after that. */
+/** Calls back once an element is in the page: before its layout there, or, in a shadow root, after that. */
 function onConnected(element: HTMLElement, callback: () => void, signal: AbortSignal): void {
   if (element.isConnected) {
     callback();
@@ -87,7 +87,7 @@ function onConnected(element: HTMLElement, callback: () => void, signal: AbortSi
     stop();
     callback();
   };
-  // The document hears nothing of what is put into a shadow root; that it is laid out, it does.
+  // The document does not observe additions to a shadow root, but a layout changes their sizes.
   const [additions, sizes] = [new MutationObserver(look), new ResizeObserver(look)];
   const observers = [additions, sizes];
   additions.observe(document, { childList: true, subtree: true });

@@ -14,11 +14,14 @@ import type { Moment, SampleTraits } from "./traits.ts";
 
 const STEPS: Record<string, number> = { ",": -1, ".": 1 };
 
-/** A card with the newest of many samples, which a person can freeze, save, and step through its history. */
+/** A card with the newest of many samples, which the user can freeze, save, and step through its history. */
 export class SampleCard extends Card {
   readonly lamps: Lamps;
   readonly pulse: Pulse<SampleTraits>;
-  /** Numbers of a sample that are drawn over the last seconds, besides those of the program; null: there are none. */
+  /**
+   * More numbers of a sample that are drawn over the last seconds, in addition to the program's; null without
+   * more.
+   */
   alsoNumbers: ((moment: Moment) => Record<string, number | null>) | null = null;
   readonly #model: Model<SampleTraits>;
   readonly #stream: Stream<Frame>;
@@ -73,10 +76,10 @@ export class SampleCard extends Card {
   }
 
   /**
-   * Brings header, notice, bar and freeze button up to date.
+   * Updates header, notice, bar and freeze button.
    * @param facts about the source, shown after the title
    * @param noun for a sample: "scan"
-   * @param paced whether samples come at a steady rate; without one, silence is no fault
+   * @param paced true if samples have a steady rate; else silence is normal
    */
   update(facts: string[], noun: string, paced = true): void {
     const { error, waits = false } = this.#model.get("_about");
@@ -100,7 +103,7 @@ export class SampleCard extends Card {
     if (this.#paused !== paused) {
       this.#paused = paused;
       this.#freeze.ariaPressed = String(paused);
-      // The name is the text, which a screen reader reads together with this.
+      // The accessible name is the text, which a screen reader reads together with this.
       this.#freeze.title = paused ? "Show the newest again (space)" : "Freeze the picture (space)";
       this.#freeze.replaceChildren(makeIcon(paused ? PLAY : PAUSE), this.#freezeText);
     }
@@ -108,17 +111,17 @@ export class SampleCard extends Card {
     for (const [i, element] of this.#freezeWords.entries()) setText(element, state[i] ?? "");
   }
 
-  /** Milliseconds for which nothing came; 0 while all is well. */
+  /** Milliseconds of silence; 0 while all is well. */
   get #silenceMs(): number {
     return this.#paced ? this.#stream.silence : 0;
   }
 
-  /** Whether nothing is known of the present: the source is silent, or Python waits for the next sample. */
+  /** True while the present is unknown: the source is silent, or Python waits for the next sample. */
   get isStale(): boolean {
     return this.#isSilent || this.#model.get("_about").waits === true;
   }
 
-  /** Whether the newest sample says nothing of the present. */
+  /** True while the newest sample is too old for the present. */
   get #isSilent(): boolean {
     return this.#silenceMs > 0 || this.pulse.silence > 0 || this.#model.get("_source").lost === true;
   }
@@ -141,7 +144,7 @@ export class SampleCard extends Card {
     if (silence) this.texts.ask(this.#tellFacts);
   }
 
-  /** The tooltip of the header: all facts about the source, line by line. */
+  /** Sets the tooltip of the header: all facts about the source, line by line. */
   #tellAll(): void {
     const { arrived } = this.#stream;
     const { topic = this.#model.get("title"), type } = this.#model.get("_source");

@@ -1,49 +1,49 @@
 import { onAbort } from "./events.ts";
 import { isPrinting, onPrint } from "./print.ts";
 
-/** Between two updates of text. People read no faster, and laying out text is slower than drawing dots. */
+/** Between two updates of text. Reading is not faster, and laying out text is slower than drawing dots. */
 const READING_MS = 100;
 /** From the first change of a text until it is written without a drawing. */
 const LATE_MS = 1.5 * READING_MS;
 
-/** Of one animation frame, for drawings; what is left of them waits for the next one. */
+/** Of one animation frame, for drawings; the remaining ones wait for the next one. */
 const BUDGET_MS = 8;
 /** From one frame of a display to the next. */
 const FRAME_MS = 1000 / 60;
-/** For which cards rest at most: a page may have slept in the middle of a frame. */
+/** Longest rest of cards: a page may have slept in the middle of a frame. */
 const LONGEST_REST_MS = 1000;
 
-/** What is asked for until it is drawn. */
+/** A request for a drawing until it is drawn. */
 interface Drawing {
   draw: () => void;
-  /** Whether it waits for no other one. */
+  /** True if it goes before all others. */
   isFirst: boolean;
 }
 
 /**
  * The drawings of all cards of the page, which share its animation frames. However often one is asked for, it shows the
  * newest, once per frame. Each frame draws those that go first, then others in the order in which they were asked for,
- * and then has elements changed: to paint text on a canvas, a browser first lays out what another card has changed.
+ * and then changes elements: to paint text on a canvas, a browser first lays out the changes of other cards.
  *
  * Where the others' frame took longer than a display's, they rest as long: of a page with too much to draw, half of the
  * time is left to those that go first, and to messages, which would queue.
  */
 class Frames {
   readonly #waiting = new Set<Drawing>();
-  /** What is done at the end of the frame that is being drawn; null: none is. */
+  /** Calls at the end of the frame that is being drawn; null outside of a frame. */
   #last: Set<() => void> | null = null;
-  /** Whether others than those that go first rest. */
+  /** True while the drawings that do not go first rest. */
   #isResting = false;
   readonly #printed = new Set<Drawing>();
 
-  /** Draws all that waits: a print has no animation frames. */
+  /** Draws everything that waits: a print has no animation frames. */
   print(): void {
     for (const drawing of [...this.#waiting]) this.#draw(drawing);
   }
 
   ask(drawing: Drawing): void {
     if (isPrinting() && !this.#last && !this.#printed.has(drawing)) {
-      // One that asks for its next drawing, as while a recording plays, has that after the print.
+      // A card that asks for its next drawing, as while a recording plays, gets it after the print.
       this.#printed.add(drawing);
       attempt(drawing.draw);
       this.#printed.delete(drawing);
@@ -70,7 +70,7 @@ class Frames {
     const later = this.#isResting ? [] : all.filter(({ isFirst }) => !isFirst);
     for (const drawing of all) if (drawing.isFirst) this.#draw(drawing);
     for (const [i, drawing] of later.entries()) {
-      // One at least: all have their turn, also beside one that takes the whole frame.
+      // At least one: all get their turn, even if one takes the whole frame.
       if (i && performance.now() - begin > BUDGET_MS) break;
       this.#draw(drawing);
     }
@@ -80,7 +80,7 @@ class Frames {
     if (this.#waiting.size) requestAnimationFrame(() => this.#run());
   }
 
-  /** Called after a frame with others, which the browser has laid out and painted by now. */
+  /** Called after a frame with others, which the browser has laid out and painted. */
   #rest(begin: number): void {
     const took = performance.now() - begin;
     if (took <= FRAME_MS) return;
@@ -99,7 +99,7 @@ class Frames {
   }
 }
 
-/** Calls, and reports what it throws, so that it stops no other. */
+/** Calls, and reports an error, so that other calls are not affected. */
 function attempt(call: () => void): void {
   try {
     call();
@@ -110,7 +110,7 @@ function attempt(call: () => void): void {
 
 const KEY: unique symbol = Symbol.for("robowidgets frames") as never;
 
-/** The scripts of different widgets meet nowhere but here. */
+/** The scripts of different widgets share only this object. */
 const page = globalThis as { [KEY]?: Frames };
 
 function frames(): Frames {
@@ -131,7 +131,7 @@ export function perAnimationFrame(draw: () => void, signal: AbortSignal, isFirst
   };
 }
 
-/** Calls once all drawings of the animation frame are painted; at once where none is under way. */
+/** Calls once all drawings of the animation frame are painted; at once outside of a frame. */
 export function afterDrawings(call: () => void): void {
   frames().atEnd(call);
 }
@@ -155,7 +155,7 @@ export function throttle(call: () => void, ms: number, signal: AbortSignal): () 
   };
 }
 
-/** The texts beside a picture. They are written after it is painted, in the same frame. */
+/** The texts at the sides of a picture. They are written after it is painted, in the same frame. */
 export class Texts {
   readonly #waiting = new Set<() => void>();
   #timer: ReturnType<typeof setTimeout> | undefined;
@@ -168,13 +168,13 @@ export class Texts {
     });
   }
 
-  /** Has a text written after the drawing that is under way, or, no oftener than people read, after one of the next. */
+  /** Writes a text after the present drawing, or, no oftener than users can read, after a later one. */
   ask(write: () => void): void {
     this.#waiting.add(write);
     this.#timer ??= setTimeout(() => this.write(true), LATE_MS);
   }
 
-  /** Writes what was asked for, if it is time. @param isNow whether it is in any case */
+  /** Writes the requested texts, if it is time. @param isNow true to write them in any case */
   write(isNow: boolean): void {
     const now = performance.now();
     if (!isNow && now < this.#next) return;

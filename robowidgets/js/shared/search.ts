@@ -1,4 +1,7 @@
-/** Index of the first element that passes a test, in an array where all after it pass too; its length if none does. */
+/**
+ * Index of the first element that passes a test, in an array in which all later elements pass, too; its length if none
+ * does.
+ */
 export function firstWhere<T>(values: ArrayLike<T>, test: (value: T) => boolean): number {
   let [low, high] = [0, values.length];
   while (low < high) {

@@ -1,12 +1,12 @@
 import { on, onAbort } from "./events.ts";
 
-/** Between two calls that somebody still looks. */
+/** Milliseconds between two calls while an element is visible. */
 const BEAT_MS = 10_000;
 
 /**
- * Calls a function when somebody begins to see an element, every ten seconds from then on, and when nobody does any
- * more: it is scrolled away or folded, or the page is hidden. It does not hear that the page is gone: what takes the
- * beats has to miss them.
+ * Calls a function when an element becomes visible, every ten seconds from then on, and when it is no longer visible:
+ * it is scrolled away or folded, or the page is hidden. It does not detect a closed page: the receiver of the beats has
+ * to notice that they stop.
  */
 export function watchSeen(element: HTMLElement, onBeat: (isSeen: boolean) => void, signal: AbortSignal): void {
   let isOnScreen = false;
@@ -24,7 +24,7 @@ export function watchSeen(element: HTMLElement, onBeat: (isSeen: boolean) => voi
   observer.observe(element);
   on(document, "visibilitychange", tell, signal);
   const timer = setInterval(tell, BEAT_MS);
-  // Python notices by itself that nobody says so any more: where the model is closed, nothing can be sent.
+  // Python notices by itself that the beats stop: after the model is closed, nothing can be sent.
   onAbort(signal, () => {
     observer.disconnect();
     clearInterval(timer);

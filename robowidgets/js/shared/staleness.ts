@@ -1,7 +1,5 @@
-/*
- * When what is on show is stale: the rules by which a source or a kernel counts as silent, by their names. Python's own
- * are in robowidgets/samples/staleness.py.
- */
+/* The rules by which a source or a kernel counts as silent, and pictures as stale, by their names. Python's rules are
+   in robowidgets/samples/staleness.py. */
 
 /**
  * Milliseconds without a message after which a source on show, with this usual step, is silent: the picture turns pale,
@@ -31,7 +29,7 @@ export const KERNEL_BUSY_MS = 1.5 * BEAT_MS;
 /** Milliseconds without an answer after which the press of a pad is over. */
 export const PRESS_SILENT_MS = 500;
 
-/** The median time to the next later time; infinite if there is none. */
+/** The median time to the next later time; infinite without one. */
 export function usualStep(times: number[]): number {
   const steps = Float64Array.from(times.slice(1), (time, i) => time - (times[i] as number))
     .filter((step) => step > 0)

@@ -8,7 +8,7 @@ import { silentAfter } from "./staleness.ts";
 import { join, type Member, othersOf, setFrozen, tellOthers } from "./together.ts";
 import type { About, Moment, Recent, SampleTraits } from "./traits.ts";
 
-/** The header of a frame, as far as the page uses it. */
+/** The header of a frame, without the parts that the page does not use. */
 export interface Frame {
   /** Number of samples that Python had received when it sent this one. */
   sequence: number;
@@ -55,7 +55,7 @@ export class Stream<F extends Frame> implements Member {
   readonly #model: Model<SampleTraits>;
   readonly #decode: (bytes: DataView) => F;
   readonly #history = new History();
-  /** Of the samples of the history, as far as they were asked for. */
+  /** Decoded samples of the history. */
   readonly #frames = new WeakMap<DataView, F>();
   readonly #save: () => void;
   readonly #listeners = new Set<() => void>();
@@ -65,19 +65,19 @@ export class Stream<F extends Frame> implements Member {
   #frozen: Moment | undefined;
   #decoded: { bytes: DataView; frame: F } | null = null;
   #stale: ReturnType<typeof setTimeout> | undefined;
-  /** Time of the last sample, which may be before the page was loaded; 0: there was none. */
+  /** Time of the last sample, which may be before the page was loaded; 0 without a sample. */
   #heard = 0;
   /** False while the source is silent. */
   live = false;
   /** Time at which the newest frame arrived, in milliseconds of the page's clock. */
   arrived = 0;
-  /** Whether a person has stepped away from the sample that was frozen. */
+  /** True once the user has stepped away from the sample that was frozen. */
   stepped = false;
 
   constructor(model: Model<SampleTraits>, decode: (bytes: DataView) => F, signal: AbortSignal) {
     this.#model = model;
     this.#decode = decode;
-    // While a person drags, Python needs no message for each step.
+    // While the user drags, Python needs no message for each step.
     this.#save = throttle(() => model.save_changes(), SAVE_MS, signal);
     const [frozen, newest] = [this.paused ? this.#bytes("_frozen_frame") : null, this.#bytes("_frame")];
     this.#keep(frozen, NaN);
@@ -106,7 +106,7 @@ export class Stream<F extends Frame> implements Member {
 
   get oldest(): number {
     const [first] = this.#history.moments;
-    // Without a history it follows no steps.
+    // Without a history it does not follow steps.
     return first && this.#seconds && this.#history.hasDropped ? arrivalOf(first.bytes) : -Infinity;
   }
 
@@ -122,7 +122,7 @@ export class Stream<F extends Frame> implements Member {
     return this.#decoded.frame;
   }
 
-  /** Python's words about the frame to draw. */
+  /** Facts about the frame to draw, from Python. */
   get about(): About {
     const frozen = this.paused ? (this.#frozen ?? this.#history.moments[this.#index]) : undefined;
     return frozen?.about ?? this.#model.get("_about");
@@ -144,7 +144,7 @@ export class Stream<F extends Frame> implements Member {
     return wasLive ? performance.now() - this.#heard : (this.#model.get("_about").age ?? 0);
   }
 
-  /** Null when the picture is not frozen, or the history has no other sample. */
+  /** Null while the picture is not frozen, or if the history has no other sample. */
   get place(): Place | null {
     const { moments } = this.#history;
     const [count, newest] = [moments.length, moments.at(-1)];
@@ -153,13 +153,13 @@ export class Stream<F extends Frame> implements Member {
     return { index, count, behind: newest.at - (moments[index]?.at ?? NaN) };
   }
 
-  /** Of the sample on show in the history; -1 when it is not there. */
+  /** Index of the sample on show in the history, or -1. */
   get #index(): number {
     const { moments } = this.#history;
     if (!this.paused) return moments.length - 1;
     const { bytes } = this;
     const own = moments.findIndex((moment) => moment.bytes === bytes);
-    // A frame frozen by Python, or found at page load, is not one of the history's own objects: compare sequences.
+    // A frame frozen by Python, or found at page load, is not an object of the history: compare sequences.
     return own < 0 ? moments.map((m) => sequenceOf(m.bytes)).lastIndexOf(sequenceOf(bytes)) : own;
   }
 
@@ -170,12 +170,12 @@ export class Stream<F extends Frame> implements Member {
 
   /** The last samples up to the one on show, oldest first, at most so many: of the history, or as a player gives them. */
   last(count: number): Moment[] {
-    // In a notebook that was saved there are no bytes in it.
+    // A saved notebook has no bytes in it.
     const given = (this.#model as Model<Recent>).get("_recent")?.filter(({ bytes }) => bytes instanceof DataView);
     return (given ?? this.moments.slice(0, this.#index + 1)).slice(-count);
   }
 
-  /** What a sample says, decoded once. */
+  /** The frame of a sample, decoded once. */
   frameOf({ bytes }: Moment): F {
     const frame = this.#frames.get(bytes) ?? this.#decode(bytes);
     this.#frames.set(bytes, frame);
@@ -187,7 +187,7 @@ export class Stream<F extends Frame> implements Member {
     return this.paused ? (this.#bytes("_frozen_frame") ?? this.#frozenHere) : this.#bytes("_frame");
   }
 
-  /** The frame that came so many samples before the one to draw, or the next older one; null where none is kept. */
+  /** The frame so many samples before the one to draw, or the next older one; null if none is kept. */
   before(count: number): DataView | null {
     const last = (this.shown?.sequence ?? NaN) - count;
     return this.#history.moments.filter(({ bytes }) => sequenceOf(bytes) <= last).at(-1)?.bytes ?? null;
@@ -207,7 +207,7 @@ export class Stream<F extends Frame> implements Member {
     if (this.paused) setTraits(this.#model, { _frozen_frame: NOTHING, paused: false });
   }
 
-  /** Shows the next or the previous sample of the history; returns false when there is nothing to step through. */
+  /** Shows the next or the previous sample of the history; returns false without samples to step through. */
   step(by: number): boolean {
     const { place } = this;
     if (!place || !by) return false;
@@ -217,7 +217,7 @@ export class Stream<F extends Frame> implements Member {
 
   /**
    * Shows a sample of the history, and the others of its view at its moment; an index beyond an end is clamped, also
-   * beyond what the others have kept.
+   * beyond the samples that the others have kept.
    */
   seek(index: number): void {
     const { moments } = this.#history;
@@ -231,8 +231,8 @@ export class Stream<F extends Frame> implements Member {
   }
 
   /**
-   * Freezes the pictures of its view at a moment of which this one tells: its first sample since then, and what was the
-   * newest of the others. Returns false where it is not kept.
+   * Freezes the pictures of its view at a moment: this one at its first sample since then, the others at their newest
+   * sample of that moment. Returns false if the sample is not kept.
    */
   freezeAt(arrived: number): boolean {
     const { moments } = this.#history;
@@ -286,7 +286,7 @@ export class Stream<F extends Frame> implements Member {
 
   #onFrame(): void {
     const [bytes, before] = [this.#bytes("_frame"), this.#history.moments.at(-1)?.bytes];
-    // A frame may say more of the same sample: a command beside a speed, a touch that is over.
+    // A frame may add to the same sample: a command to a speed, the end of a touch.
     const isSame =
       bytes && before && sequenceOf(bytes) === sequenceOf(before) && arrivalOf(bytes) === arrivalOf(before);
     if (!isSame) this.#hear(this.#age);
@@ -295,7 +295,7 @@ export class Stream<F extends Frame> implements Member {
     this.#tell();
   }
 
-  /** Keeps with the newest sample what is said of it later: a program looks at a scan before it draws on it. */
+  /** Keeps later facts about the newest sample: a program looks at a scan before it draws on it. */
   #onAbout(): void {
     const newest = this.#history.moments.at(-1);
     if (newest && sequenceOf(newest.bytes) === sequenceOf(this.#bytes("_frame"))) {
@@ -304,15 +304,15 @@ export class Stream<F extends Frame> implements Member {
     this.#tell();
   }
 
-  /** Notes the age of the newest sample, which Python tells with its whole state. */
+  /** Notes the age of the newest sample, which Python sends with its whole state. */
   #takeAge(): void {
     if (!this.#age) return;
     this.#hear(this.#age);
-    // A notebook that is saved later must not restore this age. It may come before the frame that it is of.
+    // A notebook that is saved later must not restore this age. It may arrive before the frame that it belongs to.
     queueMicrotask(() => this.#model.set("_silence", 0));
   }
 
-  /** Milliseconds since the newest sample, just when Python has told its whole state; else 0. */
+  /** Milliseconds since the newest sample, right after Python has sent its whole state; else 0. */
   get #age(): number {
     return 1000 * (this.#model.get("_silence") || 0);
   }

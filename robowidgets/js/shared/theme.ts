@@ -26,7 +26,7 @@ export const forcesColors = () => matchMedia("(forced-colors: active)");
 function isDark(): boolean {
   // Paper is white.
   if (isPrinting()) return false;
-  // The system's colours hold whatever the host's theme, and this query tells how dark they are.
+  // The system's colours apply in any theme of the host, and this query shows if they are dark.
   if (forcesColors().matches) return prefersDark().matches;
   const { body, documentElement: root } = document;
   const jupyter = body.dataset.jpThemeLight;
@@ -48,7 +48,7 @@ function readTheme(element: HTMLElement): Theme {
   };
 }
 
-/** A colour of the system, which canvases do not know by its name, as "#rrggbb"; what is no colour stays as it is. */
+/** A colour of the system, which canvases do not know by its name, as "#rrggbb"; any other text stays as it is. */
 function toHex(element: HTMLElement, color: string): string {
   if (!CSS.supports("color", color)) return color;
   const probe = document.createElement("span");

@@ -1,7 +1,7 @@
 /** Seconds from the start. */
 export type Span = [number, number];
 
-/** Where seconds stand across the picture: from `left` on, over `width` pixels. */
+/** Maps seconds to the picture: from `left` on, over `width` pixels. */
 export interface TimeAxis {
   span: Span;
   left: number;

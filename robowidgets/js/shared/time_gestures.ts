@@ -3,25 +3,25 @@ import { isDragged, pointIn } from "./dom.ts";
 import { isPlain, on as listen } from "./events.ts";
 import { watchWheel } from "./wheel.ts";
 
-/** What a person can do to the picture. */
+/** Actions of the user on the picture. */
 interface Gestures {
   onHover(point: Point | null): void;
-  /** What may become a click. */
+  /** A press that may become a click. */
   onPress(point: Point): void;
   onPick(point: Point): void;
   /** A span being dragged, with rays if `rays`; `done` when the button was released. */
   onSelect(from: Point, to: Point, rays: boolean, done: boolean): void;
-  /** The drag ends without a selection: what was selected before stays. */
+  /** The drag ends without a selection: the earlier selection stays. */
   onCancel(): void;
   onPan(pixels: number): void;
-  /** A factor below 1 zooms in; around the time cursor where there is no point. */
+  /** A factor below 1 zooms in; around the time cursor without a point. */
   onZoom(factor: number, point: Point | null): void;
   canZoom(factor: number): boolean;
   onReset(): void;
   onClear(): void;
-  /** So many scans on; or to either end. */
+  /** Steps by so many scans, or to either end. */
   onStep(by: number): void;
-  /** To the next mark, or to the one before. */
+  /** Goes to the next or the previous mark. */
   onMark(direction: -1 | 1): void;
 }
 
@@ -65,8 +65,8 @@ export function watchGestures(element: HTMLElement, gestures: Gestures, signal: 
 }
 
 /**
- * A press that moves is a drag; one that does not is a click. A second finger makes neither. Returns a function that
- * cancels, and that returns false when nothing is pressed.
+ * A press that moves is a drag; one that does not move is a click. A second finger makes neither. Returns a function
+ * that cancels, and that returns false if nothing is pressed.
  */
 function watchDrag(
   on: Listen,

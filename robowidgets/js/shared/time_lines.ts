@@ -1,6 +1,6 @@
 import { silentAfter, usualStep } from "./staleness.ts";
 
-/** A value at a time; NaN where there is none. */
+/** A value at a time; NaN if it is missing. */
 export interface Point {
   /** Milliseconds before the sample on show: 0 or less. */
   at: number;
@@ -10,24 +10,24 @@ export interface Point {
 /** One value over the last seconds, and the row in which it is drawn. */
 export interface TimeLine {
   name: string;
-  /** What stands beside the line. */
+  /** Label at the side of the line. */
   label: string;
   /** The ends of the scale. */
   low: number;
   high: number;
-  /** Whether the ends stand beside the line. */
+  /** True if the ends stand at the side of the line. */
   showsEnds: boolean;
   decimals: number;
   limits: number[];
   color: "pointer" | "own";
   measured: Point[];
-  /** What was commanded, drawn as steps. */
+  /** The commanded values, drawn as steps. */
   commanded: Point[];
-  /** From when to when the value was past a limit. */
+  /** Start and end of the spans in which the value was past a limit. */
   over: [number, number][];
 }
 
-/** The runs of points, without those that have no value; a silence of the source ends a run. */
+/** The runs of points with values; a silence of the source ends a run. */
 export function toRuns(points: Point[]): Point[][] {
   const runs: Point[][] = [];
   const longest = silentAfter(usualStep(points.map(({ at }) => at)));

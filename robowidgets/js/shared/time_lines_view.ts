@@ -12,7 +12,7 @@ const [NAMES, NUMBERS] = [40, 62];
 
 /**
  * The last seconds of some values below a picture: measured and commanded, limits, and the spans past them. It makes
- * elements when there are values for the first time.
+ * its elements with the first values.
  */
 export class TimeLinesView {
   readonly #root = make("div", "rw-over-time");
@@ -43,8 +43,8 @@ export class TimeLinesView {
   }
 
   /**
-   * @param lines null: nothing is shown
-   * @param end what stands at the right end: "now"
+   * @param lines null to hide them
+   * @param end text at the right end: "now"
    */
   draw(lines: TimeLine[] | null, seconds: number, end: string, theme: Theme, ratio: number): void {
     setHidden(this.#root, !lines);

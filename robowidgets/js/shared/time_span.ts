@@ -7,7 +7,7 @@ const ROUNDING = 1e-9;
 const ROUND = [1, 2, 5, 10, 15, 30, 60, 120, 300, 600, 900, 1800, 3600, 7200, 10_800, 21_600, 43_200];
 const DAY = 86_400;
 
-/** Round times that divide a span in at most about so many parts, as they are written in a recording of a length. */
+/** Round times that divide a span in at most about so many parts, in the form for a recording of a length. */
 export function timeTicks([start, end]: Span, count: number, whole = end): { time: number; text: string }[] {
   const rough = ((end - start) / count) * 0.999;
   const step =
@@ -28,7 +28,7 @@ function decimalStep(rough: number, unit = 1): number {
   return unit * power * ([1, 2, 5].find((digit) => digit * power * unit >= rough) ?? 10);
 }
 
-/** A time as the axis has it: "41.20 s", and "4:05.20" in a recording of a minute or more. */
+/** A time in the form of the axis: "41.20 s", and "4:05.20" in a recording of a minute or more. */
 export function toMoment(time: number, whole: number, decimals = 2): string {
   return whole < MINUTE ? toSeconds(time, decimals) : toMinutes(time, decimals, whole);
 }
@@ -38,7 +38,7 @@ export function toSeconds(time: number, decimals = 2): string {
   return `${toFixed(time, decimals)} s`;
 }
 
-/** A span made longer or shorter by a factor, with one of its times staying where it is, within the whole. */
+/** A span made longer or shorter by a factor, with one of its times staying at its place, within the whole. */
 export function zoomed([start, end]: Span, factor: number, around: number, whole: Span, shortest: number): Span {
   const most = whole[1] - whole[0];
   const length = Math.min(most, Math.max(Math.min(most, shortest), (end - start) * factor));

@@ -2,16 +2,16 @@ import { onAbort } from "./events.ts";
 
 /** A widget that is frozen, released and stepped with the others of its view. */
 export interface Member {
-  /** The group; empty: the widget stands alone. */
+  /** The group, or "" for a widget alone. */
   readonly group: string;
-  /** The robot that it is connected to; empty: none. */
+  /** The robot that it is connected to, or "". */
   readonly robot: string;
-  /** Arrival of the oldest sample it can step back to; -Infinity when it has dropped none. */
+  /** Arrival of the oldest sample it can step back to; -Infinity while it has dropped none. */
   readonly oldest: number;
   readonly paused: boolean;
   freeze(): void;
   release(): void;
-  /** Shows what was the newest sample at a moment. */
+  /** Shows the newest sample of a moment. */
   showAt(arrived: number): void;
   /** Another one of its view was frozen, released, added or removed. */
   onOthers?(): void;
@@ -19,7 +19,7 @@ export interface Member {
 
 const KEY: unique symbol = Symbol.for("robowidgets together") as never;
 
-/** All members of the page: the scripts of different widgets meet nowhere but here. */
+/** All members of the page: the scripts of different widgets share only this object. */
 const page = globalThis as { [KEY]?: Set<Member> };
 
 /** Enters a member until the signal aborts. */
@@ -33,7 +33,7 @@ export function join(member: Member, signal: AbortSignal): void {
   });
 }
 
-/** Tells the other members of its view that a member was frozen or released. */
+/** Notifies the other members of its view that a member was frozen or released. */
 export function tellOthers(member: Member): void {
   for (const other of othersOf(member)) other.onOthers?.();
 }

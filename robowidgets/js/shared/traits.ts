@@ -1,4 +1,4 @@
-/** Of every widget with a header. */
+/** Traits of every widget with a header. */
 export interface NamedTraits {
   title: string;
   header: boolean;
@@ -6,63 +6,66 @@ export interface NamedTraits {
   _style: string;
 }
 
-/** Of a widget with a card: a picture between header and footer. */
+/** Traits of a widget with a card: a picture between header and footer. */
 export interface CardTraits extends NamedTraits {
   footer: boolean;
 }
 
-/** Of a widget whose card shows frames and what is said about them. */
+/** Traits of a widget whose card shows frames and facts about them. */
 export interface FrameTraits extends CardTraits {
   _frame: DataView;
   _about: About;
 }
 
-/** Of a widget that shows the newest of many samples. */
+/** Traits of a widget that shows the newest of many samples. */
 export interface SampleTraits extends FrameTraits {
   paused: boolean;
-  /** Name of the group of widgets that are frozen and stepped together; empty: alone. */
+  /** Name of the group of widgets that are frozen and stepped together, or "" to freeze alone. */
   _together: string;
   /** Seconds for which samples are kept. */
   history: number;
-  /** The frozen frame; empty when none is. */
+  /** The frozen frame, or empty while live. */
   _frozen_frame: DataView;
   _source: Source;
-  /** Seconds; how old the newest sample was when the page asked for the state. */
+  /** Age of the newest sample in seconds when the page asked for the state. */
   _silence: number;
-  /** Number of signs of life from Python, one a second; 0: this widget gets none. */
+  /** Number of signs of life from Python, one a second; 0 if this widget gets none. */
   _beat: number;
 }
 
-/** Of a widget whose frames are large. */
+/** Traits of a widget whose frames are large. */
 export interface LargeTraits extends SampleTraits {
-  /** Whether Python waits for the page to say what it has drawn. */
+  /** True if Python waits until the page reports its drawings. */
   _answers: boolean;
 }
 
-/** Something odd, in plain words, and what to do about it, which may be empty. */
+/** A problem in plain words, and its remedy, which may be empty. */
 export type Problem = readonly [what: string, remedy: string];
 
-/** A sample: its frame, arrival in milliseconds (NaN: in the state at page load), and Python's words about it. */
+/** A sample: its frame, arrival in milliseconds (NaN: in the state at page load), and facts from Python. */
 export interface Moment {
   bytes: DataView;
   at: number;
   about: About;
-  /** Whether samples right before it were dropped, because the picture was frozen for long. */
+  /** True if samples right before it were dropped, because the picture was frozen for long. */
   isAfterGap?: boolean;
 }
 
-/** How a scanner stands on its robot: an angle of the scanner is `yaw` plus it of the robot; upside down, `yaw` less it. */
+/**
+ * The mount of a scanner on its robot. An angle of the scanner is `yaw` plus the angle of the robot; upside down, `yaw`
+ * minus that angle.
+ */
 export interface Mount {
-  /** Radians; 0 without. */
+  /** Radians; 0 if missing. */
   yaw?: number;
   upside_down?: boolean;
-  /** Full turns by which the angles of the scan are less. */
+  /** Full turns that are subtracted from the angles of the scan. */
   turns?: number;
-  /** For a person: "turned 90.0° by tf". */
+  /** For the user: "turned 90.0° by tf". */
   words: string;
 }
 
-/** What Python says about the newest sample. */
+/** Facts about the newest sample, from Python. */
 export interface About {
   frame_id?: string;
   notes?: string[];
@@ -70,30 +73,36 @@ export interface About {
   /** Why the picture of the sample is empty. */
   empty?: Problem;
   error?: string;
-  /** Radians in the angles of a scan that were added to the scanner's own; missing where none were. */
+  /** Radians in the angles of a scan that were added to the scanner's own; missing without an offset. */
   angle_offset?: number;
-  /** How the scanner stands on the robot, where its angles are not the robot's. */
+  /** The mount of the scanner on the robot; missing if its angles are angles of the robot. */
   mount?: Mount;
-  /** Of a scan that was made of other data, what that is, and the code of a part of it: `ranges[{ray}].echoes[{number}]`. */
+  /**
+   * For a scan that was made of other data, their name, and the code of a part of them:
+   * `ranges[{ray}].echoes[{number}]`.
+   */
   made_of?: [what: string, code: string];
-  /** Milliseconds for which a recording has nothing newer; missing unless that is long. */
+  /** Milliseconds for which a recording has no newer sample; missing unless that is long. */
   age?: number;
-  /** Whether it is of another moment than the one that a player is asked for, which it does not have yet. */
+  /** True if it is of another moment than the player's, whose sample is not there yet. */
   waits?: boolean;
   lamps?: Lamp[];
-  /** Why fewer frames come than could. */
+  /** The reason why fewer frames are sent than possible. */
   pace?: string;
-  /** What the program drew on the sample. */
+  /** The shapes that the program drew on the sample. */
   shapes?: Shape[];
-  /** Numbers that the program plots, by name; null where it gave none since the sample before. */
+  /** Numbers that the program plots, by name; null if it gave none since the previous sample. */
   numbers?: Record<string, number | null>;
-  /** Where the scanner was in the frame of odometry: metres and radians. */
+  /** The scanner's pose in the frame of odometry: metres and radians. */
   pose?: [x: number, y: number, yaw: number];
-  /** Why layers of a map, by their names, are not drawn. */
+  /** By name of a layer of a map, the reason why it is not drawn. */
   missing?: Record<string, string>;
-  /** Sequence number of the sample that the lamps tell of. */
+  /** Sequence number of the sample that the lamps belong to. */
   judged?: number;
-  /** Of a recording, the roles whose samples came with the frame: none, where no message did. Missing: all of them. */
+  /**
+   * For a recording, the roles of the samples that are new in the frame; empty if no message arrived, missing for all
+   * roles.
+   */
   new?: string[];
 }
 
@@ -112,9 +121,9 @@ export interface Shape {
   end?: number;
   /** Direction of a pose. */
   yaw?: number;
-  /** A colour of CSS; none: the one of all that programs draw. */
+  /** A colour of CSS; missing for the usual colour of shapes. */
   color?: string;
-  /** Seconds for which it was still there when Python sent it; none: it stays. */
+  /** Seconds that remained when Python sent it; missing for a shape that stays. */
   left?: number;
 }
 
@@ -123,17 +132,20 @@ export interface Lamp {
   name: string;
   /** "off": it raised, and is judged no more. */
   state: "true" | "false" | "unknown" | "off";
-  /** What was compared, or why it is off. Plain text. */
+  /** The compared values, or the reason why it is off. Plain text. */
   text: string;
-  /** Time of its last change, in seconds of Python's monotonic clock, as `arrived` of a frame; null: never judged. */
+  /**
+   * Time of its last change, in seconds of Python's monotonic clock, as `arrived` of a frame, or null if it was never
+   * judged.
+   */
   since: number | null;
-  /** How often it changed. */
+  /** Number of changes. */
   changes: number;
   /** First and stop of each run of rays that made it true, one after the other. */
   rays: number[];
 }
 
-/** What a feed says about its topic, in plain text. Any field may be missing. */
+/** The facts of a feed about its topic, in plain text. Any field may be missing. */
 export interface Source {
   /** Name of the robot, the same for all its widgets. */
   robot?: string;
@@ -142,21 +154,21 @@ export interface Source {
   status?: string;
   /** Error of a function that the program connected to this topic. */
   error?: string;
-  /** Whether the connection is lost, so that nothing comes. */
+  /** True while the connection is lost, so that nothing arrives. */
   lost?: boolean;
 }
 
-/** Of a widget that shows times of a recording, among which a person picks one or selects a span. */
+/** Traits of a widget that shows times of a recording, for picking one or selecting a span. */
 export interface TimeTraits {
   /** Seconds from the start. */
   time: number;
-  /** Start and end; of some rays also the first, and the first that is not among them. */
+  /** Start and end; for a selection of rays also the first one, and the one after the last. */
   selection: number[] | null;
 }
 
 /** Traits for other widgets in the page; Python has none of this name. */
 export interface Picking {
-  /** The time that a person picked on a widget, to which a player then goes; undefined: no player is there. */
+  /** The time that the user picked on a widget, to which a player then goes; undefined without a player. */
   _picked: number | null | undefined;
 }
 
@@ -164,16 +176,16 @@ export interface Picking {
 export interface Recent {
   /** The last samples up to the one on show, oldest first, of a widget that a player moves. */
   _recent?: Moment[];
-  /** How many of them a view needs, besides the one on show. */
+  /** Number of them that a view needs, in addition to the one on show. */
   _needs?: number;
 }
 
 /** Traits for other widgets in the page; Python has none of this name. */
 export interface Pointing {
-  /** The time at which a person points, and the index of the ray; null below the scans, or where there are none. */
+  /** The time under the pointer, and the index of the ray; null below the scans, or without scans. */
   _pointed: { time: number; ray: number | null } | null;
-  /** Index of a ray at which a person points on another widget. */
+  /** Index of the ray at which the user points on another widget. */
   _ray: number | null;
-  /** The time at which a person points on another widget; null: at none. */
+  /** The time at which the user points on another widget, or null. */
   _moment?: number | null;
 }

@@ -5,7 +5,7 @@ const SCROLL_PAUSE_MS = 250;
 /**
  * Passes on wheel events, unless the wheel was already scrolling the page when the picture moved under the pointer.
  *
- * @param onWheel returns whether it used the event; if not, the page scrolls, unless events just before were used
+ * @param onWheel returns true if it used the event; else the page scrolls, unless events just before were used
  */
 export function watchWheel(element: HTMLElement, onWheel: (event: WheelEvent) => boolean, signal: AbortSignal): void {
   let pointed = false;

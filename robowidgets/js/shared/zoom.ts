@@ -4,10 +4,10 @@ import { watchWheel } from "./wheel.ts";
 const CLOSEST = 0.05;
 const WHEEL_STEP = 40;
 
-/** What the wheel and the keys + and - do. */
+/** Actions of the wheel and of the keys + and -. */
 export interface Zoom {
   onZoom(direction: -1 | 1): void;
-  /** Whether it can zoom further; if not, the wheel scrolls the page. */
+  /** Returns true if it can zoom further; else the wheel scrolls the page. */
   canZoom(direction: -1 | 1): boolean;
 }
 
@@ -16,7 +16,7 @@ export const ZOOM_KEYS: Record<string, -1 | 1> = { "+": -1, "=": -1, "-": 1, _: 
 
 const NUDGE = 40;
 
-/** The pixels by which an arrow key moves the picture: with the right arrow, what is drawn goes left. */
+/** The pixels by which an arrow key moves the picture: the right arrow moves the drawing to the left. */
 export const MOVE_KEYS: Record<string, [x: number, y: number]> = {
   ArrowRight: [-NUDGE, 0],
   ArrowLeft: [NUDGE, 0],
@@ -34,13 +34,13 @@ export function roundUp(metres: number): number {
   return ROUND.find((round) => round >= metres * (1 - 1e-9)) ?? metres;
 }
 
-/** One step nearer (-1) or farther (+1) in round numbers, and farther only within what the sensor can see. */
+/** One step nearer (-1) or farther (+1) in round numbers, and farther only within the range of the sensor. */
 export function stepRange(metres: number, direction: -1 | 1, maxRange: number): number {
   if (direction > 0) return Math.max(metres, Math.min(maxRange, FARTHEST_VIEW, roundUp(metres * 1.01)));
   return Math.max(CLOSEST, ROUND.filter((round) => round <= metres * 0.99).at(-1) ?? 0);
 }
 
-/** Has the wheel zoom, a step for each notch. */
+/** Zooms by the wheel, a step for each notch. */
 export function watchZoom(element: HTMLElement, zoom: Zoom, signal: AbortSignal): void {
   let turned = 0;
   const onWheel = (event: WheelEvent): boolean => {

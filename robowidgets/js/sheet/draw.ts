@@ -17,7 +17,7 @@ const HEAD = [
   [-4, 5],
 ] as const;
 
-/** What is drawn of a laser: metres to which it is cut, and those of the inner arc. */
+/** The drawn metres of a laser: the distance at which it is cut, and the radius of the inner arc. */
 export interface Cut {
   reach: number;
   inner: number;
@@ -127,7 +127,7 @@ function drawWords(context: Context, words: string, box: Box, theme: Theme): voi
   }
 }
 
-/** Words in lines of a width; what is too much ends in "…". */
+/** Words in lines of a width; the last line ends in "…" if they do not fit. */
 function toLines(context: Context, words: string, width: number, most: number): string[] {
   const lines: string[] = [];
   let now = "";

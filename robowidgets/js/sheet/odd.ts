@@ -1,15 +1,15 @@
 import type { OddFile } from "./traits.ts";
 
-/** Reasons that are named. */
+/** Greatest number of reasons in the text. */
 const MOST = 3;
 
-/** What is wrong with a file, without its name, which stands beside it. */
+/** The problem of a file, without its name, which stands next to it. */
 export function toReason({ name, problem }: OddFile): string {
   const last = name.slice(Math.max(name.lastIndexOf("/"), name.lastIndexOf("\\")) + 1);
   return problem.startsWith(last) ? problem.slice(last.length).replace(/^[\s:]+/, "") : problem;
 }
 
-/** "and 13 more: cut off (9), is empty (3) and others": the beginning of each reason, those of most files first. */
+/** "and 13 more: cut off (9), is empty (3) and others": the beginning of each reason, the most frequent first. */
 export function toReasons(odd: OddFile[]): string {
   const reasons = new Map<string, number>();
   for (const file of odd) {
@@ -26,7 +26,7 @@ export function toReasons(odd: OddFile[]): string {
   return `and ${odd.length.toLocaleString("en")} more: ${parts.join(", ")}${others}`;
 }
 
-/** A path as a shell takes it, which runs nothing that stands in it. */
+/** A path quoted for a shell, so that nothing in it is run. */
 export function toShell(path: string): string {
   return /[$`!"]/.test(path) ? `'${path.replaceAll("'", "'\\''")}'` : `"${path}"`;
 }

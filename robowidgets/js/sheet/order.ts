@@ -5,11 +5,11 @@ import type { Columns } from "./traits.ts";
 export interface Moment {
   number: number;
   path: string;
-  /** Of its file, without what all names have. */
+  /** Name of its file, without the part that all names have. */
   file: string;
   topic: string;
   start: number;
-  /** The moment that is shown. */
+  /** The moment on show. */
   time: number;
   held: number;
   date: number | null;
@@ -52,7 +52,7 @@ export function toMoments(columns: Partial<Columns>, files: string[][], topics: 
   }));
 }
 
-/** What a column says of a moment. */
+/** The text of a moment in a column. */
 export function cellOf(moment: Moment, column: Column): string {
   const value = moment[column];
   if (value === null) return "";
@@ -80,7 +80,7 @@ const SIGNS: Record<string, (value: number, limit: number) => boolean> = {
 
 type Test = (moment: Moment) => boolean;
 
-/** The test that a filter of a column stands for; null where it says nothing, or nothing yet. */
+/** The test of the filter of a column; null for an empty or incomplete filter. */
 export function toTest(column: Column, text: string): Test | null {
   const words = text.trim().toLowerCase();
   if (!words) return null;
@@ -110,7 +110,7 @@ export function filtered(moments: Moment[], filters: Record<string, string>): Mo
   return tests.length ? moments.filter((moment) => tests.every((test) => test(moment))) : moments;
 }
 
-/** Sorted by a column, with a minus before it the other way round; what has no value stands last. */
+/** Sorted by a column, in reverse order after a minus; moments without a value are last. */
 export function sorted(moments: Moment[], sort: string): Moment[] {
   const isDown = sort.startsWith("-");
   const name = (isDown ? sort.slice(1) : sort) as Column;
@@ -141,27 +141,27 @@ export function firstOfEach(moments: Moment[]): Moment[] {
   return moments.filter(({ path }) => !seen.has(path) && seen.add(path));
 }
 
-/** An even choice of at most so many, and which one it takes: every 97th. */
+/** At most so many moments, evenly chosen, and the step between them: every 97th. */
 export function evenly(moments: Moment[], most: number): { step: number; chosen: Moment[] } {
   const step = Math.max(1, Math.ceil(moments.length / Math.max(1, most)));
   return { step, chosen: step === 1 ? moments : moments.filter((_, i) => i % step === 0) };
 }
 
-/** Metres to which all pictures are cut: about five times the farthest thing that was met; null where none was. */
+/** Metres at which all pictures are cut: about five times the farthest thing; null without one. */
 export function cutOf(moments: Moment[]): number | null {
   let most = 0;
   for (const { nearest } of moments) if (nearest !== null && nearest > most) most = nearest;
   if (!most) return null;
   const wanted = 5 * most;
   const power = 10 ** Math.floor(Math.log10(wanted));
-  // Of a limit, the farthest that was met lies a little below it.
+  // The farthest thing within a limit lies a little below it.
   const factor = [1, 1.5, 2, 2.5, 3, 4, 5, 7.5, 10].find((one) => one * power >= wanted * 0.98) ?? 10;
   return Number((factor * power).toPrecision(3));
 }
 
-/** The code that opens a moment: its sample where something was met, else its span. */
+/** The code that opens a moment: its sample if it has a nearest thing, else its span. */
 export function toCode({ path, topic, nearest, time, start, held }: Moment): string {
-  // Upwards: a time before its sample would have the one before.
+  // Rounded up: a time before its sample would find the previous one.
   const up = (seconds: number) => String(Math.ceil(seconds * 1000 - 1e-6) / 1000);
   const opened = `robowidgets.open(${quoted(path)})`;
   if (nearest === null) return `${opened}[${up(start)}:${up(start + Math.max(held, 0.001))}]`;

@@ -1,20 +1,20 @@
 import { type Model, onChange, onMessage } from "../shared/model.ts";
 import type { SheetTraits } from "./traits.ts";
 
-/** What a tile shows of a moment; robowidgets/fleet/_pictures.py packs it. */
+/** The picture of a moment on a tile; robowidgets/fleet/_pictures.py packs it. */
 export interface Picture {
   form: "rays" | "line" | "words";
-  /** Of rays, see `LIT`; of a line, its numbers. */
+  /** For rays, see `LIT`; for a line, its numbers. */
   values: Uint16Array | Float32Array;
-  /** Of rays, the angle of the first and that between two, in radians; of a line, its ends in seconds from the start. */
+  /** For rays, the first angle and the increment, in radians; for a line, its ends in seconds from the start. */
   facts: [number, number];
   /** Metres of a step of rays. */
   step: number;
-  /** What was compared, or what happened. */
+  /** The compared values, or the event. */
   words: string;
 }
 
-/** The bit of a ray for which the condition holds; the others are steps of distance, 0 where there is no reading. */
+/** The bit of a ray for which the condition holds; the other bits are steps of distance, 0 without a reading. */
 export const LIT = 0x8000;
 
 const HEAD = 24;
@@ -61,7 +61,7 @@ export class Pictures {
     onMessage(model, (message: { pictures?: number }, [buffer]) => message.pictures && buffer && take(buffer), signal);
     onChange(model, ["_pictures"], () => take(model.get("_pictures")), signal);
     take(model.get("_pictures"));
-    // Python sends all of them to a page that is new.
+    // Python sends all of them to a new page.
     model.send({ new: true });
   }
 
@@ -69,7 +69,7 @@ export class Pictures {
     return this.#kept.get(number);
   }
 
-  /** Calls back when there are more, until the signal aborts. */
+  /** Calls back when pictures arrive, until the signal aborts. */
   listen(listener: () => void, signal: AbortSignal): void {
     this.#listeners.add(listener);
     signal.addEventListener("abort", () => this.#listeners.delete(listener), { once: true });

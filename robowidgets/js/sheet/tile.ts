@@ -8,23 +8,23 @@ import type { Picture } from "./pictures.ts";
 /** Pixels of the texts below the picture of a tile. */
 const TEXTS = 37;
 
-/** How a moment stands among the others. */
+/** The state of a moment among the others. */
 export interface Standing {
   place: number;
   count: number;
   isPicked: boolean;
   isFalse: boolean;
   isOpen: boolean;
-  /** The name of its span; empty: it has none. */
+  /** The name of its span, or "". */
   label: string;
 }
 
-/** What shows one moment: a tile or a row, which is used again for another where it is scrolled away. */
+/** An element for one moment, a tile or a row, which is used again for another moment after it is scrolled away. */
 export abstract class Item {
   readonly element: HTMLElement;
   moment: Moment | null = null;
   protected readonly label = make("span", "rw-sheet-label");
-  /** Whether it has to be painted. */
+  /** True if it has to be painted. */
   isStale = true;
   #at = "";
 
@@ -33,7 +33,7 @@ export abstract class Item {
     this.element.role = "option";
   }
 
-  /** Shows a moment, and says whether it is another one. */
+  /** Shows a moment; returns true if it is another one. */
   show(moment: Moment, standing: Standing): void {
     if (this.moment !== moment) {
       this.moment = moment;
@@ -63,7 +63,9 @@ export abstract class Item {
     style.height = `${height}px`;
   }
 
-  /** Takes it from sight, for another moment: taking it from the page has the rules of the whole page looked at. */
+  /**
+   * Hides it until it is used for another moment: removing it would make the browser check the rules of the whole page.
+   */
   putAside(): void {
     this.moment = null;
     this.#at = "";
@@ -131,7 +133,7 @@ export class Row extends Item {
   }
 }
 
-/** The name of a file without what comes after its last point. */
+/** The name of a file without its extension. */
 function toShort(file: string): string {
   return file.replace(/\.[^./]+$/, "");
 }

@@ -8,14 +8,14 @@ export interface Columns {
   /** Seconds from the start of the recording. */
   start: number[];
   end: number[];
-  /** The moment that is shown. */
+  /** The moment on show. */
   time: number[];
-  /** Seconds since the epoch; null where the clock of the recording has no date. */
+  /** Seconds since the epoch; null if the clock of the recording has no date. */
   date: (number | null)[];
-  /** Metres; null where nothing was met. */
+  /** Metres; null without a nearest thing. */
   nearest: (number | null)[];
   index: (number | null)[];
-  /** What a condition compared; null where it compared no number. */
+  /** The number that a condition compared, or null. */
   value: (number | null)[];
   silent: string[];
 }
@@ -36,7 +36,7 @@ export interface SheetTraits extends CardTraits {
   filters: Record<string, string>;
   picked: number | null;
   false_finds: number[];
-  /** By the number of a moment, the name that a person gave it here. */
+  /** By the number of a moment, the name that the user gave it here. */
   labels: Record<string, string>;
   _columns: Partial<Columns>;
   /** Path and name of each file. */
@@ -44,11 +44,11 @@ export interface SheetTraits extends CardTraits {
   _topics: string[];
   _unread: OddFile[];
   condition: string;
-  /** Files that were named, and those searched so far; null: all. */
+  /** Files that were named, and those searched so far; null for all. */
   _total: number;
   _done: number | null;
   _pictures: DataView;
   _opened: number | null;
-  /** Why a moment could not be opened; else empty. */
+  /** The reason why a moment could not be opened, or "". */
   _status: string;
 }

@@ -27,7 +27,7 @@ import type { OddFile, SheetTraits } from "./traits.ts";
 
 const [TILE, ROW, PADDING] = [153, 26, 8];
 const [GAP_X, GAP_Y] = [4, 10];
-/** Rows of tiles, and of the table, that are seen at once. */
+/** Rows of tiles, and of the table, that are visible at once. */
 const [TILE_ROWS, TABLE_ROWS] = [3, 15];
 /** Milliseconds of painting between two pictures of the page. */
 const PAINT_MS = 8;
@@ -35,9 +35,9 @@ const PAINT_MS = 8;
 const LOOK_MS = 100;
 /** Milliseconds after which a kernel that has not answered is busy. */
 const BUSY_MS = 700;
-/** Files that were not read whole that are listed. */
+/** Greatest number of listed files that were not read whole. */
 const MOST_ODD = 4;
-/** Metres to which pictures are cut where no moment met anything. */
+/** Metres at which pictures are cut if no moment has a nearest thing. */
 const FAR = 5;
 
 const SORTS: readonly [Column, string][] = [
@@ -80,12 +80,12 @@ export class SheetView {
   readonly #paint: () => void;
   readonly #look: () => void;
   #moments: Moment[] = [];
-  /** Those on show, in their order. */
+  /** The moments on show, in their order. */
   #order: Moment[] = [];
   #step = 1;
-  /** By path, how many moments a file has. */
+  /** By path, the number of moments of a file. */
   readonly #ofFile = new Map<string, number>();
-  /** Moments that came after the last sorting. */
+  /** True if moments arrived after the last sorting. */
   #isUnsorted = false;
   #cut: Cut = { reach: FAR, inner: 1 };
   #columns = 1;
@@ -96,7 +96,7 @@ export class SheetView {
   #pointed: Moment | null = null;
   #asked: string = "";
   #waits: number | null = null;
-  /** The moment whose name the kernel has not kept yet, and that name; empty: it takes it away. */
+  /** The moment whose name the kernel has not kept yet, and that name, or "" to remove it. */
   #named: [number, string] | null = null;
   #isBusy = false;
   #timer: ReturnType<typeof setTimeout> | undefined;
@@ -178,7 +178,7 @@ export class SheetView {
     this.#filter = makeButton("rw-sheet-named", "Filter by column (/)", () => this.#toggleFilters(), signal, "Filter");
     controls.append(sorts, this.#again, this.#one, this.#every, this.#table, this.#filter);
     offerPng(this.#card, model, signal);
-    // Their names are their texts.
+    // Their accessible names are their texts.
     for (const button of root.querySelectorAll(".rw-sheet-sorts > button, .rw-sheet-named")) button.ariaLabel = null;
     this.#makeHeads();
     this.#makeFilters();
@@ -215,7 +215,7 @@ export class SheetView {
     this.#onMoments();
   }
 
-  /** The moment that the row below tells of: the pointed one, else the one that is kept. */
+  /** The moment in the row below: the one under the pointer, else the kept one. */
   get #shown(): Moment | null {
     const picked = this.#model.get("picked");
     return this.#pointed ?? (picked === null ? null : (this.#moments[picked] ?? null));
@@ -225,7 +225,8 @@ export class SheetView {
     return this.#model.get("rows");
   }
 
-  // -- what there is -------------------------------------------------------------------------------------------------
+  // -- data
+  // ------------------------------------------------------------------------------------------------------------
 
   #onMoments(): void {
     const before = this.#moments.length;
@@ -313,7 +314,7 @@ export class SheetView {
     this.#one.ariaPressed = String(model.get("one_per_file"));
     this.#every.ariaPressed = String(model.get("every"));
     this.#table.ariaPressed = String(this.#isTable);
-    // A column in which nothing stands takes no room.
+    // An empty column takes no room.
     for (const name of ["nearest", "index", "value"] as const) {
       const isThere = this.#moments.some((moment) => moment[name] !== null);
       this.#card.root.classList.toggle(`rw-sheet-no-${name}`, !isThere);
@@ -426,18 +427,18 @@ export class SheetView {
     return this.#isTable ? 0 : PADDING;
   }
 
-  /** Of all rows. */
+  /** Height of all rows. */
   get #height(): number {
     const rows = Math.ceil(this.#order.length / this.#columns);
     return Math.max(this.#isTable ? 4 * ROW : TILE, rows * this.#pitch) + 2 * this.#above - (this.#isTable ? 0 : GAP_Y);
   }
 
-  /** Of what is seen at once. */
+  /** Number of moments that are visible at once. */
   get #most(): number {
     return this.#isTable ? TABLE_ROWS * ROW : TILE_ROWS * (TILE + GAP_Y) - GAP_Y + 2 * PADDING;
   }
 
-  /** Places in the order of the first moment that is seen, and of the first after the last. */
+  /** Places in the order of the first visible moment, and after the last one. */
   #seen(spare = 0): [number, number] {
     const { scrollTop, clientHeight } = this.#scroll;
     const first = Math.floor((scrollTop - this.#above) / this.#pitch) - spare;
@@ -445,7 +446,7 @@ export class SheetView {
     return [Math.max(0, first * this.#columns), Math.min(this.#order.length, last * this.#columns)];
   }
 
-  /** Brings the items that are seen to their places, and takes the others off. */
+  /** Brings visible items to their places, and removes the others. */
   #place(): void {
     const [first, stop] = this.#seen(1);
     for (const [place, item] of this.#items) {
@@ -509,19 +510,19 @@ export class SheetView {
     if (this.#shown) this.#drawBar();
   }
 
-  /** Has all items painted anew. */
+  /** Marks all items to be painted again. */
   #soil(): void {
     for (const item of this.#items.values()) item.isStale = true;
   }
 
-  /** Takes all items off: others stand in their places now. */
+  /** Removes all items: other moments are at their places now. */
   #forget(): void {
     for (const item of [...this.#items.values(), ...this.#spare]) item.element.remove();
     this.#items.clear();
     this.#spare = [];
   }
 
-  /** Asks for the pictures that are seen and not there; each question takes the place of the one before. */
+  /** Requests the visible pictures that are missing; each request replaces the previous one. */
   #askForPictures(): void {
     if (!this.#scroll.clientHeight || lacksKernel(this.#model)) return;
     const [first, stop] = this.#seen();
@@ -533,7 +534,8 @@ export class SheetView {
     this.#model.send({ look: missing });
   }
 
-  // -- what a person does --------------------------------------------------------------------------------------------
+  // -- actions of the user
+  // -----------------------------------------------------------------------------------------------
 
   #flip(name: "one_per_file" | "every" | "rows"): void {
     setTraits(this.#model, { [name]: !this.#model.get(name) });
@@ -643,7 +645,7 @@ export class SheetView {
     this.#wait();
   }
 
-  /** Says after a while that the kernel is busy, if it has not answered. */
+  /** Shows after a while that the kernel is busy, if it has not answered. */
   #wait(): void {
     this.#isBusy = false;
     clearTimeout(this.#timer);
@@ -678,7 +680,7 @@ export class SheetView {
   #onNamed(): void {
     const [number, name] = this.#named ?? [0, ""];
     this.#named = null;
-    // Nothing is lost: what could not be kept stands in the row again.
+    // Nothing is lost: the text that could not be kept stands in the row again.
     if (this.#model.get("_status") && name && !this.#name.isOpen) {
       this.#name.open("", this.#model.get("labels")[number] ?? "", [], name);
     } else this.#card.say([name ? `named ${name}` : "the name is taken away"]);

@@ -9,10 +9,10 @@ const DOT = 2.5;
 const [HATCH, NAMED] = [10, 34];
 /** Seconds after which a path has faded. */
 const FADED = 30;
-/** Metres between two places of a path beyond which the robot was put elsewhere. */
+/** Metres between two places of a path beyond which the robot was moved by hand. */
 const JUMP = 1;
 
-/** What the scanner has seen to be free. */
+/** The space that the scanner has seen to be free. */
 export function drawFree(context: Context, projection: Projection, { scan }: Scene, theme: Theme): void {
   const from = toPixel(projection, scan);
   clipToFloor(context, projection, () => {
@@ -26,7 +26,7 @@ export function drawFree(context: Context, projection: Projection, { scan }: Sce
   });
 }
 
-/** Places without floor: hatched, with their name where there is room. */
+/** Places without floor: hatched, with their name if there is room. */
 export function drawDrops(context: Context, projection: Projection, drops: Float32Array, theme: Theme): void {
   const boxes = Array.from({ length: drops.length / 4 }, (_, i) => {
     const [x1, y1, x2, y2] = drops.subarray(4 * i, 4 * i + 4) as unknown as [number, number, number, number];

@@ -7,7 +7,7 @@ import type { Theme } from "../shared/theme.ts";
 import { endOf, robotRadius, type Scene, toPlace, turnedBy } from "./scene.ts";
 import type { RoomShape } from "./traits.ts";
 
-/** What programs drew on the newest scan, where it is on the floor; its names stand beside it. */
+/** Draws the shapes of programs on the newest scan, at their places on the floor; their names stand next to them. */
 export function drawShapes(
   context: CanvasRenderingContext2D,
   projection: Projection,

@@ -3,7 +3,7 @@ import { type Model, onMessage } from "../shared/model.ts";
 import { type Scene, type Thing, withoutObstacle, withThing } from "./scene.ts";
 import type { SimulatorTraits } from "./traits.ts";
 
-/** What the page asks of Python. */
+/** A request of the page to Python. */
 type Edit =
   | { act: "robot"; x: number; y: number; yaw: number }
   | { act: "put"; x: number; y: number }
@@ -11,7 +11,7 @@ type Edit =
   | { act: "remove"; index: number }
   | { act: "reset" };
 
-/** Python's answer to an edit, null if it had no name: why it was not made; empty if it was. */
+/** Python's answer: the name of the edit, or null if it had none, and the reason for a refusal, or "" if it was made. */
 interface Answer {
   edit: string | null;
   refused: string;
@@ -21,8 +21,8 @@ interface Answer {
 const SPACING_MS = 50;
 
 /**
- * Edits of the page that Python has not made yet. The thing is shown where a person has put it, and what a person has
- * removed is not shown, until Python has answered, which a busy kernel may do late, and has sent what follows from it.
+ * Edits of the page that Python has not made yet. The picture shows them until Python has answered, which a busy kernel
+ * may do late, and has sent the result.
  */
 export class Edits {
   readonly #model: Model<SimulatorTraits>;
@@ -32,7 +32,7 @@ export class Edits {
   #sentAt = 0;
   #waiting: { thing: Thing; pose: Pose } | null = null;
   #isAnswered = false;
-  /** The removals that are not made yet, with the numbers of their edits; an index counts without those before it. */
+  /** The removals that are not made yet, with the numbers of their edits; an index counts without the earlier ones. */
   #removed: { index: number; edit: number }[] = [];
   /** The number of the last edit that was answered. */
   #answered = 0;
@@ -45,18 +45,18 @@ export class Edits {
     onMessage(model, (answer: Answer) => this.#onAnswer(answer), signal);
   }
 
-  /** The thing that is shown elsewhere than Python has it. */
+  /** The thing that is shown at another place than Python's. */
   get thing(): Thing | null {
     return this.#waiting?.thing ?? null;
   }
 
-  /** The scene as a person has left it. */
+  /** The scene with the edits of the user. */
   apply(scene: Scene): Scene {
     const left = this.#removed.reduce((scene, { index }) => withoutObstacle(scene, index), scene);
     return this.#waiting ? withThing(left, this.#waiting.thing, this.#waiting.pose) : left;
   }
 
-  /** Moves a thing. During a drag not every place is sent, but the last one. */
+  /** Moves a thing. Only some places of a drag are sent, but always the last one. */
   move(thing: Thing, pose: Pose, isDrag = false): void {
     this.#waiting = { thing, pose };
     this.#isAnswered = false;
@@ -86,7 +86,7 @@ export class Edits {
     }
   }
 
-  /** Python has sent a frame. */
+  /** Called with each frame of Python. */
   onFrame(): void {
     this.#removed = this.#removed.filter(({ edit }) => edit > this.#answered);
     if (this.#isAnswered) this.#waiting = null;

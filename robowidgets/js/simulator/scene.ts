@@ -17,12 +17,12 @@ export interface Scene {
   obstacles: Disc[];
 }
 
-/** A scan with angles of the robot, and where it was taken: the place of the scanner, and the heading of the robot. */
+/** A scan with angles of the robot, and its pose: the place of the scanner, and the heading of the robot. */
 interface Scan extends Pose {
   angleMin: number;
   angleIncrement: number;
   rangeMax: number;
-  /** Metres; infinite where nothing was met, NaN without a reading. */
+  /** Metres; infinite if nothing was in range, NaN without a reading. */
   ranges: Float32Array;
 }
 
@@ -55,18 +55,18 @@ export function toWalls(bytes: unknown): Float32Array {
   return view ? new Float32Array(copyOf(view, 0, view.byteLength)) : new Float32Array();
 }
 
-/** Where on the floor something in the frame of the scanner is. */
+/** The place on the floor of a point in the frame of the scanner. */
 export function toPlace({ x, y, yaw }: Scan, [ahead, left]: Metres): Place {
   const [cos, sin] = [Math.cos(yaw), Math.sin(yaw)];
   return { x: x + cos * ahead - sin * left, y: y + sin * ahead + cos * left };
 }
 
-/** A scan with some radians added to its angles, as a laser widget shows it; the readings stay where they are. */
+/** A scan with some radians added to its angles, as a laser widget shows it; the readings keep their places. */
 export function turnedBy(scan: Scan, radians: number): Scan {
   return { ...scan, angleMin: scan.angleMin + radians, yaw: scan.yaw - radians };
 }
 
-/** The end of a ray, in the frame of the scanner: of one that met nothing that of its reach; null without a reading. */
+/** The end of a ray, in the frame of the scanner; at its reach if nothing was in range, or null without a reading. */
 export function endOf({ angleMin, angleIncrement, rangeMax, ranges }: Scan, index: number): Metres | null {
   const [range = NaN, angle] = [ranges[index], angleMin + index * angleIncrement];
   const reach = Math.min(range, rangeMax);
@@ -81,10 +81,10 @@ export function endsOf(scan: Scan): (Place | null)[] {
   });
 }
 
-/** Metres round the robot that are shown at least, where no wall says how far the floor goes. */
+/** Least metres on show round the robot if no wall limits the floor. */
 const OPEN = 3;
 
-/** The floor that is shown: all walls, drops and obstacles, and the robot, to the metre where it is beyond them. */
+/** The floor on show: all walls, drops and obstacles, and the robot, rounded to the metre if it is beyond them. */
 export function boundsOf(edges: Float32Array[], { robot, obstacles }: Pick<Scene, "robot" | "obstacles">): Bounds {
   const bounds = { west: Infinity, east: -Infinity, south: Infinity, north: -Infinity };
   const hold = (x: number, y: number, margin = 0) => {
@@ -105,7 +105,7 @@ export function boundsOf(edges: Float32Array[], { robot, obstacles }: Pick<Scene
   return bounds;
 }
 
-/** What can be moved: the robot, its heading, or an obstacle by its index. */
+/** A movable thing: the robot, its heading, or an obstacle by its index. */
 export type Thing = "robot" | "heading" | number;
 
 /** Pixels; the robot is never drawn smaller. */
@@ -151,7 +151,7 @@ export function withoutObstacle(scene: Scene, index: number): Scene {
   return { ...scene, obstacles: scene.obstacles.filter((_, i) => i !== index) };
 }
 
-/** Where a thing is now; obstacles have no heading. */
+/** The present pose of a thing; obstacles have no heading. */
 export function poseOf({ robot, obstacles }: Scene, thing: Thing): Pose {
   const disc = typeof thing === "number" ? obstacles[thing] : undefined;
   return disc ? { x: disc.x, y: disc.y, yaw: 0 } : { x: robot.x, y: robot.y, yaw: robot.yaw };

@@ -7,9 +7,9 @@ export interface RoomShape extends Shape {
 
 export interface SimulatorTraits extends FrameTraits {
   paused: boolean;
-  /** Name of the group of widgets that are frozen together: of a feed its robot; empty: alone. */
+  /** Name of the group of widgets that are frozen together, which is the robot for a feed, or "" to freeze alone. */
   _together: string;
-  /** The frozen picture; empty when none is. */
+  /** The frozen picture, or empty while live. */
   _frozen_frame: DataView;
   /** The robot, its newest scan, its path and the obstacles: see `toScene`. */
   _frame: DataView;
@@ -17,10 +17,10 @@ export interface SimulatorTraits extends FrameTraits {
   _walls: DataView;
   /** The rectangles without floor as float32: x1, y1, x2, y2 of each, metres. */
   _drops: DataView;
-  /** What programs drew on the newest scan. */
+  /** The shapes that programs drew on the newest scan. */
   _shapes: RoomShape[];
-  /** Why the robot moves no more; empty while it may. */
+  /** The reason why the robot cannot move, or "" while it can. */
   _status: string;
-  /** Number of signs of life from Python, one a second; 0: this widget gets none. */
+  /** Number of signs of life from Python, one a second; 0 if this widget gets none. */
   _beat: number;
 }

@@ -29,7 +29,7 @@ const SLOP = 6;
 const TOUCH_SLOP = 16;
 /** Metres from the middle of the robot to an obstacle that the key puts ahead of it. */
 const AHEAD = 0.9;
-const RESET = "Start the simulation anew: the robot and its room, variables and program";
+const RESET = "Restart the simulation: the robot and its room, variables and program";
 const HINT = "drag the robot or an obstacle \u00B7 press o for another";
 const FROZEN = "frozen \u00B7 press to go on";
 const NOTHING = /* @__PURE__ */ new DataView(new ArrayBuffer(0));
@@ -37,13 +37,13 @@ const NOTHING = /* @__PURE__ */ new DataView(new ArrayBuffer(0));
 interface Drag {
   thing: Thing;
   pointer: number;
-  /** Where it was grabbed, on the floor. */
+  /** The place at which it was grabbed, on the floor. */
   from: Place;
   before: Pose;
   hasMoved: boolean;
 }
 
-/** A simulated robot in its room, from above. Python has the room; what a person moves is sent to it. */
+/** A simulated robot in its room, from above. Python has the room; moves by the user are sent to it. */
 export class SimulatorView implements Member {
   /** It keeps no pictures to step back to. */
   readonly oldest = -Infinity;
@@ -126,7 +126,7 @@ export class SimulatorView implements Member {
 
   showAt(): void {}
 
-  /** What is on show: of the moment at which it was frozen, or now. */
+  /** The frame on show: the frozen one, or the newest. */
   get #bytes(): DataView {
     const frozen = this.#model.get("_frozen_frame");
     return this.paused && toBytes(frozen) ? frozen : this.#model.get("_frame");
@@ -157,7 +157,7 @@ export class SimulatorView implements Member {
     this.#card.redraw();
   }
 
-  /** Lets go of what is dragged when Python falls silent. */
+  /** Releases a dragged thing if Python falls silent. */
   #onPulse(): void {
     if (this.#pulse.silence) this.#cancel();
     this.#card.redraw();
@@ -169,7 +169,7 @@ export class SimulatorView implements Member {
     this.#card.redraw();
   }
 
-  /** The scene as a person has left it. */
+  /** The scene with the edits of the user. */
   get #shown(): Scene | null {
     return this.#scene && this.#edits.apply(this.#scene);
   }
@@ -189,7 +189,8 @@ export class SimulatorView implements Member {
     this.#card.updateSilence(paused ? FROZEN : words, !paused && words !== "");
     this.#card.root.classList.toggle("rw-frozen", paused);
     if (!scene || !this.#scene) return;
-    // As Python has it: what a person moves, or has moved where there is no room, must not move all else meanwhile.
+    // The scene of Python: a thing that the user moves, or has moved to an impossible place, must not move everything
+    // else meanwhile.
     const bounds = boundsOf([this.#walls, this.#drops], this.#scene);
     const { picture, theme, noticeHeight: top } = this.#card;
     const [wide, high] = [bounds.east - bounds.west, bounds.north - bounds.south];
@@ -296,7 +297,7 @@ export class SimulatorView implements Member {
 
   #onDown(event: PointerEvent, point: Place): void {
     const scene = this.#shown;
-    // In a frozen picture things stand where they may be no more.
+    // In a frozen picture things may have left their places.
     if (this.paused) {
       this.release();
       return;
@@ -348,7 +349,7 @@ export class SimulatorView implements Member {
     this.#card.redraw();
   }
 
-  /** Puts back what is dragged; returns whether something was. */
+  /** Cancels a drag; returns true if there was one. */
   #cancel(): boolean {
     const drag = this.#drag;
     if (drag) this.#edits.move(drag.thing, drag.before);

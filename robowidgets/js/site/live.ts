@@ -3,14 +3,14 @@ import { readPart } from "../export/parts.ts";
 import { build, FOREVER, type Script } from "../export/views.ts";
 
 /**
- * Puts widgets into a page of the documentation, from what they showed when the page was built; scripts/docs_site.py
- * writes their states. They answer to the pointer as in a notebook, without a kernel.
+ * Puts widgets into a page of the documentation, with the state that they had when the page was built;
+ * scripts/docs_site.py writes it. They react to the pointer as in a notebook, without a kernel.
  */
 
 /** Scripts and stylesheets of the widgets, as the package ships them. */
 const WIDGETS = new URL("./widgets/", import.meta.url);
 
-/** A screen before a widget is seen, it is asked for. */
+/** A widget is requested when it is a screen away from view. */
 const AHEAD = "100%";
 
 /** The theme's styles do not reach the widgets, nor theirs the page. */
@@ -51,7 +51,7 @@ async function show(place: HTMLElement): Promise<void> {
   root.append(style, build(facts.shown, models, scripts));
 }
 
-/** Tells the widgets which of the theme's colours the reader has chosen. */
+/** Passes the reader's choice of the theme's colours on to the widgets. */
 function followScheme(): void {
   const tell = () => {
     document.body.dataset.theme = document.body.dataset.mdColorScheme === "slate" ? "dark" : "light";

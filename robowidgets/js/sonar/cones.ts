@@ -4,18 +4,18 @@ import { roundUp } from "../shared/zoom.ts";
 
 /** Metres shown by a picture without a limit or a reading. */
 const EMPTY = 2;
-/** Seconds; Python gives it to a sensor whose rate is not known. */
+/** Seconds; Python sends it for a sensor whose rate is unknown. */
 const NO_RATE = 10;
 
-/** All that is shown of one sensor. */
+/** The data on show of one sensor. */
 export interface Cone extends Placed {
   index: number;
   isViewKnown: boolean;
-  /** The distance that a program goes by. */
+  /** The distance for a program. */
   distance: number;
-  /** Whether that is an alarm. */
+  /** True for an alarm. */
   isNear: boolean;
-  /** Whether it has measured. */
+  /** True if it has measured. */
   hasCome: boolean;
   /** Seconds since it measured. */
   age: number;
@@ -26,17 +26,17 @@ interface Settings {
   poses: Poses;
   near: number | null;
   fieldOfView: number;
-  /** Seconds since the newest frame came; 0 where time stands still. */
+  /** Seconds since the newest frame arrived; 0 if time stands still. */
   elapsed: number;
 }
 
-/** What the picture shows of each sensor. */
+/** The cones of all sensors in the picture. */
 export function toCones(ring: Ring, about: SonarAbout, { poses, near, fieldOfView, elapsed }: Settings): Cone[] {
   return toPlaced(ring, about, poses, fieldOfView).map((placed, index) => {
     const { sonar } = placed;
     const distance = distanceOf(sonar);
     const age = sonar.behind + elapsed;
-    // Without a rate nobody knows when the next is due, until others have gone on for long.
+    // Without a rate, the next measurement has no due time: compare with other sensors.
     const isSilent = (sonar.silentAfter < NO_RATE ? age : sonar.behind) > sonar.silentAfter;
     return {
       ...placed,
@@ -51,7 +51,7 @@ export function toCones(ring: Ring, about: SonarAbout, { poses, near, fieldOfVie
   });
 }
 
-/** Seconds until the next sensor becomes silent if nothing comes; infinite if none will. */
+/** Seconds until the next sensor becomes silent if no frame arrives; infinite if none will. */
 export function nextSilence(cones: Cone[]): number {
   const left = cones.flatMap(({ sonar, age, isSilent, hasCome }) =>
     hasCome && !isSilent && sonar.silentAfter < NO_RATE ? [sonar.silentAfter - age] : [],
@@ -59,7 +59,7 @@ export function nextSilence(cones: Cone[]): number {
   return Math.min(Infinity, ...left);
 }
 
-/** Metres from the robot's middle, to the decimetre, that hold the reach of all sensors; 0 where none has a limit. */
+/** Metres from the robot's middle, to the decimetre, that hold the reach of all sensors; 0 if none has a limit. */
 export function reachOf(cones: Cone[]): number {
   const reaches = cones.flatMap(({ sonar: { maxRange }, mount: { x, y } }) =>
     maxRange <= NO_LIMIT ? [maxRange + Math.hypot(x, y)] : [],

@@ -9,13 +9,13 @@ import { scaleOf, toFloorPoint, toPixel, type View } from "./floor.ts";
 import { type Label, type Layout, type Level, LINE } from "./labels.ts";
 import { shorten, toDistance } from "./text.ts";
 
-/** Radius of the robot in pixels: a ring does not say how large it is. */
+/** Radius of the robot in pixels: a ring does not contain its size. */
 const ROBOT = 8;
 const UP = Math.PI / 2;
 const DASHES = [3, 3];
 /** Room for a number on a range circle, in pixels. */
 const SCALE = { width: 38, height: 16 };
-/** Of the red in the cone of an alarm. */
+/** Opacity of the red in the cone of an alarm. */
 const ALARM_ALPHA = 0.22;
 
 export function distanceFont(theme: Theme): string {
@@ -32,7 +32,7 @@ export function linesOf({ index, name, mount }: Cone, level: Level): string[] {
   return [...(level >= 1 ? [named] : []), ...(level >= 3 ? [toDegrees(mount.yaw)] : [])];
 }
 
-/** The cones from the ground up: where sensors could see, where they saw nothing, what they met. */
+/** The cones from the ground up: their reach, the free part of it, and the arcs of things. */
 export function drawCones(context: Context, view: View, cones: Cone[], theme: Theme): void {
   context.save();
   circle(context, { x: view.centerX, y: view.centerY }, view.radius);
@@ -53,7 +53,7 @@ function reachIn({ viewRange }: View, { sonar: { maxRange } }: Cone): number {
   return Math.min(maxRange, 2 * viewRange);
 }
 
-/** Metres up to which nothing was met; 0 where that is not known. */
+/** Metres without a thing; 0 if unknown. */
 function freeOf(view: View, cone: Cone): number {
   if (!cone.hasCome || cone.isSilent) return 0;
   const { kind, range } = cone.sonar;
@@ -78,7 +78,7 @@ function traceArc(context: Context, view: View, cone: Cone, distance: number): v
   context.arc(x, y, distance * scaleOf(view), ...anglesOf(cone));
 }
 
-/** The angles of a cone as a canvas has them: clockwise from the right. */
+/** The angles of a cone for a canvas: clockwise from the right. */
 function anglesOf({ mount, view }: Cone): [start: number, end: number] {
   const middle = -(mount.yaw + UP);
   return [middle - view / 2, middle + view / 2];
@@ -96,7 +96,7 @@ function drawFree(context: Context, view: View, cone: Cone, theme: Theme): void 
   fill(context, theme.seen);
 }
 
-/** Of the range circles, as many as their numbers have room for. */
+/** The radii of the range circles whose numbers have room. */
 function roundDistances({ viewRange, radius }: View): number[] {
   return ticks(0, 0.97 * viewRange, Math.min(5, Math.max(1, Math.floor(radius / SCALE.width)))).slice(1);
 }
@@ -109,7 +109,7 @@ function drawCircles(context: Context, view: View, theme: Theme): void {
   }
 }
 
-/** The edges of a cone up to what it met; dashed to its reach where it met nothing, or where that is not known. */
+/** The edges of a cone up to a thing; dashed to its reach if nothing is in range, or if that is unknown. */
 function drawOutline(context: Context, view: View, cone: Cone, theme: Theme): void {
   const { sonar, isSilent, hasCome } = cone;
   const isReading = sonar.kind === READING && hasCome;
@@ -122,7 +122,7 @@ function drawOutline(context: Context, view: View, cone: Cone, theme: Theme): vo
   context.setLineDash([]);
 }
 
-/** The arc on which something is: red for a reading, filled for an alarm; dashed in gray for what is no reading. */
+/** The arc of a thing: red for a reading, filled for an alarm; dashed in gray without a reading. */
 function drawMet(context: Context, view: View, cone: Cone, theme: Theme): void {
   const { sonar, isNear, isSilent, hasCome } = cone;
   const { kind, range, minRange } = sonar;
@@ -142,7 +142,7 @@ function drawMet(context: Context, view: View, cone: Cone, theme: Theme): void {
   context.setLineDash([]);
 }
 
-/** The distances of the range circles, in the widest gap between cones, where no reading is. */
+/** The distances of the range circles, in the widest gap between cones, clear of readings. */
 export function drawScale(context: Context, view: View, cones: Cone[], theme: Theme): void {
   const angle = widestGap(cones);
   const isInCone = ({ mount, view: opening }: Cone) => Math.cos(angle - mount.yaw) > Math.cos(opening / 2);
@@ -169,7 +169,7 @@ function widestGap(cones: Cone[]): number {
   return found;
 }
 
-/** What each cone measured, its index and its name, at the rim. */
+/** The distance of each cone, its index and its name, at the rim. */
 export function drawLabels(context: Context, { level, labels, view }: Layout, cones: Cone[], theme: Theme): void {
   for (const label of labels) {
     const cone = cones[label.index];
@@ -211,14 +211,14 @@ export function drawPointed(context: Context, view: View, cone: Cone, theme: The
   context.restore();
 }
 
-/** Metres along the axis of a cone up to what it met, or to the edge of the view. */
+/** Metres along the axis of a cone up to a thing, or to the edge of the view. */
 export function endOf(view: View, cone: Cone): number {
   const { kind, range } = cone.sonar;
   const isMeasured = cone.hasCome && (kind === READING || kind === OUTSIDE_LIMITS);
   return Math.min(isMeasured ? Math.max(0, range) : reachIn(view, cone), view.viewRange);
 }
 
-/** The places of a cone in the picture that a pop-up should leave free: what it met, and its axis. */
+/** The places of a cone in the picture that a pop-up should leave free: the thing, and its axis. */
 export function pointsOf(view: View, cone: Cone): { x: number; y: number }[] {
   const end = endOf(view, cone);
   const beside = [-4, -3, -2, -1, 0, 1, 2, 3, 4].map((part) => (part / 8) * cone.view);

@@ -1,7 +1,7 @@
 import type { Point } from "../shared/box.ts";
 import type { Mount } from "../shared/frames/ring.ts";
 
-/** Where metres lie in the picture: the robot's middle in its centre, x up, y to the left. */
+/** Maps metres to the picture: the robot's middle is in its centre, x points up, y to the left. */
 export interface View {
   centerX: number;
   centerY: number;
@@ -26,7 +26,7 @@ export function toFloor(view: View, { x, y }: Point): Point {
   return { x: (view.centerY - y) / scale, y: (view.centerX - x) / scale };
 }
 
-/** The point at a distance from a sensor, radians beside its axis; in metres of the robot's frame. */
+/** The point at a distance from a sensor, at an angle in radians from its axis; in metres of the robot's frame. */
 export function toFloorPoint({ x, y, yaw }: Mount, distance: number, beside: number): Point {
   return { x: x + distance * Math.cos(yaw + beside), y: y + distance * Math.sin(yaw + beside) };
 }

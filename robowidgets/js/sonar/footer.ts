@@ -5,13 +5,13 @@ import { nearestOf } from "../shared/frames/ring.ts";
 import { READING, type Validity } from "../shared/frames/scan.ts";
 import type { Cone } from "./cones.ts";
 
-/** How many sensors there are of each class, which are silent, and the nearest thing. */
+/** The number of sensors of each class, the silent ones, and the nearest thing. */
 export class Footer {
   readonly #items: { kind: Validity; item: HTMLElement; count: HTMLElement }[];
   readonly #silent = make("span", "rw-sonar-silent");
   readonly #near = make("b", "rw-sonar-near");
   readonly #nearest = make("span", "rw-nearest");
-  /** Of the nearest thing: a word, its distance, its sensor and its index. */
+  /** Words for the nearest thing: a word, its distance, its sensor and its index. */
   readonly #words = [make("span", ""), make("b", ""), make("span", ""), make("b", "rw-index")] as const;
 
   constructor(element: HTMLElement) {
@@ -56,12 +56,12 @@ export class Footer {
   }
 }
 
-/** A sensor that says nothing, and for how long. */
+/** A silent sensor, and the time of its silence. */
 function wordsOf({ name, hasCome, age }: Cone): string {
   return hasCome ? `${name} silent for ${toAge(1000 * age, 0)}` : `no data of ${name} yet`;
 }
 
-/** The first two of several texts, and how many there are besides. */
+/** The first two of several texts, and the number of the others. */
 function listed(texts: string[]): string {
   const more = texts.length - 2;
   return texts.slice(0, 2).join(", ") + (more > 0 ? ` and ${more} more` : "");

@@ -3,13 +3,13 @@ import { fit, type Rim, rimBox, toDirection } from "../shared/projection.ts";
 import type { Cone } from "./cones.ts";
 import { toFloorPoint, type View } from "./floor.ts";
 
-/** How much a label says: distance, index, name, angle; each level says one thing less. */
+/** Level of detail of a label: distance, index, name, angle; each level has one item less. */
 export type Level = 3 | 2 | 1 | 0;
 
 export const LINE = 14;
 /** Pixels between the rim and a label. */
 const GAP = 5;
-/** Radians by which a label may stand beside its cone. */
+/** Radians by which a label may stand away from its cone. */
 const FARTHEST = 0.35;
 const STEP = 0.01;
 /** The picture of a level is at least as large as this part of the one without texts. */
@@ -19,7 +19,7 @@ const UP = Math.PI / 2;
 export interface Label {
   /** Index of the cone. */
   index: number;
-  /** Where the cone meets the rim, and where the label stands: radians counter-clockwise from forward. */
+  /** The direction in which the cone meets the rim, and the direction of the label: radians counter-clockwise from forward. */
   from: number;
   angle: number;
   rim: Rim;
@@ -39,8 +39,10 @@ export interface Half {
 }
 
 /**
- * The circle of the picture and a label for each cone at its rim: at the level that says most and still leaves room for
- * the picture. No two labels overlap: they move along the rim, and where even numbers alone have no room, some go.
+ * The circle of the picture and a label for each cone at its rim: at the level with the most details that still leaves
+ * room for
+ * the picture. No two labels overlap: they move along the rim, and if even numbers alone have no room, some are left
+ * out.
  *
  * @param halfOf half the size of the label of a cone at a level
  */
@@ -64,7 +66,7 @@ function priority(cones: Cone[], { index }: Label): number {
 }
 
 function spread(cones: Cone[], box: Box, viewRange: number, bare: number, halfOf: (cone: Cone) => Half) {
-  // Labels move along the rim, whose radius depends on where they stand: a second round sees to that.
+  // Labels move along the rim, whose radius depends on their places: a second round corrects it.
   let radius = LEAST_PART * bare;
   let labels: Label[] = [];
   let view: View = { centerX: 0, centerY: 0, radius, viewRange };
@@ -104,7 +106,7 @@ function toRim(angle: number, { width, height }: Half): Rim {
   return { direction, gap, halfWidth: width, halfHeight: height };
 }
 
-/** Moves angles, in their order round the rim, as little as keeps labels apart, and no farther than they may. */
+/** Moves angles, in their order round the rim, just enough to separate the labels, and no farther than allowed. */
 function pushApart(from: number[], halves: Half[], radius: number): number[] {
   const angles = [...from];
   const count = angles.length;

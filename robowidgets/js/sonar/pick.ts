@@ -3,9 +3,9 @@ import type { Cone } from "./cones.ts";
 import { scaleOf, toFloor, type View } from "./floor.ts";
 import type { Label } from "./labels.ts";
 
-/** Pixels round the robot's middle where no cone is meant, and beyond the rim where one still is. */
+/** Pixels round the robot's middle without a cone, and beyond the rim that still belong to one. */
 const [ROBOT, BEYOND] = [6, 8];
-/** Radians beside the axis of a narrow beam within which it is meant. */
+/** Radians from the axis of a narrow beam that still belong to it. */
 const LEAST = 0.14;
 
 /** The index of the cone under a point of the picture, or of its label; null for none. */
@@ -20,7 +20,7 @@ export function pick(view: View, cones: Cone[], labels: Label[], point: Point): 
   for (const { index, mount, view: opening } of cones) {
     const [dx, dy] = [floor.x - mount.x, floor.y - mount.y];
     const beside = Math.abs(wrap(Math.atan2(dy, dx) - mount.yaw));
-    // Of two beams that look the same way, the closer axis, in pixels.
+    // Of two beams in the same direction, the closer axis, in pixels.
     const off = Math.hypot(dx, dy) * Math.sin(Math.min(beside, Math.PI / 2)) * scaleOf(view);
     if (beside <= Math.max(LEAST, opening / 2) && off < least) {
       least = off;

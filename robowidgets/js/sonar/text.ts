@@ -7,18 +7,18 @@ import type { Cone } from "./cones.ts";
 
 const LONGEST_NAME = 14;
 
-/** Code that gives the distance of a sensor, as a program has it. */
+/** Code for the distance of a sensor in a program. */
 export function toCode(name: string): string {
   return `sonars[${quoted(name)}].distance`;
 }
 
-/** A name that fits a label: without what is in the middle of a long one. */
+/** A name that fits a label: a long one loses its middle. */
 export function shorten(name: string): string {
   if (name.length <= LONGEST_NAME) return name;
   return `${name.slice(0, 6)}\u2026${name.slice(-(LONGEST_NAME - 7))}`;
 }
 
-/** The distance at the end of a cone: metres or a word, and where room is short what a program sees. */
+/** The distance at the end of a cone: metres or a word, and if room is short the value for a program. */
 export function toDistance({ sonar, hasCome, isSilent, isNear, age }: Cone, reach: number, isShort: boolean): string {
   if (!hasCome) return isShort ? "\u2013" : "no data yet";
   if (isSilent) return isShort ? "\u2013" : `silent ${toAge(1000 * age, 0)}`;
@@ -39,7 +39,7 @@ export function toDistance({ sonar, hasCome, isSilent, isNear, age }: Cone, reac
   }
 }
 
-/** What is odd about a sensor, or about what it said; nothing for a reading. */
+/** An unusual state of a sensor or of its range; "" for a reading. */
 function stateOf({ sonar, hasCome, isSilent, age }: Cone): string {
   if (!hasCome) return "no data yet";
   if (isSilent) return `silent for ${toAge(1000 * age)}`;
@@ -47,7 +47,7 @@ function stateOf({ sonar, hasCome, isSilent, age }: Cone): string {
   return meaningOf({ kinds: [kind], minRange, maxRange }, 0);
 }
 
-/** What the pop-up says of one sensor. */
+/** The texts of the pop-up of one sensor. */
 export function describeCone(cone: Cone, near: number | null, reach: number): PopupWords {
   const { index, name, radiation, frameId, mount, sonar, view, isViewKnown, isNear, hasCome, age } = cone;
   const { range, kind, minRange, maxRange } = sonar;

@@ -6,8 +6,8 @@ export interface SonarTraits extends SampleTraits {
   poses: Poses;
   /** Metres below which a distance is an alarm. */
   near: number | null;
-  /** Radians; of sensors that do not tell theirs. */
+  /** Radians, for sensors whose messages lack it. */
   field_of_view: number;
-  /** Metres to the edge of the picture; null: as far as the sensors reach. */
+  /** Metres to the edge of the picture; null for the reach of the sensors. */
   view_range: number | null;
 }

@@ -106,7 +106,7 @@ export class SonarView implements Zoom {
 
   #zoomed(direction: -1 | 1): number {
     const most = reachOf(this.#cones) || Math.max(SOMEWHERE, this.#viewRange);
-    // Two keys may come before the next drawing.
+    // Two keys may be pressed before the next drawing.
     const now = this.#model.get("view_range") ?? this.#viewRange;
     return stepRange(now, direction, Math.min(most, FARTHEST_VIEW));
   }
@@ -117,7 +117,7 @@ export class SonarView implements Zoom {
     if (fitted) setTraits(this.#model, { view_range: isFitted ? null : fitted });
   }
 
-  /** Seconds since the newest frame came; 0 where time stands still. */
+  /** Seconds since the newest frame arrived; 0 if time stands still. */
   get #elapsed(): number {
     const { paused, arrived } = this.#stream;
     const isStill = paused || (this.#stream.about as SonarAbout).still || !arrived || lacksKernel(this.#model);
@@ -160,11 +160,11 @@ export class SonarView implements Zoom {
     if (left < Infinity) this.#tick = setTimeout(this.#card.redraw, 1000 * left + 20);
   }
 
-  /** Where circle and labels stand; found anew only where something in it has changed. */
+  /** Lays out circle and labels; again only if something in them has changed. */
   #layOut(context: CanvasRenderingContext2D, theme: Theme): Layout {
     const { size, noticeHeight } = this.#card;
     const cones = this.#cones;
-    // Which labels go, where not all have room, depends on the alarms.
+    // The labels that are left out without enough room depend on the alarms.
     const drops = this.#layout !== null && this.#layout.labels.length < cones.length;
     const sensors = cones.map(({ name, mount, isNear, isSilent, hasCome }) => {
       return [name, mount, isSilent, hasCome, drops && isNear];
@@ -181,7 +181,7 @@ export class SonarView implements Zoom {
     };
     const digits = this.#viewRange >= 10 ? "00.00" : "0.00";
     const halfOf = (cone: Cone, level: Level): Half => {
-      // The widest of what it may say, so that labels stand still; what is said seldom may move them.
+      // The widest usual text, so that labels stand still; rare texts may move them.
       const says = level < 2 ? [`${digits}!`] : [`\u25B2 ${digits} m`, "\u25B2 too close"];
       if (cone.isSilent || !cone.hasCome) says.push(toDistance(cone, this.#viewRange, level < 2));
       const lines = linesOf(cone, level);
@@ -270,7 +270,7 @@ export class SonarView implements Zoom {
   }
 }
 
-/** How the sensors were placed whose places nobody gave. */
+/** The origin of the places that the user did not give. */
 function wordsOnPlaces(cones: Cone[]): string {
   const unknown = cones.filter(({ mount }) => !mount.isKnown);
   if (!unknown.length) return "";

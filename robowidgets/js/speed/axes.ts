@@ -6,11 +6,11 @@ export interface Axis {
   /** As a program writes it: "angular.z". */
   name: string;
   letter: string;
-  /** What the rotation is called; nothing for the linear axes. */
+  /** The name of the rotation; "" for the linear axes. */
   word: string;
-  /** Where a positive and a negative speed take the robot (REP-103). */
+  /** The directions of a positive and a negative speed (REP-103). */
   directions: [string, string];
-  /** Whether a robot on the ground moves so. */
+  /** True for an axis along which a robot on the ground moves. */
   planar: boolean;
 }
 
@@ -47,7 +47,7 @@ const WHEELS: Group = {
 };
 const AHEAD: Group = { ...GROUND, axes: GROUND.axes.slice(0, 1) };
 
-/** Which axes there are: those of a velocity; of a car its steering angle, too, or alone with the speed ahead. */
+/** The axes of a widget: velocity; for a car its steering angle, too, or only the angle and the forward speed. */
 export type Layout = "velocity" | "both" | "car";
 
 const GROUPS: Record<Layout, Group[]> = {
@@ -60,7 +60,7 @@ export function groupsOf(layout: Layout): Group[] {
   return GROUPS[layout];
 }
 
-/** The axes of what is shown. What turns by its wheels alone has no other speed than the one ahead. */
+/** The axes for some speeds. A car that turns by its wheels has only a forward speed. */
 export function layoutOf(speeds: Pick<Speeds, "measured" | "commanded"> | null): Layout {
   const given = [speeds?.measured, speeds?.commanded].filter((values) => values != null);
   const isSteered = (values: number[]) => !Number.isNaN(values[STEERING] ?? NaN);
@@ -68,7 +68,7 @@ export function layoutOf(speeds: Pick<Speeds, "measured" | "commanded"> | null):
   return given.every(isSteered) ? "car" : "both";
 }
 
-/** Whether an axis is on show. */
+/** Returns true if an axis is on show. */
 export function isShown(axis: Axis, planar: boolean): boolean {
   return axis.planar || !planar;
 }

@@ -41,7 +41,7 @@ export class Column {
   }
 
   /**
-   * @param labelled whether each limit has a label of its own, because axes have different limits
+   * @param labelled true if each limit has a label, because axes have different limits
    * @param clearance how close labels may come, as a part of the track
    */
   update(facts: AxisFacts, labelled: boolean, clearance: number): void {

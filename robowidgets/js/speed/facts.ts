@@ -9,22 +9,22 @@ import type { Limits } from "./traits.ts";
 export interface AxisFacts {
   axis: Axis;
   unit: string;
-  /** Null before the first; NaN where there is no value. */
+  /** Null before the first; NaN without a value. */
   measured: number | null;
   commanded: number | null;
-  /** Least and greatest; null when peaks are not marked. */
+  /** Least and greatest; null if peaks are not marked. */
   peaks: [number, number] | null;
   /** Null without. */
   limits: Limits | null;
   scale: Scale;
-  /** With how many decimals its numbers are shown. */
+  /** Number of decimals of its numbers. */
   decimals: number;
 }
 
 /** All data of the axes of a group, which share a scale. */
 export interface GroupFacts {
   scale: Scale;
-  /** The limits that all axes on show have; null when they differ, or there are none. */
+  /** The limits that all axes on show share; null if they differ or are missing. */
   shared: Limits | null;
   axes: AxisFacts[];
   hidden: AxisFacts[];
@@ -41,7 +41,7 @@ interface Settings {
 /** The fastest speed so far, by group. */
 export type Fastest = Record<Group["name"], number>;
 
-/** The fastest speed of axes on show, counting the peaks and all that was shown before. */
+/** The fastest speed of axes on show, including the peaks and the earlier speeds. */
 export function toFastest(speeds: Speeds | null, planar: boolean, before: Fastest): Fastest {
   const fastest = { ...before };
   for (const values of speeds ? [speeds.measured, speeds.commanded, speeds.least, speeds.greatest] : []) {
@@ -55,12 +55,12 @@ export function toFastest(speeds: Speeds | null, planar: boolean, before: Fastes
   return fastest;
 }
 
-/** Whether peaks are known: not before the first speed, and not in a player. */
+/** Returns true if peaks are known: not before the first speed, and not in a player. */
 export function hasPeaks(speeds: Speeds | null): boolean {
   return speeds?.least.some((value) => !Number.isNaN(value)) ?? false;
 }
 
-/** What the groups show. */
+/** The facts of the groups on show. */
 export function toFacts(speeds: Speeds | null, { limits, planar, marksPeaks, fastest }: Settings): GroupFacts[] {
   const every = groupsOf(layoutOf(speeds));
   const onShow = every.map((group) =>
@@ -97,7 +97,7 @@ function toSpeeds(speeds: Speeds | null, { index }: Axis, marksPeaks: boolean) {
   return { measured: speeds?.measured?.[index] ?? null, commanded: speeds?.commanded?.[index] ?? null, peaks };
 }
 
-/** How many decimals tell speeds within limits apart: two, and more where all limits are below 0.1. */
+/** Number of decimals that distinguish speeds within limits: two, and more if all limits are below 0.1. */
 export function decimalsFor(limits: Limits[]): number {
   return decimalsUpTo(Math.max(...limits.flat().map(Math.abs)));
 }

@@ -1,6 +1,6 @@
 import { isPlain, on } from "../shared/events.ts";
 
-/** What a person can do to the bars. */
+/** Actions of the user on the bars. */
 interface Gestures {
   onHover(axis: number | null): void;
   onPick(axis: number | null): void;
@@ -16,7 +16,7 @@ const WALK: Record<string, string> = {
   Escape: "none",
 };
 
-/** Hovering and clicking name an axis, and so does tapping; arrow keys walk. */
+/** Hovering, clicking and tapping name an axis; arrow keys walk. */
 export function watchGestures(element: HTMLElement, gestures: Gestures, signal: AbortSignal): void {
   const toAxis = (event: Event): number | null => {
     const axis = (event.target as Element).closest<HTMLElement>("[data-axis]")?.dataset.axis;

@@ -4,7 +4,7 @@ const KEYS = ["measured", "command", "limit", "peak"] as const;
 type Key = (typeof KEYS)[number];
 const WORDS: Record<Key, string> = { measured: "measured", command: "commanded", limit: "limits", peak: "peaks" };
 
-/** What the marks mean, of those that are there, and one line on all axes. */
+/** The meaning of the marks on show, and one line about all axes. */
 export class Legend {
   readonly #items = new Map<Key, HTMLElement>();
   readonly #bars = make("span", "", WORDS.measured);
@@ -21,7 +21,7 @@ export class Legend {
     footer.append(keys, this.#summary);
   }
 
-  /** @param bars what the bars show, in a word */
+  /** @param bars the values of the bars, in a word */
   update(bars: string, hasCommand: boolean, hasLimits: boolean, hasPeaks: boolean, summary: string): void {
     setText(this.#bars, bars);
     this.#show("command", hasCommand);

@@ -1,7 +1,7 @@
 import type { Axis, Group } from "./axes.ts";
 import type { Limits } from "./traits.ts";
 
-/** What a value is to its limits. */
+/** The state of a value within or past its limits. */
 export type State = "within" | "over" | "under" | "none";
 
 /** The limits as Python sets them: by group, and by axis instead of those. */
@@ -23,7 +23,7 @@ export function judge(value: number, limits: Limits | null): State {
   return "within";
 }
 
-/** The limits of an axis: its own, else those of its group; null without. */
+/** The limits of an axis itself, else of its group; null without limits. */
 export function limitsOf(settings: LimitSettings, group: Group, axis: Axis): Limits | null {
   return settings.axes[axis.name] ?? (group.name === "steering" ? null : settings[group.name]);
 }

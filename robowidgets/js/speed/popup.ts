@@ -33,7 +33,8 @@ export class Popup {
   }
 
   /**
-   * Shows words beside a box in the picture.
+   * Shows words next to a box in the picture.
+   *
    * @param picture its size
    */
   show({ expression, direction, value, alarm, details }: AxisWords, beside: Box, picture: Size): void {

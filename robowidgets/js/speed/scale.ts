@@ -7,7 +7,7 @@ export interface Scale {
   high: number;
 }
 
-/** A number beside the tracks, at a height from 0 (the lower end) to 1. */
+/** A number next to the tracks, at a height from 0 (the lower end) to 1. */
 interface Label {
   value: number;
   height: number;
@@ -15,7 +15,7 @@ interface Label {
   round: boolean;
 }
 
-/** Room beyond the limits on either side, as a part of what lies between them. */
+/** Room beyond the limits on either side, as a part of the range between them. */
 const HEADROOM = 0.125;
 /** Noise of a robot that stands still is not drawn large, and an absurd speed is drawn cut. */
 const LEAST_REACH = 0.1;
@@ -42,7 +42,9 @@ export function toScales(groups: Limits[][]): Scale[] {
   return reaches.map(({ span }) => ({ low: -down * span, high: up * span }));
 }
 
-/** The height of a speed on its track: 0 at the lower end, 1 at the upper; beyond them for what is off the scale. */
+/**
+ * The height of a speed on its track: 0 at the lower end, 1 at the upper; outside of them for a speed off the scale.
+ */
 export function toHeight({ low, high }: Scale, value: number): number {
   return (value - low) / (high - low);
 }
@@ -52,23 +54,23 @@ export function toHeightOnTrack(scale: Scale, value: number): number {
   return Math.min(1, Math.max(0, toHeight(scale, value)));
 }
 
-/** Whether a speed lies beyond the scale, and is drawn cut. */
+/** Returns true if a speed lies beyond the scale, and is drawn cut. */
 export function isOff(value: number, { low, high }: Scale): boolean {
   return value < low || value > high;
 }
 
-/** How close labels may come, as a part of a track of some pixels; 0 where they are not known yet. */
+/** Least distance of labels, as a part of a track of some pixels; 0 before its size is known. */
 export function toClearance(pixels: number): number {
   return Math.max(CLEARANCE, LABEL / (pixels || Infinity));
 }
 
-/** The limits that all axes have; null when they differ, or there are none. */
+/** The limits that all axes share; null if they differ or are missing. */
 export function sharedLimits(limits: (Limits | null)[]): Limits | null {
   const [first] = limits;
   return first && limits.every((pair) => pair?.[0] === first[0] && pair?.[1] === first[1]) ? first : null;
 }
 
-/** What an axis without limits has in place of them: the next 1, 2 or 5 that holds the fastest speed. */
+/** The end of the scale of an axis without limits: the next 1, 2 or 5 that holds the fastest speed. */
 export function toReach(fastest: number): number {
   const size = Math.min(MOST_REACH, Math.max(LEAST_REACH, fastest));
   const power = Math.floor(Math.log10(size));
@@ -76,7 +78,7 @@ export function toReach(fastest: number): number {
   return steps.find((step) => step >= size) ?? size;
 }
 
-/** The numbers beside the tracks: the limits that all axes have, and where they leave room zero and round ones. */
+/** The numbers next to the tracks: the limits that all axes share, and zero and round ones if they have room. */
 export function scaleLabels(scale: Scale, shared: Limits | null, clearance: number): Label[] {
   const toLabel = (value: number, round: boolean): Label => ({ value, height: toHeight(scale, value), round });
   const labels = (shared ?? []).map((value) => toLabel(value, false));

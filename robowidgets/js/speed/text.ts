@@ -15,7 +15,7 @@ export function toNumber(value: number, decimals: number): string {
   return value.toExponential(1).replace("e+", "e").replace("-", MINUS);
 }
 
-/** Text in place of the number of an axis: a dash before the first sample, "no value" for NaN. */
+/** Text instead of the number of an axis: a dash before the first sample, "no value" for NaN. */
 export function toValueText(value: number | null, decimals: number): string {
   if (value === null) return "\u2013";
   return Number.isNaN(value) ? "no value" : toNumber(value, decimals);
@@ -34,12 +34,12 @@ export function stateWords(state: State, limits: Limits | null = null): [mark: s
   return ["", "", ""];
 }
 
-/** Return true if a speed is too large in the direction of the negative sign. */
+/** Returns true if a speed is too large in the direction of the negative sign. */
 function isBackwards(limits: Limits | null, state: State): boolean {
   return state === "under" && limits !== null && limits[0] < 0;
 }
 
-/** A speed past its limits in words: "over the limit of 1"; nothing for one within them. */
+/** A speed past its limits in words: "over the limit of 1"; "" for one within them. */
 function toStateText(value: number, limits: Limits | null): string {
   const state = judge(value, limits);
   if (!limits || (state !== "over" && state !== "under")) return "";
@@ -50,12 +50,12 @@ function toStateText(value: number, limits: Limits | null): string {
     : `${state} the limit of ${toShort(limit)}`;
 }
 
-/** What the pop-up says of one axis. */
+/** The texts of the pop-up of one axis. */
 export interface AxisWords {
   expression: string;
   direction: string;
   value: string;
-  /** What is wrong with the value; nothing when it is within its limits. */
+  /** The problem of the value; "" within its limits. */
   alarm: string;
   /** Name and value, line by line. */
   details: [string, string][];
@@ -84,12 +84,12 @@ export function describeAxis(facts: AxisFacts): AxisWords {
   };
 }
 
-/** The words of a pop-up in the order in which they are heard. */
+/** The words of a pop-up in the order in which a screen reader reads them. */
 export function toSentence({ expression, value, direction, alarm, details }: AxisWords): string[] {
   return [expression, value, direction, alarm, ...details.map((pair) => pair.join(" "))];
 }
 
-/** One line on all axes for the footer, hidden ones that move included; nothing before the first speed. */
+/** One line about all axes for the footer, including hidden ones that move; "" before the first speed. */
 export function summarize(shown: AxisFacts[], hidden: AxisFacts[]): string {
   const past = [...shown, ...hidden].flatMap(({ axis, measured, limits }) => {
     const state = measured === null ? "" : toStateText(measured, limits);

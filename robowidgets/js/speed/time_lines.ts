@@ -11,7 +11,7 @@ interface Timed {
   frame: Pick<Speeds, "measured" | "commanded">;
 }
 
-/** The lines of all axes on show. Samples whose time is unknown, as they came before the page was loaded, are left out. */
+/** The lines of all axes on show. Samples without a known time, from before the page was loaded, are left out. */
 export function toTimeLines(samples: Timed[], groups: GroupFacts[], seconds: number): TimeLine[] {
   const end = samples.at(-1)?.at ?? NaN;
   const recent = samples.filter(({ at }) => end - at <= 1000 * seconds);

@@ -4,17 +4,17 @@ import type { SampleTraits } from "../shared/traits.ts";
 export type Limits = [number, number];
 
 export interface SpeedTraits extends SampleTraits {
-  /** Null: no limits. */
+  /** Null for no limits. */
   linear_limits: Limits | null;
   angular_limits: Limits | null;
-  /** Of single axes, like "linear.x", in place of those of their group. */
+  /** Limits of single axes, like "linear.x", which replace the limits of their group. */
   limits: Record<string, Limits>;
   planar: boolean;
   hold_peaks: boolean;
   command_title: string;
   bars: "measured" | "commanded";
-  /** Seconds that are shown below the bars; 0: none. */
+  /** Seconds that are shown below the bars, or 0 for none. */
   over_time: number;
-  /** How often the peaks were reset. */
+  /** Number of resets of the peaks. */
   _resets: number;
 }

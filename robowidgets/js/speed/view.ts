@@ -31,7 +31,7 @@ const SETTINGS = [
   "over_time",
 ] as const;
 const NOTHING: Fastest = { linear: 0, angular: 0, steering: 0 };
-/** Seconds that the button shows. */
+/** Seconds that the button sets. */
 const USUAL_SECONDS = 10;
 const RESET = "M6 1.5a4.5 4.5 0 1 0 4.5 4.5h-1.4a3.1 3.1 0 1 1-3.1-3.1v1.7l3-2.4-3-2.4z";
 
@@ -50,7 +50,7 @@ export class SpeedView {
   readonly #lines: TimeLinesView;
   readonly #legend: Legend;
   readonly #popup: Popup;
-  /** All are as high as the first. */
+  /** All tracks are as high as the first. */
   readonly #track: LaidOut;
   #groups: GroupView[] = [];
   #boxes = new Map<Column, Box>();
@@ -59,10 +59,10 @@ export class SpeedView {
   #layout: Layout = "velocity";
   #hovered: number | null = null;
   #picked: number | null = null;
-  /** Kept, so that the scale of axes without limits grows and never jumps back; a reset of the peaks starts anew. */
+  /** Kept, so that the scale of axes without limits grows and never jumps back; a reset of the peaks resets it. */
   #fastest: Fastest = { ...NOTHING };
   #resets: number | null = null;
-  /** Whether keys have moved to an axis, of which a screen reader has not heard. */
+  /** True after keys have moved to an axis that was not announced to a screen reader. */
   #walked = false;
 
   constructor(model: Model<SpeedTraits>, element: HTMLElement, stream: Stream<Speeds>, signal: AbortSignal) {
@@ -171,7 +171,7 @@ export class SpeedView {
     const seconds = this.#model.get("over_time");
     set(this.#overTime, "ariaPressed", String(seconds > 0));
     const { paused, rate } = this.#stream;
-    // Samples that are picked from a recording come at no time of their own.
+    // Samples that are picked from a recording have no time of arrival.
     const isLive = !Number.isNaN(rate);
     const moments = seconds && isLive ? this.#stream.last(Infinity) : [];
     const samples = moments.map((moment) => ({ at: moment.at, frame: this.#stream.frameOf(moment) }));
@@ -223,7 +223,7 @@ export class SpeedView {
     else this.#popup.hide();
   }
 
-  /** Where the track of a column is in the picture: measured once for each size of the picture. */
+  /** The place of a column's track in the picture: measured once for each size of the picture. */
   #boxOf(column: Column): Box {
     const { width, height } = this.#card.size;
     const key = [width, height, this.#card.noticeHeight, this.#isPlanar, this.#layout, this.#track.height].join();

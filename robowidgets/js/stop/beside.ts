@@ -5,12 +5,12 @@ import type { StopTraits } from "./traits.ts";
 
 /** Pixels round the view in its pane, above and below. */
 const PADDING = 16;
-/** Of a view, at least: in a lower pane it scrolls. */
+/** Least height of a view: in a lower pane it scrolls. */
 const LOWEST = 420;
 const CANNOT = "This page has no place beside the notebook. robot.show() shows the view here.";
 const SINGLE = "JupyterLab shows one document at a time: switch off Simple, at the bottom left, and press Beside.";
 
-/** What JupyterLab's widget manager has, and no other host's: the document, which takes a widget beside itself. */
+/** Parts of JupyterLab's widget manager that other hosts lack: the document, which can show a widget next to itself. */
 interface Host {
   get_model(id: string): Promise<unknown>;
   create_view?(model: unknown): Promise<View>;
@@ -39,9 +39,9 @@ interface PaneNode extends HTMLElement {
 }
 
 /**
- * Puts the view of a robot beside the notebook, into a pane as JupyterLab's own "Create New View for Cell Output" does,
- * by a button, or as soon as the bar is on the page. Other hosts have no such place. The pane closes with the view, and
- * with the output of its cell, which the next run replaces.
+ * Puts the view of a robot next to the notebook, into a pane like that of JupyterLab's "Create New View for Cell
+ * Output", by a button, or as soon as the bar is on the page. Other hosts have no such place. The pane closes with the
+ * view, and with the output of its cell, which the next run replaces.
  */
 export class Beside {
   readonly button: HTMLButtonElement;
@@ -51,7 +51,7 @@ export class Beside {
   readonly #signal: AbortSignal;
   #isOpening = false;
   #hasOpened = false;
-  /** Why the view is not there. */
+  /** The reason why the view is not shown. */
   #said = "";
 
   constructor(model: Model<StopTraits>, root: HTMLElement, signal: AbortSignal) {
@@ -61,7 +61,7 @@ export class Beside {
     this.button = makeButton("rw-beside-button", "", () => this.#toggle(), signal, "Beside");
   }
 
-  /** Called whenever the bar is drawn: it is in the page by the second time. */
+  /** Called whenever the bar is drawn: at the second call it is in the page. */
   update(): void {
     const isAble = this.#host.create_view !== undefined && this.#host.context?.addSibling !== undefined;
     const isOpen = this.#pane !== null;
@@ -76,7 +76,7 @@ export class Beside {
     this.#open();
   }
 
-  /** The notebook in which the bar stands; a view beside it is in none. */
+  /** The notebook that contains the bar; null for a view next to a notebook. */
   get #notebook(): HTMLElement | null {
     return this.#root.closest<HTMLElement>(".jp-NotebookPanel");
   }
@@ -85,7 +85,7 @@ export class Beside {
     return (this.#model.widget_manager ?? {}) as unknown as Host;
   }
 
-  /** The pane of the view, whichever of its bars opened it: a notebook may be on the page twice. */
+  /** The pane of the view, for any of its bars: a notebook may be on the page twice. */
   get #pane(): Pane | null {
     const nodes = document.querySelectorAll<PaneNode>(".rw-beside-pane");
     return [...nodes].find(({ dataset }) => dataset.view === this.#model.get("_view"))?.rwPane ?? null;
@@ -109,7 +109,7 @@ export class Beside {
       const view = await host.create_view(await host.get_model(this.#model.get("_view")));
       const shown = view.luminoWidget;
       if (this.#pane || this.#signal.aborted) return shown?.dispose();
-      if (!shown) throw new Error("the view is no widget of JupyterLab");
+      if (!shown) throw new Error("the view is not a widget of JupyterLab");
       const pane = panelAround(shown);
       const close = () => !pane.isDisposed && pane.dispose();
       view.once("remove", close);
@@ -122,7 +122,7 @@ export class Beside {
       fitIn(pane.node, shown.node);
       host.context?.addSibling?.(pane, { ref: notebook?.id, mode: "split-right", type: "robowidgets" });
       if (pane.isAttached) return;
-      pane.dispose(); // a page of one notebook takes nothing else
+      pane.dispose(); // a page of one notebook takes no other widget
       this.#said = CANNOT;
     } catch (error) {
       this.#said = `The view could not be put beside the notebook: ${error}`;
@@ -133,7 +133,7 @@ export class Beside {
   }
 }
 
-/** A panel of Lumino with a view in it. The panel of a view is one itself, but has a size of its own. */
+/** A panel of Lumino with a view in it. The panel of a view is one itself, but has a fixed size. */
 function panelAround(shown: Pane): Pane {
   const Panel = Object.getPrototypeOf(shown.constructor) as new () => Pane;
   const panel = new Panel();
@@ -141,7 +141,7 @@ function panelAround(shown: Pane): Pane {
   return panel;
 }
 
-/** Tells the view the height of its pane, in place of that of the window. */
+/** Gives the view the height of its pane instead of the height of the window. */
 function fitIn(pane: HTMLElement, shown: HTMLElement): void {
   const fit = () => {
     shown.style.setProperty("--rw-screen-height", `${Math.max(LOWEST, pane.clientHeight - PADDING)}px`);

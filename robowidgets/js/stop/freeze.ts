@@ -34,12 +34,12 @@ export class Freeze implements Member {
     return this.#pictures.some(({ paused }) => paused);
   }
 
-  /** The members without those that only ask, as it does: the page may show a bar twice. */
+  /** The members without those that only pass the request on, as it does: the page may show a bar twice. */
   get #pictures(): Member[] {
     return othersOf(this).filter((member) => !(member instanceof Freeze));
   }
 
-  /** The pictures do it themselves, also those that are on another page. */
+  /** The pictures do it themselves, also those on another page. */
   freeze(): void {}
   release(): void {}
   showAt(): void {}

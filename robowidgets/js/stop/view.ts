@@ -9,7 +9,7 @@ import { Beside } from "./beside.ts";
 import { Freeze } from "./freeze.ts";
 import type { StopTraits } from "./traits.ts";
 
-/** A bar: Stop, who drives and how fast, what is wrong, and the Freeze of its view. */
+/** A bar: Stop, the source of the speeds and the speed, problems, and the Freeze of its view. */
 export class StopView {
   readonly #control: StopControl;
   readonly #buttons: StopButtons;

@@ -1,4 +1,4 @@
-/** The cards of the view in which the list stands, by their titles. */
+/** The cards of the view that contains the list, by their titles. */
 export class Cards {
   readonly #list: HTMLElement;
   #lit: HTMLElement[] = [];
@@ -22,7 +22,7 @@ export class Cards {
   }
 
   #named(titles: string[]): HTMLElement[] {
-    // The list is in an element of its host, which is in that of the view.
+    // The list is in an element of its host, which is in the element of the view.
     const view = titles.length ? this.#list.parentElement?.parentElement : null;
     const cards = [...(view?.querySelectorAll<HTMLElement>(".rw-card") ?? [])];
     return cards.filter((card) => titles.includes(card.querySelector(".rw-title")?.textContent ?? ""));

@@ -2,14 +2,14 @@ import type { TopicRow } from "./traits.ts";
 
 /** Rows under one heading; without one, single topics. */
 export interface Group {
-  /** The first part of their names, with its slash; empty for single topics. */
+  /** The first part of their names, with its slash; "" for single topics. */
   name: string;
-  /** Whether they cannot be read. */
+  /** True if they cannot be read. */
   isUnreadable: boolean;
   rows: TopicRow[];
 }
 
-/** A group of more rows may be folded by itself. */
+/** Rows of a group that is too small to be folded by default. */
 const SMALL = 4;
 const UNREADABLE = "Not readable";
 
@@ -33,16 +33,17 @@ export function toGroups(rows: TopicRow[], filter = ""): Group[] {
   return groups.filter((group) => group.rows.length);
 }
 
-/** `/camera` of `/camera/image`; empty for `/scan`. */
+/** `/camera` of `/camera/image`; "" for `/scan`. */
 function firstPart(name: string): string {
   const end = name.indexOf("/", 1);
   return end > 0 && end < name.length - 1 ? name.slice(0, end) : "";
 }
 
 /**
- * Which groups are folded: as a person left them, and else the last ones of many rows, none on show, until all fit.
+ * The folded groups: by the user's choice, and else the last ones of many rows without a topic on show, until all
+ * fit.
  *
- * @param lines how many rows there is room for
+ * @param lines the number of rows that have room
  */
 export function toFolded(
   groups: Group[],
@@ -62,12 +63,12 @@ export function toFolded(
   return folded;
 }
 
-/** Whether a laser can show a topic, too: a cloud, or what is named as a depth image. */
+/** Returns true if a laser can show a topic, too: a cloud, or a topic with the name of a depth image. */
 export function canBeLaser({ name, widget, problem }: TopicRow): boolean {
   return !problem && (widget === "cloud" || (widget === "image" && /depth/i.test(name)));
 }
 
-/** What a row is called in its group: `image` of `/camera/image`. */
+/** The label of a row in its group: `image` of `/camera/image`. */
 export function nameIn(group: Group, name: string): string {
   return group.name && !group.isUnreadable ? name.slice(group.name.length + 1) : name;
 }
@@ -95,7 +96,7 @@ export function toCount(count: number | null): string {
   return `${size < 10 ? size.toFixed(1) : size.toFixed(0)}${unit}`;
 }
 
-/** Count and rate in words: "5,803 messages · 100.0 Hz"; empty where neither is known. */
+/** Count and rate in words: "5,803 messages · 100.0 Hz"; empty if both are unknown. */
 export function toFacts(count: number | null, rate: number | null): string[] {
   const facts: string[] = [];
   if (count !== null) facts.push(`${count.toLocaleString("en")} ${count === 1 ? "message" : "messages"}`);
@@ -103,7 +104,7 @@ export function toFacts(count: number | null, rate: number | null): string[] {
   return facts;
 }
 
-/** What fits into a row of what a topic says: its first number or word, without the names that lead to it. */
+/** The part of a topic's value that fits into a row: its first number or word, without the names before it. */
 export function toFewWords(said: string): string {
   if (said === "nothing yet") return "\u2013";
   if (said.startsWith('"')) return said.replaceAll('"', "");

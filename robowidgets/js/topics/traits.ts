@@ -1,26 +1,26 @@
-/** A topic in the list; what is not known is null. */
+/** A topic in the list; unknown values are null. */
 export interface TopicRow {
   name: string;
   type: string;
   messages: number | null;
   /** Messages per second. */
   rate: number | null;
-  /** Name of the widget that shows it; empty without one. */
+  /** Name of the widget that shows it, or "". */
   widget: string;
-  /** Why nothing shows it; else empty. */
+  /** The reason why no widget shows it, or "". */
   problem: string;
 }
 
 export interface TopicsTraits {
-  /** Whether it is folded away; null: by the room. The view writes it. */
+  /** True if it is folded away; null to decide by the room. The view writes it. */
   folded: boolean | null;
-  /** Whether the wires of all topics are on show below the rest. */
+  /** True if the wires of all topics are on show below. */
   wires: boolean;
   _rows: TopicRow[];
   /** Names of the topics on show, with the titles of their widgets. */
   _shown: Record<string, string[]>;
-  /** Whether nothing can be shown or taken off: in a page without a kernel. */
+  /** True if topics cannot be shown or removed: in a page without a kernel. */
   _fixed: boolean;
-  /** Why a topic could not be shown; else empty. */
+  /** The reason why a topic could not be shown, or "". */
   _error: string;
 }

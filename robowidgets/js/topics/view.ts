@@ -24,23 +24,25 @@ import { makeTypeIcon } from "./icons.ts";
 import type { TopicRow, TopicsTraits } from "./traits.ts";
 
 const ROW = 20;
-/** Rows that are on the page at most; more would be slow to lay out, and nobody reads them. */
+/** Most rows on the page; more would be slow to lay out, and too many to read. */
 const MOST_ROWS = 400;
 /** Milliseconds after which a kernel that has not answered is busy. */
 const BUSY_MS = 700;
-/** Milliseconds of a finger on a row, after which it is only looked at. */
+/** Milliseconds of a finger on a row, after which the row gets the focus without a click. */
 const LONG_MS = 500;
-/** Milliseconds between two looks at the values of other rows. */
+/** Milliseconds between two requests for the values of other rows. */
 const LOOK_MS = 250;
-/** Values that are asked for at most. */
+/** Greatest number of requested values. */
 const MOST_VALUES = 100;
 
-/** What is asked for in place of a topic. */
+/** The name of the wires in a request, instead of a topic. */
 const WIRES = "the wires";
 
 const NO_ROW: TopicRow = { name: "", type: "", messages: null, rate: null, widget: "", problem: "" };
 
-/** What Python says: that it has done what was asked for, or what topics say at a time, or what a robot's say now. */
+/**
+ * A message of Python: a finished request, or the values of topics at a time, or the values of a robot's topics now.
+ */
 interface Message {
   done?: string;
   values?: Record<string, string>;
@@ -48,11 +50,11 @@ interface Message {
   now?: Record<string, Now>;
 }
 
-/** How often a topic of a robot comes now; what is not known is null. */
+/** The present count and rate of a robot's topic; null if unknown. */
 interface Now {
   rate: number | null;
   messages: number | null;
-  /** The seconds for which it is silent, where it is. */
+  /** The seconds of its silence, if it is silent. */
   silent?: number;
 }
 
@@ -91,14 +93,14 @@ export class TopicsView {
   #at = "";
   #showsCounts = false;
   readonly #byHand = new Map<string, boolean>();
-  /** What was asked for and not answered yet, with the time. */
+  /** Requests that are not answered yet: by name, true to show it. */
   readonly #pending = new Map<string, boolean>();
   #isBusy = false;
   #values: Record<string, string> = {};
   #asked: string[] = [];
   #now: Record<string, Now> = {};
   #isSeen = false;
-  /** The time at which these are their values. */
+  /** The time of these values. */
   #valuesAt: number | null = null;
   readonly #look: () => void;
   #timer: ReturnType<typeof setTimeout> | undefined;
@@ -137,7 +139,7 @@ export class TopicsView {
       this.#askForValues(true);
     };
     watchSeen(this.#body, onBeat, signal);
-    // Not for each row: there may be many.
+    // One observer for all rows: there may be many.
     const size = new ResizeObserver(() => this.#onSize());
     size.observe(this.#body);
     onAbort(signal, () => size.disconnect());
@@ -332,7 +334,8 @@ export class TopicsView {
     this.#redraw();
   }
 
-  // -- what a person does --------------------------------------------------------------------------------------------
+  // -- actions of the user
+  // -----------------------------------------------------------------------------------------------
 
   #fold(folded: boolean): void {
     setTraits(this.#model, { folded });
@@ -350,7 +353,7 @@ export class TopicsView {
     if (this.#row) this.#toggle(this.#row);
   }
 
-  /** Shows a topic or takes it off: Python does, which may be busy. */
+  /** Shows a topic or removes it: Python does it, and may be busy. */
   #toggle({ name, problem }: TopicRow): void {
     const isShown = this.#isShown(name);
     if (this.#canChange && (!problem || isShown)) this.#send(name, !isShown);
@@ -360,7 +363,7 @@ export class TopicsView {
     if (this.#row) this.#send(`${this.#row.name} as scan`, true);
   }
 
-  /** Asks Python to show a topic, or the wires, or to take it off. */
+  /** Asks Python to show a topic, or the wires, or to remove them. */
   #send(name: string, isOn: boolean): void {
     this.#pending.set(name, isOn);
     this.#model.send({ toggle: name, on: isOn });
@@ -396,7 +399,7 @@ export class TopicsView {
     if (rated) setText(rated, count === 0 ? "none" : number);
   }
 
-  /** Count and rate: those of the recording, or those of now. */
+  /** Count and rate of the recording, or of the present. */
   #countsOf(row: TopicRow): { messages: number | null; rate: number | null } {
     return this.#now[row.name] ?? row;
   }
@@ -406,7 +409,9 @@ export class TopicsView {
     return seconds === undefined ? [] : [`silent for ${toAge(1000 * seconds, 0)}`];
   }
 
-  /** Asks for the values of the rows on the page; what is folded is not sent. @param again even if Python knows */
+  /**
+   * Requests the values of the rows on the page; folded rows have none. @param again true to request known values, too
+   */
   #askForValues(again = false): void {
     if (!this.#canChange) return;
     const rows = this.#lines.flatMap(({ row }) => (row && !row.problem && row.messages !== 0 ? [row] : []));
@@ -434,7 +439,7 @@ export class TopicsView {
     else this.#toggle(line.row);
   }
 
-  /** A finger that stays on a row looks at it, and a lift does nothing then. */
+  /** Moves the focus to a row under a resting finger; lifting it then has no effect. */
   #watchLongPress(): void {
     let timer: ReturnType<typeof setTimeout> | undefined;
     let isLong = false;
@@ -574,7 +579,7 @@ function isIn(target: EventTarget | null, selector: string): boolean {
   return target instanceof Element && target.closest(selector) !== null;
 }
 
-/** A name whose middle gives way first. */
+/** A name that loses its middle first. */
 function makeName(name: string): HTMLElement {
   const TAIL = 9;
   const whole = make("span", "rw-topic-name");

@@ -1,7 +1,7 @@
 import type { Box, Point } from "../shared/box.ts";
 import { GAP, heightOf } from "./rows.ts";
 
-/** Where a sensor sits on the body, and the line from there to its rectangle. */
+/** The place of a sensor on the body, and the line from there to its rectangle. */
 export interface Lead {
   name: string;
   angle: number;
@@ -17,7 +17,7 @@ export interface Around {
   height: number;
 }
 
-/** Pixels; in less, words would not fit into the rectangles at the sides. */
+/** Least width in pixels for words in the rectangles at the sides. */
 export const LEAST_WIDTH = 220;
 const WIDEST = 190;
 const SIDES = Math.sin((20 * Math.PI) / 180);
@@ -82,7 +82,7 @@ export function layAround(angles: Map<string, number>, width: number): Around {
   return { center, radius, boxes, leads, height };
 }
 
-/** Positions as close to the wanted ones as a distance between them and both ends allow; in the order given. */
+/** Positions as close to the wanted ones as a distance between them and both ends allow; in the given order. */
 export function spread(wanted: number[], distance: number, first: number, last: number): number[] {
   const placed: number[] = [];
   for (const want of wanted) {
@@ -112,7 +112,7 @@ function wrap(angle: number): number {
   return Math.atan2(Math.sin(angle), Math.cos(angle));
 }
 
-/** An angle within 0 and 2 pi, for what lies behind. */
+/** An angle within 0 and 2 pi, for sensors behind. */
 function unwrap(angle: number): number {
   return angle < 0 ? angle + 2 * Math.PI : angle;
 }

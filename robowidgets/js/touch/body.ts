@@ -4,7 +4,7 @@ import type { Around, Lead } from "./around.ts";
 
 const HALF_ARC = 0.16;
 
-/** The outline of a robot's body from above, where its sensors sit on it, and the lines to their rectangles. */
+/** The outline of a robot's body from above, the places of its sensors on it, and the lines to their rectangles. */
 export class Body {
   readonly element = makeSvg("svg", { class: "rw-body", "aria-hidden": "true" });
 

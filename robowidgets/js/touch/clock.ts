@@ -1,4 +1,4 @@
-/** What the clock needs of a stream. */
+/** The parts of a stream that the clock reads. */
 interface Arrivals {
   readonly paused: boolean;
   readonly arrived: number;
@@ -23,7 +23,7 @@ export class Clock {
     return this.#frozenAt === undefined && this.#stream.arrived > 0;
   }
 
-  /** Seconds since the frame on show arrived; null when it was in the state at page load. */
+  /** Seconds since the frame on show arrived; null if it was in the state at page load. */
   get elapsed(): number | null {
     if (this.#frozenAt !== undefined) return this.#frozenAt;
     return this.runs ? Math.max(0, this.#now() - this.#stream.arrived) / 1000 : null;
@@ -31,7 +31,7 @@ export class Clock {
 
   #follow(): void {
     if (!this.#stream.paused) this.#frozenAt = undefined;
-    // A frame stepped to is shown as it came.
+    // A frame that was stepped to has the age of its arrival.
     else if (this.#stream.stepped) this.#frozenAt = 0;
     else if (this.#frozenAt === undefined) this.#frozenAt = this.elapsed;
   }

@@ -5,7 +5,7 @@ import { summarize, tellBeside, toTouches } from "./text.ts";
 
 const STATES: TouchState[] = ["touched", "free", "unknown"];
 
-/** How many sensors are in each state, and how many touches there were. */
+/** The number of sensors in each state, and of all touches. */
 export class Footer {
   readonly #counts = new Map<TouchState, HTMLElement>();
   readonly #beside = make("span", "rw-beside");
@@ -37,7 +37,7 @@ export class Footer {
     setText(this.#beside, beside);
     setTip(this.#beside, beside);
     for (const [state, element] of this.#counts) setText(element, toCount(counts[state]));
-    // The other two come and go, and keep their places.
+    // The other two states appear and disappear without moving the rest.
     setHidden(this.#unknown, counts.unknown === 0);
     setText(this.#touches, toTouches(touches));
   }

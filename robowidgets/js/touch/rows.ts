@@ -3,15 +3,18 @@ import type { Box } from "../shared/box.ts";
 export const GAP = 8;
 const KINDS = /^(cliff|wheel|light|button|proximity|stall) /;
 const NARROWEST = 92;
-/** Of a few, such as the bumpers of a robot: three stay side by side in a card of 260 pixels, four in one of 340. */
+/**
+ * Least width of a rectangle among a few, such as the bumpers of a robot: three stay side by side in a card of 260
+ * pixels, four in one of 340.
+ */
 const NARROWEST_OF_FEW = 72;
 const FEW = 4;
 /** Height of a rectangle that is one of many. */
 const LOW = 58;
 const HIGH = 92;
-/** Where even that is too high for the room: a label and a state, without details. */
+/** If even that is too high for the room: a label and a state, without details. */
 const LEAST = 31;
-/** Below this width the words in a rectangle stand on lines of their own. */
+/** Below this width the words in a rectangle stand on separate lines. */
 export const NARROW = 150;
 
 /** Height of a rectangle among others, by its width. */
@@ -44,8 +47,8 @@ function toFewRows(names: string[], columns: number): string[][] {
 }
 
 /**
- * A rectangle for each name, in rows that fill a width, from y downwards; and where they end. A single row is high.
- * Where that is more than the room, there are fewer and lower rows.
+ * A rectangle for each name, in rows that fill a width, from y downwards; and the lower end of the rows. A single row
+ * is high. If the room is too low, there are fewer and lower rows.
  */
 export function layRows(
   names: string[],

@@ -1,8 +1,8 @@
 import type { Sensor } from "../shared/frames/touch.ts";
 
 /**
- * The sensors of these names, in their order, UNKNOWN where no message has named them. For no names all sensors, those
- * that differ in the side that they are named after from left to right, in whatever order they came.
+ * The sensors of these names, in their order, UNKNOWN for sensors without a message. Without names, all sensors; those
+ * that differ only in the side in their names are sorted from left to right.
  */
 export function select(sensors: Sensor[], names: string[]): Sensor[] {
   if (names.length === 0) return fromLeftToRight(sensors);

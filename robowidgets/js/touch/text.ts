@@ -6,7 +6,7 @@ const MANY = 4;
 
 const MODES: Record<string, string> = { event: "events", level: "level", presence: "presence" };
 
-/** How a source speaks, for the header. */
+/** The mode of a source, for the header. */
 export function modeWord(mode: string | undefined): string {
   return MODES[mode ?? ""] ?? "";
 }
@@ -27,48 +27,48 @@ export function toDuration(seconds: number): string {
 }
 
 /**
- * What is said beside the state: how long a touch lasts, else how many there were.
- * @param elapsed seconds since the state was sent; null when nobody knows
+ * The text next to the state: the duration of a touch, else the number of touches.
+ * @param elapsed seconds since the state was sent, or null if unknown
  */
 export function detailOf({ state, touches, seconds }: Sensor, elapsed: number | null): string {
   if (state === "touched" && elapsed !== null) return toDuration((seconds ?? 0) + elapsed);
   return state === "unknown" && touches === 0 ? "\u2014" : toTouches(touches);
 }
 
-/** All that is known of a sensor, in one sentence. */
+/** All facts about a sensor, in one sentence. */
 export function tellAll({ name, state, touches, seconds }: Sensor, elapsed: number | null): string {
   const lasting = seconds === null || elapsed === null ? "" : ` for ${toDuration(seconds + elapsed)}`;
   const since = seconds === null ? "not known yet" : `${state}${lasting}`;
   return `${name}: ${since}, ${toTouches(touches)} so far`;
 }
 
-/** Which sensors are touched that are not on show: "also touched: center". */
+/** Touched sensors that are not on show: "also touched: center". */
 export function tellBeside(all: Sensor[], shown: Sensor[]): string {
   const there = new Set(shown.map(({ name }) => name));
   const names = all.filter(({ name, state }) => state === "touched" && !there.has(name)).map(({ name }) => name);
   return names.length ? `also touched: ${names.join(", ")}` : "";
 }
 
-/** How many sensors are in each state, and all touches together. */
+/** The number of sensors in each state, and of all touches together. */
 export function summarize(sensors: Sensor[]): { counts: Record<TouchState, number>; touches: number } {
   const counts: Record<TouchState, number> = { touched: 0, free: 0, unknown: 0 };
   for (const { state } of sensors) counts[state] += 1;
   return { counts, touches: sensors.reduce((sum, sensor) => sum + sensor.touches, 0) };
 }
 
-/** Words of a name, each with what joins it to the next: "left_", "front". */
+/** Words of a name, each with the separator after it. */
 const WORDS = /[^_\-\s./:]*(?:[_\-\s./:]+|$)/g;
 
 /**
- * A label for each name: of names in scopes, as simulators have them ("robot::base::bumper"), the last parts that tell
- * it from the others; and of those without the words that all start or end with.
+ * A label for each name: of names in scopes, as simulators have them ("robot::base::bumper"), the last parts that
+ * distinguish it from the others; then without the words with which all start or end.
  */
 export function toLabels(names: string[], given: Record<string, string>): string[] {
   const labels = withoutShared(lastParts(names));
   return names.map((name, i) => given[name] ?? (labels[i] as string));
 }
 
-/** The words that many names share, to be shown once: "robot::base::bumper_…"; empty if labels do not end like names. */
+/** The words that many names share, to be shown once: "robot::base::bumper_…"; "" if labels do not end like names. */
 export function toShared(names: string[], labels: string[]): string {
   const [name = "", label = ""] = [names[0], labels[0]];
   const start = name.slice(0, name.lastIndexOf(label));
@@ -77,7 +77,7 @@ export function toShared(names: string[], labels: string[]): string {
   return names.length > MANY && isShared && start + end ? `${start}\u2026${end}` : "";
 }
 
-/** What is left of names without the words that all start or end with: at least one word of each. */
+/** Names without the words with which all start or end: at least one word of each remains. */
 function withoutShared(names: string[]): string[] {
   const split = names.map((name) => name.match(WORDS)?.filter(Boolean) ?? []);
   const [first = []] = split;
@@ -94,7 +94,7 @@ function withoutShared(names: string[]): string[] {
   });
 }
 
-/** The last parts of names in scopes that tell them from each other. */
+/** The last parts of names in scopes that distinguish them. */
 function lastParts(names: string[]): string[] {
   return names.map((name) => {
     const parts = name.split("::");

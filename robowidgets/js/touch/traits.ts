@@ -1,7 +1,7 @@
 import type { SampleTraits } from "../shared/traits.ts";
 
 export interface TouchTraits extends SampleTraits {
-  /** Names of those on show, in their order; all when empty. */
+  /** Names of the sensors on show, in their order; empty for all. */
   sensors: string[];
   labels: Record<string, string>;
   /** Radians counter-clockwise from forward. */

@@ -20,13 +20,13 @@ import type { TouchTraits } from "./traits.ts";
 interface TouchAbout extends About {
   dialect?: string;
   mode?: string;
-  /** Whether time stands still, as in a recording that is not live. */
+  /** True if time stands still, as in a recording that is not live. */
   still?: boolean;
 }
 
 const TICK_MS = 100;
 const PADDING = 12;
-/** Of rectangles: from as many on, a card has more room on the screen of a recording or a feed. */
+/** Numbers of rectangles from which a card gets more room on the screen of a recording or a feed. */
 const MANY = [3, 4, 5, 7, 9];
 
 /** One view of a touch widget: a rectangle for each sensor, in rows or round the robot's body. */
@@ -44,7 +44,7 @@ export class TouchView {
   #tick: ReturnType<typeof setTimeout> | undefined;
   /** Size of the picture at which `#isLow` was read. */
   #sized = "";
-  /** Whether rectangles have to fit into the picture, as the stylesheet says it. */
+  /** True if rectangles have to fit into the picture, by the stylesheet. */
   #isLow = false;
 
   constructor(
@@ -80,7 +80,7 @@ export class TouchView {
     this.#say(sensors, labels, still ? 0 : this.#clock.elapsed, this.#clock.runs && !still);
   }
 
-  /** Height for rectangles where they have to fit into the picture; else the picture is as high as they are. */
+  /** Height for rectangles if they have to fit into the picture; else the picture is as high as they are. */
   get #room(): number {
     const { width, height } = this.#card.size;
     const sized = `${width} ${height}`;
@@ -118,7 +118,7 @@ export class TouchView {
     this.#tellCount();
   }
 
-  /** Tells the boxes around how much there is. */
+  /** Sets attributes of the boxes around to the number of sensors. */
   #tellCount(): void {
     const { length } = this.#field.children;
     if (length === this.#count) return;
@@ -137,13 +137,13 @@ export class TouchView {
       this.#tiles.set(name, tile);
       const box = boxes.get(name);
       if (box) tile.place(box);
-      // Screen readers follow the order of elements: keep that of the sensors.
+      // Screen readers follow the order of elements: keep the order of the sensors.
       const tiles = this.#field.querySelectorAll(":scope > .rw-tile");
       if (tiles[i] !== tile.element) this.#field.insertBefore(tile.element, tiles[i] ?? null);
     });
   }
 
-  /** Says what is known of each sensor, and again while a touch lasts. */
+  /** Writes the facts about each sensor, and again while a touch lasts. */
   #say(sensors: Sensor[], labels: string[], elapsed: number | null, runs: boolean): void {
     clearTimeout(this.#tick);
     sensors.forEach((sensor, i) => {

@@ -5,7 +5,7 @@ import { isSilent, rateOf, runsOf, sayingOf } from "./words.ts";
 
 const HEAD = 4;
 
-/** The boxes and the wires between them, with what changes in them. */
+/** The boxes and the wires between them, with their changing texts. */
 export class Board {
   readonly root = make("div", "rw-wires-board rw-pale");
   readonly #elements = new Map<string, HTMLElement>();
@@ -33,7 +33,7 @@ export class Board {
     this.root.replaceChildren(svg, ...this.#elements.values());
   }
 
-  /** Brings the words in the boxes up to date. */
+  /** Updates the words in the boxes. */
   update({ items }: Graph): void {
     for (const [key, element] of this.#elements) {
       const item = items.get(key);
@@ -59,7 +59,7 @@ export class Board {
     }
   }
 
-  /** Shows one box with the wires and the boxes around it, and pales the others; none: all alike. */
+  /** Highlights one box with the wires and the boxes around it, and pales the others; null for none. */
   point(key: string | null, near: Set<string>): void {
     this.root.classList.toggle("rw-wires-pointed", key !== null);
     for (const [other, element] of this.#elements)
@@ -67,7 +67,7 @@ export class Board {
     for (const { from, to, element } of this.#lines) set(element.dataset, "near", String(from === key || to === key));
   }
 
-  /** Marks the box that a person picked, and the one that Tab reaches. */
+  /** Marks the box that the user picked, and the one that Tab reaches. */
   mark(picked: string | null, reached: string | null): void {
     const first = reached !== null && this.#elements.has(reached) ? reached : this.#elements.keys().next().value;
     for (const [key, element] of this.#elements) {
@@ -101,7 +101,7 @@ export class Board {
   }
 }
 
-/** The head of an arrow that comes from the left, or, where it leads back, from the right. */
+/** The head of an arrow that comes from the left, or, if it leads back, from the right. */
 function headOf(points: [x: number, y: number][]): string {
   const [[x, y], [before]] = [points.at(-1) ?? [0, 0], points.at(-2) ?? [0, 0]];
   const back = x >= before ? -1 : 1;

@@ -1,6 +1,6 @@
 import type { Part, Wire, Wiring } from "./wiring.ts";
 
-/** Boxes up to which no namespace is folded by itself. */
+/** Boxes up to which no namespace is folded by default. */
 export const MANY = 36;
 /** Names that a namespace must have to be folded. */
 const LEAST = 3;
@@ -15,7 +15,7 @@ export interface Item {
   name: string;
   wire?: Wire;
   part?: Part;
-  /** The group that it belongs to, such as "topics /camera"; empty without one. */
+  /** The group that it belongs to, such as "topics /camera", or "". */
   group: string;
   /** Names that are folded into it. */
   members?: string[];
@@ -23,7 +23,7 @@ export interface Item {
 
 export interface Graph {
   items: Map<string, Item>;
-  /** Pairs of keys, from the box that publishes to the one that gets it. */
+  /** Pairs of keys, from the publishing box to the receiving one. */
   links: [from: string, to: string][];
   /** Names that are left out because every node has them. */
   plumbing: number;
@@ -31,17 +31,17 @@ export interface Graph {
   filtered: number;
 }
 
-/** What a person has chosen to see. */
+/** Choices of the user. */
 interface Choice {
   filter: string;
   infrastructure: boolean;
   unfolded: readonly string[];
 }
 
-/** Nodes of tools, and of bridges, which are there for what looks at the robot. */
+/** Nodes of tools, and of bridges, which only serve to inspect the robot. */
 const TOOL = /^\/(_|rosout$|rosapi$|rosbridge|foxglove_bridge|launch_ros_|transform_listener_impl_)|\/_[^/]*$/;
 
-/** What is to be drawn of the wires. */
+/** The graph of the wires to draw. */
 export function toGraph(wiring: Wiring, { filter, infrastructure, unfolded }: Choice): Graph {
   const items = new Map<string, Item>();
   const links = new Map<string, [string, string]>();
@@ -50,7 +50,7 @@ export function toGraph(wiring: Wiring, { filter, infrastructure, unfolded }: Ch
   };
   const add = (item: Item) => items.set(item.key, item);
   const isTool = (node: string) => !infrastructure && TOOL.test(node);
-  // First those that publish most: messages go on to the right from there.
+  // The nodes with most publications first: messages go to the right from there.
   const published = wiring.nodes.map((_, number) => wiring.wires.filter(({ from }) => from.includes(number)).length);
   const order = [...wiring.nodes.keys()].sort((a, b) => (published[b] ?? 0) - (published[a] ?? 0));
   const shown = wiring.wires.filter(({ plumbing }) => infrastructure || !plumbing);
@@ -91,7 +91,7 @@ export function toGraph(wiring: Wiring, { filter, infrastructure, unfolded }: Ch
   return fold(narrow(all, filter.trim().toLowerCase()), unfolded);
 }
 
-/** The parts of one kind and name apart, in their order. */
+/** Unique keys for parts of the same kind and name, in their order. */
 function partKey({ kind, name }: Part, index: number, parts: Part[]): string {
   const before = parts.slice(0, index).filter((one) => one.kind === kind && one.name === name).length;
   return `${kind} ${name} ${before}`;
@@ -103,7 +103,7 @@ function groupOf(kind: string, name: string): string {
   return parts.length > 2 && parts[1] ? `${kind} /${parts[1]}` : "";
 }
 
-/** Leaves what has the text in its name, and what is wired to that. */
+/** Keeps the items whose name contains the text, and their neighbours. */
 function narrow(graph: Graph, text: string): Graph {
   if (!text) return graph;
   const has = ({ name, wire }: Item) => [name, wire?.type ?? ""].some((word) => word.toLowerCase().includes(text));
@@ -149,7 +149,7 @@ function fold(graph: Graph, unfolded: readonly string[]): Graph {
   return { ...graph, items, links: [...links.values()] };
 }
 
-/** The boxes that are wired to one, it among them. */
+/** The boxes that are wired to one, including itself. */
 export function around({ links }: Pick<Graph, "links">, key: string): Set<string> {
   return new Set([key, ...links.flatMap(([from, to]) => (from === key ? [to] : to === key ? [from] : []))]);
 }

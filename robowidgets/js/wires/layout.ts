@@ -24,7 +24,7 @@ export interface Placed extends Size {
 }
 
 /**
- * Places the boxes from left to right, as messages go. What is wired to nothing stands below, in rows.
+ * Places the boxes from left to right, in the direction of messages. Boxes without wires stand below, in rows.
  *
  * @param measure width of a text in the picture
  * @param room width that rows of boxes without wires may take
@@ -72,7 +72,7 @@ function clamp(width: number, least: number): number {
   return Math.ceil(Math.min(MOST, Math.max(least, width)));
 }
 
-/** Adds boxes in rows below, each as high as the highest in it, in columns of one width where they are alike. */
+/** Adds boxes in rows below, each as high as the highest in it, in columns of one width for similar boxes. */
 function addRows(placed: Placed, boxes: (readonly [string, Size])[], room: number): void {
   if (!boxes.length) return;
   const width = Math.max(...boxes.map(([, size]) => size.width));
@@ -88,7 +88,7 @@ function addRows(placed: Placed, boxes: (readonly [string, Size])[], room: numbe
   placed.height = top - GAP;
 }
 
-/** Moves all where an arrow leaves the picture, which grows. */
+/** Moves everything if an arrow leaves the picture, which grows. */
 function fit(placed: Placed): Placed {
   const xs = placed.links.flatMap(({ points }) => points.map(([x]) => x));
   const ys = placed.links.flatMap(({ points }) => points.map(([, y]) => y));
@@ -106,7 +106,7 @@ function fit(placed: Placed): Placed {
   };
 }
 
-/** The box next to one in a direction; undefined where none is. */
+/** The box next to one in a direction; undefined without one. */
 export function beside({ boxes }: Placed, key: string, dx: number, dy: number): string | undefined {
   const from = boxes.get(key);
   if (!from) return boxes.keys().next().value;

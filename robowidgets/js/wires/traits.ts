@@ -1,12 +1,12 @@
 import type { SampleTraits } from "../shared/traits.ts";
 
 export interface WiresTraits extends SampleTraits {
-  /** Text that the names on show contain; empty: all. */
+  /** Text that the names on show contain, or "" for all. */
   filter: string;
-  /** Whether what every node has is shown. */
+  /** True if topics and services that every node has are shown. */
   infrastructure: boolean;
-  /** Namespaces that a person unfolded, with the kind of what is in them: "topics /camera". */
+  /** Namespaces that the user unfolded, with the kind of their contents: "topics /camera". */
   unfolded: string[];
-  /** Whether Python shows the messages of a topic that is asked for. */
+  /** True if Python shows the messages of a topic on request. */
   _can_open: boolean;
 }

@@ -16,7 +16,7 @@ import { describe } from "./words.ts";
 
 const [LEAST_HEIGHT, MOST_HEIGHT, PADDING] = [150, 420, 12];
 const STEP = 1.3;
-/** Pixels by which a card becomes wider or narrower until its boxes are placed anew. */
+/** Change in pixels of a card's width after which its boxes are placed again. */
 const ROWS_STEP = 40;
 const HINT = "point at a box to see its wires, click to keep it";
 const ARROWS: Record<string, [number, number]> = {
@@ -27,7 +27,7 @@ const ARROWS: Record<string, [number, number]> = {
 };
 const NOTHING: Graph = { items: new Map(), links: [], plumbing: 0, filtered: 0 };
 
-/** One view of the wires: their picture, and below it what is pointed at. */
+/** One view of the wires: their picture, and below it the facts about a box. */
 export class WiresView {
   readonly #model: Model<WiresTraits>;
   readonly #stream: Stream<WiringFrame>;
@@ -47,7 +47,7 @@ export class WiresView {
   #placed: Placed | null = null;
   #key = "";
   #sight: Sight = { scale: 1, x: 0, y: 0 };
-  /** Whether a person zoomed or moved: then another graph leaves the sight alone. */
+  /** True after the user zoomed or moved: another graph then does not change the sight. */
   #isMoved = false;
   #pointed: string | null = null;
   #picked: string | null = null;
@@ -91,7 +91,7 @@ export class WiresView {
     on(picture, "wheel", (event) => this.#onWheel(event), signal, { passive: false });
     on(picture, "focusin", (event) => this.#onFocus(event), signal);
     on(root, "keydown", (event) => this.#onKey(event), signal);
-    // While nobody sees the picture, the robot is asked nothing for it.
+    // While the picture is not visible, the robot gets no requests for it.
     watchSeen(root, (isSeen) => !lacksKernel(model) && model.send({ look: isSeen }), signal);
   }
 
@@ -122,11 +122,11 @@ export class WiresView {
     return this.#model.get("_source").status || "no topic yet";
   }
 
-  /** Places the boxes anew where there are others, or others are wired. */
+  /** Places the boxes again if boxes or wires have changed. */
   #place(): void {
     const { size, theme, picture, noticeHeight } = this.#card;
     const { items, links } = this.#graph;
-    // Topics alone stand in rows, of which a narrow card has shorter ones.
+    // Topics without wires stand in rows, which are shorter in a narrow card.
     const step = Math.round(size.width / ROWS_STEP);
     const key = [theme.font, step, ...items.keys(), ...links.map((link) => link.join())].join("\n");
     const measure = (text: string) => {
@@ -229,7 +229,7 @@ export class WiresView {
     if (item) this.#reveal(key);
   }
 
-  /** Moves the picture so that a box is seen. */
+  /** Moves the picture so that a box is in view. */
   #reveal(key: string): void {
     const box = this.#placed?.boxes.get(key);
     if (!box || !this.#placed) return;
@@ -288,7 +288,10 @@ export class WiresView {
     this.#card.say([`${kind} ${item.name}`, ...facts, ...lines]);
   }
 
-  /** Shows what is pointed at, or else what was picked, with its wires; and below the picture what it says. */
+  /**
+   * Highlights the box under the pointer, or else the picked one, with its wires; and shows its facts below the
+   * picture.
+   */
   #mark(): void {
     const key = [this.#pointed, this.#picked].find((one) => one !== null && this.#graph.items.has(one)) ?? null;
     this.#board.point(key, key === null ? new Set() : around(this.#graph, key));
@@ -311,13 +314,13 @@ export class WiresView {
     }
   }
 
-  /** What is to be said of all of it. */
+  /** The facts about all of it. */
   #about(wiring: WiringFrame | null): string[] {
     const { filtered } = this.#graph;
     return [wiring?.note ?? "", filtered ? `the filter leaves out ${filtered}` : ""].filter(Boolean);
   }
 
-  /** What the button does for what was picked; empty: nothing. */
+  /** The action of the button for the picked item, or "". */
   #actOf(item: Item | undefined): string {
     if (!item) return "";
     if (item.kind === "fold") return "Unfold";

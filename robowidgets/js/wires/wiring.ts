@@ -1,25 +1,25 @@
 import { Reader } from "../shared/bytes.ts";
 import { type Frame, readHead } from "../shared/stream.ts";
 
-/** A topic, as what connects nodes; fields that are not known are missing. */
+/** A topic, as a connection of nodes; unknown fields are missing. */
 export interface Wire {
   name: string;
   type: string;
-  /** Numbers of the nodes that publish it, and of those that subscribe to it. */
+  /** Numbers of the nodes that publish it, and of the nodes that subscribe to it. */
   from: number[];
   to: number[];
-  /** Whether its messages come here. */
+  /** True if its messages are received here. */
   heard: boolean;
-  /** Whether every node has it, such as /rosout. */
+  /** True if every node has it, such as /rosout. */
   plumbing: boolean;
   offered?: boolean;
   wanted?: boolean;
   /** Messages a second. */
   rate?: number;
-  /** The last message in a few words, and the seconds since it came. */
+  /** The last message in a few words, and the seconds since it arrived. */
   value?: string;
   age?: number;
-  /** Whether it is listened to now and then alone, so that the age tells nothing of silence. */
+  /** True if it is only sampled now and then, so that its age does not show a silence. */
   glanced?: boolean;
   /** Messages in a recording. */
   count?: number;
@@ -32,7 +32,7 @@ export interface Part {
   name: string;
   reads?: string[];
   writes?: string[];
-  /** Whether it asks for speeds. */
+  /** True if it sends speeds. */
   drives?: boolean;
   runs?: number;
   got?: string;
@@ -43,7 +43,7 @@ export interface Part {
 /** The wires of a robot at one time. */
 export interface Wiring {
   nodes: string[];
-  /** Whether the robot names nodes. */
+  /** True if the robot names nodes. */
   tells: boolean;
   note: string;
   wires: Wire[];

@@ -5,14 +5,14 @@ import type { Part, Wire, Wiring } from "./wiring.ts";
 
 const MOST_NAMES = 6;
 
-/** "10.0 Hz", "14 messages" of a recording; empty where nothing is known. */
+/** "10.0 Hz", "14 messages" of a recording; "" if unknown. */
 export function rateOf({ rate, count, value }: Wire): string {
   if (rate !== undefined) return `${toFixed(rate, 1)} Hz`;
   if (count !== undefined) return count === 1 ? "once" : `${toCount(count)} \u00d7`;
   return value === undefined ? "" : "once";
 }
 
-/** Whether the newest message of a topic with a rate is older than it should be. */
+/** Returns true if the newest message of a topic with a rate is too old. */
 export function isSilent({ rate, age = 0, glanced = false }: Wire): boolean {
   return rate !== undefined && !glanced && 1000 * age > listedSilentAfter(1000 / rate);
 }
@@ -33,13 +33,13 @@ export function shortType(type: string): string {
     .join(", ");
 }
 
-/** "12 times" a part ran. */
+/** "12 times", the runs of a part. */
 export function runsOf({ runs, kind }: Part): string {
   if (runs === undefined) return kind === "widget" ? "" : "not yet";
   return `${toCount(runs)} \u00d7`;
 }
 
-/** What stands below the picture of something: what it is, facts about it, and what it says, each a line. */
+/** The text below the picture about an item: its kind, facts about it, and its values, each a line. */
 export function describe(item: Item, wiring: Wiring): { kind: string; facts: string[]; lines: string[] } {
   const { wire, part, members } = item;
   if (members)

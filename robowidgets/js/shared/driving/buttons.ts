@@ -13,7 +13,7 @@ export class StopButtons {
   readonly #word = make("span", "rw-stop-word");
   readonly #control: StopControl;
 
-  /** @param root the view; Escape stops from anywhere in it, and in the box that it stands in */
+  /** @param root the view; Escape stops from anywhere in it, and in the box around it */
   constructor(root: HTMLElement, control: StopControl, signal: AbortSignal) {
     this.#control = control;
     keepKeys(root, signal);
@@ -28,7 +28,7 @@ export class StopButtons {
     const onKey = (event: KeyboardEvent) => {
       if (!isPlain(event)) return;
       if (event.key === "Escape" && (root.closest(".widget-vbox") ?? root).matches(":focus-within")) press();
-      // The document does not know what has the focus in a shadow root.
+      // The document does not know the focused element within a shadow root.
       const focused = [this.stop, this.allow].find((button) => button.matches(":focus"));
       // JupyterLab would edit the cell.
       if (event.key === "Enter") focused?.toggleAttribute("data-lm-suppress-shortcuts", true);

@@ -4,7 +4,7 @@ import { Pulse } from "../pulse.ts";
 import { BEAT_MS, KERNEL_BUSY_MS } from "../staleness.ts";
 import type { DrivingTraits, Told } from "./traits.ts";
 
-/** Milliseconds after which an unanswered heartbeat is lost. Until then none is sent: a busy kernel queues it. */
+/** Milliseconds after which an unanswered heartbeat is lost. Until then no other is sent: a busy kernel queues them. */
 const LOST_MS = 10_000;
 
 /** Milliseconds that the kernel has to answer a Stop before it is interrupted. */
@@ -15,8 +15,8 @@ export const END_MS = 2000;
 
 /**
  * State of the last Stop or Allow of this page: "asking" until Python confirms the latch; "interrupted" after the
- * kernel was interrupted, "ignored" when it does not answer nevertheless; "unreachable" when the host gives no way to
- * interrupt a busy kernel; "refused" when Allow came too late; else empty.
+ * kernel was interrupted, "ignored" if it still does not answer; "unreachable" if the host has no way to interrupt a
+ * busy kernel; "refused" if Allow came too late; else "".
  */
 export type Note = "" | "asking" | "interrupted" | "ignored" | "unreachable" | "refused";
 
@@ -24,7 +24,7 @@ interface Kernel {
   interrupt?(): Promise<void>;
 }
 
-/** What Python answers to the view of that name: a token to a beat, or that an Allow came too late. */
+/** An answer of Python to the view of that name: a token for a beat, or the refusal of an Allow that came too late. */
 interface Answer {
   beat?: string;
   token?: number;
@@ -34,7 +34,7 @@ interface Answer {
 /**
  * Stops the robot from a page. Stop is a message that sets a latch. When a running cell keeps the kernel from answering
  * in time, the page interrupts the kernel through the server, and the message is handled when the cell has ended.
- * Heartbeats tell Python that the page is there, and the page whether the kernel answers.
+ * Heartbeats show Python that the page is open, and the page that the kernel answers.
  */
 export class StopControl {
   note: Note = "";
@@ -72,27 +72,27 @@ export class StopControl {
     return this.#model.get("_state");
   }
 
-  /** Whether anything here can reach Python. */
+  /** True if Python can be reached from this page. */
   get hasKernel(): boolean {
     return !lacksKernel(this.#model);
   }
 
-  /** Whether the kernel answers this page. A busy kernel may not. */
+  /** True while the kernel answers this page. A busy kernel may not. */
   get hears(): boolean {
     return this.#isAnswered || performance.now() - this.#beatAt < KERNEL_BUSY_MS;
   }
 
-  /** How long Python has been silent; empty while the last state is current. */
+  /** The time for which Python has been silent, or "" while the last state is current. */
   get silence(): string {
     return this.#pulse.words;
   }
 
-  /** Whether the page can interrupt the kernel. Only JupyterLab's widget manager gives access to it. */
+  /** True if the page can interrupt the kernel. Only JupyterLab's widget manager gives access to it. */
   get canInterrupt(): boolean {
     return typeof this.#kernel?.interrupt === "function";
   }
 
-  /** Stops the robot. Nobody can drive until `allow`. */
+  /** Stops the robot, and blocks driving until `allow`. */
   stop(): void {
     this.send({ act: "stop" });
     if (this.told.stopped) return;
@@ -140,7 +140,7 @@ export class StopControl {
   }
 
   async #interrupt(): Promise<void> {
-    // A network that is gone keeps the request waiting for minutes.
+    // A broken network keeps the request waiting for minutes.
     this.#wait(END_MS, () => this.#turn("unreachable"));
     try {
       if (!this.canInterrupt) throw new Error("no kernel");
@@ -163,7 +163,7 @@ export class StopControl {
     this.#tell();
   }
 
-  /** Sends a message with the newest token, which tells Python how old the message is. */
+  /** Sends a message with the newest token, which shows Python the age of the message. */
   send(message: object): void {
     try {
       this.#model.send({ ...message, press: this.#name, token: this.#token });

@@ -11,7 +11,7 @@ export class Readout {
   readonly #unit: string;
   readonly #side: 1 | -1;
 
-  /** @param namesLimit whether the limit is written above the bar, too */
+  /** @param namesLimit true if the limit is written above the bar, too */
   constructor(name: string, unit: string, side: 1 | -1, namesLimit: boolean) {
     this.#unit = unit;
     this.#side = side;

@@ -3,15 +3,15 @@ import { NO_KERNEL } from "../model.ts";
 import type { Note, StopControl } from "./control.ts";
 import type { Told } from "./traits.ts";
 
-/** A text for the status line, and whether it is a warning. */
+/** A text for the status line, and true for a warning. */
 export interface Text {
   text: string;
-  /** What a person can do, or should know. */
+  /** A hint for the user. */
   hint: string;
   kind: "rest" | "drive" | "warn";
 }
 
-/** What the status depends on. */
+/** The inputs of the status. */
 export type Situation = Pick<StopControl, "told" | "note" | "hasKernel" | "hears" | "silence" | "canInterrupt">;
 
 export const rest = (text: string, hint = ""): Text => ({ text, hint, kind: "rest" });
@@ -29,7 +29,7 @@ const NOTES: Partial<Record<Note, Text>> = {
   ),
 };
 
-/** The status of Stop, which comes before any other; null when there is none. */
+/** The status of Stop, which comes before any other; null without one. */
 export function toStopText({ told, note, hasKernel, hears, silence }: Situation): Text | null {
   if (!hasKernel) return warn(NO_KERNEL, "Stop reaches nothing; what the robot does is not known");
   const failed = told.stopped ? undefined : NOTES[note];
@@ -44,7 +44,7 @@ export function toStopText({ told, note, hasKernel, hears, silence }: Situation)
   return rest("nobody may drive", hears ? "until it is allowed again" : "the kernel is busy");
 }
 
-/** Who drives and how fast. */
+/** The status of driving: its source and the speed. */
 export function toDriverText(situation: Situation): Text {
   const { told, hears, canInterrupt } = situation;
   const stop = toStopText(situation);
@@ -58,12 +58,12 @@ export function toDriverText(situation: Situation): Text {
   return rest(isMoving(told) ? "stopping" : told.idle || "nobody drives", hint);
 }
 
-/** Whether the speed that was sent last is not zero. */
+/** Returns true if the speed that was sent last is not zero. */
 export function isMoving({ speed }: Told): boolean {
   return speed.some((value) => value !== 0);
 }
 
-/** Where a bar from zero to a value begins, and its width, as parts of a track from -limit to limit. */
+/** Start and width of a bar from zero to a value, as parts of a track from -limit to limit. */
 export function toBar(value: number, limit: number): { left: string; width: string } {
   const share = Math.max(-1, Math.min(1, value / limit)) * 50;
   return { left: `${50 + Math.min(0, share)}%`, width: `${Math.abs(share)}%` };

@@ -7,9 +7,9 @@ export interface DrivingTraits extends NamedTraits {
 /** State of the robot's driver, as Python sends it. */
 export interface Told {
   ready: boolean;
-  /** "program", the name of a press, or empty. */
+  /** "program", the name of a press, or "". */
   driver: string;
-  /** Sent last: m/s forward, rad/s counter-clockwise, m/s to the left. */
+  /** The speed that was sent last: m/s forward, rad/s counter-clockwise, m/s to the left. */
   speed: [number, number, number];
   stopped: boolean;
   error: string;
@@ -18,7 +18,7 @@ export interface Told {
   /** The cause that moves the robot while no speeds are sent, or "" if it stands still then. */
   idle?: string;
   topic: string;
-  /** What sends the speeds, a guard or the kernel, for a person; empty where that is not known. */
+  /** The sender of the speeds in words, a guard or the kernel, or "" if unknown. */
   sender?: string;
   /** Counts the messages, so that an unchanged state is sent as well. */
   number: number;

@@ -47,7 +47,7 @@ interface Classed extends Limits {
   kinds: Validity[];
 }
 
-/** What a ray without a reading means; nothing for a reading. */
+/** The meaning of a ray without a reading; "" for a reading. */
 export function meaningOf({ kinds, minRange, maxRange }: Classed, index: number): string {
   switch (kinds[index]) {
     case READING:

@@ -5,16 +5,16 @@ import { classify, type Limits, READING, TOO_CLOSE, type Validity } from "./scan
 
 /** The newest range of one sensor; metres, seconds and radians. */
 export interface Sonar extends Limits {
-  /** As measured. */
+  /** The measured range. */
   range: number;
   kind: Validity;
-  /** By how much it is older than the newest of all; infinite: none has come yet. */
+  /** Seconds by which it is older than the newest of all; infinite before the first one. */
   behind: number;
-  /** How old it may be before the sensor is silent. */
+  /** Seconds after which the sensor is silent. */
   silentAfter: number;
-  /** 0: not known. */
+  /** 0 if unknown. */
   fieldOfView: number;
-  /** On the robot, metres and radians of its frame: x, y, yaw; null: not known. */
+  /** On the robot, metres and radians of its frame: x, y, yaw; null if unknown. */
   pose: [x: number, y: number, yaw: number] | null;
 }
 
@@ -36,7 +36,7 @@ export function decodeRing(bytes: DataView): Ring {
     const row = columns.map((column) => column[i] as number);
     const [range = NaN, behind = 0, silentAfter = 0, minRange = 0, maxRange = 0, fieldOfView = 0] = row;
     const [x = NaN, y = NaN, yaw = NaN] = row.slice(6);
-    // Without a limit, +inf is no reading either.
+    // Without a limit, +inf is not a reading.
     const kind = classify(range, minRange, Math.min(maxRange, LARGEST));
     const pose: Sonar["pose"] = Number.isNaN(x) ? null : [x, y, yaw];
     return { range, kind, behind, silentAfter, minRange, maxRange, fieldOfView, pose };
@@ -44,7 +44,10 @@ export function decodeRing(bytes: DataView): Ring {
   return { ...head, sonars };
 }
 
-/** The metres that a program goes by, as `Range.distance` in Python: 0 too close, infinite nothing in range, NaN unknown. */
+/**
+ * The distance in metres for a program, the same as `Range.distance` in Python: 0 too close, infinite nothing in range,
+ * NaN unknown.
+ */
 export function distanceOf({ range, kind, minRange, maxRange }: Sonar): number {
   if (kind === READING) return range;
   if (kind === TOO_CLOSE) return 0;
@@ -52,7 +55,7 @@ export function distanceOf({ range, kind, minRange, maxRange }: Sonar): number {
   return range < minRange && range >= CODES_END ? 0 : NaN;
 }
 
-/** Index of the sensor with the nearest thing; -1 where nothing is in range, or all is unknown. */
+/** Index of the sensor with the nearest thing; -1 if nothing is in range, or all is unknown. */
 export function nearestOf(sonars: Sonar[]): number {
   let found = -1;
   let least = Infinity;
@@ -71,7 +74,7 @@ export interface Mount {
   x: number;
   y: number;
   yaw: number;
-  /** Whether somebody said so. */
+  /** True if the place is given by the user or by messages. */
   isKnown: boolean;
 }
 
@@ -79,7 +82,7 @@ export interface Mount {
 export type Poses = Record<string, [x: number, y: number, yaw: number]>;
 
 /**
- * The places of sensors: those given, else those that their readings tell, and the others evenly by their order,
+ * The places of sensors: the given ones, else the ones in their readings, and the others evenly by their order,
  * counter-clockwise from forward.
  */
 export function toMounts(names: string[], poses: Poses, told: Sonar["pose"][] = []): Mount[] {
@@ -90,23 +93,23 @@ export function toMounts(names: string[], poses: Poses, told: Sonar["pose"][] = 
   });
 }
 
-/** Radians of an infrared beam that does not tell its width: three degrees. */
+/** Radians of an infrared beam of unknown width: three degrees. */
 const THIN = Math.PI / 60;
 
-/** Radians of the opening of a sensor; of one that does not tell it, the usual one. */
+/** Radians of the opening of a sensor, or the usual ones if its messages lack them. */
 function viewOf({ fieldOfView }: Sonar, radiation: string, usual: number): number {
   return fieldOfView || (radiation === "infrared" ? Math.min(THIN, usual) : usual);
 }
 
-/** What Python says about the newest ranges. */
+/** Facts about the newest ranges, from Python. */
 export interface SonarAbout extends About {
   /** In the order of the frame. */
   sensors?: [name: string, radiation: string, frameId: string][];
-  /** Whether time stands still, as in a recording. */
+  /** True if time stands still, as in a recording. */
   still?: boolean;
 }
 
-/** A sensor of a ring, where it is, and what it measured. */
+/** A sensor of a ring, with its place and its measurement. */
 export interface Placed {
   name: string;
   radiation: string;
@@ -117,7 +120,10 @@ export interface Placed {
   view: number;
 }
 
-/** The sensors of a ring in the order of the frame. @param usual radians of the opening of those that do not tell it */
+/**
+ * The sensors of a ring in the order of the frame. @param usual radians of the opening of sensors whose messages lack
+ * it
+ */
 export function toPlaced({ sonars }: Ring, about: SonarAbout, poses: Poses, usual: number): Placed[] {
   const sensors = sonars.map((_, i) => about.sensors?.[i] ?? ([`${i}`, "", ""] as const));
   const names = sensors.map(([name]) => name);

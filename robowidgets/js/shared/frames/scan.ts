@@ -35,7 +35,10 @@ export interface Scan extends Frame, Sweep, Limits, Census {
   kinds: Validity[];
   /** As long as ranges, or empty. */
   intensities: Float32Array;
-  /** Of each ray its number in what the scan was made of, as an echo of many; NaN: none. As long as ranges, or empty. */
+  /**
+   * Of each ray its number in the data that the scan was made of, such as an echo of many, or NaN. As long as ranges,
+   * or empty.
+   */
   sources: Float32Array;
 }
 
@@ -81,7 +84,7 @@ export function classify(range: number, minRange: number, maxRange: number): Val
 type Counts = [number, number, number, number, number];
 
 interface Census {
-  /** How many rays there are of each class. */
+  /** Number of rays of each class. */
   counts: Counts;
   /** Index of the ray with the nearest obstacle, or -1. "Too close to measure" is nearer than any reading. */
   nearest: number;
@@ -105,13 +108,13 @@ export function takeCensus(ranges: Float32Array, kinds: Validity[], minRange: nu
   return { counts, nearest };
 }
 
-/** Whether the rays close a full circle. */
+/** Returns true if the rays close a full circle. */
 export function isFullCircle({ angleIncrement, count }: Sweep): boolean {
   const step = Math.abs(angleIncrement);
   return count > 1 && step * count > TURN - step / 2;
 }
 
-/** The angles between which the rays lie, the smaller first; a full turn where they close a circle. */
+/** The angles between which the rays lie, the smaller first; a full turn if they close a circle. */
 export function spanOf(sweep: Sweep): [number, number] {
   const ends = [angleOf(sweep, 0), angleOf(sweep, Math.max(0, sweep.count - 1))];
   const from = Math.min(...ends);

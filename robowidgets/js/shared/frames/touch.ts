@@ -6,9 +6,9 @@ export type TouchState = "free" | "touched" | "unknown";
 export interface Sensor {
   name: string;
   state: TouchState;
-  /** How often it was touched. */
+  /** Number of touches. */
   touches: number;
-  /** Seconds in this state when Python sent it; null while no message has named the sensor. */
+  /** Seconds in this state when Python sent it; null before the first message about the sensor. */
   seconds: number | null;
 }
 

@@ -2,7 +2,7 @@ import dagre from "@dagrejs/dagre";
 import type { Box, Point, Size } from "../box.ts";
 import type { Edge } from "./route.ts";
 
-/** An arrow that is to be placed, from one box to another, with the room for its words. */
+/** An arrow to be placed, from one box to another, with the room for its words. */
 export interface Arrow extends Partial<Size> {
   source: string;
   target: string;
@@ -10,7 +10,7 @@ export interface Arrow extends Partial<Size> {
   labeloffset?: number;
 }
 
-/** Gaps between boxes of a row, between arrows, and between rows; and whether rows run down or to the right. */
+/** Gaps between boxes of a row, between arrows, and between rows; and the direction of rows. */
 interface Gaps {
   nodesep: number;
   edgesep: number;
@@ -18,7 +18,7 @@ interface Gaps {
   rankdir: "TB" | "LR";
 }
 
-/** Places of boxes by their names, and for each arrow, in its order, what `route` needs. */
+/** Places of boxes by their names, and for each arrow, in its order, the input of `route`. */
 export interface Arranged extends Size {
   boxes: Map<string, Box>;
   edges: Edge[];

@@ -13,8 +13,8 @@ const PORT = 22;
 const LOOP = 12;
 
 /**
- * The corners of arrows of horizontal and vertical lines. They run up and down where dagre has left room, and sideways
- * between its rows alone, each at a height of its own: so they cross no box and no label.
+ * The corners of arrows of horizontal and vertical lines. They run vertically where dagre has left room, and
+ * horizontally only between its rows, each at a separate height. So they cross no box and no label.
  */
 export function route(boxes: Map<string, Box>, edges: Edge[]): [x: number, y: number][][] {
   const middle = (name: string): Point => {
@@ -66,7 +66,7 @@ export function route(boxes: Map<string, Box>, edges: Edge[]): [x: number, y: nu
   });
 }
 
-/** The rows of dagre from the top: their middles, and half the heights of what stands in them. */
+/** The rows of dagre from the top: their middles, and half the heights of their contents. */
 function rowsOf(boxes: Box[], edges: Edge[]): { y: number; half: number }[] {
   const halves = new Map<number, number>();
   const grow = (y: number, half: number) => {
@@ -82,7 +82,7 @@ function rowAt(rows: { y: number }[], y: number): number {
   return rows.findIndex((row) => Math.abs(row.y - y) <= 1);
 }
 
-/** Spreads the ends of arrows that share a side of a box about its middle, in the order of where they go. */
+/** Spreads the ends of arrows that share a side of a box about its middle, in the order of their other ends. */
 function spread(boxes: Map<string, Box>, edges: Edge[], ways: Point[][]): void {
   const sides = new Map<string, { way: Point[]; end: number; toward: number; box: Box }[]>();
   for (const [i, { source, target }] of edges.entries()) {

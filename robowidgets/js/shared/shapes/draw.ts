@@ -13,13 +13,13 @@ const ARROW = 22;
 const HEAD = 7;
 /** Pixels between the places of a path. */
 const STEP = 4;
-/** Pieces of a path at most, of which most lie outside of the view. */
+/** Greatest number of pieces of a path whose larger part lies outside of the view. */
 const MOST_PIECES = 2000;
 
-/** Where a place is in the picture. */
+/** Maps a place to the picture. */
 type ToPoint = (place: Metres) => Point;
 
-/** Draws a shape without its words, which stand in the picture as a text does. */
+/** Draws a shape without its words, which are labels of the picture. */
 export function drawShape(
   context: CanvasRenderingContext2D,
   toPoint: ToPoint,
@@ -93,7 +93,7 @@ function outlineOf(toPoint: ToPoint, shape: Shape, places: Metres[]): Point[] {
   return corners.map(toPoint);
 }
 
-/** Points of the picture along a shape, a few pixels apart, as far as the view reaches. */
+/** Points of the picture along a shape, a few pixels apart, within the view. */
 export function pathOf(toPoint: ToPoint, isInView: (point: Point) => boolean, shape: Shape, places: Metres[]): Point[] {
   const points = outlineOf(toPoint, shape, places);
   if (shape.kind === "points" || shape.kind === "text") return points.filter(isInView);

@@ -6,9 +6,9 @@ import type { Shape } from "../traits.ts";
 export const LINE = 15;
 /** Pixels between a shape and its words, best first. */
 const GAPS = [8, 18, 30];
-/** Where along a shape its words may stand, best first. */
+/** Places along a shape for its words, best first. */
 const ALONG = [0.5, 0.3, 0.7, 0.1, 0.9];
-/** On which side of it: to the right and downwards, best first. */
+/** Sides of a shape for its words, to the right and downwards, best first. */
 const SIDES = [
   [1, 0],
   [-1, 0],
@@ -22,8 +22,8 @@ const SIDES = [
 export const PLACES = GAPS.length * ALONG.length * SIDES.length;
 
 /**
- * A box for words beside a shape, `PLACES` of them, best first; null where nothing of it is in view. A text stands on
- * the place that the program has chosen, if it can.
+ * A box for words next to a shape, `PLACES` of them, best first; null if all of it is out of view. A text stands on the
+ * place that the program has chosen, if it can.
  */
 export function boxAt(path: Point[], width: number, height: number, place: number, isText = false): Box | null {
   const perGap = ALONG.length * SIDES.length;

@@ -7,7 +7,7 @@ const TURN = 2 * Math.PI;
 /** Radians of an arc that one straight piece of its picture spans. */
 const PIECE = Math.PI / 90;
 
-/** The places of a shape in metres; null when one is a ray without a reading. */
+/** The places of a shape in metres, or null if one is a ray without a reading. */
 export function placesOf(at: Spot[], readingOf: (index: number) => Metres | null): Metres[] | null {
   const places = at.map((spot) => (typeof spot === "number" ? readingOf(spot) : spot));
   return places.every((place) => place !== null) ? places : null;
@@ -23,7 +23,7 @@ export function arcPlaces({ start = 0, end = TURN, radius = 0 }: Shape, [x, y]: 
   });
 }
 
-/** Whether an arc is a whole circle, which has no ends. */
+/** Returns true if an arc is a whole circle, which has no ends. */
 export function isCircle({ start = 0, end = TURN }: Shape): boolean {
   return end - start >= TURN - 1e-9;
 }

@@ -17,14 +17,14 @@ import {
   toWords,
 } from "./states.ts";
 
-/** What a person does with a band. */
+/** Actions of the user on a band. */
 interface Gestures {
   onPick(time: number): void;
-  /** Null: no more. */
+  /** Null after the pointer has left. */
   onPoint?(time: number | null): void;
 }
 
-/** The states of a program over time, by themselves. Pointing names them. */
+/** The states of a program over time, in a separate band. Pointing names them. */
 export class StateBand {
   readonly root: HTMLElement;
   readonly #canvas: Canvas;
@@ -58,12 +58,12 @@ export class StateBand {
     on(this.root, "pointerleave", () => onPoint?.(null), signal);
   }
 
-  /** Of the size that it has: a person may point at it before it is drawn for that. */
+  /** The axis for its present size: the user may point at it before it is drawn for that. */
   get #axis(): TimeAxis {
     return { span: this.#span, left: this.#left, width: Math.max(1, this.#size.width - this.#left) };
   }
 
-  /** @param time the states of which are in ink */
+  /** @param time the time whose states are in ink */
   update(rows: StateSpan[][], span: Span, time: number, theme: Theme): void {
     this.#rows = rows;
     this.#span = span;

@@ -43,10 +43,10 @@ export function statesAt(rows: StateSpan[][], time: number): StateSpan[] {
   return rows.map((row) => stateAt(row, time)).filter((state) => state !== null);
 }
 
-/** The grays of states, by their path: a state keeps the gray that it got when it was first seen. */
+/** The grays of states, by their path: a state keeps its first gray. */
 export type Tones = Map<string, number>;
 
-/** Each state in a gray of its own, by the order in which the states of its machine come. */
+/** Draws each state in a different gray, by the order of the states of its machine. */
 export function drawStates(
   context: CanvasRenderingContext2D,
   axis: TimeAxis,
@@ -66,7 +66,7 @@ export function drawStates(
   }
 }
 
-/** The state at a time, in ink. */
+/** Draws the state at a time, in ink. */
 export function drawActive(
   context: CanvasRenderingContext2D,
   axis: TimeAxis,
@@ -91,7 +91,7 @@ function drawState(
   const { span, left, width } = axis;
   if (end < span[0] || start > span[1]) return;
   const from = Math.max(left, toX(axis, start));
-  // Less by a gap, so that two states of the same gray are told apart.
+  // Less by a gap, which separates two states of the same gray.
   const room = Math.max(1, Math.min(left + width, toX(axis, end)) - from - 1);
   context.fillStyle = tone;
   context.fillRect(from, top, room, ROW);
@@ -104,7 +104,7 @@ function drawState(
   if (name) write(context, name, from + room / 2, top + ROW / 2 + 0.5, ink, textFont(theme), "center");
 }
 
-/** A name as far as it fits into some pixels, cut by an ellipsis; empty where it would say nothing. */
+/** A name that fits into some pixels, cut by an ellipsis; "" if too little of it would remain. */
 export function cutName(context: CanvasRenderingContext2D, name: string, room: number, theme: Theme): string {
   context.font = textFont(theme);
   const fits = (text: string) => context.measureText(text).width <= room;
