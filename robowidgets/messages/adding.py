@@ -1,4 +1,4 @@
-"""Message definitions of the user's own."""
+"""Message definitions that the user adds."""
 
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ from .definitions import add, added, feedback_definitions
 _HEAD = re.compile(r"^(?:=+\n)?MSG:[ \t]*(\w+)/(?:msg/)?(\w+)[ \t]*\n", re.MULTILINE)
 _NAME = re.compile(r"<name>\s*(\w+)\s*</name>")
 _HOW = (
-    "expected a folder with .msg or .action files, such as that of a ROS package or workspace, one such file, "
-    "or text in which a line such as 'MSG: my_msgs/Status' stands before each definition"
+    "expected a folder with .msg or .action files, such as a ROS package or workspace, one such file, "
+    "or text with a line such as 'MSG: my_msgs/Status' before each definition"
 )
 
 
@@ -43,12 +43,12 @@ def add_all(sources: tuple[str | os.PathLike[str], ...]) -> tuple[str, ...]:
 def _parsed(name: str, text: str) -> Any:
     try:
         return parsed(name, text)[name]
-    except Exception as error:  # whatever rosbags stumbles over
+    except Exception as error:  # rosbags raises many types
         raise ValueError(f"the definition of {name} cannot be understood: {one_line(error)}") from None
 
 
 def _texts(source: str | os.PathLike[str]) -> Iterator[tuple[str, str]]:
-    """The type names and texts of the definitions in a folder, a file or a text."""
+    """Yield the type names and texts of the definitions in a folder, a file or a text."""
     if not isinstance(source, (str, os.PathLike)):
         raise TypeError(f"{_HOW}; got {source!r}")
     if isinstance(source, str) and "\n" in source:

@@ -81,7 +81,7 @@ def test_a_type_that_nobody_knows_is_refused(definition: str) -> None:
 
 @pytest.mark.parametrize("raw", [b"", b"\0\1\0\0", b"\xff" * 40, b"\0\1\0\0" + b"\xff" * 30])
 def test_bytes_that_are_no_such_message_are_refused_in_a_line(raw: bytes) -> None:
-    with pytest.raises(DecodeError, match=r"^\d+ bytes that are no sensor_msgs/msg/LaserScan: ") as caught:
+    with pytest.raises(DecodeError, match=r"^\d+ bytes are not a valid sensor_msgs/msg/LaserScan: ") as caught:
         read(raw, "sensor_msgs/msg/LaserScan")
     assert "\n" not in str(caught.value)
 
