@@ -60,7 +60,7 @@ def _texts(source: str | os.PathLike[str]) -> Iterator[tuple[str, str]]:
     if not files:
         raise ValueError(f"no .msg or .action file in {str(source)!r}: {_HOW}")
     for file in files:
-        package, text = _package_of(file.absolute()), file.read_text(encoding="utf-8", errors="replace")
+        package, text = _get_package(file.absolute()), file.read_text(encoding="utf-8", errors="replace")
         if file.suffix == ".action":
             yield from feedback_definitions(package, file.stem, text).items()
         else:
@@ -75,7 +75,7 @@ def _in_text(text: str) -> Iterator[tuple[str, str]]:
         yield f"{package}/msg/{name}", re.sub(r"^=+\s*\Z", "", definition, flags=re.MULTILINE)
 
 
-def _package_of(file: Path) -> str:
+def _get_package(file: Path) -> str:
     """Return the package of a file: the name in package.xml, else the folder above ``msg`` or ``action``."""
     folder = file.parent.parent if file.parent.name in ("msg", "action") else file.parent
     about = folder / "package.xml"

@@ -25,12 +25,12 @@ def names_in(value: Any) -> tuple[str, ...]:
     if value is None or isinstance(value, _SCALARS) or hasattr(value, "__array__"):
         return ()
     kind: Any = type(value)
-    named = _names_of(kind)
+    named = _get_names(kind)
     return tuple(name for name in vars(value) if not name.startswith("_")) if named is None else named
 
 
 @lru_cache(_CLASSES)
-def _names_of(kind: Any) -> tuple[str, ...] | None:
+def _get_names(kind: Any) -> tuple[str, ...] | None:
     """Return the names of the fields of a class of messages, or None if they differ from object to object."""
     if hasattr(kind, "_fields"):  # a named tuple
         named: Iterable[str] = kind._fields

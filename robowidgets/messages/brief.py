@@ -90,13 +90,13 @@ def _in_words(fields: Mapping[str, Any]) -> str:
     if {"level", "name", "msg"} <= names:
         return _leaf(str(fields["msg"]))
     if {"level", "name", "message", "hardware_id"} <= names and (level := _level(fields)) is not None:
-        return f"{fields['name']}: {_name_of(level)} {fields['message']}".strip()
+        return f"{fields['name']}: {_level_name(level)} {fields['message']}".strip()
     if "status" in names and _is_array(fields["status"]):
         those = [dict(_items(one)) for one in fields["status"]]
         levels = [level for one in those if (level := _level(one)) is not None]
         if those and len(levels) == len(those):
             worst = those[levels.index(max(levels))]
-            return f"{_name_of(max(levels))}: {worst.get('name', '')} {worst.get('message', '')}, of {len(those)}"
+            return f"{_level_name(max(levels))}: {worst.get('name', '')} {worst.get('message', '')}, of {len(those)}"
     if "transforms" in names and _is_array(fields["transforms"]):
         return _counted(fields["transforms"], "frame")
     return ""
@@ -119,7 +119,7 @@ def _level(status: Mapping[str, Any]) -> int | None:
         return None
 
 
-def _name_of(level: int) -> str:
+def _level_name(level: int) -> str:
     return _LEVELS[level] if 0 <= level < len(_LEVELS) else f"level {level}"
 
 

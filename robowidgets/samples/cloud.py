@@ -27,7 +27,7 @@ Band = tuple[float, float]
 class Point(NamedTuple):
     """One point of a cloud.
 
-    ``index`` is the index of the point in the message, from 0. ``row`` and ``column`` are None unless the cloud is
+    ``index`` is the index of the point in the message, from 0. ``row`` and ``column`` are None if the cloud is not
     organized in rows. ``x``, ``y``, ``z`` and ``distance`` (from the origin of the frame) are in metres, and NaN if
     nothing was measured. ``fields`` maps the name of every field to its value.
     """
@@ -271,7 +271,7 @@ class Cloud(HasAge):
             intensities=intensities,
             stamp_ns=self.stamp_ns,
             frame_id=self.frame_id,
-            sources=Sources(_made_of(low, high), "points[{number}]", numbers),
+            sources=Sources(_describe_band(low, high), "points[{number}]", numbers),
         )
         note_arrival(made, self._arrived)
         return made
@@ -300,7 +300,7 @@ def to_band(name: str, band: Any) -> Band:
     return low, high
 
 
-def _made_of(low: float, high: float) -> str:
+def _describe_band(low: float, high: float) -> str:
     if not isfinite(low) and not isfinite(high):
         return "points of all heights"
     bounds = [f"from {low:.3g} m" if isfinite(low) else "", f"to {high:.3g} m" if isfinite(high) else ""]

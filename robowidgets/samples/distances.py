@@ -110,7 +110,7 @@ def indices_at(like: ScanRays, angles: NDArray[np.float64]) -> NDArray[np.intp]:
 
 
 def angles_of(angle_min: float, angle_increment: float, count: int) -> NDArray[np.float64]:
-    """The angle of each ray in radians, shape (R,), read-only."""
+    """Return the angle of each ray in radians, shape (R,), read-only."""
     return frozen(angle_min + np.arange(count) * angle_increment)
 
 

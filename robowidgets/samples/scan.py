@@ -52,7 +52,7 @@ class Scan(HasAge):
         angle_increment: radians from one ray to the next; NaN or 0 only for a scan with at most one ray.
         range_min, range_max: metres; a range within them, both included, is a reading. Kept at float32's precision, so
             that a limit and a reading sent as the same number are equal. A range_max of inf, which some converters of
-            point clouds send, is no limit: it is kept as the largest float32.
+            point clouds send, sets no limit: it is kept as the largest float32.
         intensities: no values, or R values in device units. Another length is a problem, and the values are not used.
         stamp_ns: time of the first ray in nanoseconds since the epoch, or None.
         frame_id: coordinate frame of the scanner.

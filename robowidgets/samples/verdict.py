@@ -162,7 +162,7 @@ class Trace:
         self._parts: list[tuple[Scan, Any]] = []
         """The scans, with the keys that read all of their ranges or a part of them."""
         self._of_parts: dict[tuple[int, int], Scan] = {}
-        """The scans of which parts were read at once, by the id of the scan and the index of the part's nearest ray."""
+        """The scans that were read in parts, by the id of the scan and the index of the nearest ray of a part."""
         self._single: tuple[float, Scan, Any] | None = None
         """The nearest of the ranges that were read one by one: its range, scan and index."""
 
