@@ -334,10 +334,10 @@ def test_a_number_without_a_meaning_is_an_error_and_not_a_guess(message: dict, t
             {"left": None, "front": np.True_, "right": 0, "back": 1},
             r"^right: expected True, False or None in a mapping of sensor names, got 0; bool\(\) converts a number$",
         ),
-        ({"data": 1}, r"^data: expected True, False or None in a mapping of sensor names, got 1; bool\(\) makes it"),
+        ({"data": 1}, r"^data: expected True, False or None in a mapping of sensor names, got 1; bool\(\) converts"),
         (
             {"left": 1.0},
-            r"^left: expected True, False or None in a mapping of sensor names, got 1.0; bool\(\) makes it",
+            r"^left: expected True, False or None in a mapping of sensor names, got 1.0; bool\(\) converts",
         ),
         (
             {"right": True, "left": "True"},
