@@ -73,9 +73,9 @@ def test_a_type_that_no_file_defines_is_read_as_its_encoding_has_it() -> None:
 
 @pytest.mark.parametrize("definition", ["", "int64 a\n---\nint64 sum\n"])
 def test_a_type_that_nobody_knows_is_refused(definition: str) -> None:
-    with pytest.raises(DecodeError, match="nor among those that are known|no other is known"):
+    with pytest.raises(DecodeError, match=r"nor among those that are known|no other is known"):
         decoder_of(channel("led_array_msgs/msg/Status", definition))
-    with pytest.raises(DecodeError, match="nor among those that are known|no other is known"):
+    with pytest.raises(DecodeError, match=r"nor among those that are known|no other is known"):
         shape_of(channel("led_array_msgs/msg/Status", definition))
 
 
