@@ -1,4 +1,4 @@
-"""What a camera sees of what other sensors measure."""
+"""Readings of other sensors in the pictures of a camera."""
 
 from .beside import BesidePictures, OnScan, PictureView, about_overlay
 from .depth_scan import depth_rays, depth_scan

@@ -1,4 +1,4 @@
-"""Lines and surfaces in the frame of a camera, as it sees them."""
+"""Lines and surfaces in the frame of a camera, projected to its picture."""
 
 from __future__ import annotations
 
@@ -13,16 +13,16 @@ _NEAR = 0.02
 """Metres ahead of the camera up to which nothing is drawn."""
 
 _MARGIN = 0.1
-"""Part of the picture's size by which what is drawn reaches beyond its edges."""
+"""Margin around the picture that is drawn too, as a part of its size."""
 
 _PIECE = 0.04
-"""Length of a straight piece of a line that a lens bends, at most, as a part of what lies ahead."""
+"""The longest straight piece of a line that a lens bends, in units of the distance ahead."""
 
 _MOST_PIECES = 200
 
 
 class Outlines:
-    """Sees lines and surfaces by a model: the part of them that is in view, and a bit beyond."""
+    """Projects the visible part of lines and surfaces by a camera model, with a margin around the picture."""
 
     def __init__(self, model: CameraModel) -> None:
         self._model = model
@@ -38,12 +38,12 @@ class Outlines:
         rays = model.rays(edge)
         rays = rays[np.isfinite(rays).all(axis=1)]
         (left, top, _), (right, bottom, _) = rays.min(axis=0), rays.max(axis=0)
-        # A point p is in view where all of these n.p + c are 0 or more.
+        # A point p is in view if all n.p + c of these are 0 or more.
         self._normals = np.array([[0, 0, 1], [1, 0, -left], [-1, 0, right], [0, 1, -top], [0, -1, bottom]], np.float64)
         self._offsets = np.array([-_NEAR, 0.0, 0.0, 0.0, 0.0])
 
     def surface(self, corners: Floats) -> Floats:
-        """The pixels of the outline of a surface, shape (N, 2), in one piece; empty where none of it is in view.
+        """Return the pixels of the outline of a surface, shape (N, 2), in one piece, or empty if it is out of view.
 
         Args:
             corners: metres in the frame of the camera, shape (M, 3).
@@ -56,7 +56,7 @@ class Outlines:
         return self._pixels(points, is_closed=True)
 
     def line(self, places: Floats) -> list[Floats]:
-        """The pixels of the pieces of a line that are in view, shape (N, 2) each.
+        """Return the pixels of the visible pieces of a line, shape (N, 2) each.
 
         Args:
             places: metres in the frame of the camera, shape (M, 3).
@@ -83,7 +83,7 @@ class Outlines:
         return [self._pixels(np.array(piece), is_closed=False) for piece in pieces]
 
     def _pixels(self, points: Floats, *, is_closed: bool) -> Floats:
-        """The pixels of points that the lens shows, with some between them where it bends what is straight."""
+        """Return the pixels of the points that the lens shows, with points between them if it bends straight lines."""
         if not len(points):
             return np.empty((0, 2))
         if self._model.bends:
@@ -93,21 +93,21 @@ class Outlines:
 
 
 def _cut(points: Floats, side: Floats) -> Floats:
-    """A surface without what lies on the other side of a plane (Sutherland and Hodgman): where `side` is below 0."""
+    """Return a surface without the part that is behind a plane, where `side` is below 0 (Sutherland and Hodgman)."""
     after, next_side = np.roll(points, -1, axis=0), np.roll(side, -1)
     is_in = side >= 0
     crosses = is_in != (next_side >= 0)
     with np.errstate(all="ignore"):
         share = np.where(crosses, side / (side - next_side), 0.0)
     cuts = points + share[:, None] * (after - points)
-    # Of each corner: itself, if it is in view, and where the edge after it crosses the plane.
+    # For each corner: itself, if it is in view, and the point at which the edge after it crosses the plane.
     both = np.stack([points, cuts], axis=1).reshape(-1, 3)
     kept: Floats = both[np.stack([is_in, crosses], axis=1).ravel()]
     return kept
 
 
 def _finer(points: Floats, *, is_closed: bool) -> Floats:
-    """The points of a line with some between them, so that each piece looks short."""
+    """Return the points of a line with points between them, so that each piece looks short."""
     after = np.roll(points, -1, axis=0) if is_closed else points[1:]
     before = points if is_closed else points[:-1]
     seen = np.abs(after[:, :2] / after[:, 2:] - before[:, :2] / before[:, 2:]).max(axis=1, initial=0.0)

@@ -1,4 +1,4 @@
-"""What came beside the pictures of a camera, and what lies over one of them by that."""
+"""Calibration, scans and ranges for the pictures of a camera, and the overlay of a picture."""
 
 from __future__ import annotations
 
@@ -19,24 +19,24 @@ from .overlay import Overlay, ScanOnPicture, Seen, cones
 from .place import NoTransformError, ground_frame, place_in_camera
 
 KEPT = 100
-"""Scans of which the one nearest to a picture is looked for."""
+"""Scans to keep, among which the scan nearest to a picture is chosen."""
 
 FARTHEST_APART = 1.0
-"""Seconds between a picture and what lies over it."""
+"""The most seconds between a picture and the scan over it."""
 
 BEAM = radians(15)
-"""Of sonars that do not tell theirs."""
+"""Radians. The opening angle of sonars that do not report it."""
 
 
 class PictureView(NamedTuple):
-    """A picture, as far as an overlay needs to know it.
+    """The data of a picture that an overlay needs.
 
     Attributes:
         size: its width and height in pixels.
-        frame_id: of the camera; empty: that of the calibration.
+        frame_id: the frame of the camera, or empty for the frame of the calibration.
         stamp_ns: nanoseconds since the epoch, or None.
-        time_ns: when it came.
-        rectified: whether what is straight is straight in it.
+        time_ns: its time of arrival.
+        rectified: True if straight lines are straight in it.
     """
 
     size: tuple[int, int]
@@ -47,14 +47,14 @@ class PictureView(NamedTuple):
 
 
 class OnScan(NamedTuple):
-    """What the widgets beside the picture know of scans and ranges.
+    """The settings of laser and sonar widgets in the group of the picture, for scans and ranges.
 
     Attributes:
-        sectors: by name.
-        forms: the shapes of a program, as the page reads them.
-        offset: radians that are added to all angles.
-        mounts: where a person says that sonars are on the robot, by name.
-        mounted: makes a scan one with the angles of the robot, as those of the sectors and shapes are.
+        sectors: sectors by name.
+        forms: the shapes of a program, as sent to the page.
+        offset: radians to add to all angles.
+        mounts: poses of sonars on the robot that the user gives, by name.
+        mounted: returns a scan with the robot's angles, which sectors and shapes have too.
     """
 
     sectors: Mapping[str, Sector] = {}
@@ -65,14 +65,14 @@ class OnScan(NamedTuple):
 
 
 class BesidePictures:
-    """The calibration of a camera, the scans and ranges of its robot, and where these sensors are.
+    """The calibration of a camera, the scans and ranges of its robot, and the poses of these sensors.
 
     Attributes:
-        info: the calibration; None before it came.
+        info: the calibration, or None before it came.
         frames: the frames of the robot.
-        by_hand: the pose of the scanner in the frame of the camera, in place of tf.
-        scans: the last ones, each with when it came in nanoseconds.
-        ranges: the newest by the name of its sensor.
+        by_hand: the pose of the scanner in the frame of the camera, or None to use tf.
+        scans: the last scans, each with its time of arrival in nanoseconds.
+        ranges: the newest range by sensor name, with its time of arrival in nanoseconds.
     """
 
     def __init__(self) -> None:
@@ -83,14 +83,14 @@ class BesidePictures:
         self.ranges: dict[str, tuple[Range, int]] = {}
         self._model: tuple[Any, CameraModel] | None = None
 
-    def over(self, view: PictureView, drawn: OnScan = OnScan()) -> Overlay | None:  # noqa: B008  # it does not change
-        """What lies over a picture, and why other things do not; None where nothing came that could."""
+    def over(self, view: PictureView, drawn: OnScan = OnScan()) -> Overlay | None:  # noqa: B008  # immutable
+        """Return the overlay of a picture, with reasons for missing parts, or None if no scans and ranges came."""
         if not self.scans and not self.ranges:
             return None
         if self.info is None:
-            return Overlay(missing=("no camera_info: where readings are in the picture is not known",))
+            return Overlay(missing=("no camera_info: the place of readings in the picture is unknown",))
         try:
-            model = self._model_of(self.info, view)
+            model = self._get_model(self.info, view)
         except ValueError as error:
             return Overlay(missing=(str(error),))
         camera = view.frame_id.lstrip("/") or self.info.frame_id
@@ -120,16 +120,16 @@ class BesidePictures:
     def _placed(
         self, camera: str, view: PictureView, mounts: Mapping[str, Pose]
     ) -> tuple[dict[str, tuple[Range, Poses]], list[str]]:
-        """By sensor its range, and its pose in the frame of the camera; and why others have no pose."""
+        """Return range and pose in the frame of the camera by sensor, and reasons why other sensors have no pose."""
         placed: dict[str, tuple[Range, Poses]] = {}
         lost: list[str] = []
         robot = next((name for name in ROBOT if name in self.frames.chain(camera)), ROBOT[0])
         for name, (one, came) in self.ranges.items():
             mount = mounts.get(name) or one.pose
             if not (one.frame_id or mount):
-                continue  # nobody says where it is
+                continue  # its pose is unknown
             try:
-                # By tf, which knows how high it is.
+                # Prefer tf, which has the height of the sensor.
                 if mount and not are_joined(self.frames, one.frame_id.lstrip("/"), camera):
                     placed[name] = one, self._at(robot, came, one.stamp_ns, camera, view).of(_flat_pose(mount))
                 else:
@@ -161,7 +161,7 @@ class BesidePictures:
         return place_in_camera(self.frames, frame.lstrip("/"), camera, when=(came, stamp_ns), then=then)
 
     def _nearest(self, view: PictureView) -> tuple[tuple[Scan, int], float]:
-        """The scan that was measured nearest to a picture, and by how many seconds it is younger."""
+        """Return the scan nearest to a picture in time, and the seconds by which it is younger than the picture."""
         by_stamp = view.stamp_ns is not None and all(scan.stamp_ns is not None for scan, _ in self.scans)
 
         def apart(one: tuple[Scan, int]) -> int:
@@ -171,7 +171,7 @@ class BesidePictures:
         found = min(self.scans, key=lambda one: abs(apart(one)))
         return found, apart(found) / 1e9
 
-    def _model_of(self, info: CameraInfo, view: PictureView) -> CameraModel:
+    def _get_model(self, info: CameraInfo, view: PictureView) -> CameraModel:
         key = info.k.tobytes(), info.d.tobytes(), info.p.tobytes(), info.roi, info.binning, view.size, view.rectified
         if self._model is None or self._model[0] != key:
             self._model = key, CameraModel(info, rectified=view.rectified, size=view.size)
@@ -188,11 +188,11 @@ def _apart(seconds: float) -> str:
 
 
 FINE = 4
-"""Parts of a pixel that the page is told."""
+"""Steps per pixel in the places for the page."""
 
 
 def about_overlay(overlay: Overlay) -> dict[str, Any]:
-    """An overlay as the page reads it: places in quarters of a pixel, distances in millimetres."""
+    """Return an overlay for the page: places in quarters of a pixel, distances in millimetres."""
     about: dict[str, Any] = {"missing": list(overlay.missing)} if overlay.missing else {}
     if overlay.apart is not None:
         about["apart"] = round(overlay.apart, 3)
@@ -219,7 +219,7 @@ def about_overlay(overlay: Overlay) -> dict[str, Any]:
 
 
 def _thinned(places: Any) -> list[int]:
-    """Places in quarters of a pixel, without those on the one before."""
+    """Return places in quarters of a pixel, without places that repeat the one before."""
     fine = np.round(FINE * np.clip(places, -1e5, 1e5)).astype(int)
     keeps = np.ones(len(fine), bool)
     keeps[1:] = np.abs(np.diff(fine, axis=0)).max(axis=1) >= FINE // 2

@@ -1,4 +1,4 @@
-"""Rows of a depth image as the scan of a laser scanner."""
+"""Conversion of rows of a depth image to a scan."""
 
 from __future__ import annotations
 
@@ -15,10 +15,10 @@ from ..samples.echoes import Sources
 from .model import CameraModel
 
 NEAREST, FARTHEST = 0.45, 10.0
-"""Metres: the limits of depthimage_to_laserscan where nobody sets others."""
+"""Metres. The default limits of depthimage_to_laserscan."""
 
 _CODE = "image.depth.flat[{number}]"
-"""How a program gets at a pixel."""
+"""Code that reads a pixel."""
 
 
 def depth_scan(
@@ -31,27 +31,27 @@ def depth_scan(
     frame_id: str = "",
     stamp_ns: int | None = None,
 ) -> Scan:
-    """A row, or a band of rows, of a depth image as a scan: the one that depthimage_to_laserscan sends.
+    """Return a scan of a row, or of a band of rows, of a depth image, as depthimage_to_laserscan sends it.
 
     The scan lies in the plane of the camera, x ahead and y to the left. It has as many rays as the image has columns,
-    at equal angles; index 0 is at the right. Of the readings that fall on one ray the nearest counts; a ray on which
-    there is none is NaN. `depth_rays` tells on which ray a column falls, and ``scan.at(index).source`` which pixel a
-    ray is, counted by rows: ``image.depth.flat[source]``.
+    at equal angles; index 0 is at the right. If several readings fall on one ray, the nearest counts; a ray without a
+    reading is NaN. `depth_rays` returns the ray of each column, and ``scan[index].source`` is the pixel of a ray,
+    counted by rows: ``image.depth.flat[source]``.
 
     Args:
-        depth: the image, shape (H, W): integers are millimetres, others metres (REP-118). 0 and NaN are no reading. Or
-            a sensor_msgs/Image, or an `Image`.
+        depth: the image, shape (H, W): integers are millimetres, others metres (REP-118), and 0 and NaN are not
+            readings. Or a sensor_msgs/Image, or an `Image`.
         camera_info: a sensor_msgs/CameraInfo, or a `CameraInfo`.
-        rows: how many rows, around the optical axis; or the first row, and the one after the last:
-            ``(230, 250)``.
-        range_min: metres; what is nearer is left out.
-        range_max: metres; what is farther is left out.
-        frame_id: of the scan; x of that frame is z of the camera's. Empty: that of the camera without ``_optical``.
-        stamp_ns: nanoseconds since the epoch; None: that of the image, else of the calibration.
+        rows: the number of rows around the optical axis, or the first row and the row after the last: ``(230, 250)``.
+        range_min: metres; nearer readings are left out.
+        range_max: metres; farther readings are left out.
+        frame_id: the frame of the scan, whose x is z of the camera's frame. The default is the camera's frame without
+            ``_optical``.
+        stamp_ns: nanoseconds since the epoch. The default is the stamp of the image, or else of the calibration.
 
     Raises:
-        TypeError: no image of numbers, or no calibration. ValueError: another shape, rows that are not in the image,
-            or a calibration of another image.
+        TypeError: the image does not have numbers, or the calibration has another type.
+        ValueError: the shape is wrong, the rows are not in the image, or the calibration is for another image.
 
     Source: depthimage_to_laserscan, REP-118.
 
@@ -71,12 +71,12 @@ def depth_scan(
         raise ValueError(f"depth: expected an image of shape (H, W), got shape {image.shape}")
     info = to_camera_info(camera_info)
     height, width = image.shape
-    # A depth image is rectified where it comes from, and its node reads it by p.
+    # Drivers send rectified depth images, and depthimage_to_laserscan uses p.
     model = CameraModel(info, rectified=True, size=(width, height))
     first, last = _band(rows, height, float(model.middle[1]))
     rays = depth_rays(model)
     ahead = image[first:last] * np.float64(0.001 if image.dtype.kind in "ui" else 1.0)
-    # As in its C++: what it sends is compared to the last index.
+    # In float32, as in the C++ code of the node.
     column = np.arange(width, dtype=np.float32) - np.float32(model.middle[0])
     aside = column * np.float32(1.0 / model.focus[0])
     lengths = np.hypot(ahead * aside, ahead).astype(np.float32)
@@ -84,13 +84,13 @@ def depth_scan(
     lengths = np.where(is_seen, lengths, np.float32(np.inf))
     row = lengths.argmin(axis=0)
     nearest = lengths[row, np.arange(width)]
-    # Of what falls on one ray, the nearest is written last.
+    # The nearest reading of each ray is written last.
     order = np.argsort(-nearest, kind="stable")
     ranges, pixels = np.full(width, np.inf, np.float32), np.full(width, -1, np.int32)
     ranges[rays[order]] = nearest[order]
     pixels[rays[order]] = ((first + row) * width + np.arange(width))[order]
     pixels[np.isinf(ranges)] = -1
-    # What is farther than the sensor can see may come as inf: that says more than NaN.
+    # Sensors may send inf for things that are too far, which says more than NaN.
     beyond = np.zeros(width, bool)
     np.logical_or.at(beyond, rays, np.isposinf(ahead).any(axis=0))
     ranges[np.isinf(ranges) & ~beyond] = np.nan
@@ -108,7 +108,7 @@ def depth_scan(
 
 
 def depth_rays(model: CameraModel) -> NDArray[np.intp]:
-    """On which ray of `depth_scan` each column of an image falls, shape (W,)."""
+    """Return the index of the ray of `depth_scan` for each column of an image, shape (W,)."""
     width = model.size[0]
     start, step = _sweep(model)
     column = np.arange(width, dtype=np.float32) - np.float32(model.middle[0])
@@ -117,11 +117,11 @@ def depth_rays(model: CameraModel) -> NDArray[np.intp]:
 
 
 def _sweep(model: CameraModel) -> tuple[np.float32, np.float32]:
-    """The first angle and the step, as they fit into a message."""
+    """Return the first angle and the step, in float32 as in a message."""
     (width, _), (middle, _) = model.size, model.middle
     if width < 2:
         raise ValueError(f"depth: expected an image of 2 columns or more, got {width}")
-    # The node goes by angles between rays, which have no sign: the axis has to be in the image.
+    # The node uses unsigned angles between rays, so the optical axis has to be in the image.
     low, high = (
         np.float32(-abs(np.arctan((width - 1 - middle) / model.focus[0]))),
         np.float32(abs(np.arctan(middle / model.focus[0]))),
@@ -130,11 +130,11 @@ def _sweep(model: CameraModel) -> tuple[np.float32, np.float32]:
 
 
 def _band(rows: int | tuple[int, int], height: int, axis: float) -> tuple[int, int]:
-    """The first row and the one after the last."""
+    """Return the first row and the row after the last."""
     if isinstance(rows, tuple):
         first, last = (int(row) for row in rows)
     else:
-        # The node divides whole numbers, and cuts off what is left.
+        # The node uses integer division, and truncates.
         first = int(axis - int(rows) // 2)
         last = first + int(rows)
     if not 0 <= first < last <= height:

@@ -1,4 +1,4 @@
-"""From points in the frame of a camera to the pixels of its picture, and back."""
+"""Projection of points in the frame of a camera to the pixels of its picture, and back."""
 
 from __future__ import annotations
 
@@ -12,39 +12,40 @@ from ..samples.camera_info import CameraInfo
 Floats = NDArray[np.float64]
 
 _STEPS = 60
-"""Most steps by which a distortion is undone."""
+"""The most steps to undo a distortion."""
 
 _CLOSE = 1e-6
-"""How close, in units of the focal length, an undone distortion comes back to its pixel."""
+"""The largest error of an undone distortion at its pixel, in units of the focal length."""
 
 FISHEYE = ("equidistant", "fisheye")
-"""Names of the distortion model of fisheye lenses, which has 4 numbers."""
+"""Names of the distortion model of fisheye lenses, which has 4 coefficients."""
 
 _WIDEST = 10.0
-"""Tangent of the angle from the axis up to which a lens is looked at: 84 degrees."""
+"""Tangent of the largest angle from the axis for which a lens is modelled: 84 degrees."""
 
 
 class CameraModel:
-    """How a camera sees: by its calibration, in the coordinates of the pictures that come.
+    """The projection of a camera by its calibration, in pixels of its pictures.
 
-    Pixels are (column, row), and the middle of the first one is (0, 0), as in OpenCV. Points are in metres in the frame
-    of the camera: x to the right, y down, z ahead (REP-103).
+    Pixels are (column, row), and the centre of the first pixel is (0, 0), as in OpenCV. Points are in metres in the
+    frame of the camera: x to the right, y down, z ahead (REP-103).
 
     Args:
         info: the calibration.
-        rectified: whether the picture is rectified (``image_rect``), in which straight lines are straight; else it is
-            as the lens shows it (``image_raw``).
-        size: width and height of the picture, where it is not that of the calibration but the same picture scaled.
+        rectified: True for a rectified picture (``image_rect``), in which straight lines are straight; False for a
+            picture as the lens shows it (``image_raw``).
+        size: width and height of the picture, if it is a scaled copy of the calibrated picture.
 
     Attributes:
         size: width and height of the picture in pixels.
         focus: the focal lengths across and down, in pixels.
-        shift: metres by which the camera sees from beside the origin of its frame, as the second one of a pair.
-        bends: whether what is straight is not so in the picture.
-        middle: the pixel in which the axis of the camera meets the picture.
+        shift: metres that are added to points, because the second camera of a stereo pair is not at the origin.
+        bends: True if straight lines are not straight in the picture.
+        middle: the principal point, a pixel.
 
     Raises:
-        ValueError: the camera is not calibrated, its distortion model is not known, or the picture is another one.
+        ValueError: the camera is not calibrated, its distortion model is unknown, or the calibration is for another
+            picture.
 
     Source: sensor_msgs/CameraInfo, image_geometry, OpenCV (calib3d, fisheye).
 
@@ -70,18 +71,18 @@ class CameraModel:
         scale = np.ones(2) if 0 in expected else np.array(self.size) / expected
         if abs(scale[0] * expected[1] - scale[1] * expected[1]) > 1:
             raise ValueError(
-                "camera_info is of another picture: of {} x {} pixels, and this one has {} x {}".format(
+                "camera_info is for another picture: of {} x {} pixels, and this one has {} x {}".format(
                     *expected, *self.size
                 )
             )
-        # The second camera of a pair sees from beside the origin of the frame, and turned by r.
+        # The second camera of a stereo pair is shifted from the origin of the frame, and turned by r.
         self.shift = np.array([p[0, 3] / p[0, 0], p[1, 3] / p[1, 1], 0.0])
         turn = np.array(info.r).reshape(3, 3)
         self._turn = turn if turn.any() and not rectified else np.eye(3)
         self._distort: Distort = _same
         self._undistort: Distort = _same
         self._widest = np.inf
-        # An ideal fisheye lens bends what is straight also where all its numbers are 0.
+        # An ideal fisheye lens bends straight lines even if all its coefficients are 0.
         is_fisheye = info.distortion_model in FISHEYE and info.d.size == 4
         self.bends = bool(not rectified and (info.d.any() or is_fisheye))
         if self.bends:
@@ -90,11 +91,11 @@ class CameraModel:
         self.focus, self.middle = _in_picture(p if rectified else k, info, scale)
 
     def project(self, points: ArrayLike, *, beyond: bool = False) -> Floats:
-        """The pixels of points, shape (N, 3), as shape (N, 2); NaN for one behind the camera or outside the picture.
+        """Return the pixels of points, shape (N, 2); NaN for points behind the camera or outside the picture.
 
         Args:
-            points: metres in the frame of the camera.
-            beyond: whether those outside the picture have their pixels too, as far as the lens can tell.
+            points: metres in the frame of the camera, shape (N, 3).
+            beyond: True to return pixels outside the picture too, up to the limits of the lens.
         """
         x, y, z = ((np.asarray(points, np.float64).reshape(-1, 3) + self.shift) @ self._turn).T
         with np.errstate(all="ignore"):
@@ -107,7 +108,7 @@ class CameraModel:
         return pixels
 
     def rays(self, pixels: ArrayLike) -> Floats:
-        """The directions in which pixels look, shape (N, 2) to (N, 3), each 1 m ahead; NaN where the lens has none."""
+        """Return the points 1 m ahead that pixels, shape (N, 2), show, shape (N, 3); NaN beyond the lens."""
         ideal = self._undistort((np.asarray(pixels, np.float64).reshape(-1, 2) - self.middle).T / self.focus[:, None])
         turned = np.vstack([ideal, np.ones(ideal.shape[1])]).T @ self._turn.T
         with np.errstate(all="ignore"):
@@ -115,14 +116,14 @@ class CameraModel:
             return rays
 
     def points(self, pixels: ArrayLike, depth: ArrayLike) -> Floats:
-        """The points at pixels, shape (N, 2), whose depth is known: metres ahead (REP-118), shape (N,); as (N, 3)."""
+        """Return the points, shape (N, 3), at pixels, shape (N, 2), with depths in metres (REP-118), shape (N,)."""
         ahead = np.broadcast_to(np.asarray(depth, np.float64), (len(np.reshape(pixels, (-1, 2))),))
         found: Floats = self.rays(pixels) * ahead[:, None] - self.shift
         return found
 
     @property
     def view(self) -> tuple[float, float]:
-        """Radians from the left edge of the picture to its right one, and from the upper edge to the lower one."""
+        """The fields of view in radians: from the left to the right edge, and from the upper to the lower edge."""
         (width, height), (column, row) = self.size, self.middle
         ends = [(-0.5, row), (width - 0.5, row), (column, -0.5), (column, height - 0.5)]
         left, right, top, bottom = self.rays(ends)
@@ -130,7 +131,7 @@ class CameraModel:
         return float(across), float(np.arctan2(bottom[1], bottom[2]) - np.arctan2(top[1], top[2]))
 
     def _undone(self, distorted: Floats) -> Floats:
-        """What the lens shows there: by Newton's method, whose steps are halved where they lead away."""
+        """Return undistorted coordinates by Newton's method with limited steps, or NaN if it does not converge."""
         with np.errstate(all="ignore"):
             ideal = distorted.copy()
             radius = np.hypot(*ideal)
@@ -157,7 +158,7 @@ class CameraModel:
 
 
 def _in_picture(matrix: Floats, info: CameraInfo, scale: Floats) -> tuple[Floats, Floats]:
-    """Focal lengths and the middle of a matrix, in pixels of the pictures that come."""
+    """Return the focal lengths and the principal point of a matrix, in pixels of the received pictures."""
     binning, offset = np.array(info.binning, np.float64), np.array(info.roi[:2], np.float64)
     focus = np.array([matrix[0, 0], matrix[1, 1]]) / binning * scale
     middle = (np.array([matrix[0, 2], matrix[1, 2]]) - offset) / binning
@@ -169,11 +170,11 @@ def _same(ideal: Floats) -> Floats:
 
 
 Distort = Callable[[Floats], Floats]
-"""From where a picture without distortion has points to where this one has them, (2, N), in focal lengths."""
+"""A function from undistorted to distorted coordinates, shape (2, N), in units of the focal length."""
 
 
 def _lens(info: CameraInfo) -> tuple[Distort, float]:
-    """The distortion of a lens, and how far from the axis it holds: beyond, its formula comes back into the picture."""
+    """Return the distortion of a lens, and the radius up to which it is valid: beyond, its formula folds back."""
     name, d = info.distortion_model, info.d
     if name in ("", "plumb_bob", "rational_polynomial") and d.size in (4, 5, 8):
         k1, k2, p1, p2, k3, k4, k5, k6 = np.pad(d, (0, 8 - d.size))
@@ -209,13 +210,13 @@ def _lens(info: CameraInfo) -> tuple[Distort, float]:
 
         return distort_fisheye, _monotone(bend)
     raise ValueError(
-        f"distortion_model {name!r} with {d.size} numbers is not understood: expected plumb_bob (5), "
-        "rational_polynomial (8) or equidistant (4); a rectified picture needs none"
+        f"distortion_model {name!r} with {d.size} numbers is not supported: expected plumb_bob (5), "
+        "rational_polynomial (8) or equidistant (4); a rectified picture does not need one"
     )
 
 
 def _monotone(at: Callable[[Floats], Floats]) -> float:
-    """The radius up to which a distortion grows."""
+    """Return the radius up to which a distortion increases."""
     radii = np.linspace(0.0, _WIDEST, 20_001)
     with np.errstate(all="ignore"):
         grows = np.diff(at(radii)) > 0

@@ -1,4 +1,4 @@
-"""What other sensors measure and a program draws, over the picture of a camera."""
+"""Readings of other sensors, and drawings of a program, over the picture of a camera."""
 
 from __future__ import annotations
 
@@ -18,30 +18,30 @@ from .model import CameraModel
 Floats = NDArray[np.float64]
 
 FARTHEST = 100.0
-"""Metres; what a scanner sees farther away is no surface on the ground of a picture."""
+"""Metres. Surfaces on the ground are drawn up to this distance."""
 
 _TURN = pi / 90
-"""Radians of an arc that one of its straight pieces spans."""
+"""Radians of a straight piece of an arc."""
 
 THIN = pi / 60
-"""Radians of an infrared beam that does not tell its width."""
+"""Radians. The opening angle of infrared sensors that do not report it."""
 
 _TIP = 0.3
-"""Metres of the arrow of a program."""
+"""Length of the arrow of a program in metres."""
 
 SeenKind = Literal["area", "sector", "cone", "arc", "line", "points", "text"]
 
 
 class Seen(NamedTuple):
-    """Something in a picture, in pixels.
+    """A drawing in a picture, in pixels.
 
     Attributes:
-        kind: an area and a cone are surfaces, whose single piece is closed; points are single places.
-        name: for a person.
-        pieces: shape (N, 2) each.
-        words: what else is to be said of it.
-        color: of a program's; empty: the usual one.
-        dashed: whether nothing was seen up to its end.
+        kind: areas, sectors and cones are surfaces with a single closed piece; points are single places.
+        name: its label.
+        pieces: pixels, shape (N, 2) each.
+        words: further text, such as a distance.
+        color: the colour of a program's shape, or empty for the default.
+        dashed: True if nothing was seen up to its end.
     """
 
     kind: SeenKind
@@ -54,14 +54,14 @@ class Seen(NamedTuple):
 
 @dataclass(frozen=True)
 class Overlay:
-    """What lies over a picture.
+    """The overlay of a picture.
 
     Args:
-        scan: the scan whose readings it shows; None without one.
-        pixels: where the reading of each ray is in the picture, shape (R, 2), NaN for one that is not in it.
+        scan: the scan whose readings it shows, or None.
+        pixels: the pixel of the reading of each ray, shape (R, 2), NaN if it is not in the picture.
         drawn: surfaces and lines, from the ground up.
-        missing: why something is not there, for a person.
-        apart: seconds by which the scan is younger than the picture; None without stamps.
+        missing: reasons why something is not shown.
+        apart: seconds by which the scan is younger than the picture, or None if no scan came.
     """
 
     scan: Scan | None = None
@@ -72,14 +72,13 @@ class Overlay:
 
 
 class ScanOnPicture:
-    """A scan and what belongs to it, as a camera sees it.
+    """A scan with its sectors and shapes in the picture of a camera.
 
     Args:
-        model: of the camera.
+        model: the model of the camera.
         at: the pose of the scanner in the frame of the camera.
         scan: the scan.
-        ground: the pose of the ground in the frame of the camera, on which surfaces lie; None: they lie in the plane of
-            the scanner.
+        ground: the pose of the ground in the frame of the camera, or None to draw surfaces in the plane of the scanner.
     """
 
     def __init__(self, model: CameraModel, at: Poses, scan: Scan, ground: Poses | None = None) -> None:
@@ -87,7 +86,7 @@ class ScanOnPicture:
         self._outlines = Outlines(model)
 
     def pixels(self) -> Floats:
-        """The pixels of the readings, shape (R, 2); NaN for a ray without one, and for one outside the picture."""
+        """Return the pixels of the readings, shape (R, 2); NaN without a reading or outside the picture."""
         scan = self._scan
         readings = np.column_stack([scan.x, scan.y, np.zeros(len(scan))])
         seen = np.full((len(scan), 2), np.nan)
@@ -95,7 +94,7 @@ class ScanOnPicture:
         return seen
 
     def area(self) -> Seen:
-        """What the scanner has seen to be free, on the ground: up to the readings, or as far as it sees."""
+        """Return the free area on the ground: up to the readings, or up to range_max if nothing is in range."""
         scan = self._scan
         reach = np.full(len(scan), scan.range_min)
         reach[scan.valid] = scan.ranges[scan.valid]
@@ -103,7 +102,7 @@ class ScanOnPicture:
         return Seen("area", "", self._wedge(scan.angles, np.minimum(reach, FARTHEST), scan.range_min))
 
     def sectors(self, sectors: Mapping[str, Sector]) -> list[Seen]:
-        """The sectors of a laser widget on the ground, up to the largest of their limits, or as far as it sees."""
+        """Return the sectors of a laser widget on the ground, up to their largest limit, or else up to range_max."""
         drawn = []
         for name, sector in sectors.items():
             limits = [limit for limit in (sector.near, sector.warning, sector.stop) if limit is not None]
@@ -114,7 +113,7 @@ class ScanOnPicture:
         return drawn
 
     def shapes(self, forms: Iterable[Mapping[str, Any]]) -> list[Seen]:
-        """What a program draws on the scan, in the plane of the scanner; not what names a ray without a reading."""
+        """Return the shapes of a program in the plane of the scanner, without shapes at a ray without a reading."""
         return [drawn for form in forms if (drawn := self._shape(form)) is not None]
 
     def _shape(self, form: Mapping[str, Any]) -> Seen | None:
@@ -145,7 +144,7 @@ class ScanOnPicture:
         return (float(scan.x[at]), float(scan.y[at])) if at < len(scan) else (np.nan, np.nan)
 
     def _wedge(self, angles: Floats, outer: Floats, inner: float) -> list[Floats]:
-        """The surface on the ground between two distances."""
+        """Return the surface on the ground between two distances."""
         rim = np.column_stack([outer * np.cos(angles), outer * np.sin(angles)])
         back = angles[::-1][:: max(1, len(angles) // 90)] if inner else angles[:1]
         near = inner * np.column_stack([np.cos(back), np.sin(back)])
@@ -158,12 +157,12 @@ class ScanOnPicture:
 
 
 def cones(model: CameraModel, ranges: Mapping[str, tuple[Range, Poses]], beam: float) -> list[Seen]:
-    """The cones of sonars, each to what it measured, with an arc where that may be.
+    """Return the cones of sonars up to their readings, with an arc at the reading.
 
     Args:
-        model: of the camera.
-        ranges: by the name of the sensor its range, and its pose in the frame of the camera.
-        beam: the opening angle in radians of those that do not tell theirs.
+        model: the model of the camera.
+        ranges: the range of each sensor by name, and its pose in the frame of the camera.
+        beam: the opening angle in radians of sensors that do not report it.
     """
     outlines, drawn = Outlines(model), []
     for name, (one, at) in ranges.items():

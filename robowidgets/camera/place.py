@@ -1,4 +1,4 @@
-"""Where the sensors of a robot are, seen from its camera."""
+"""The poses of the sensors of a robot in the frame of its camera."""
 
 from __future__ import annotations
 
@@ -13,35 +13,35 @@ from ..poses.mounts import ROBOT
 from ..samples.checks import finite, in_radians
 
 FIXED = "odom"
-"""The frame that stands still while the robot moves, without jumps (REP-105)."""
+"""The fixed frame in which the robot moves without jumps (REP-105)."""
 
 GROUND = tuple(reversed(ROBOT))
-"""Frames whose z is 0 on the ground, the one that lies there first (REP-120)."""
+"""Frames whose z is taken as 0 on the ground, base_footprint first (REP-120)."""
 
 _OPTICAL = np.array([[-0.5, 0.5, -0.5, 0.5]])
-"""How a camera's frame, with z ahead, is turned in a body's, with x ahead."""
+"""The orientation of an optical frame, with z ahead, in a body frame, with x ahead."""
 
 
 class NoTransformError(ValueError):
-    """Nothing joins two frames."""
+    """No transform joins two frames."""
 
 
 def place_in_camera(
     frames: Frames, frame: str, camera: str, *, when: tuple[int, int | None], then: tuple[int, int | None]
 ) -> Poses:
-    """The pose of a sensor's frame in that of a camera.
+    """Return the pose of a sensor's frame in the frame of a camera.
 
-    If both are joined to odometry, each is where it was at its own time, however far the robot drove between both.
+    If both are joined to odom, each pose is taken at its own time, so that driving between both times is corrected.
 
     Args:
         frames: the frames of the robot.
-        frame: of the sensor.
-        camera: of the camera, the optical one.
-        when: log time and stamp in nanoseconds at which the sensor measured.
-        then: those of the picture.
+        frame: the frame of the sensor.
+        camera: the optical frame of the camera.
+        when: log time and stamp of the measurement in nanoseconds.
+        then: log time and stamp of the picture in nanoseconds.
 
     Raises:
-        NoTransformError: nothing joins the two; the text names them.
+        NoTransformError: no transform joins the two frames; the text names them.
     """
     for name, what in ((frame, "sensor"), (camera, "picture")):
         if not name:
@@ -56,20 +56,20 @@ def place_in_camera(
 
 
 def ground_frame(frames: Frames, frame: str) -> str:
-    """The frame of the ground above another one; empty: tf has none."""
+    """Return the frame of the ground above another frame, or an empty text if tf has none."""
     chain = frames.chain(frame)
     return next((name for name in GROUND if name in chain), "")
 
 
 def pose_by_hand(pose: Sequence[Any]) -> Poses:
-    """The pose of a sensor's frame in that of a camera, of the camera's place as a person measures it.
+    """Return the pose of a sensor's frame in the frame of a camera, from the camera's pose that the user measured.
 
     Args:
         pose: the camera in the frame of the sensor: x, y and z in metres, then roll, pitch and yaw in radians or as
-            "20deg", of a camera that looks along x; a pitch above 0 looks down (REP-103).
+            "20deg", for a camera that looks along x; a pitch above 0 looks down (REP-103).
 
     Raises:
-        TypeError: not six numbers. ValueError: one is not finite.
+        TypeError: these are not six numbers. ValueError: one is not finite.
     """
     if isinstance(pose, (str, bytes)) or not isinstance(pose, Sequence) or len(pose) != 6:
         raise TypeError(f"camera_pose: expected x, y, z, roll, pitch and yaw, got {pose!r}")

@@ -1,4 +1,4 @@
-"""Pictures for the page: thinned where they are large, and what is in a part of them."""
+"""Pictures for the page, thinned if they are large, and statistics of a part of a picture."""
 
 from .packing import HEADER, Form, Packed, as_numbers, is_recolored, pack
 from .region import checked_region, statistics

@@ -1,4 +1,4 @@
-"""What other sensors measure, over the pictures of a camera."""
+"""Readings of other sensors over the pictures of a camera."""
 
 from __future__ import annotations
 
@@ -26,28 +26,28 @@ SCAN = "sensor_msgs/msg/LaserScan"
 RANGE = "sensor_msgs/msg/Range"
 
 _DRAWN = ("_sectors", "angle_offset", "_edition", "_robot")
-"""Traits of a laser widget that say what lies over the pictures."""
+"""Traits of a laser widget that change the overlay."""
 
 _RECTIFIED = re.compile(r"rect|registered", re.IGNORECASE)
 
 
 class HasOverlay(LargeFrameWidget[Image]):
-    """An image widget that shows where the readings of a laser and of sonars are in its pictures."""
+    """An image widget that shows the readings of a laser and of sonars in its pictures."""
 
     frame_traits = ("rectified", "_edition")
 
-    overlay = Flag(True, help="Whether readings lie over the picture.").tag(sync=True)
+    overlay = Flag(True, help="True to show readings over the picture.").tag(sync=True)
     rectified = traitlets.Bool(
-        None, allow_none=True, help="Whether what is straight is so in the picture; None: by the name of its topic."
+        None, allow_none=True, help="True if the picture is rectified, or None to decide by the name of its topic."
     )
     _lasers = traitlets.List(traitlets.Unicode(), help="Titles of the laser widgets that are frozen with it.")
 
     def __init__(self, **kwargs: Any) -> None:
         self._beside = BesidePictures()
         self._scan_topic = ""
-        """The topic of the scans, where a feed or a player gives them."""
+        """The topic of the scans from a feed or a player, or empty."""
         self._followed: list[Any] = []
-        """The laser widgets whose sectors and shapes may lie over the pictures of a player."""
+        """The laser widgets whose sectors and shapes may be drawn over the pictures of a player."""
         self._camera_pose: tuple[Any, ...] | None = None
         camera_pose = kwargs.pop("camera_pose", None)
         super().__init__(**kwargs)
@@ -55,17 +55,18 @@ class HasOverlay(LargeFrameWidget[Image]):
 
     @property
     def beside(self) -> BesidePictures:
-        """What came beside the pictures."""
+        """The calibration, scans and ranges that came with the pictures."""
         return self._beside
 
     @property
     def camera_pose(self) -> tuple[Any, ...] | None:
-        """Where the camera is in the frame of the scanner, in place of tf: x, y, z, roll, pitch, yaw; None: by tf.
+        """The pose of the camera in the frame of the scanner: x, y, z, roll, pitch, yaw, or None to use tf.
 
-        In metres, and radians or text like "20deg", of a camera that looks along x; a pitch above 0 looks down.
+        Numbers are in metres, and in radians or text like "20deg", for a camera that looks along x; a pitch above 0
+        looks down.
 
         Raises:
-            TypeError: not six numbers. ValueError: one is not finite.
+            TypeError: these are not six numbers. ValueError: one is not finite.
         """
         return self._camera_pose
 
@@ -79,15 +80,16 @@ class HasOverlay(LargeFrameWidget[Image]):
         """Take the calibration of the camera, a sensor_msgs/CameraInfo.
 
         Raises:
-            TypeError: no such message. ValueError: its numbers cannot be.
+            TypeError: the message has another type. ValueError: its numbers are invalid.
         """
         self._beside.info = to_camera_info(message)
 
     def take_scan(self, message: Any) -> None:
-        """Take a scan, of which the one nearest to a picture by its stamp lies over that.
+        """Take a scan. The scan nearest to a picture by its stamp is drawn over that picture.
 
         Raises:
-            TypeError: no such message. ValueError: its numbers cannot be shown. In a callback nothing is raised.
+            TypeError: the message has another type. ValueError: its numbers cannot be shown. In a callback nothing is
+                raised; the widget and the log show the error.
         """
         try:
             scan = to_scan(message)
@@ -98,7 +100,7 @@ class HasOverlay(LargeFrameWidget[Image]):
             self._beside.scans.append((scan, round(arrival_of(scan) * 1e9)))
 
     def take_range(self, sensor: str, message: Any) -> None:
-        """Take what a sonar measured; the newest of each lies over the picture. Raises as `take_scan`."""
+        """Take a range of a sonar. The newest range of each is drawn over the picture. Raise errors as `take_scan`."""
         try:
             one = to_range(message)
         except (TypeError, ValueError) as error:
@@ -108,17 +110,17 @@ class HasOverlay(LargeFrameWidget[Image]):
             self._beside.ranges[sensor] = one, round(arrival_of(one) * 1e9)
 
     def _take_beside(self, sensor: str, message: Any) -> None:
-        """Take a message of a topic beside the pictures; one that tells a touch, not a distance, is left out."""
+        """Take a Range of another topic; a touch sensor is ignored."""
         if kind_of_message(message, RANGE) is SONAR:
             self.take_range(sensor, message)
 
     @property
     def seen(self) -> Overlay | None:
-        """What lies over the picture on show: ``seen.scan``, and ``seen.pixels`` with column and row of each reading.
+        """The overlay of the picture on show: ``seen.scan``, and ``seen.pixels`` with column and row of each reading.
 
-        Of a ray without a reading, or whose reading the camera does not see, both are NaN. ``seen.missing`` says why
-        something is not there. None before a picture and something to lay over it came, and in the player of a
-        recording, which tells its page alone.
+        Column and row are NaN for a ray without a reading, or outside the picture. ``seen.missing`` has the reasons why
+        something is not shown. None before a picture and readings came, and in the player of a recording, which sends
+        the overlay only to the page.
         """
         image = self._sample_on_show()
         with self._newest.lock:
@@ -134,7 +136,7 @@ class HasOverlay(LargeFrameWidget[Image]):
         self._take_frames(message, "")
 
     def take_static_frames(self, message: Any) -> None:
-        """Take a message of tf whose transforms hold for ever."""
+        """Take a message of static tf."""
         self._take_frames(message, STATIC)
 
     def _take_frames(self, message: Any, topic: str) -> None:
@@ -160,7 +162,7 @@ class HasOverlay(LargeFrameWidget[Image]):
         return found
 
     def choose_scan(self, topics: Sequence[str]) -> list[str]:
-        """The one of some topics whose scans lie over the picture: that of a laser beside it, else the first."""
+        """Return the topic whose scans are drawn over the picture: of a laser widget in its group, else the first."""
         chosen = next((name for name in topics if name in self._lasers), next(iter(topics), ""))
         with self._newest.lock:
             if chosen != self._scan_topic:
@@ -169,7 +171,7 @@ class HasOverlay(LargeFrameWidget[Image]):
         return [chosen] if chosen else []
 
     def on_group(self) -> None:
-        """See `FreezableWidget`: in a player, pictures come anew when other things lie over them."""
+        """See `FreezableWidget`: in a player, pictures are sent again when their overlay changes."""
         super().on_group()
         lasers = self._lasers_in_group()
         self._lasers = [str(one.title) for one in lasers]
@@ -189,22 +191,22 @@ class HasOverlay(LargeFrameWidget[Image]):
 
     @property
     def _laser(self) -> Any:
-        """The laser widget in its group that shows the scans that lie over the picture; None without one."""
+        """The laser widget in its group with the scans that are drawn over the picture, or None."""
         lasers = self._lasers_in_group()
         return next((one for one in lasers if self._scan_topic in ("", one.title)), None)
 
     def _over_live(self, sample: Image) -> dict[str, Any]:
-        """What the page is told of a picture that came; a player tells it itself."""
+        """Return the overlay of a new picture for the page; empty in a player, which sends it itself."""
         return {} if self.driven_by_player else self.over_of(sample, round(arrival_of(sample) * 1e9))
 
     def over_of(self, sample: Image, time_ns: int, beside: BesidePictures | None = None) -> dict[str, Any]:
-        """What the page is told of what lies over a picture.
+        """Return the overlay of a picture for the page.
 
         Args:
             sample: the picture.
-            time_ns: when it came.
-            beside: what came beside it; None: what came here, where the overlay is on. A player, which has its own,
-                tells its page always: it may be switched on there without Python.
+            time_ns: the time of its arrival.
+            beside: the readings to draw, or None for the readings of this widget if its overlay is on. A player passes
+                its own readings and always gets the overlay, because the page may switch it on without Python.
         """
         if beside is None and not self.overlay:
             return {}
@@ -215,7 +217,7 @@ class HasOverlay(LargeFrameWidget[Image]):
         return {"over": {**about_overlay(overlay), **({} if laser is None else {"laser": laser.model_id})}}
 
     def _over(self, sample: Image, time_ns: int, beside: BesidePictures) -> Overlay | None:
-        """What lies over a picture."""
+        """Return the overlay of a picture, or None without readings."""
         rows, columns = sample.shape
         topic = str(self._source.get("topic") or self.title)
         rectified = bool(_RECTIFIED.search(topic)) if self.rectified is None else self.rectified

@@ -1,4 +1,4 @@
-"""The bytes of a picture as the page reads them."""
+"""The bytes of a picture for the page."""
 
 from __future__ import annotations
 
@@ -15,20 +15,20 @@ from ..samples import Image
 from ..samples.image import BAYER, CHANNELS
 
 HEADER = struct.Struct("<6d")
-"""Form, rows and columns of the picture, every how many rows and columns are there, metres of one step of a depth image
-(0: it is none), and whether the numbers are those of the pixels (1, else 0)."""
+"""Form, rows and columns of the picture, step between the rows and columns that are sent, metres per unit of a depth
+image (0 for other images), and 1 if the numbers are the exact pixels, else 0."""
 
 MOST_BYTES = 1_250_000
-"""Of a picture on its way to the page. One of 640 x 480 with four bytes for each pixel has 1,228,800."""
+"""The most bytes of a picture to the page. A picture of 640 x 480 with four bytes per pixel has 1,228,800."""
 
 MOST_PIXELS = 2_000_000
-"""Of a picture on its way to the page, as a JPEG."""
+"""The most pixels of a picture that is sent to the page as a JPEG."""
 
 MOST_FILE, MOST_FILE_PIXELS = 4_000_000, 10_000_000
-"""Bytes and pixels of a JPEG or PNG that is passed on as it came."""
+"""The most bytes and pixels of a JPEG or PNG that is passed on as it came."""
 
 WORTHWHILE = 4
-"""How many times as many bytes pixels have, at least, for a JPEG in their place where pictures come often."""
+"""If pictures come often, a JPEG replaces pixels that have at least this many times its bytes."""
 
 _QUALITY = 90
 _BLUE_U, _GREEN_U, _GREEN_V, _RED_V = 1.772, 0.344136, 0.714136, 1.402
@@ -36,7 +36,7 @@ _BLUE_U, _GREEN_U, _GREEN_V, _RED_V = 1.772, 0.344136, 0.714136, 1.402
 
 
 class Form(IntEnum):
-    """What the bytes of a picture are."""
+    """The format of the bytes of a picture."""
 
     FILE = 0
     RGB = 1
@@ -47,16 +47,17 @@ class Form(IntEnum):
 
 
 class Packed(NamedTuple):
-    """The bytes of a picture with their header, and every how many rows and columns are in it."""
+    """The bytes of a picture with their header, and the step between its rows and columns."""
 
     data: bytes
     every: int
 
 
 def pack(image: Image, most: int = MOST_BYTES, *, often: bool = False) -> Packed:
-    """A picture for the page in at most some bytes: as it is, thinned, or of colors, where Pillow is there, as a JPEG.
+    """Return a picture for the page in at most that many bytes: unchanged, thinned, or as a JPEG.
 
-    Where pictures come often, those of colors are a JPEG, too, that would fit, so that others come in time beside them.
+    Colours and grays become a JPEG if they are large and Pillow is installed. If pictures come often, smaller ones do
+    too, so that other frames arrive in time.
 
     Raises:
         ValueError: a JPEG or PNG is too large for the page, and cannot be unpacked.
@@ -65,7 +66,7 @@ def pack(image: Image, most: int = MOST_BYTES, *, often: bool = False) -> Packed
     if image.compressed and len(image.compressed) <= MOST_FILE and rows * columns <= MOST_FILE_PIXELS:
         return _packed(image, Form.FILE, 1, image.compressed, is_exact=image.encoding == "png")
     values, first = image.pixels, 2 if image.encoding.startswith(BAYER) else 1
-    form, size, is_exact = _form_of(image, values)
+    form, size, is_exact = _get_form(image, values)
     every = _every(rows * columns * size, most, first)
     is_large = every > first
     if form in (Form.RGB, Form.GRAY) and (is_large or often):
@@ -79,15 +80,15 @@ def pack(image: Image, most: int = MOST_BYTES, *, often: bool = False) -> Packed
 
 
 def as_numbers(image: Image) -> NDArray[Any]:
-    """All pixels as they are drawn, shape (rows, columns) or (rows, columns, 3 or 4): colors of 8 bits, or one number.
+    """Return all pixels as drawn: colours of 8 bits, shape (rows, columns, 3 or 4), or numbers, shape (rows, columns).
 
-    A number is of uint8, uint16 or float32; of a depth image, whole ones are millimetres and others metres.
+    Numbers are uint8, uint16 or float32. In a depth image, whole numbers are millimetres and others metres.
 
     Raises:
-        ValueError: a JPEG or PNG that cannot be unpacked.
+        ValueError: a JPEG or PNG cannot be unpacked.
     """
     values = image.pixels
-    form, _, _ = _form_of(image, values)
+    form, _, _ = _get_form(image, values)
     if image.encoding.startswith(BAYER):
         rows, columns = image.shape
         return _shown(image, values, 2, form).repeat(2, axis=0).repeat(2, axis=1)[:rows, :columns]
@@ -95,10 +96,10 @@ def as_numbers(image: Image) -> NDArray[Any]:
 
 
 def is_recolored(image: Image) -> bool:
-    """Whether the page has colors that were made of the pixels of a picture, in place of their channels."""
+    """Return True if the page gets colours that were converted from the pixels, instead of their channels."""
     if image.compressed:
         return False
-    form, _, is_exact = _form_of(image, image.pixels)
+    form, _, is_exact = _get_form(image, image.pixels)
     return form in (Form.RGB, Form.RGBA) and not is_exact
 
 
@@ -111,8 +112,8 @@ def _every(size: int, most: int, first: int) -> int:
     return first * max(1, ceil(sqrt(size / (first * first) / most)))
 
 
-def _form_of(image: Image, values: NDArray[Any]) -> tuple[Form, int, bool]:
-    """The form of the pixels of a picture, the bytes of each, and whether they tell the values."""
+def _get_form(image: Image, values: NDArray[Any]) -> tuple[Form, int, bool]:
+    """Return the form of the pixels of a picture, the bytes per pixel, and True if they are exact."""
     kind, size = values.dtype.kind, values.dtype.itemsize
     if image.encoding.startswith(BAYER):
         return Form.RGB, 3, False
@@ -131,7 +132,7 @@ def _form_of(image: Image, values: NDArray[Any]) -> tuple[Form, int, bool]:
 
 
 def _shown(image: Image, values: NDArray[Any], every: int, form: Form) -> NDArray[Any]:
-    """Every so many rows and columns of a picture, as the page shows them."""
+    """Return every n-th row and column of a picture, as the page shows them."""
     if image.encoding.startswith(BAYER):
         return _of_mosaic(values, image.encoding[6:10], every)
     part = values[::every, ::every]
@@ -151,7 +152,7 @@ def _shown(image: Image, values: NDArray[Any], every: int, form: Form) -> NDArra
 
 
 def _to_bytes(part: NDArray[Any]) -> NDArray[np.uint8]:
-    """Channels of any type as 8 bits: the upper ones of whole numbers, and 0 to 1 as 0 to 255."""
+    """Return channels of any type as 8 bits: the upper bits of whole numbers, and floats from 0 to 1 as 0 to 255."""
     if part.dtype.kind == "f":
         return np.asarray(np.nan_to_num(part).clip(0, 1) * 255).astype(np.uint8)
     if part.dtype.kind == "i":
@@ -169,8 +170,8 @@ def _of_yuv(part: NDArray[np.uint8]) -> NDArray[np.uint8]:
 
 
 def _of_mosaic(values: NDArray[Any], pattern: str, every: int) -> NDArray[np.uint8]:
-    """One color for each block of 2 x 2 pixels, of which each measured one: red, green, blue and green again."""
-    # Past an odd number of rows or columns, blocks are full with those before the last.
+    """Return one colour for each block of 2 x 2 pixels, which measured red, blue, and green twice."""
+    # An odd number of rows or columns is padded with a copy of the row or column before the last.
     values = np.pad(values, [(0, size % 2) for size in values.shape], "reflect")
     corner = {"r": [], "g": [], "b": []}  # type: dict[str, list[NDArray[Any]]]
     for number, letter in enumerate(pattern):
@@ -180,7 +181,7 @@ def _of_mosaic(values: NDArray[Any], pattern: str, every: int) -> NDArray[np.uin
 
 
 def _jpeg(shown: NDArray[np.uint8]) -> bytes | None:
-    """A JPEG of these pixels; None without Pillow, which makes them."""
+    """Return a JPEG of these pixels, or None without Pillow."""
     try:
         import PIL.Image  # Imported lazily, and optional: without it large pictures are thinned.
     except ImportError:

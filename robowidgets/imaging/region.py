@@ -1,4 +1,4 @@
-"""A part of a picture: rows and columns, and what is in it."""
+"""A part of a picture: its rows and columns, and its statistics."""
 
 from __future__ import annotations
 
@@ -11,14 +11,14 @@ from ..samples import Image
 from ..samples.image import to_depth
 
 Region = tuple[int, int, int, int]
-"""First row, the one after the last, first column, the one after the last."""
+"""First row, row after the last, first column, column after the last."""
 
 
 def checked_region(given: Any) -> Region:
-    """Rows and columns as whole numbers, or slices of both.
+    """Return a region from four whole numbers, or from slices of rows and columns.
 
     Raises:
-        TypeError: something else. ValueError: there is nothing between them.
+        TypeError: the value is something else. ValueError: the region is empty.
     """
     expected = "region: expected (first row, row after the last, first column, column after the last)"
     try:
@@ -37,9 +37,10 @@ def checked_region(given: Any) -> Region:
 
 
 def statistics(image: Image, region: Region) -> dict[str, Any]:
-    """What is in a part of a picture: for each channel, or for the distances, least, mean and greatest value.
+    """Return least, mean, median and greatest value in a part of a picture, for each channel or for the distances.
 
-    ``count`` is that of the pixels with a value, ``of`` that of all. A region beyond the picture has none.
+    ``count`` is the number of pixels with a value, ``of`` the number of all pixels. A region outside the picture has
+    no pixels.
     """
     top, bottom, left, right = region
     part = image.pixels[top:bottom, left:right]
@@ -52,7 +53,7 @@ def statistics(image: Image, region: Region) -> dict[str, Any]:
 
 
 def _row(values: NDArray[Any]) -> list[float] | None:
-    """Least, mean, median and greatest of the finite values; None without any."""
+    """Return least, mean, median and greatest of the finite values, or None without finite values."""
     finite = values[np.isfinite(values)]
     if not finite.size:
         return None

@@ -1,1 +1,1 @@
-"""What a map is made of: layers, placed in one frame, and their bytes for the page."""
+"""The parts of a map: layers, their places in one frame, and their bytes for the page."""

@@ -1,4 +1,4 @@
-"""How far a way is from another, or from a plan."""
+"""Distances between two tracks, and between a track and a plan."""
 
 from __future__ import annotations
 
@@ -11,9 +11,9 @@ Floats = NDArray[np.float64]
 
 
 def to_polyline(places: Floats, line: Floats) -> Floats:
-    """Metres from each of some places, shape (N, 2), to the nearest point of a line through others, shape (M, 2).
+    """Return the metres from each place, shape (N, 2), to the nearest point of a polyline, shape (M, 2).
 
-    Without a line NaN.
+    Return NaN if the polyline is empty.
     """
     if not len(line):
         return np.full(len(places), np.nan)
@@ -29,10 +29,10 @@ def to_polyline(places: Floats, line: Floats) -> Floats:
 
 
 def to_plans(track: Floats, plans: Sequence[tuple[float, Floats]]) -> Floats:
-    """Metres from each point of a way to the plan that was the newest then; NaN before the first.
+    """Return the metres from each point of a track to the newest plan at its time, or NaN before the first plan.
 
     Args:
-        track: seconds, x and y first in each row, shape (N, 3 or more).
+        track: rows that begin with seconds, x and y, shape (N, 3 or more).
         plans: the seconds of each plan, in order, and its places.
     """
     starts = np.array([seconds for seconds, _ in plans])
@@ -46,7 +46,7 @@ def to_plans(track: Floats, plans: Sequence[tuple[float, Floats]]) -> Floats:
 
 
 def to_track(track: Floats, other: Floats) -> Floats:
-    """Metres from each point of a way to where another was at that time; NaN before its start and after its end."""
+    """Return the metres from each point of a track to another at the same time; NaN before and after the latter."""
     if not len(other):
         return np.full(len(track), np.nan)
     x, y = (np.interp(track[:, 0], other[:, 0], other[:, i], np.nan, np.nan) for i in (1, 2))

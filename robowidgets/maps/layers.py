@@ -1,4 +1,4 @@
-"""The layers of a live map, each by its name."""
+"""The layers of a live map by name."""
 
 from __future__ import annotations
 
@@ -20,39 +20,39 @@ from .placing import Placed, by_plane, place, pose_of_frame, world_of, worlds_of
 
 MOST_LAYERS = 30
 MOST_PLANS = 200
-"""Plans of a layer that are kept, to tell how far the robot is from each."""
+"""Plans to keep for each layer, for the distance of the robot from them."""
 ARROW = "->"
 
 Floats = NDArray[np.float64]
 
 
 class TooManyLayersError(ValueError):
-    """A map has no room for another layer."""
+    """The map has the most layers already."""
 
 
 class Layer:
-    """One layer: what came last, and where it is in the frame of the map."""
+    """One layer: its newest item, and the place of that in the frame of the map."""
 
     def __init__(self, number: int, name: str) -> None:
         self.number, self.name = number, name
         self.item: MapItem | None = None
         self.is_placed = False
-        """True once an item had a place: the frame of a pose that never has one says nothing about the map."""
+        """True once an item had a place. Until then its frame says nothing about the map."""
         self.frame: str | None = ""
-        """The frame of the map that it is on; None: nothing joins it to one."""
+        """The frame of the map that it is drawn in, or None if no transform joins it to one."""
         self.seconds = 0.0
         self.time_ns = 0
         self.placed: Placed | None = None
         self.held: OldTransform | None = None
-        """The old transform by which it is placed."""
+        """The old transform that was used to place it, or None."""
         self.track = Path()
         self.plans: list[tuple[float, Floats]] = []
         self.packed_grid: PackedGrid | None = None
-        """What it shows, where that is a large grid."""
+        """Its large grid, or None."""
 
     @property
     def about(self) -> dict[str, Any]:
-        """What the page is told of it."""
+        """The description of the layer for the page."""
         item = self.item
         if item is None:
             return {"name": self.name, "kind": "pose"}
@@ -67,12 +67,12 @@ class Layer:
 
 
 def kind_of(name: str, item: MapItem) -> str:
-    """What a layer is drawn as: a goal is a pose that nobody drove to."""
+    """Return the kind that a layer is drawn as: a pose is a goal if its name says so and it is not odometry."""
     return "goal" if item.kind == "pose" and "goal" in name.lower() and not item.child_frame_id else item.kind
 
 
 def frames_in(name: str) -> tuple[str, str] | None:
-    """The two frames in a name such as "map->base_link"; None for another name."""
+    """Return the two frames in a name such as "map->base_link", or None for another name."""
     parent, arrow, child = name.partition(ARROW)
     return (
         (parent.strip().lstrip("/"), child.strip().lstrip("/")) if arrow and parent.strip() and child.strip() else None
@@ -80,14 +80,14 @@ def frames_in(name: str) -> tuple[str, str] | None:
 
 
 class Layers:
-    """The layers of a map that is drawn live, in one frame. The widget holds its lock during each call.
+    """The layers of a live map in one frame. The widget holds its lock during each call.
 
-    What nothing joins to that frame is drawn in the root of its own, on a map beside it.
+    Layers that no transform joins to that frame are drawn in the root of their tree, on a separate map.
 
     Attributes:
-        frames: the coordinate frames, as far as tf and odometry told them.
-        asked: the frame that a person chose; empty: the one that all have in common.
-        edition: how often ways have changed.
+        frames: the coordinate frames by tf and odometry.
+        asked: the frame that the user chose, or empty for the common frame.
+        edition: the number of changes of tracks.
     """
 
     def __init__(self) -> None:
@@ -97,7 +97,7 @@ class Layers:
         self._worlds = [""]
         self._settled: tuple[int, str] = (-1, "")
         self._plane: LocalPlane | None = None
-        """That of the first fix, for all layers."""
+        """The plane at the first fix, for all layers."""
         self._by_name: dict[str, Layer] = {}
 
     def __bool__(self) -> bool:
@@ -108,16 +108,16 @@ class Layers:
 
     @property
     def frame(self) -> str:
-        """The frame in which the map is drawn."""
+        """The frame that the map is drawn in."""
         return self._worlds[0]
 
     @property
     def listing(self) -> int:
-        """How often the list of layers, or the frames, have changed."""
+        """The number of changes of the list of layers and of the frames."""
         return self._listing + self.frames.edition
 
     def put(self, name: str, item: MapItem, seconds: float, time_ns: int) -> None:
-        """Show the newest item of a layer."""
+        """Show the newest item of a layer, which is added if it is new."""
         layer = self._layer(name)
         item, self._plane = by_plane(item, self._plane)
         is_placed = layer.is_placed or not item.is_nowhere
@@ -137,7 +137,7 @@ class Layers:
         self._place(layer)
 
     def add_frames(self, transforms: Iterator[Transform], seconds: float) -> None:
-        """Take transforms of tf, and move the layers that show a frame; what is wrong with one is raised after that."""
+        """Take transforms of tf, and move the layers that show a frame. Errors in them are raised after that."""
         moved: dict[str, Transform] = {}
         try:
             for one in transforms:
@@ -148,7 +148,7 @@ class Layers:
             self._move(moved, seconds)
 
     def _move(self, moved: dict[str, Transform], seconds: float) -> None:
-        """Move the layers that show a frame which some transforms moved."""
+        """Move the layers that show a frame which these transforms moved."""
         for layer in self:
             pair = frames_in(layer.name)
             if pair is None or not (newest := self._newest(pair[1], moved)):
@@ -162,23 +162,23 @@ class Layers:
                 layer.held = layer.held or held_between(self.frames, pair[1], pair[0], newest.time_ns, stamp)
 
     def show_frame(self, name: str) -> None:
-        """Have a layer for a frame in another, by a name such as "map->base_link"."""
+        """Add a layer for a frame in another, by a name such as "map->base_link"."""
         self._layer(name)
 
     def remove(self, name: str) -> None:
-        """Remove a layer; KeyError where there is none of that name."""
+        """Remove a layer; raise KeyError if the name is unknown."""
         del self._by_name[name]
         self.edition += 1
         self._listing += 1
         self._settle()
 
     def choose(self, frame: str) -> None:
-        """Draw in a frame; empty: in the one that all have in common."""
+        """Draw in a frame, or in the common frame if it is empty."""
         self.asked = frame
         self._settle()
 
     def show_placed(self) -> tuple[list[Placed], dict[str, str]]:
-        """What each layer shows now, and why some show nothing."""
+        """Return the content of each layer, and the reasons why some layers are empty, by name."""
         shown, missing = [], {}
         for layer in self:
             if layer.item is None:
@@ -190,12 +190,12 @@ class Layers:
         return shown, missing
 
     def notes(self) -> list[str]:
-        """Return the notes on the old transforms by which layers are placed."""
+        """Return notes on the old transforms that were used to place layers."""
         return notes_on(layer.held for layer in self if layer.placed is not None)
 
     @property
     def known_frames(self) -> list[str]:
-        """The frames in which the map may be drawn, the one at the root first."""
+        """The frames that the map may be drawn in, the root first."""
         names: dict[str, None] = {}
         for layer in self:
             if layer.item is not None and layer.item.frame_id and layer.item.kind not in SENSED:
@@ -203,17 +203,17 @@ class Layers:
         return list(names)
 
     def tracks(self) -> list[tuple[int, Floats]]:
-        """The ways of the layers that have one."""
+        """Return the numbers and tracks of the layers with a track."""
         return [(layer.number, layer.track.points) for layer in self if layer.item and layer.item.kind == "pose"]
 
     def grids(self) -> list[PackedGrid]:
-        """The large grids that are placed."""
+        """Return the large grids that are placed."""
         return [layer.packed_grid for layer in self if layer.packed_grid is not None]
 
     def distance(self, name: str, other: str) -> tuple[Floats, Floats]:
-        """Seconds of each point of the way of a layer, and its metres from another or from a plan.
+        """Return the seconds of each point of a layer's track, and its metres from another track or from a plan.
 
-        NaN where nothing joins both.
+        The metres are NaN if no transform joins both.
         """
         one, two = self._by_name[name], self._by_name[other]
         track = one.track.points
@@ -225,7 +225,7 @@ class Layers:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """The names of the layers, in the order in which they came."""
+        """The names of the layers, in the order in which they were added."""
         return tuple(self._by_name)
 
     def _layer(self, name: str) -> Layer:
@@ -240,17 +240,17 @@ class Layers:
         return self._by_name[name]
 
     def _newest(self, frame: str, moved: dict[str, Transform]) -> Transform | None:
-        """The newest of some transforms that moves a frame."""
+        """Return the newest of some transforms that moves a frame, or None."""
         found = [moved[name] for name in self.frames.chain(frame) if name in moved and not moved[name].static]
         return max(found, key=lambda one: one.stamp_ns, default=None)
 
     def _settle(self) -> None:
-        """Choose the frames; in another one, ways begin anew, since those before are in the one before."""
+        """Choose the frames of the map. A layer in another frame starts a new track, because the old one is invalid."""
         if self._settled == (self.listing, self.asked):
             return
         placed = [layer.item for layer in self if layer.item is not None and layer.is_placed]
-        there = placed or [layer.item for layer in self if layer.item is not None]
-        self._worlds = worlds_of_map(self.frames, there, self.asked)
+        items = placed or [layer.item for layer in self if layer.item is not None]
+        self._worlds = worlds_of_map(self.frames, items, self.asked)
         for layer in self:
             frame = "" if layer.item is None else world_of(self.frames, self._worlds, layer.item.frame_id)
             if frame == layer.frame:

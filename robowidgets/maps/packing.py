@@ -1,4 +1,4 @@
-"""The bytes of a map's layers, as the page reads them; docs/developers/frames.md describes them."""
+"""The bytes of a map's layers for the page; docs/developers/frames.md describes them."""
 
 from __future__ import annotations
 
@@ -17,32 +17,32 @@ from ..samples.map_item import Scatter
 from .placing import Placed
 
 _RECORD = struct.Struct("<13d")
-"""Number of the layer; seconds; x, y, yaw; covariance of x, x and y, y (NaN: not known); points in the message; version
-of its large grid (0: it has none); metres of a cell of the grid that follows (NaN: no grid does); rows and columns of
-what follows."""
+"""Number of the layer; seconds; x, y, yaw; covariances xx, xy, yy (NaN if unknown); points in the message; version of
+its large grid (0 without one); metres of a cell of the grid that follows (NaN without one); rows and columns of the
+points or cells that follow."""
 _GRID = struct.Struct("<7d")
-"""Number of the layer, version, rows, columns, metres of a cell, cells of the map to its side, bytes that follow."""
+"""Number of the layer, version, rows, columns, metres of a cell, map cells along its side, bytes that follow."""
 _TRACK = struct.Struct("<2d")
 
 CELLS_IN_FRAME = 10_000
-"""A grid of so many cells comes with each frame, as a scan does: a costmap that rolls along with its robot."""
+"""Grids of up to this many cells, such as a rolling costmap, come with each frame, as scans do."""
 
 MOST_CELLS = 4_000_000
-"""Cells of a grid that the page gets."""
+"""The most cells of a grid for the page."""
 
 _versions = count(1)
-"""For all widgets: the page keeps earlier grids, and layers and whole maps begin anew."""
+"""Shared by all widgets, because the page keeps earlier grids while layers and maps start again."""
 
 
 class PackedGrid(NamedTuple):
-    """A large grid, which the page gets once; frames name it by its version, which no other grid has."""
+    """A large grid, which the page gets once; frames refer to it by its unique version."""
 
     version: int
     data: bytes
 
 
 def pack_layers(layers: Iterable[Placed]) -> bytes:
-    """What each layer shows at a time."""
+    """Return the bytes of the layers at a time."""
     parts = []
     for one in layers:
         grid = one.grid if one.grid is not None and is_small(one.grid) else None
@@ -54,7 +54,7 @@ def pack_layers(layers: Iterable[Placed]) -> bytes:
         if grid:
             parts.append(grid.cells.tobytes())
         else:
-            # From the first of them: far from the origin, float32 is coarse.
+            # Relative to the first point, because float32 is coarse far from the origin.
             first = np.zeros(columns)
             first[:2] = one.points[0, :2] if rows else 0.0
             parts += [first[:2].astype("<f8").tobytes(), (one.points - first).astype("<f4").tobytes()]
@@ -62,7 +62,7 @@ def pack_layers(layers: Iterable[Placed]) -> bytes:
 
 
 def unpack_layers(data: bytes) -> Iterator[Placed]:
-    """The layers in a frame."""
+    """Yield the layers from the bytes of a frame."""
     at = 0
     while at < len(data):
         number, seconds, x, y, yaw, xx, xy, yy, total, version, size, rows, columns = _RECORD.unpack_from(data, at)
@@ -84,12 +84,12 @@ def unpack_layers(data: bytes) -> Iterator[Placed]:
 
 
 def is_small(grid: MapGrid) -> bool:
-    """Whether a grid comes with each frame."""
+    """Return True if a grid comes with each frame."""
     return grid.cells.size <= CELLS_IN_FRAME
 
 
 def pack_grid(number: int, grid: MapGrid) -> PackedGrid:
-    """A large grid of a layer, in a version of its own."""
+    """Return a large grid of a layer, with a new version."""
     shown, step = grid.thinned(MOST_CELLS)
     rows, columns = shown.cells.shape
     packed = zlib.compress(shown.cells.tobytes(), 6)
@@ -99,10 +99,10 @@ def pack_grid(number: int, grid: MapGrid) -> PackedGrid:
 
 
 def pack_tracks(tracks: Iterable[tuple[int, NDArray[np.float64]]]) -> bytes:
-    """The ways of layers, by their numbers: rows of seconds, x, y, yaw and metres of the way so far."""
+    """Return the bytes of tracks by layer number: rows of seconds, x, y, yaw and metres so far."""
     return b"".join(_TRACK.pack(number, len(points)) + points.astype("<f8").tobytes() for number, points in tracks)
 
 
 def pack_grids(grids: Iterable[PackedGrid]) -> bytes:
-    """The large grids of all layers."""
+    """Return the bytes of the large grids of all layers."""
     return b"".join(grid.data for grid in grids)

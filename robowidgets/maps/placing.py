@@ -1,4 +1,4 @@
-"""Where what a message tells is in the frame of a map."""
+"""The place of messages in the frame of a map."""
 
 from __future__ import annotations
 
@@ -19,21 +19,21 @@ from ..samples.map_item import NOWHERE, SENSED, MapItem, Scatter
 Floats = NDArray[np.float64]
 
 EAST_NORTH = "east, north of the first fix"
-"""The frame of what a satellite receiver tells: nothing in tf joins it."""
+"""The frame of satellite receivers, which tf does not join to others."""
 
 MAP = "map"
-"""The frame of the floor (REP-105), which may have a parent: the earth."""
+"""The frame of the floor (REP-105), which may have the parent "earth"."""
 
 MOST_POINTS = 2000
-"""Points of a path, a scan or an array of poses that are drawn; of more, every second, every third, and so on."""
+"""The most points to draw of a path, a scan or an array of poses; of more, every second, third, and so on."""
 
 
 class Placed(NamedTuple):
-    """What a layer shows at a time, in the frame of the map.
+    """The content of a layer at a time, in the frame of the map.
 
-    ``pose`` is that of a pose, or of the corner of a grid; NaN where there is none. ``points`` have shape (N, 2), or
-    (N, 3) with their yaw; of ``total`` points of the message every ``total / N``-th is there. ``version`` is that of a
-    large grid, which the page gets once; 0: it has none.
+    ``pose`` is the pose, or the corner of a grid, or NaN for other items. ``points`` have shape (N, 2), or (N, 3) with
+    yaw, and are every ``total / N``-th point of the ``total`` points in the message. ``version`` is the version of a
+    large grid, which the page gets once, or 0.
     """
 
     number: int
@@ -47,9 +47,9 @@ class Placed(NamedTuple):
 
 
 def place(frames: Frames, world: str, item: MapItem, time_ns: int, number: int, seconds: float) -> Placed | None:
-    """An item in the frame ``world``, by the transform at its own stamp; None: nothing joins both.
+    """Return an item in the frame ``world``, by the transform at its stamp, or None if no transform joins both.
 
-    One that names no frame is taken as of ``world``.
+    An item without a frame is taken as in ``world``.
     """
     count = len(item.points)
     points = item.points[:: -(-count // MOST_POINTS)] if count > MOST_POINTS else item.points
@@ -67,7 +67,7 @@ def place(frames: Frames, world: str, item: MapItem, time_ns: int, number: int, 
 
 
 def pose_of_frame(frames: Frames, frame: str, world: str, time_ns: int, stamp_ns: int | None) -> Pose | None:
-    """Where a frame is in another one; None: nothing joins them."""
+    """Return the pose of a frame in another, or None if no transform joins them."""
     at = _joined(frames, frame, world, time_ns, stamp_ns)
     return None if at is None else _moved(at, Pose(0.0, 0.0, 0.0))
 
@@ -79,7 +79,7 @@ def _joined(frames: Frames, frame: str, world: str, time_ns: int, stamp_ns: int 
 def poses_in(
     frames: Frames, frame: str, world: str, times_ns: NDArray[np.int64], stamps_ns: NDArray[np.int64], poses: Floats
 ) -> Floats | None:
-    """Poses of a frame, shape (N, 3), in the frame of a map, each at its own stamp; None: nothing joins them."""
+    """Return poses, shape (N, 3), in the frame of a map, each by its stamp, or None if no transform joins both."""
     if not frame or frame == world:
         return poses
     at = joined(frames, frame, world, times_ns, stamps_ns)
@@ -87,7 +87,7 @@ def poses_in(
 
 
 def by_plane(item: MapItem, plane: LocalPlane | None) -> tuple[MapItem, LocalPlane | None]:
-    """A fix as metres east and north of the first one, which it is where there was none; other items as they are."""
+    """Return a fix in metres east and north of the first fix, and the plane at that; other items stay as they are."""
     if item.fix is None:
         return item, plane
     if not isfinite(item.fix[0]):
@@ -97,12 +97,12 @@ def by_plane(item: MapItem, plane: LocalPlane | None) -> tuple[MapItem, LocalPla
 
 
 def frame_of_map(frames: Frames, items: Iterable[MapItem]) -> str:
-    """The frame in which a map is drawn: of those above the first grid, else the first layer, "map", else the root."""
+    """Return the frame of a map: "map" if it is above the first grid, else above the first layer, else the root."""
     found = list(items)
     named = [item for item in found if item.frame_id and item.frame_id != EAST_NORTH]
     if len(named) < len(found) and all(item.frame_id == EAST_NORTH for item in found if item.kind not in SENSED):
         return EAST_NORTH
-    # A scan or a costmap that rolls along with the robot tells less than what names the frame of the floor.
+    # A sensed item, such as a scan, says less about the frame of the floor than a pose, a path or a grid.
     first = min(named, key=lambda item: (item.kind in SENSED, item.kind != "grid"), default=None)
     if first is None:
         return ""
@@ -111,9 +111,9 @@ def frame_of_map(frames: Frames, items: Iterable[MapItem]) -> str:
 
 
 def worlds_of_map(frames: Frames, items: Iterable[MapItem], asked: str = "") -> list[str]:
-    """The frames in which a map is drawn, each a map of its own: first the one asked for, or found.
+    """Return the frames of separate maps: first the requested or found frame of the main map.
 
-    Then come the roots of the frames of what nothing joins to those before. What is sensed alone is no map.
+    Then come the roots of items that no transform joins to the frames before. Sensed items do not make a map.
     """
     found = list(items)
     worlds = [asked or frame_of_map(frames, found)]
@@ -124,7 +124,7 @@ def worlds_of_map(frames: Frames, items: Iterable[MapItem], asked: str = "") -> 
 
 
 def world_of(frames: Frames, worlds: Sequence[str], frame: str) -> str | None:
-    """The first of the frames of a map to which a frame is joined; None: none is. No name is taken as the first."""
+    """Return the first of the maps' frames that a frame is joined to, or None. An empty frame counts as the first."""
     if not frame:
         return worlds[0]
     return next((world for world in worlds if are_joined(frames, frame, world)), None)
@@ -144,7 +144,7 @@ def _all_moved(at: Poses, points: Floats) -> Floats:
 
 
 def _moved_each(at: Poses, rows: Floats) -> Floats:
-    """Poses x, y and yaw, shape (N, 3), each moved by one of as many; a yaw that is not known stays so."""
+    """Return poses x, y and yaw, shape (N, 3), each moved by the pose of the same index; an unknown yaw stays NaN."""
     yaw = rows[:, 2]
     zero = np.zeros(len(rows))
     half = np.nan_to_num(yaw) / 2

@@ -1,6 +1,6 @@
-"""From a message in anybody's hands to a sample, by duck typing.
+"""Conversion of any message to a sample, by duck typing.
 
-rclpy, rospy and rosbags objects, rosbridge dictionaries and plain mappings all work. Nothing of ROS is imported.
+Objects of rclpy, rospy and rosbags, dictionaries of rosbridge and plain mappings all work. ROS is not imported.
 """
 
 from __future__ import annotations
@@ -30,27 +30,27 @@ __all__ = [
 
 
 def add_definitions(*sources: str | os.PathLike[str]) -> tuple[str, ...]:
-    r"""Add message definitions of your own, for all recordings and feeds that are opened from now on.
+    r"""Add custom message definitions, for all recordings and feeds that are opened from now on.
 
-    Definitions in a file come before them; they come before all others.
+    They take precedence over all other definitions except the definitions in a recording.
 
     Args:
-        *sources: folders with ``.msg`` files, such as a ROS package or a workspace, single ``.msg`` files, or texts in
-            which a line such as ``MSG: my_msgs/Status`` stands before each definition. ``.action`` files define the
-            feedback of actions.
+        *sources: folders with ``.msg`` files, such as a ROS package or a workspace, single ``.msg`` files, or texts
+            with a line such as ``MSG: my_msgs/Status`` before each definition. ``.action`` files define the feedback
+            of actions.
 
     Returns:
         The names of the types, such as ``my_msgs/msg/Status``.
 
     Raises:
-        ValueError: there is no definition, one cannot be understood, or one uses a type that is not known. None is
-            added then.
-        TypeError: neither a path nor a text.
+        ValueError: a source has no definition, a definition is invalid, or it uses an unknown type. Then no definition
+            is added.
+        TypeError: a source is neither a path nor a text.
 
     Examples:
         >>> add_definitions("MSG: my_msgs/Status\nstd_msgs/Header header\nfloat32 charge\n")
         ('my_msgs/msg/Status',)
     """
-    from .adding import add_all  # Imported lazily: rosbags takes longer to import than everything else.
+    from .adding import add_all  # Imported lazily: rosbags takes longer to import than all the rest.
 
     return add_all(sources)

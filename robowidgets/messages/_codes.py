@@ -1,4 +1,4 @@
-"""Numbers in messages that stand for something: codes, bits and flags."""
+"""Numbers in messages with a meaning: codes, bits and flags."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ from .fields import get
 
 
 def is_flag(value: Any) -> bool:
-    """Whether a value is True or False; the numbers 1 and 0 are not."""
+    """Return True if a value is True or False, not the number 1 or 0."""
     return isinstance(value, (bool, np.bool_))
 
 
 def flag(message: Any, name: str) -> bool:
-    """A field that is True or False; TypeError when it is neither."""
+    """Return a field that is True or False, or raise TypeError."""
     value = get(message, name)
     if not is_flag(value):
         raise TypeError(f"{name}: expected True or False, got {value!r}")
@@ -25,7 +25,7 @@ def flag(message: Any, name: str) -> bool:
 
 
 def integer(message: Any, name: str) -> int:
-    """A field as a whole number; TypeError when it is none."""
+    """Return a field as a whole number, or raise TypeError if it is not one."""
     value = get(message, name)
     try:
         return index(value)
@@ -34,7 +34,7 @@ def integer(message: Any, name: str) -> int:
 
 
 def code(message: Any, name: str, words: tuple[str, ...]) -> int:
-    """A field that counts through some words; ValueError outside them, for a guess would be shown as a fact."""
+    """Return a field that is an index into some words, or raise ValueError: a guess would be shown as a fact."""
     value = integer(message, name)
     if not 0 <= value < len(words):
         raise ValueError(f"{name}: expected {_listed(dict(enumerate(words)), ' or ')}, got {value}")
@@ -42,7 +42,7 @@ def code(message: Any, name: str, words: tuple[str, ...]) -> int:
 
 
 def bits(message: Any, name: str, words: Mapping[int, str]) -> dict[str, bool]:
-    """Each named bit of a field; ValueError when a bit is set that has no name."""
+    """Return each named bit of a field, or raise ValueError if a bit without a name is set."""
     value = integer(message, name)
     if value & ~sum(words):
         raise ValueError(f"{name}: expected a sum of {_listed(words, ' and ')}, got {value}")

@@ -1,4 +1,4 @@
-"""Depth images that are packed as RVL, as compressed_depth_image_transport sends them with the format ``rvl``.
+"""Depth images compressed as RVL, which compressed_depth_image_transport sends with the format ``rvl``.
 
 Source: A. D. Wilson, Fast Lossless Depth Image Compression, ISS 2017.
 """
@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 _SIZE = struct.Struct("<II")
 _MOST_PIXELS = 1 << 26
 _LONGEST = 11
-"""Nibbles of a number: three bits in each make 33, more than any number of pixels or step of depth takes."""
+"""Nibbles of a number: three bits in each make 33, more than any count of pixels or step of depth needs."""
 
 
 def from_rvl(data: bytes) -> NDArray[np.uint16]:
@@ -23,7 +23,7 @@ def from_rvl(data: bytes) -> NDArray[np.uint16]:
         data: columns and rows as uint32, and the words of the packed image.
 
     Raises:
-        ValueError: they are cut off or damaged.
+        ValueError: the data is cut off or damaged.
     """
     if len(data) < _SIZE.size:
         raise ValueError(f"data: expected the size of an image in RVL, got {len(data)} bytes")
@@ -35,7 +35,7 @@ def from_rvl(data: bytes) -> NDArray[np.uint16]:
     pixels = np.zeros(count, np.int64)
     at = place = depth = 0
     while place < count:
-        # Pixels without depth, pixels with one, and the steps from each of these to the next.
+        # The count of pixels without depth, the count of pixels with depth, and the depth step to each of the latter.
         empty, full = numbers[at : at + 2].tolist() if at + 2 <= len(numbers) else (0, 0)
         at += 2
         place += empty
@@ -53,9 +53,9 @@ def from_rvl(data: bytes) -> NDArray[np.uint16]:
 
 
 def _numbers(data: bytes) -> NDArray[np.int64]:
-    """Return the numbers in some words of 32 bits: nibbles, the highest first, with three bits each, the lowest first.
+    """Return the numbers in words of 32 bits, which consist of nibbles, the highest nibble of a word first.
 
-    The fourth bit of a nibble says that the number goes on.
+    A nibble has three bits of a number, the lowest bits first. Its fourth bit is set if the number goes on.
     """
     words = np.frombuffer(data[: len(data) // 4 * 4], "<u4").astype(">u4").view(np.uint8)
     nibbles = np.stack([words >> 4, words & 15], axis=1).ravel()

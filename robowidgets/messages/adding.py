@@ -1,4 +1,4 @@
-"""Message definitions of the user's own."""
+"""Message definitions that the user adds."""
 
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ from .definitions import add, added, feedback_definitions
 _HEAD = re.compile(r"^(?:=+\n)?MSG:[ \t]*(\w+)/(?:msg/)?(\w+)[ \t]*\n", re.MULTILINE)
 _NAME = re.compile(r"<name>\s*(\w+)\s*</name>")
 _HOW = (
-    "expected a folder with .msg or .action files, such as that of a ROS package or workspace, one such file, "
-    "or text in which a line such as 'MSG: my_msgs/Status' stands before each definition"
+    "expected a folder with .msg or .action files, such as a ROS package or workspace, one such file, "
+    "or text with a line such as 'MSG: my_msgs/Status' before each definition"
 )
 
 
@@ -43,12 +43,12 @@ def add_all(sources: tuple[str | os.PathLike[str], ...]) -> tuple[str, ...]:
 def _parsed(name: str, text: str) -> Any:
     try:
         return parsed(name, text)[name]
-    except Exception as error:  # whatever rosbags stumbles over
+    except Exception as error:  # rosbags raises many types
         raise ValueError(f"the definition of {name} cannot be understood: {one_line(error)}") from None
 
 
 def _texts(source: str | os.PathLike[str]) -> Iterator[tuple[str, str]]:
-    """The type names and texts of the definitions in a folder, a file or a text."""
+    """Yield the type names and texts of the definitions in a folder, a file or a text."""
     if not isinstance(source, (str, os.PathLike)):
         raise TypeError(f"{_HOW}; got {source!r}")
     if isinstance(source, str) and "\n" in source:
@@ -60,7 +60,7 @@ def _texts(source: str | os.PathLike[str]) -> Iterator[tuple[str, str]]:
     if not files:
         raise ValueError(f"no .msg or .action file in {str(source)!r}: {_HOW}")
     for file in files:
-        package, text = _package_of(file.absolute()), file.read_text(encoding="utf-8", errors="replace")
+        package, text = _get_package(file.absolute()), file.read_text(encoding="utf-8", errors="replace")
         if file.suffix == ".action":
             yield from feedback_definitions(package, file.stem, text).items()
         else:
@@ -75,7 +75,7 @@ def _in_text(text: str) -> Iterator[tuple[str, str]]:
         yield f"{package}/msg/{name}", re.sub(r"^=+\s*\Z", "", definition, flags=re.MULTILINE)
 
 
-def _package_of(file: Path) -> str:
+def _get_package(file: Path) -> str:
     """Return the package of a file: the name in package.xml, else the folder above ``msg`` or ``action``."""
     folder = file.parent.parent if file.parent.name in ("msg", "action") else file.parent
     about = folder / "package.xml"

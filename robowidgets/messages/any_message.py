@@ -1,4 +1,4 @@
-"""Any message as names and values, whoever made it: rosbags, rclpy, rospy, rosbridge, a dataclass or a dict."""
+"""Names and values of any message: of rosbags, rclpy, rospy or rosbridge, a dataclass or a dict."""
 
 from __future__ import annotations
 
@@ -19,20 +19,20 @@ _TIMES = (("sec", "nanosec"), ("secs", "nsecs"))
 
 
 def names_in(value: Any) -> tuple[str, ...]:
-    """The names of the fields of a message, in order; none for what is no message."""
+    """Return the names of the fields of a message, in order, or an empty tuple if the value is not a message."""
     if isinstance(value, Mapping):
         return tuple(map(str, value))
     if value is None or isinstance(value, _SCALARS) or hasattr(value, "__array__"):
         return ()
     kind: Any = type(value)
-    named = _names_of(kind)
+    named = _get_names(kind)
     return tuple(name for name in vars(value) if not name.startswith("_")) if named is None else named
 
 
 @lru_cache(_CLASSES)
-def _names_of(kind: Any) -> tuple[str, ...] | None:
-    """The names of the fields of a class of messages; None where each object has its own."""
-    if hasattr(kind, "_fields"):  # of a named tuple
+def _get_names(kind: Any) -> tuple[str, ...] | None:
+    """Return the names of the fields of a class of messages, or None if they differ from object to object."""
+    if hasattr(kind, "_fields"):  # a named tuple
         named: Iterable[str] = kind._fields
     elif issubclass(kind, (Sequence, set, frozenset, type)):
         return ()
@@ -48,14 +48,14 @@ def _names_of(kind: Any) -> tuple[str, ...] | None:
 
 
 def get_any(value: Any, name: str) -> Any:
-    """The value of a field, whose name may have points in a dict; MISSING where there is none."""
+    """Return the value of a field, or MISSING. The key of a dict may contain dots."""
     if isinstance(value, Mapping):
         return value.get(name, MISSING)
     return getattr(value, name, MISSING)
 
 
 def time_in(value: Any) -> tuple[int, int] | None:
-    """Seconds and nanoseconds of a time or a duration; None for anything else."""
+    """Return the seconds and nanoseconds of a time or a duration, or None for another value."""
     names = names_in(value)
     if len(names) == 2 and names in _TIMES:
         parts = [get_any(value, name) for name in names]
@@ -65,10 +65,10 @@ def time_in(value: Any) -> tuple[int, int] | None:
 
 
 def value_at(message: Any, path: str) -> Any:
-    """The value of a field by its path: ``pose.pose.position.x``, ``transforms[0].header.frame_id``.
+    """Return the value of a field by its path: ``pose.pose.position.x``, ``transforms[0].header.frame_id``.
 
     Raises:
-        ValueError: the message has no such field; the text has the nearest names, and those that there are.
+        ValueError: the message does not have the field; the text has the nearest names, and all names.
     """
     try:
         return FieldOf(path)(message)
@@ -79,7 +79,7 @@ def value_at(message: Any, path: str) -> Any:
 
 
 def why_no_value(message: Any, path: str) -> str:
-    """Why a message has no field of this path; empty if it has one."""
+    """Return the reason why a message has no field of this path, or an empty text if it has one."""
     try:
         value_at(message, path)
     except ValueError as error:
@@ -101,7 +101,7 @@ def _no_field(message: Any, path: str) -> str:
 
 
 def _deepest(message: Any, path: str) -> tuple[Any, str]:
-    """What a message has of a path: the value, and up to where it goes."""
+    """Return the value at the longest part of a path that a message has, and that part."""
     parts = path.split(".")
     for count in range(len(parts) - 1, 0, -1):
         done = ".".join(parts[:count])
@@ -113,7 +113,7 @@ def _deepest(message: Any, path: str) -> tuple[Any, str]:
 
 
 def paths_in(value: Any, depth: int) -> Iterable[str]:
-    """The paths of the fields in a message, also in messages within it up to a depth, the nearest first."""
+    """Yield the paths of the fields in a message and in its inner messages up to a depth, outer fields first."""
     level: list[tuple[str, Any]] = [("", value)]
     for _ in range(depth):
         deeper: list[tuple[str, Any]] = []

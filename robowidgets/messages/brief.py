@@ -1,4 +1,4 @@
-"""What a message says, in one short line for a person."""
+"""One short line of text for any message."""
 
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ from ..samples import Range, Scan, Speed, Touch
 from .byte_fields import byte
 
 MOST = 60
-"""Characters of a line."""
+"""The most characters of a line."""
 
 _FEW = 4
-"""Numbers of an array that are all said."""
+"""The longest array whose numbers are all shown."""
 
 _LEVELS = ("OK", "WARN", "ERROR", "STALE")
-"""Of a ``diagnostic_msgs/DiagnosticStatus``."""
+"""The levels of a ``diagnostic_msgs/DiagnosticStatus``."""
 
 _DEEPEST = 6
 _SKIPPED = frozenset({"header", "stamp", "child_frame_id"})
@@ -30,9 +30,9 @@ MINUS = "\N{MINUS SIGN}"
 
 
 def brief(value: Any) -> str:
-    """A sample or a message of any kind in a line of at most 60 characters: ``linear.x 0.2, angular.z −0.5``.
+    """Return a line of at most 60 characters for any sample or message: ``linear.x 0.2, angular.z −0.5``.
 
-    Numbers that are 0 come last, stamps and frames are left out, and of long arrays only the length is said.
+    Numbers that are 0 come last, stamps and frames are left out, and long arrays are shown by their length.
     """
     if isinstance(value, Scan):
         near = value.nearest()
@@ -54,12 +54,12 @@ def brief(value: Any) -> str:
     leaves = list(_leaves(value, ""))
     if not leaves:
         return _cut(" ".join(repr(value).split()))
-    said = [(name, _leaf(leaf)) for name, leaf in leaves]
-    said.sort(key=lambda one: one[1] in ("0", "false", '""', "[0]"))
-    if len(said) == 1:
-        return _cut(said[0][1])
+    texts = [(name, _leaf(leaf)) for name, leaf in leaves]
+    texts.sort(key=lambda one: one[1] in ("0", "false", '""', "[0]"))
+    if len(texts) == 1:
+        return _cut(texts[0][1])
     text = ""
-    for name, leaf in said:
+    for name, leaf in texts:
         more = f"{text}, {name} {leaf}" if text else f"{name} {leaf}"
         if len(more) > MOST - 3:
             return f"{text}, \N{HORIZONTAL ELLIPSIS}" if text else _cut(more)
@@ -68,9 +68,9 @@ def brief(value: Any) -> str:
 
 
 def _in_words(fields: Mapping[str, Any]) -> str:
-    """What a message says of which the first numbers say little; empty of any other.
+    """Return a text for a message whose first numbers are not informative, or an empty text for any other.
 
-    Messages of other types have fields of the same names, with values of any type.
+    Values are checked because other types may have fields of the same names.
     """
     names = fields.keys()
     width, height = fields.get("width"), fields.get("height")
@@ -90,13 +90,13 @@ def _in_words(fields: Mapping[str, Any]) -> str:
     if {"level", "name", "msg"} <= names:
         return _leaf(str(fields["msg"]))
     if {"level", "name", "message", "hardware_id"} <= names and (level := _level(fields)) is not None:
-        return f"{fields['name']}: {_name_of(level)} {fields['message']}".strip()
+        return f"{fields['name']}: {_level_name(level)} {fields['message']}".strip()
     if "status" in names and _is_array(fields["status"]):
         those = [dict(_items(one)) for one in fields["status"]]
         levels = [level for one in those if (level := _level(one)) is not None]
         if those and len(levels) == len(those):
             worst = those[levels.index(max(levels))]
-            return f"{_name_of(max(levels))}: {worst.get('name', '')} {worst.get('message', '')}, of {len(those)}"
+            return f"{_level_name(max(levels))}: {worst.get('name', '')} {worst.get('message', '')}, of {len(those)}"
     if "transforms" in names and _is_array(fields["transforms"]):
         return _counted(fields["transforms"], "frame")
     return ""
@@ -111,7 +111,7 @@ def _counted(values: Sized, noun: str) -> str:
 
 
 def _level(status: Mapping[str, Any]) -> int | None:
-    """The level of a status, which ROS 1 and 2 give as a number or a byte; None without one."""
+    """Return the level of a status, a number or a byte in ROS 1 and 2, or None without a valid level."""
     level = status.get("level")
     try:
         return byte("level", level) if isinstance(level, (Integral, bytes, str)) else None
@@ -119,12 +119,12 @@ def _level(status: Mapping[str, Any]) -> int | None:
         return None
 
 
-def _name_of(level: int) -> str:
+def _level_name(level: int) -> str:
     return _LEVELS[level] if 0 <= level < len(_LEVELS) else f"level {level}"
 
 
 def number(value: Any) -> str:
-    """A number with at most three decimals, or in powers of ten where that would hide it; NaN is not measured."""
+    """Return a number with at most three decimals, or in powers of ten if these would hide it."""
     real = float(value)
     if not isfinite(real):
         return "NaN" if real != real else f"{'' if real > 0 else MINUS}inf"
@@ -150,7 +150,7 @@ def _leaf(value: Any) -> str:
 
 
 def _leaves(message: Any, prefix: str, depth: int = 0) -> Iterator[tuple[str, Any]]:
-    """The fields of a message that hold no messages, with their paths."""
+    """Yield the fields of a message that are not messages, with their paths."""
     for name, value in _items(message):
         path = f"{prefix}{name}"
         if name in _SKIPPED:
@@ -163,7 +163,7 @@ def _leaves(message: Any, prefix: str, depth: int = 0) -> Iterator[tuple[str, An
 
 
 def _items(message: Any) -> Iterator[tuple[str, Any]]:
-    """The fields of a message, whatever made it; none of what is no message."""
+    """Yield the names and values of the fields of any message, and nothing for other values."""
     if isinstance(message, Mapping):
         yield from ((str(name), value) for name, value in message.items())
     elif is_dataclass(message) and not isinstance(message, type):

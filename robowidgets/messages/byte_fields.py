@@ -1,4 +1,4 @@
-"""Bytes in messages: alone and in arrays; rosbridge sends both as text in base64."""
+"""Single bytes and arrays of bytes in messages; rosbridge sends both as text in base64."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ from ..samples.checks import frozen
 
 
 def bytes_in(name: str, value: Any) -> Any:
-    """The bytes that rosbridge sends as text in base64; another value as it is.
+    """Return the bytes that rosbridge sends as text in base64, or another value as it is.
 
     Raises:
-        ValueError: another text.
+        ValueError: the text is not base64.
     """
     if not isinstance(value, str):
         return value
@@ -27,7 +27,7 @@ def bytes_in(name: str, value: Any) -> Any:
 
 
 def byte(name: str, value: Any) -> int:
-    """A whole number of a byte, which rclpy has as bytes, and rosbridge sends as these in base64; ValueError: none."""
+    """Return the number of a byte, which rclpy has as bytes and rosbridge sends in base64, or raise ValueError."""
     try:
         inner = value if isinstance(value, str) and value.isdecimal() else bytes_in(name, value)
         if isinstance(inner, (bytes, bytearray, list)):
@@ -38,10 +38,10 @@ def byte(name: str, value: Any) -> int:
 
 
 def byte_array(name: str, given: Any) -> NDArray[np.uint8]:
-    """An array of bytes: a view where nobody can change them, else a copy.
+    """Return an array of bytes: a view if the memory is read-only, else a copy.
 
     Raises:
-        TypeError: no bytes. ValueError: a text that is not in base64.
+        TypeError: the value is not bytes. ValueError: the text is not base64.
     """
     data = bytes_in(name, given)
     if isinstance(data, (bytes, bytearray, memoryview)) or hasattr(data, "buffer_info"):
@@ -60,7 +60,7 @@ def byte_array(name: str, given: Any) -> NDArray[np.uint8]:
 
 
 def owned(array: NDArray[Any]) -> NDArray[Any]:
-    """An array that nobody else changes: itself where its memory is read-only, else a copy."""
+    """Return the array itself if its memory is read-only, else a copy."""
     base: Any = array
     while isinstance(base, np.ndarray):
         if base.flags.writeable:

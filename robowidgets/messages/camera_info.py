@@ -1,4 +1,4 @@
-"""CameraInfo messages to the calibration of a camera."""
+"""Conversion of CameraInfo messages."""
 
 from __future__ import annotations
 
@@ -9,15 +9,15 @@ from .fields import MISSING, describe, frame_id, get, has, stamp_ns, unwrap
 
 
 def to_camera_info(message: Any) -> CameraInfo:
-    """The calibration in a CameraInfo-like message.
+    """Return the calibration in a CameraInfo-like message.
 
     Args:
-        message: an object or dictionary with the fields of sensor_msgs/CameraInfo, of ROS 2 (``k``) or of ROS 1
-            (``K``); a `CameraInfo` is returned as it is.
+        message: an object or dictionary with the fields of sensor_msgs/CameraInfo of ROS 2 (``k``) or ROS 1 (``K``);
+            a `CameraInfo` is returned as it is.
 
     Raises:
-        TypeError: it is not such a message; the text says what came and what was expected.
-        ValueError: it is one, but its numbers cannot be.
+        TypeError: the message has another type; the text says what came and what was expected.
+        ValueError: its numbers are invalid.
     """
     message = unwrap(message)
     if isinstance(message, CameraInfo):
@@ -42,5 +42,5 @@ def to_camera_info(message: Any) -> CameraInfo:
 
 
 def _either(message: Any, name: str) -> Any:
-    """A field that ROS 1 writes in capitals."""
+    """Return a field whose name is in capitals in ROS 1."""
     return get(message, name, get(message, name.upper()))

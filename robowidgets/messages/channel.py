@@ -1,4 +1,4 @@
-"""One stream of messages of one type, as a file names it."""
+"""One stream of messages of one type, as listed in a file."""
 
 from __future__ import annotations
 
@@ -9,11 +9,11 @@ from typing import NamedTuple
 class Channel(NamedTuple):
     """One stream of messages of one type.
 
-    ``id`` is unique within a source, and only there. ``type`` is written as ``sensor_msgs/msg/LaserScan``, for ROS 1
-    too. ``encoding`` is ``"ros1"`` or ``"cdr"``; messages in any other encoding are listed but cannot be read.
-    ``definition`` is the text of the message definition in ROS's ``.msg`` syntax with its dependencies after lines of
-    80 ``=``; or in IDL, after such a line and ``IDL: `` with the type; empty when the file holds none. ``count`` is the
-    number of messages. ``callers`` are the names of the nodes that published them, as far as the file holds any.
+    ``id`` is unique within a source only. ``type`` is written as ``sensor_msgs/msg/LaserScan``, for ROS 1 too.
+    ``encoding`` is ``"ros1"`` or ``"cdr"``; messages in any other encoding are listed but cannot be read.
+    ``definition`` is the text of the message definition: in ROS's ``.msg`` syntax, with its dependencies after lines of
+    80 ``=``, or in IDL, after such a line and ``IDL: `` with the type. It is empty if the file has none. ``count`` is
+    the number of messages. ``callers`` are the names of the nodes that published them, if the file has any.
     """
 
     id: int
@@ -21,15 +21,14 @@ class Channel(NamedTuple):
     type: str
     encoding: str
     definition: str
-    count: int  # type: ignore[assignment]  # hides tuple.count, which nobody asks of a channel
+    count: int  # type: ignore[assignment]  # hides tuple.count, which a channel does not need
     callers: tuple[str, ...] = ()
 
 
 def merged(files: Iterable[Iterable[Channel]]) -> tuple[tuple[Channel, ...], list[dict[int, int]]]:
-    """The channels of several files as those of one recording, numbered from 0 on.
+    """Return the channels of one recording in several files, numbered from 0, and for each file its ids to new ids.
 
-    Channels with the same topic, type, encoding and definition become one. The second result has, for each file, the
-    new ids by those in the file.
+    Channels with the same topic, type, encoding and definition become one.
     """
     found: dict[Channel, Channel] = {}
     ids: list[dict[int, int]] = []
@@ -56,9 +55,9 @@ def full_type(name: str) -> str:
 
 
 def definition_text(encoding: str, type_name: str, text: str) -> str:
-    """The text of a definition as `Channel` holds it; empty when it is in a language that is not read.
+    """Return the text of a definition for a `Channel`, or an empty text for an unsupported language.
 
-    That of protobuf is its bytes in base64.
+    A definition of protobuf is bytes in base64.
     """
     text = text.replace("\r\n", "\n")
     if encoding in _IDL and text and not text.startswith(_LINE):
@@ -67,5 +66,5 @@ def definition_text(encoding: str, type_name: str, text: str) -> str:
 
 
 def is_idl(definition: str) -> bool:
-    """Whether the definition of a `Channel` is in IDL."""
+    """Return True if the definition of a `Channel` is in IDL."""
     return definition.startswith(f"{_LINE}\nIDL: ")

@@ -1,4 +1,4 @@
-"""PointCloud2 and PointCloud messages, and arrays of points, to clouds."""
+"""Conversion of PointCloud2 and PointCloud messages, and of arrays of points."""
 
 from __future__ import annotations
 
@@ -23,18 +23,18 @@ _PACKETS = "; packets of a scanner are not decoded: its driver has a node that p
 
 
 def to_cloud(message: Any) -> Cloud:
-    """The cloud in a message, or of an array.
+    """Return the cloud in a message or an array.
 
-    The points are a view of the message where that cannot change, else a copy.
+    The points are a view of the message if that cannot change, else a copy.
 
     Args:
         message: an object or dictionary with the fields of sensor_msgs/PointCloud2 or PointCloud; numbers of shape
-            (N, 3), or (H, W, 3) of a cloud that lies in rows; a structured array of shape (N,) or (H, W) with the
+            (N, 3), or (H, W, 3) for a cloud organized in rows; a structured array of shape (N,) or (H, W) with the
             fields x, y and z; a `Cloud` is returned as it is.
 
     Raises:
-        TypeError: it is no such message; the text says what came and what was expected.
-        ValueError: it is one, but its fields, steps and bytes are no points, or there are more than five million.
+        TypeError: the message has another type; the text says what came and what was expected.
+        ValueError: its fields, steps and bytes do not describe points, or there are more than five million.
 
     Examples:
         >>> to_cloud([[1.0, 0.0, 0.5], [0.0, 2.0, float("nan")]])
@@ -54,7 +54,7 @@ def to_cloud(message: Any) -> Cloud:
 
 
 def is_cloud(message: Any) -> bool:
-    """Whether this is a cloud, or a message with one; arrays may be something else."""
+    """Return True for a cloud or a message with one, but not for arrays, which may be something else."""
     message = unwrap(message)
     return (
         isinstance(message, Cloud) or has(message, "fields", "point_step", "data") or has(message, "points", "channels")
@@ -85,7 +85,7 @@ def _of_array(given: Any) -> Cloud:
 
 
 def _of_bytes(message: Any) -> Cloud:
-    """Of a PointCloud2."""
+    """Return the cloud in a PointCloud2."""
     missing = [name for name in _NEEDED if get(message, name, MISSING) is MISSING]
     if missing:
         raise TypeError(
@@ -106,7 +106,7 @@ def _of_bytes(message: Any) -> Cloud:
         )
         row_step = width * step
     elif height > 1 and row_step == height * width * step == data.size:
-        # Some drivers send the size of all rows.
+        # Some drivers send the size of all rows together.
         row_step = width * step
     needed = (height - 1) * row_step + width * step if height and width else 0
     if data.size < needed:
@@ -117,20 +117,20 @@ def _of_bytes(message: Any) -> Cloud:
         odd.append(
             Problem(
                 f"{data.size - needed:,} bytes after the last point: not used",
-                "height, width and point_step should say all points",
+                "height, width and point_step should cover all points",
             )
         )
     if not needed:
         points: NDArray[Any] = np.empty(0, kind)
     else:
         grid: NDArray[Any] = np.ndarray((height, width), kind, data, strides=(row_step, step))
-        # A view, but for rows with bytes between them.
+        # A view, except for rows with bytes between them.
         points = grid.reshape(-1)
     return Cloud(points, height if needed else 1, stamp_ns(message), frame_id(message), tuple(odd))
 
 
 def _kind(fields: Any, step: int, is_big: bool) -> tuple[np.dtype[Any], tuple[Problem, ...]]:
-    """The type of one point as NumPy has it, and what is odd about it."""
+    """Return the NumPy type of one point, and problems of the fields."""
     if not isinstance(fields, Sequence) or isinstance(fields, (str, bytes)):
         raise TypeError(f"fields: expected a list of sensor_msgs/PointField, got {describe(fields)}")
     names: list[str] = []
@@ -142,7 +142,7 @@ def _kind(fields: Any, step: int, is_big: bool) -> tuple[np.dtype[Any], tuple[Pr
         name, code, offset = str(get(field, "name", "")), _count(field, "datatype"), _count(field, "offset")
         if code not in _FORMATS:
             raise ValueError(f"field {name!r}: expected a datatype from 1 to 8, got {code}")
-        # Old drivers say 0 for one number.
+        # Old drivers send 0 for one number.
         count = _count(field, "count") or 1
         item = np.dtype((">" if is_big else "<") + _FORMATS[code])
         end = offset + count * item.itemsize
@@ -154,7 +154,7 @@ def _kind(fields: Any, step: int, is_big: bool) -> tuple[np.dtype[Any], tuple[Pr
         over = next((other for first, last, other in ends if offset < last and first < end), "")
         if over:
             odd.append(
-                Problem(f"the fields {over} and {name} share bytes", "each is read as if the other was not there")
+                Problem(f"the fields {over} and {name} share bytes", "each is read as if the other did not exist")
             )
         ends.append((offset, end, name))
         names.append(name)
@@ -167,7 +167,7 @@ def _kind(fields: Any, step: int, is_big: bool) -> tuple[np.dtype[Any], tuple[Pr
 
 
 def _of_points(message: Any) -> Cloud:
-    """Of a PointCloud, the older type: a list of points, and channels of numbers beside it."""
+    """Return the cloud in a PointCloud, the older type: a list of points, and channels with one number per point."""
     given, channels = get(message, "points"), get(message, "channels")
     check_count(len(given))
     columns: dict[str, Any] = {axis: [get(point, axis, None) for point in given] for axis in AXES}
@@ -202,7 +202,7 @@ def _floats(name: str, values: Any) -> NDArray[np.float32]:
 
 
 def _count(message: Any, name: str) -> int:
-    """A whole number that is 0 or more."""
+    """Return a field as a whole number that is 0 or more."""
     value = number(name, get(message, name, None))
     if not (0 <= value < _MOST_BYTES and value == int(value)):
         raise ValueError(f"{name}: expected a whole number, 0 or more, got {value!r}")

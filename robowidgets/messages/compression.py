@@ -28,12 +28,12 @@ COMPRESSIONS = frozenset(_DECOMPRESSORS)
 
 
 def inflate(compression: str, data: bytes, limit: int = MAX_CHUNK) -> tuple[bytes, bool]:
-    """Decompress what can be decompressed; returns that, and whether it is all.
+    """Decompress as much as possible; return the bytes, and True if these are all.
 
     Args:
         compression: "bz2", "lz4" or "zstd".
-        data: compressed bytes, whole or not.
-        limit: where to stop, in bytes.
+        data: compressed bytes, complete or cut off.
+        limit: the most bytes to return.
     """
     out = BytesIO()
     whole = inflate_to(out.write, compression, iter((data,)), limit)
@@ -41,7 +41,7 @@ def inflate(compression: str, data: bytes, limit: int = MAX_CHUNK) -> tuple[byte
 
 
 def inflate_to(write: Callable[[bytes], object], compression: str, blocks: Iterator[bytes], limit: int) -> bool:
-    """Decompress block by block into ``write``; True when that was all of it, in at most ``limit`` bytes."""
+    """Decompress block by block into ``write``; return True if all of it was valid and at most ``limit`` bytes."""
     size, data = 0, next(blocks, b"")
     while data:
         stream = _DECOMPRESSORS[compression]()
@@ -63,9 +63,9 @@ def inflate_to(write: Callable[[bytes], object], compression: str, blocks: Itera
 
 
 def plain(data: bytes) -> bytes:
-    """A message as it was sent: decompressed, when a recorder compressed it by itself.
+    """Return a message as sent: decompressed if a recorder compressed it with zstd, else as it is.
 
-    No CDR message starts with the bytes that start zstd data. What does not decompress is given back as it is.
+    CDR messages never start with the magic bytes of zstd. Data that does not decompress is returned as it is.
     """
     if not data.startswith(ZSTD_MAGIC):
         return data

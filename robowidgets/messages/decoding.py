@@ -1,7 +1,7 @@
-"""Messages from bytes: the definitions of their types, and the readers made of them.
+"""Decoding of messages: the definitions of their types, and readers for them.
 
-Only this module, `encoding` and `recordings.files` read and write with rosbags. That is imported with the first
-definition: it takes longer than all else that a feed imports, and the simulated robot has no need of it.
+Only this module, `encoding` and `recordings.files` read and write with rosbags. It is imported with the first
+definition: it takes longer than all other imports of a feed, and the simulated robot does not need it.
 """
 
 from __future__ import annotations
@@ -21,30 +21,30 @@ if TYPE_CHECKING:
 
 Decode = Callable[[bytes], Any]
 Types = dict[str, Any]
-"""Type names to their constants and fields, as rosbags holds them."""
+"""Type names to constants and fields, as rosbags represents them."""
 
 _DEFAULTS = {"cdr": "ROS2_HUMBLE", "ros1": "ROS1_NOETIC"}
 ENCODINGS = tuple(_DEFAULTS)
 _MOST_FIELDS = 10_000
 _MOST_KEPT = 256
-"""Types that the process keeps ready: to parse a definition and make code of it takes rosbags milliseconds."""
+"""Types that the process caches: rosbags takes milliseconds to parse a definition and compile it."""
 _LONGEST_KEPT = 1 << 16
-"""Characters of a definition that is kept."""
+"""The longest definition to cache, in characters."""
 _IDL_HEAD = re.compile(r"^=+\nIDL: .*\n", re.MULTILINE)
 _IDL_DIRECTIVE = re.compile(r"^[ \t]*#.*$", re.MULTILINE)
-"""A line for the preprocessor of IDL, such as ``#include``, which rosbags takes for a mistake."""
+"""A line for the preprocessor of IDL, such as ``#include``, which rosbags rejects."""
 
-# Comments and constants say nothing about bytes and cost time; and a constant whose name is not in capitals (Button0 of
-# kobuki_msgs/ButtonEvent) rosbags takes for a field.
+# Comments and constants do not affect the bytes and cost time. And rosbags mistakes a constant whose name is not in
+# capitals (Button0 of kobuki_msgs/ButtonEvent) for a field.
 _NEEDLESS = re.compile(r"^[ \t]*(#.*|[a-z0-9]+(<=\d+)?[ \t]+\w+[ \t]*=.*)?\n", re.MULTILINE)
 
 
 class DecodeError(ValueError):
-    """A type that is not known, or bytes that are no message of it. The text is one line for a person."""
+    """The type is unknown, or the bytes are not a valid message. The text is one line for users."""
 
 
 class UnknownTypeError(DecodeError):
-    """A type of which no definition is known. The text is the remedy, after a colon, or empty.
+    """The type has no known definition. The text is the remedy after a colon, or empty.
 
     Attributes:
         type_name: the type.
@@ -59,16 +59,15 @@ class UnknownTypeError(DecodeError):
 
 
 def shape_of(channel: Channel) -> MessageShape:
-    """The fields of a channel's messages; DecodeError when they are not known."""
+    """Return the fields of a channel's messages; raise DecodeError if they are unknown."""
     return shape_in(store_of(channel).fielddefs, channel.type)
 
 
 def decoder_of(channel: Channel) -> Decode:
-    """A function that decodes the messages of a channel.
+    """Return a function that decodes the messages of a channel.
 
     Raises:
-        DecodeError: the type or the encoding is unknown; the returned function raises it for bytes that are no such
-            message.
+        DecodeError: the type or the encoding is unknown; the returned function raises it for invalid bytes.
     """
     store, type_name, encoding = store_of(channel), channel.type, channel.encoding
     _read_from[store.types[type_name]] = channel
@@ -79,8 +78,8 @@ def decoder_of(channel: Channel) -> Decode:
     def decode(raw: bytes) -> Any:
         try:
             return read(memoryview(raw), type_name)
-        except Exception as error:  # whatever rosbags stumbles over: its own errors, KeyError, IndexError
-            raise DecodeError(f"{len(raw)} bytes that are no {type_name}: {one_line(error)}") from error
+        except Exception as error:  # rosbags raises many types, such as KeyError and IndexError
+            raise DecodeError(f"{len(raw)} bytes are not a valid {type_name}: {one_line(error)}") from error
 
     return decode
 
@@ -88,35 +87,35 @@ def decoder_of(channel: Channel) -> Decode:
 def may_go_on(channel: Channel) -> bool:
     """Return True if the bytes of a message may go on after its last field.
 
-    Nodes read what the definition says and ignore the rest. A definition that is not from the file itself may be of
-    another version of the type: bytes after the last field then say that the fields before are perhaps others.
+    Nodes read the fields of the definition and ignore further bytes. But a definition from outside the file may be
+    another version of the type: then bytes after the last field mean that the other fields may be wrong too.
     """
     return bool(channel.definition.strip())
 
 
 def _read_start(store: Typestore, encoding: str, raw: memoryview, type_name: str) -> Any:
-    """Return the message at the start of some bytes. Raises whatever rosbags and struct raise."""
+    """Return the message at the start of some bytes. Raise any exception of rosbags and struct."""
     definition = store.get_msgdef(type_name)
     if encoding == "ros1":
         return definition.deserialize_ros1(raw, 0, definition.cls, store)[0]
     if len(raw) < _CDR_HEAD or bytes(raw[:2]) not in (b"\0\0", b"\0\1"):
-        raise DecodeError("they begin with no encapsulation of CDR")
+        raise DecodeError("they do not begin with a header of CDR")
     read = definition.deserialize_cdr_le if raw[1] else definition.deserialize_cdr_be
     return read(raw[_CDR_HEAD:], 0, definition.cls, store)[0]
 
 
 _CDR_HEAD = 4
 _read_from: WeakKeyDictionary[type, Channel] = WeakKeyDictionary()
-"""The classes of messages that were decoded, each with a channel that has them."""
+"""The classes of decoded messages, each with a channel that has such messages."""
 
 
 def channel_of(message: Any) -> Channel | None:
-    """A channel of the type and the definition from which a message was decoded; None for any other object."""
+    """Return a channel with the type and definition from which a message was decoded, or None for other objects."""
     return _read_from.get(type(message))
 
 
 def definition_of(channel: Channel) -> str:
-    """The text of a channel's definition; where the file holds none, of the type that is known; else empty."""
+    """Return the definition of a channel: from the file, else the known definition of its type, else empty."""
     if channel.definition.strip() or channel.encoding not in ENCODINGS:
         return channel.definition
     try:
@@ -126,26 +125,26 @@ def definition_of(channel: Channel) -> str:
 
 
 def store_of(channel: Channel) -> Typestore:
-    """The store that has the type of a channel; DecodeError if none has."""
+    """Return a store with the type of a channel; raise DecodeError if the type is unknown."""
     find = _find if len(channel.definition) <= _LONGEST_KEPT else _find.__wrapped__
     return find(channel.type, channel.definition, channel.encoding, version())
 
 
 @lru_cache(_MOST_KEPT)
 def _find(type_name: str, definition: str, encoding: str, _version: int) -> Typestore:
-    """A store of its own for what a file defines: another file may define a type of the same name in another way."""
-    why = "no definition of its messages in the file"
+    """Return a store; definitions from a file get a separate one, because files may define a type differently."""
+    why = "no definition of its messages in the file, nor among those that are known"
     if definition.strip():
         try:
             return _store(type_name, parsed(type_name, definition), encoding)
-        except Exception:  # whatever rosbags stumbles over; what follows tells it
-            why = "the definition of its messages in the file is not one that can be understood"
+        except Exception:  # rosbags raises many types; the error below has the reason
+            why = "the definition of its messages in the file cannot be understood, and no other is known"
     if not added(type_name) and type_name in _default(encoding).fielddefs:
         return _default(encoding)
     try:
         return _store(type_name, _known(type_name, encoding), encoding)
     except UnknownTypeError as error:
-        raise DecodeError(f"{why}, nor among those that are known{error}") from None
+        raise DecodeError(f"{why}{error}") from None
 
 
 @lru_cache
@@ -156,7 +155,7 @@ def _default(encoding: str) -> Typestore:
 
 
 def _store(type_name: str, types: Types, encoding: str) -> Typestore:
-    """A store of some types, with those that they use."""
+    """Return a store of some types, and of the types that they use."""
     from rosbags.typesys import Stores, get_typestore
 
     types = complete(types, encoding)
@@ -167,7 +166,7 @@ def _store(type_name: str, types: Types, encoding: str) -> Typestore:
 
 
 def complete(types: Types, encoding: str = "cdr") -> Types:
-    """The types, with those that they use and that are known; UnknownTypeError for one that is not."""
+    """Return the types and all types that they use; raise UnknownTypeError if one is unknown."""
     missing = {used for name in types for used in _used(types[name]) if used not in types}
     missing -= {"builtin_interfaces/msg/Time", "builtin_interfaces/msg/Duration"}
     if not missing:
@@ -178,7 +177,7 @@ def complete(types: Types, encoding: str = "cdr") -> Types:
 
 
 def _known(type_name: str, encoding: str) -> Types:
-    """A type that was added, or that rosbags, an installed ROS or we know."""
+    """Return a type that was added, or that rosbags, an installed ROS or robowidgets defines."""
     text = added(type_name)
     if not text and type_name in (standard := _default(encoding).fielddefs):
         return {type_name: standard[type_name]}
@@ -189,13 +188,13 @@ def _known(type_name: str, encoding: str) -> Types:
 
 
 def one_line(error: BaseException) -> str:
-    """The text of an error as one line for a person."""
+    """Return the text of an error as one line for users."""
     text = next((line.strip() for line in str(error).splitlines() if line.strip()), "")
     return (text if len(text) <= 120 else f"{text[:119]}…") or type(error).__name__
 
 
 def parsed(type_name: str, definition: str) -> Types:
-    """The types in the text of a definition; raises whatever rosbags stumbles over."""
+    """Return the types in the text of a definition; raise any exception of rosbags."""
     from rosbags.typesys import get_types_from_idl, get_types_from_msg
 
     if not _IDL_HEAD.match(definition):
@@ -207,7 +206,7 @@ def parsed(type_name: str, definition: str) -> Types:
 
 
 def _used(definition: Any) -> Iterator[str]:
-    """The types that the fields of a definition name."""
+    """Yield the types that the fields of a definition name."""
     from rosbags.interfaces import Nodetype
 
     for _, (kind, what) in definition[1]:
@@ -217,8 +216,12 @@ def _used(definition: Any) -> Iterator[str]:
 
 
 def shape_in(types: Types, type_name: str, room: Iterator[int] | None = None) -> dict[str, Any]:
-    """The fields of one of some types; DecodeError for too many, RecursionError for a message that contains itself."""
-    # Types within types double with every level: few lines can say more fields than fit in any memory.
+    """Return the fields of a type.
+
+    Raises:
+        DecodeError: there are too many. RecursionError: a message contains itself.
+    """
+    # Nested types may double with every level: a few lines can define more fields than fit into memory.
     room = iter(range(_MOST_FIELDS)) if room is None else room
     return {name: _kind(types, kind, what, room) for name, (kind, what) in types[type_name][1]}
 

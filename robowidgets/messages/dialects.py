@@ -16,21 +16,22 @@ from ._codes import bits, code, flag, integer, is_flag
 from .fields import MISSING, describe, get, has
 
 Sensor = str | tuple[str, str]
-"""A sensor's name, or the two sides of a contact: which of them is the robot's, the message does not say."""
+"""A sensor's name, or the two sides of a contact. The message does not say which side is the robot's."""
 
 Said = Mapping[Any, bool | None]
 """`Sensor` to True (touched), False (free) or None (the source does not know)."""
 
 
 class Dialect(NamedTuple):
-    """One way to speak of touch.
+    """One way to report touches.
 
-    ``types``: the message types that speak it, as a person writes them; empty for what is no ROS message.
-    ``fits``: whether a message speaks it, judged by its fields, for a dictionary from a wire has no type.
+    ``types``: the message types, such as ``create_msgs/Bumper``; empty for plain mappings.
+    ``fits``: returns True if a message is of this dialect, by its fields: dictionaries have no type.
     ``mode``: see `TouchMode`.
-    ``sensors``: what such a robot has, from its left to its right, as far as the dialect fixes it.
-    ``read``: what a message says; ValueError when a number in it has no meaning, TypeError when a field is of no use.
-    ``of_contacts``: whether it names the two sides of contacts in place of sensors.
+    ``sensors``: the sensors of such a robot, from its left to its right, if the dialect fixes them.
+    ``read``: returns the states in a message, or raises ValueError for a number without a meaning and TypeError for a
+    field of a wrong type.
+    ``of_contacts``: True if messages name the two sides of contacts instead of sensors.
     """
 
     types: tuple[str, ...]
@@ -77,7 +78,7 @@ def _event(message: Any, which: str, sensors: tuple[str, ...], states: tuple[str
 
 
 def _kobuki(message: Any) -> Said:
-    # Bits count from the right here, and from the left in the events of the same robot.
+    # Bits count from the right here, but from the left in the events of the same robot.
     return (
         bits(message, "bumper", {4: "left", 2: "center", 1: "right"})
         | bits(message, "cliff", {4: "cliff left", 2: "cliff center", 1: "cliff right"})
@@ -86,12 +87,12 @@ def _kobuki(message: Any) -> Said:
 
 
 def _turtlebot3(message: Any) -> Said:
-    # `cliff` is a float here, the raw reading of an infrared sensor: without a threshold it says nothing of touch.
+    # `cliff` is a float here, the raw reading of an infrared sensor: without a threshold it is not a touch.
     return bits(message, "bumper", {1: "front", 2: "back"})
 
 
 _HAZARDS = {1: "bump", 2: "cliff", 4: "wheel"}
-"""The hazards that a sensor at the body feels. A limit on backing up, a stall, and something near are no touch."""
+"""The hazards that a sensor at the body feels. The backup limit, a stall and proximity are not touches."""
 _FRAME_STARTS = {"bump": "bump_", "cliff": "cliff_", "wheel": "wheel_drop_"}
 _CREATE3 = (
     *("left", "front left", "front center", "front right", "right"),
@@ -106,7 +107,7 @@ def _hazards(message: Any) -> Said:
 
 
 def _hazard(where: str, detection: Any) -> str:
-    """Return the name of the sensor that felt a hazard, or an empty text if it is no touch."""
+    """Return the name of the sensor that felt a hazard, or an empty text if it is not a touch."""
     frame = get(detection, "header.frame_id")
     if frame is MISSING or not has(detection, "type"):
         raise TypeError(f"{where}: expected a hazard with header.frame_id and type, got {describe(detection)}")
@@ -140,12 +141,12 @@ def _range(message: Any) -> Said:
     low, high = (number(name, get(message, name)) for name in ("min_range", "max_range"))
     if low != high:
         raise ValueError(
-            "min_range: expected the same as max_range, for only then a Range says whether something is there; "
+            "min_range: expected the same as max_range, because only such a Range is a touch sensor; "
             f"got {low:g} and {high:g} m (a sensor that measures distance)"
         )
     value = get(message, "range")
     sensor = str(get(message, "header.frame_id", "")) or "touch"
-    # JSON turns both infinities into null: what was sent cannot be told any more.
+    # JSON turns both infinities into null, so the value that was sent is unknown.
     return {sensor: None if value is None else {float("-inf"): True, float("inf"): False}.get(number("range", value))}
 
 
@@ -180,7 +181,7 @@ def _neato_bump(type_name: str, names: Mapping[str, str]) -> Dialect:
 _LEVEL, _PRESENCE = TouchMode.LEVEL, TouchMode.PRESENCE
 
 DIALECTS = (
-    # These say True and False, as a plain mapping of names does, so they come before it. The others speak in numbers.
+    # These have True and False, like a plain mapping of names, so they come before it. The others have numbers.
     Dialect(
         types=("create_msgs/Bumper", "ca_msgs/Bumper"),
         fits=_with("is_left_pressed", "is_right_pressed"),

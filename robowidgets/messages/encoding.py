@@ -1,4 +1,4 @@
-"""Messages to bytes, without ROS."""
+"""Encoding of messages, without ROS."""
 
 from __future__ import annotations
 
@@ -22,14 +22,14 @@ _FLOATS = ("float32", "float64")
 
 
 def encode(encoding: str, message_type: str, message: Any, definition: str = "") -> bytes:
-    """The bytes of a message in ``cdr`` or ``ros1``, given as an object or as its fields, of ROS 1 or ROS 2.
+    """Return the bytes of a message in ``cdr`` or ``ros1``, given as an object or as its fields, of ROS 1 or ROS 2.
 
-    Without a definition its type is one that is known. A field that is left out is zero or empty; one that the type
-    does not have, such as ``header.seq``, is not encoded. As in rosbridge's JSON, None is NaN, and a text is the base64
-    of bytes.
+    Without a definition, the type has to be a known one. Omitted fields are zero or empty. Fields that the type does
+    not have, such as ``header.seq``, are ignored. As in rosbridge's JSON, null stands for NaN, and a text for bytes in
+    base64.
 
     Raises:
-        ValueError: the type is not known, or a value does not fit. The text is one line for a person.
+        ValueError: the type is unknown, or a value does not fit. The text is one line for users.
     """
     try:
         store = store_of(Channel(0, "", message_type, encoding, definition, 0))
@@ -42,19 +42,19 @@ def encode(encoding: str, message_type: str, message: Any, definition: str = "")
     write = store.serialize_ros1 if encoding == "ros1" else store.serialize_cdr
     try:
         return bytes(write(_message(store, message_type, message), message_type))
-    except Exception as error:  # whatever rosbags and numpy raise for a value that does not fit
+    except Exception as error:  # rosbags and numpy raise many types for a value that does not fit
         raise ValueError(f"a message does not fit {message_type}: {one_line(error)}") from None
 
 
 def as_message(encoding: str, message_type: str, fields: Mapping[str, Any]) -> Any:
-    """The fields of a message, as JSON has them, as an object with attributes, as rosbags decodes it from bytes.
+    """Return an object with attributes, as rosbags decodes it, for the fields of a message from JSON.
 
-    Arrays of numbers are NumPy arrays, also those that JSON has as base64, and None is NaN. A message whose type is not
-    known, or does not fit, keeps the names and values that it has.
+    Arrays of numbers, including base64 in JSON, become NumPy arrays, and null becomes NaN. A message keeps its names
+    and values if its type is unknown or does not fit.
     """
     try:
         return _message(store_of(Channel(0, "", message_type, encoding, "", 0)), message_type, fields)
-    except Exception:  # an unknown type, or whatever rosbags and numpy raise for a value that does not fit
+    except Exception:  # an unknown type, or any error of rosbags and numpy for a value that does not fit
         return _guessed(fields)
 
 
@@ -95,7 +95,7 @@ def _value(store: Typestore, kind: int, what: Any, given: Any) -> Any:
     if given is None:
         given = [0 if is_numeric else None] * (count if kind == Nodetype.ARRAY else 0)
     if is_numeric:
-        # rospy has bytes for uint8[], and rosbridge a text.
+        # rospy has bytes for uint8[], and rosbridge has a text.
         given = bytes_in("an array", given)
         return np.frombuffer(given, np.uint8) if isinstance(given, bytes) else np.asarray(given, name[0])
     return [_value(store, inner, name, item) for item in given]

@@ -1,4 +1,4 @@
-"""Messages that tell of something that happened, to events."""
+"""Conversion of messages to events."""
 
 from __future__ import annotations
 
@@ -23,9 +23,9 @@ Timed = tuple[int, Event]
 
 _ROS2_LINE, _ROS1_LINE = "rcl_interfaces/msg/Log", "rosgraph_msgs/msg/Log"
 _ROS2_LEVEL_AT = 12
-"""The level follows the encapsulation of CDR and the stamp."""
+"""Offset of the level, after the header of CDR and the stamp."""
 _ROS1_FRAME_AT = 16
-"""The level follows the header: a number, a stamp, and the name of a frame after its length."""
+"""Offset of the frame's name in the header, after a number, a stamp, and its length. The level follows the name."""
 _ROS1_LEVELS = {1: Level.DEBUG, 2: Level.INFO, 4: Level.WARN, 8: Level.ERROR, 16: Level.FATAL}
 _STATUS_LEVELS = {0: Level.INFO, 1: Level.WARN, 2: Level.ERROR, 3: Level.WARN}
 _STATUS_WORDS = {0: "OK", 3: "stale"}
@@ -45,16 +45,16 @@ _PARAMETER_VALUES = (
 """The fields of a rcl_interfaces/ParameterValue, by its type."""
 
 _RANGE = "sensor_msgs/msg/Range"
-"""Of these only some are of touch sensors, and a distance is no event."""
+"""Only some of these are touch sensors, and a distance is not an event."""
 
 
 def _with(*names: str, of: type = object) -> Callable[[Any], bool]:
-    """Whether a message has fields, of which the first holds a value of some type."""
+    """Return a function that returns True if a message has fields, the first with a value of a type."""
     return lambda message: has(message, *names) and isinstance(get(message, names[0]), of)
 
 
 class _Dialect(NamedTuple):
-    """Messages of some types, and whether a message is one of them, by its fields."""
+    """Message types, and a function that returns True if a message is one of them, by its fields."""
 
     types: tuple[str, ...]
     fits: Callable[[Any], bool]
@@ -71,25 +71,26 @@ _CAMERA = _Dialect(("sensor_msgs/msg/CameraInfo",), _with("distortion_model", "w
 _DIALECTS = (_LINE, _STATUSES, _STATUS, _JOY, _TEXT, _PARAMETERS, _GOALS, _CAMERA)
 
 LOG_TYPES = frozenset(_LINE.types)
-"""The message types of lines of a log."""
+"""The message types of log lines."""
 
 SEVERE_TYPES = LOG_TYPES | frozenset(_STATUSES.types + _STATUS.types + _GOALS.types)
 """The message types whose events have a level."""
 
 SAID_TYPES: frozenset[str] = frozenset(name for dialect in _DIALECTS for name in dialect.types)
-"""The message types of which an `EventReader` reads what they say."""
+"""The message types that an `EventReader` reads, without touches."""
 
 REPEATED_TYPES = frozenset(_CAMERA.types)
-"""Those of `SAID_TYPES` that repeat one thing at the rate of a sensor: they are read if they are asked for by name."""
+"""Types in `SAID_TYPES` that repeat the same content at the rate of a sensor: they are read only on request."""
 
 EVENT_TYPES: frozenset[str] = SAID_TYPES | (TOUCH_TYPES - {_RANGE})
 """All message types that an `EventReader` reads, as recordings name them."""
 
 
 class EventReader:
-    """Reads the events in the messages of one topic, in their order.
+    """A reader of the events in the messages of one topic, in their order.
 
-    Of a status, a goal, a calibration, a button and a touch sensor only a change is an event: it keeps the one before.
+    For a status, a goal, a calibration, a button or a touch sensor only a change is an event, so the reader keeps the
+    previous value.
 
     Args:
         topic: the name of the topic, for its events.
@@ -113,24 +114,24 @@ class EventReader:
         self._buttons: dict[int, bool] = {}
         self._tracker = TouchTracker()
         self._seen_ns = 0
-        """The time up to which changes of touches were told."""
+        """The time up to which changes of touches were reported."""
         self._touched: dict[str, TouchState] = {}
 
     def read(self, message: Any, time_ns: int = 0) -> list[Timed]:
-        """The events in a message, each with its time; none where nothing changed.
+        """Return the events in a message with their times, or an empty list if nothing changed.
 
-        A touch that a message lists no more ended before it.
+        A touch that a message no longer lists ended before the message.
 
         Args:
             message: an object or dictionary like std_msgs/String, rcl_interfaces/Log or rosgraph_msgs/Log,
                 diagnostic_msgs/DiagnosticArray or DiagnosticStatus, sensor_msgs/Joy or CameraInfo,
-                rcl_interfaces/ParameterEvent, action_msgs/GoalStatusArray, or one that `to_touch` reads; text; or an
+                rcl_interfaces/ParameterEvent, action_msgs/GoalStatusArray, or a message for `to_touch`; text; or an
                 `Event`.
-            time_ns: when it came, in nanoseconds of any clock that does not go back.
+            time_ns: the time of the message, in nanoseconds of any clock that does not go back.
 
         Raises:
-            TypeError: it is none of these; the text says what came and what was expected.
-            ValueError: a number in it is none.
+            TypeError: the message has another type; the text says what came and what was expected.
+            ValueError: a field is not a number.
         """
         message = unwrap(message)
         if isinstance(message, Event):
@@ -152,7 +153,7 @@ class EventReader:
         return [*found, *self._touch_changes(time_ns, touch.stamp_ns)]
 
     def due(self, until_ns: float) -> list[Timed]:
-        """The ends of touches before a time, which no message tells."""
+        """Return the ends of touches before a time, which no message reports."""
         found: list[Timed] = []
         while (at := self.next_due_ns) is not None and at < until_ns:
             found += self._touch_changes(at, None)
@@ -160,7 +161,7 @@ class EventReader:
 
     @property
     def next_due_ns(self) -> int | None:
-        """The time of the next end of a touch, if no message comes before; None if there is none."""
+        """The time of the next end of a touch without further messages, or None if no touch ends."""
         return self._tracker.next_change_ns(self._seen_ns)
 
     def _text(self, message: Any) -> list[Event]:
@@ -168,7 +169,7 @@ class EventReader:
 
     def _line(self, message: Any) -> list[Event]:
         level, stamp = get(message, "level"), stamp_ns(message)
-        # ROS 1 names the topics of the node, and has a header; its levels are bits.
+        # Messages of ROS 1 have the topics of the node, and a header; their levels are bits.
         if has(message, "topics"):
             found = _ROS1_LEVELS.get(byte("level", level), Level.INFO)
         else:
@@ -185,10 +186,11 @@ class EventReader:
 
     def _status(self, status: Any, stamp: int | None = None) -> list[Event]:
         name, code = str(get(status, "name")), byte("level", get(status, "level"))
-        said = str(get(status, "message"))
+        inner = str(get(status, "message"))
         level = _STATUS_LEVELS.get(code, Level.ERROR)
         word = _STATUS_WORDS.get(code, "")
-        text = ": ".join(filter(None, (word if word.lower() != said.lower() else "", said))) or word or f"level {code}"
+        prefix = word if word.lower() != inner.lower() else ""
+        text = ": ".join(filter(None, (prefix, inner))) or word or f"level {code}"
         if self._statuses.get(name) == (level, text):
             return []
         self._statuses[name] = level, text
@@ -208,7 +210,7 @@ class EventReader:
     def _parameters(self, message: Any) -> list[Event]:
         node, stamp = str(get(message, "node")), stamp_ns({"header": {"stamp": get(message, "stamp", None)}})
         texts = []
-        # A node declares all of its parameters as it starts.
+        # A node declares all its parameters when it starts.
         if declared := [_parameter(one) for one in get(message, "new_parameters")]:
             texts.append(f"declared {', '.join(declared)}")
         texts += [_parameter(one) for one in get(message, "changed_parameters")]
@@ -236,7 +238,7 @@ class EventReader:
         info = to_camera_info(message)
         parts = [f"{info.width} × {info.height} pixels"]
         if info.is_calibrated:
-            # Drivers that only rectify fill in the second matrix alone.
+            # Drivers that only rectify set only the second matrix.
             across, down = (info.k[0], info.k[4]) if info.k[0] > 0 else (info.p[0], info.p[5])
             angles = (round(degrees(2 * atan2(n, 2 * f))) for n, f in ((info.width, across), (info.height, down)))
             parts.append("sees {}° × {}°".format(*angles))
@@ -256,7 +258,7 @@ class EventReader:
         for sensor, one in self._tracker.states(time_ns).items():
             before = self._touched.get(sensor, TouchState.UNKNOWN)
             self._touched[sensor] = one.state
-            # That a sensor was never touched is no news.
+            # A sensor that was never touched is not an event.
             is_news = one.state is TouchState.TOUCHED or (one.state is TouchState.FREE and before)
             if is_news and one.state is not before:
                 found.append((time_ns, Event(touch_text(sensor, one.state), topic=self._topic, stamp_ns=stamp)))
@@ -264,7 +266,7 @@ class EventReader:
 
 
 def line_level(type_name: str, encoding: str, raw: bytes) -> Level:
-    """Return the level of a line of a log by its bytes, without reading them; FATAL if that cannot be told.
+    """Return the level of a log line from its bytes without decoding it, or FATAL if the level is unknown.
 
     Args:
         type_name: one of `LOG_TYPES`.
@@ -281,7 +283,7 @@ def line_level(type_name: str, encoding: str, raw: bytes) -> Level:
 
 
 def touch_text(sensor: str, state: TouchState) -> str:
-    """What is said of a sensor that was touched or released."""
+    """Return the text of an event of a sensor that was touched or released."""
     words = "touched" if state is TouchState.TOUCHED else "released"
     return words if sensor == "touch" else f"{sensor} {words}"
 
@@ -297,5 +299,5 @@ def _parameter(one: Any) -> str:
 
 
 def _short_uuid(value: Any) -> str:
-    """Return the first digits of the number of a goal, as the tools of ROS 2 print it."""
+    """Return the first digits of the UUID of a goal, as the tools of ROS 2 print it."""
     return byte_array("uuid", value).tobytes().hex()[:8]

@@ -1,4 +1,4 @@
-"""The names of the fields of a message type, as a person writes them, and errors for those that it does not have."""
+"""The names of the fields of a message type as users write them, and error texts for unknown names."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ _INDEX = re.compile(r"\[(\d*)\]")
 _TIME_PARTS = ("sec", "nanosec")
 _NEAREST = 3
 _LONGEST_TREE = 600
-"""Characters of a tree in an error: definitions may have thousands of fields."""
+"""The most characters of a tree in an error: definitions may have thousands of fields."""
 
 
 def find(leaves: Sequence[Leaf], name: str) -> FieldPath | None:
-    """The path of a field, such as ``position[2]`` or ``transforms[0].header.stamp.sec``; None if there is none.
+    """Return the path of a field, such as ``position[2]`` or ``transforms[0].header.stamp.sec``, or None.
 
-    An index in brackets stands for one value, empty brackets and none stand for all.
+    An index in brackets stands for one value, empty brackets or no brackets stand for all.
     """
     which = [int(text) if text else None for text in _INDEX.findall(name)]
     plain = _INDEX.sub("[]", name)
@@ -33,27 +33,27 @@ def find(leaves: Sequence[Leaf], name: str) -> FieldPath | None:
             continue
         value = which[-1] if is_indexed else None
         outer = which[:-1] if is_indexed else which
-        if leaf.is_array and leaf.dtype is None:  # an array of text is one of the arrays that it is in
+        if leaf.is_array and leaf.dtype is None:  # an array of text is the last of its arrays
             return FieldPath(number, (*outer, value), None, part)
         return FieldPath(number, tuple(outer), value, part)
     return None
 
 
 def within(leaves: Sequence[Leaf], name: str) -> list[Leaf]:
-    """The field of a name; of the name of a message, or of an array of messages, those in it."""
+    """Return the field of a name, or all fields in the message or the array of messages of that name."""
     return [leaf for leaf in leaves if leaf.name == name or leaf.name.startswith((f"{name}.", f"{name}[]."))]
 
 
 def type_of(leaf: Leaf) -> str:
-    """The type of a field, as definitions say it: ``float64[36]``, ``string[]``."""
+    """Return the type of a field as definitions write it: ``float64[36]``, ``string[]``."""
     return f"{leaf.type}{_brackets(leaf)}"
 
 
 def no_such_field(leaves: Sequence[Leaf], name: str) -> str:
-    """Text for a field that does not exist: the nearest names, and all there are."""
+    """Return an error text for a field that does not exist, with the nearest names and all names."""
     if inner := within(leaves, name):
         names = ", ".join(repr(leaf.name) for leaf in inner[:_NEAREST])
-        return f"{name!r} is no single field but a message: name fields in it, such as {names}"
+        return f"{name!r} is not a single field but a message: name fields in it, such as {names}"
     every = [leaf.name for leaf in leaves]
     last = name.rpartition(".")[2]
     alike = [other for other in every if other.rpartition(".")[2] == last]
@@ -63,7 +63,7 @@ def no_such_field(leaves: Sequence[Leaf], name: str) -> str:
 
 
 def tree(leaves: Sequence[Leaf]) -> str:
-    """All fields in one line: ``header{stamp, frame_id}, orientation{x, y, z, w}, covariance[9]``."""
+    """Return all fields in one line: ``header{stamp, frame_id}, orientation{x, y, z, w}, covariance[9]``."""
     text = ""
     open_parts: list[str] = []
     for leaf in leaves:

@@ -1,4 +1,4 @@
-"""Reading fields of messages, whether they are objects or dictionaries."""
+"""Fields of messages, which are objects or dictionaries."""
 
 from __future__ import annotations
 
@@ -11,16 +11,16 @@ from typing import Any
 from ..samples.age import HasAge
 
 MessageShape = Mapping[str, Any]
-"""Field names to ``"float32"``, ``"float32[]"``, or the shape of the message in them."""
+"""Field names to ``"float32"``, ``"float32[]"``, or the shape of an inner message."""
 
 MISSING: Any = object()
 
-# The common one first: to ask an abstract class costs more than to read a field.
+# The common class first: a check with an abstract class costs more than reading a field.
 _KEYED = (dict, Mapping)
 
 
 def get(message: Any, path: str, default: Any = MISSING) -> Any:
-    """The value at a dotted path, through attributes or keys; the default when a part is missing."""
+    """Return the value at a dotted path, through attributes or keys, or the default if a part is missing."""
     value = message
     for name in path.split("."):
         value = value.get(name, MISSING) if isinstance(value, _KEYED) else getattr(value, name, MISSING)
@@ -30,15 +30,15 @@ def get(message: Any, path: str, default: Any = MISSING) -> Any:
 
 
 class ShortArrayError(ValueError):
-    """A message has no such value, because its array is shorter."""
+    """The message does not have the value, because its array is too short."""
 
 
 class FieldOf:
-    """Reads one field of messages, which may be a value of an array: ``covariance[7]``, ``status[0].name``.
+    """A reader of one field of messages, which may be a value of an array: ``covariance[7]``, ``status[0].name``.
 
     Args:
         path: the path of the field.
-        name: its whole name, for errors.
+        name: its full name, for errors.
     """
 
     def __init__(self, path: str, name: str = "") -> None:
@@ -49,16 +49,16 @@ class FieldOf:
             self._steps += [array] if index is None else [array, int(index)]
 
     def __call__(self, message: Any) -> Any:
-        """The value of the field.
+        """Return the value of the field.
 
         Raises:
-            ShortArrayError: an array is too short for it. ValueError: there is no such field.
+            ShortArrayError: an array is too short. ValueError: the message does not have the field.
         """
         value, so_far = message, "the message"
         for step in self._steps:
             if isinstance(step, int):
                 if not hasattr(value, "__len__"):
-                    raise ValueError(f"{self._name}: {so_far!r} is no array, but {describe(value)}")
+                    raise ValueError(f"{self._name}: {so_far!r} is not an array, but {describe(value)}")
                 if step >= len(value):
                     raise ShortArrayError(f"{self._name}: no {so_far}[{step}] in the message; its arrays are shorter")
                 value = value[step]
@@ -74,24 +74,24 @@ _INDEXED = re.compile(r"(.*?)(?:\[(\d+)\])?")
 
 
 def as_object(message: Any) -> Any:
-    """A dictionary, and those in it, with their keys as attributes."""
+    """Return an object with the keys of a dictionary as attributes, also for inner dictionaries."""
     if isinstance(message, _KEYED):
         return SimpleNamespace(**{name: as_object(value) for name, value in message.items()})
     return message
 
 
 def reader(message: Any) -> Callable[[str, Any], Any]:
-    """A function of a name and a default that gives a field of this message; for many fields far quicker than `get`."""
+    """Return a function of a name and a default that reads a field of this message, much faster than `get`."""
     return message.get if isinstance(message, _KEYED) else partial(getattr, message)
 
 
 def has(message: Any, *names: str) -> bool:
-    """Whether a message has all these fields."""
+    """Return True if a message has all these fields."""
     return all(get(message, name) is not MISSING for name in names)
 
 
 def unwrap(message: Any) -> Any:
-    """The message in a rosbridge envelope (``{"op": "publish", "msg": ...}``), the sample in a recording's moment."""
+    """Return the message in a rosbridge envelope (``{"op": "publish", "msg": ...}``), or the sample in a moment."""
     if isinstance(message, _KEYED) and message.get("op") == "publish" and "msg" in message:
         return message["msg"]
     sample = getattr(message, "sample", None)
@@ -99,9 +99,9 @@ def unwrap(message: Any) -> Any:
 
 
 def stamp_ns(message: Any) -> int | None:
-    """Nanoseconds of the stamp of a message; None when there is none, it was never set (0), or no clock can say it.
+    """Return the stamp of a message in nanoseconds, or None if it is missing, never set (0) or out of range.
 
-    rospy says ``secs`` and ``nsecs``, ROS 2 and rosbags ``sec`` and ``nanosec``.
+    The fields are ``secs`` and ``nsecs`` in rospy, and ``sec`` and ``nanosec`` in ROS 2 and rosbags.
     """
     stamp = get(message, "header.stamp", None)
     if stamp is None:
@@ -116,12 +116,12 @@ def stamp_ns(message: Any) -> int | None:
 
 
 def frame_id(message: Any) -> str:
-    """``header.frame_id``, or nothing."""
+    """Return ``header.frame_id``, or an empty text."""
     return str(get(message, "header.frame_id", ""))
 
 
 def type_name(message: Any) -> str:
-    """The message type as a person writes it (``sensor_msgs/LaserScan``), or the Python type."""
+    """Return the short name of the message type (``sensor_msgs/LaserScan``), or the Python type."""
     name = getattr(message, "__msgtype__", None) or getattr(message, "_type", None)
     if isinstance(name, str):
         return name.replace("/msg/", "/")
@@ -132,7 +132,7 @@ def type_name(message: Any) -> str:
 
 
 def describe(message: Any) -> str:
-    """A short description of a message for an error: its type and its fields."""
+    """Return a short description of a message for an error: its type and its fields."""
     if isinstance(message, Mapping):
         return f"a dict with the keys {_listed([str(k) for k in message])}"
     fields = getattr(message, "__slots__", None) or getattr(message, "__dict__", {})

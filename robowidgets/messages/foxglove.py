@@ -1,4 +1,4 @@
-"""Foxglove's schemas of sensors as messages of ROS, which have the same content under other names.
+"""Conversion of Foxglove's schemas of sensors to messages of ROS with the same content.
 
 Source: https://docs.foxglove.dev/docs/sdk/schemas
 """
@@ -12,14 +12,14 @@ from typing import Any
 PlainFields = Mapping[str, Any]
 
 _POINT_FIELDS = {1: 2, 2: 1, 3: 4, 4: 3, 5: 6, 6: 5, 7: 7, 8: 8}
-"""The numbers of sensor_msgs/PointField by those of foxglove.PackedElementField."""
+"""Numbers of foxglove.PackedElementField to numbers of sensor_msgs/PointField."""
 _TYPES = ("UNKNOWN", "UINT8", "INT8", "UINT16", "INT16", "UINT32", "INT32", "FLOAT32", "FLOAT64")
 _LEVELS = ("UNKNOWN", "DEBUG", "INFO", "WARNING", "ERROR", "FATAL")
 _COVARIANCES = ("UNKNOWN", "APPROXIMATED", "DIAGONAL_KNOWN", "KNOWN")
 
 
 def time_of(value: Any) -> dict[str, int]:
-    """Return the fields of a stamp of ROS 2, of a time with ``nsec`` or ``nanosec``; 0 for anything else."""
+    """Return the fields of a stamp of ROS 2 for a time with ``nsec`` or ``nanosec``, or 0 for other values."""
     if not isinstance(value, Mapping):
         return {"sec": 0, "nanosec": 0}
     return {"sec": int(value.get("sec", 0)), "nanosec": int(value.get("nanosec", value.get("nsec", 0)))}
@@ -30,7 +30,7 @@ def _header(fields: PlainFields, frame: str = "frame_id") -> dict[str, Any]:
 
 
 def _number(value: Any, names: Sequence[str]) -> int:
-    """Return the number of a choice, which JSON may name."""
+    """Return the number of an enum value, which JSON may have as a name."""
     return names.index(value) if isinstance(value, str) and value in names else int(value or 0)
 
 
@@ -91,7 +91,7 @@ def _transform(fields: PlainFields) -> dict[str, Any]:
 
 
 def _calibration(fields: PlainFields) -> dict[str, Any]:
-    # NumPy takes an empty array for one that is left out.
+    # Empty matrices are left out.
     matrices = {name.lower(): fields[name] for name in "DKRP" if fields.get(name)}
     return {"header": _header(fields), **_same(fields, "height", "width", "distortion_model"), **matrices}
 
@@ -122,7 +122,7 @@ _MESSAGES: dict[str, tuple[str, Callable[[PlainFields], dict[str, Any]]]] = {
 
 
 def as_ros(schema: str) -> tuple[str, Callable[[PlainFields], dict[str, Any]]] | None:
-    """Return the type of ROS that a schema of Foxglove is read as, and a function that makes its fields, or None.
+    """Return the ROS type for a schema of Foxglove and a function that returns its fields, or None.
 
     Args:
         schema: its name, such as ``foxglove.LaserScan``.

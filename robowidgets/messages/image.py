@@ -1,4 +1,4 @@
-"""Image and CompressedImage messages, and arrays, to pictures."""
+"""Conversion of Image and CompressedImage messages, and of arrays, to pictures."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ ENCODINGS = (
     *("rgb8", "bgr8", "rgba8", "bgra8", "mono8", "mono16", "rgb16", "bgr16", "rgba16", "bgra16"),
     *("bayer_*8", "bayer_*16", "yuv422", "yuv422_yuy2", "8UC1 to 64FC4"),
 )
-"""As errors list them."""
+"""Encodings as errors list them."""
 
 NO_PILLOW = "its pixels need Pillow: pip install 'robowidgets[images]'"
 
@@ -33,23 +33,23 @@ _KINDS = {"U": "u", "S": "i", "F": "f"}
 _PNG = b"\x89PNG\r\n\x1a\n"
 _JPEG = b"\xff\xd8"
 _DEPTH_CONFIG = struct.Struct("<iff")
-"""Before the PNG of a compressedDepth: the format, and the two numbers of an inverse depth."""
+"""The header before the PNG of a compressedDepth: the format, and the two numbers of an inverse depth."""
 _NOT_A_SIZE = {0xC4, 0xC8, 0xCC}
-"""Markers of a JPEG from C0 to CF that do not begin a frame."""
+"""Markers of a JPEG from C0 to CF that do not start a frame."""
 
 
 def to_image(message: Any, encoding: str = "") -> Image:
-    """The picture in an Image-like message, or in an array.
+    """Return the picture in an Image-like message or in an array.
 
     Args:
         message: an object or dictionary with the fields of sensor_msgs/Image or sensor_msgs/CompressedImage; an array
             of shape (rows, columns) or (rows, columns, channels); an `Image` is returned as it is.
-        encoding: of an array. Empty: uint8 is mono8, rgb8 or rgba8; uint16 and float are a depth image, 16UC1 in
-            millimetres or 32FC1 in metres; bool is black and white.
+        encoding: the encoding of an array. By default uint8 is mono8, rgb8 or rgba8; uint16 and float are a depth
+            image, 16UC1 in millimetres or 32FC1 in metres; bool is black and white.
 
     Raises:
-        TypeError: it is neither; the text says what came and what was expected.
-        ValueError: it is one, but its encoding is unknown, or its size does not fit its data.
+        TypeError: the message has another type; the text says what came and what was expected.
+        ValueError: its encoding is unknown, or its size does not fit its data.
     """
     message = unwrap(message)
     if isinstance(message, Image):
@@ -71,10 +71,10 @@ def to_image(message: Any, encoding: str = "") -> Image:
 
 
 def layout_of(encoding: str) -> tuple[np.dtype[Any], int]:
-    """The type of the numbers of an encoding, in the order of this computer, and how many a pixel has.
+    """Return the type of the numbers of an encoding, in native byte order, and their count per pixel.
 
     Raises:
-        ValueError: an unknown encoding.
+        ValueError: the encoding is unknown.
     """
     if encoding in CHANNELS and CHANNELS[encoding] == "yuv":
         return np.dtype(np.uint8), 2
@@ -94,7 +94,7 @@ def _depth_scale(encoding: str) -> float:
 
 
 def _of_rows(message: Any, encoding: str) -> NDArray[Any]:
-    """The pixels of an Image, without the bytes that fill its rows up."""
+    """Return the pixels of an Image, without the padding of its rows."""
     dtype, channels = layout_of(encoding)
     rows, columns, step = (_whole(name, get(message, name)) for name in ("height", "width", "step"))
     if not rows * columns:
@@ -111,7 +111,7 @@ def _of_rows(message: Any, encoding: str) -> NDArray[Any]:
             f"data: expected {step * rows:,} bytes, {rows} rows of {step}, got {len(data):,}; the message is cut off, "
             "or the driver fills in a wrong height or step"
         )
-    if len(data) < step * rows:  # the last row may lack what fills it up
+    if len(data) < step * rows:  # the last row may lack its padding
         data = np.concatenate([data, np.zeros(step * rows - len(data), np.uint8)])
     lines = data[: step * rows].reshape(rows, step)[:, :needed]
     if get(message, "is_bigendian", 0) and dtype.itemsize > 1:
@@ -124,7 +124,7 @@ def _of_rows(message: Any, encoding: str) -> NDArray[Any]:
 
 
 def _yuv(pairs: NDArray[np.uint8], encoding: str) -> NDArray[np.uint8]:
-    """y, u and v of each pixel, of which two share u and v."""
+    """Return y, u and v of each pixel; two neighbours share u and v."""
     rows, columns, _ = pairs.shape
     if columns % 2:
         raise ValueError(f"width: expected an even number of pixels in {encoding}, got {columns}")
@@ -166,7 +166,7 @@ def _of_array(array: NDArray[Any], encoding: str) -> Image:
             f"expected {needed} channel{'s' * (needed > 1)} of {dtype} for encoding {name!r}, "
             f"got {channels} of {values.dtype}"
         )
-    # The caller may go on with its own array.
+    # Copied, because the caller may change the array.
     return Image(values.astype(dtype, copy=True), name, depth_scale=_depth_scale(name))
 
 
@@ -174,10 +174,10 @@ def _of_array(array: NDArray[Any], encoding: str) -> Image:
 
 
 def _of_compressed(message: Any) -> Image:
-    said = str(get(message, "format"))
+    stated = str(get(message, "format"))
     data = byte_array("data", get(message, "data")).tobytes()
     common: dict[str, Any] = {"stamp_ns": stamp_ns(message), "frame_id": frame_id(message)}
-    named, _, how = (part.strip() for part in said.partition(";"))
+    named, _, how = (part.strip() for part in stated.partition(";"))
     if not data:
         raise ValueError("the picture is empty: no bytes in data")
     if "compressedDepth" in how:
@@ -185,10 +185,10 @@ def _of_compressed(message: Any) -> Image:
     if data.startswith(_PNG):
         rows, columns, bits, color = _png_size(data)
         if bits == 16 and color == 0:
-            # Browsers keep 8 bits of 16.
+            # Browsers keep only 8 of 16 bits.
             name = named if named in ("mono16", "16UC1") else "16UC1"
             return Image(unpacked(data), name, **common, depth_scale=_depth_scale(name))
-        # Of single bits `unpacked` makes colours.
+        # `unpacked` converts single bits to colours.
         common |= {"size": (rows, columns), "is_gray": color == 0 and bits > 1}
         return Image(None, "png", **common, compressed=data, unpack=unpacked)
     if data.startswith(_JPEG):
@@ -196,13 +196,13 @@ def _of_compressed(message: Any) -> Image:
         common |= {"size": (rows, columns), "is_gray": channels == 1}
         return Image(None, "jpeg", **common, compressed=data, unpack=unpacked)
     raise ValueError(
-        f"data: expected a JPEG or PNG, as format {said[:40]!r} says, got bytes that begin with {data[:8].hex(' ')}; "
+        f"data: expected a JPEG or PNG, as format {stated[:40]!r} says, got bytes that begin with {data[:8].hex(' ')}; "
         "other formats are not unpacked"
     )
 
 
 def _of_compressed_depth(data: bytes, named: str, how: str, common: dict[str, Any]) -> Image:
-    """A depth image of image_transport: 12 bytes, and a PNG of 16 bits or the same packed as RVL."""
+    """Return a depth image of image_transport: 12 bytes, and a PNG with 16 bits or data in RVL."""
     packed = data[_DEPTH_CONFIG.size :]
     is_png = packed.startswith(_PNG)
     if not is_png and "rvl" not in how.lower():
@@ -214,19 +214,19 @@ def _of_compressed_depth(data: bytes, named: str, how: str, common: dict[str, An
         return Image(values, "16UC1", **common, depth_scale=MILLIMETRES)
     _, quantum, offset = _DEPTH_CONFIG.unpack_from(data)
     metres = np.full(values.shape, np.nan, np.float32)
-    with np.errstate(divide="ignore", invalid="ignore"):  # a value equal to the offset is infinitely far: nothing
+    with np.errstate(divide="ignore", invalid="ignore"):  # a value equal to the offset is infinitely far
         np.divide(np.float32(quantum), values - np.float32(offset), out=metres, where=values > 0)
     return Image(metres, "32FC1", **common, depth_scale=METRES)
 
 
 def unpacked(data: bytes) -> NDArray[Any]:
-    """The pixels of a JPEG or PNG.
+    """Return the pixels of a JPEG or PNG.
 
     Raises:
-        ValueError: Pillow is not installed, or cannot read it.
+        ValueError: Pillow is not installed, or cannot read the picture.
     """
     try:
-        # Imported lazily, and optional: browsers unpack what has 8 bits. No other package is as common.
+        # Imported lazily, and optional: browsers unpack pictures with 8 bits. No other package is as common.
         import PIL.Image
     except ImportError:
         raise ValueError(NO_PILLOW) from None
@@ -244,7 +244,7 @@ def unpacked(data: bytes) -> NDArray[Any]:
 
 
 def _png_size(data: bytes) -> tuple[int, int, int, int]:
-    """Rows, columns, bits of a channel, and the type of its colours."""
+    """Return rows, columns, bits of a channel, and the colour type of a PNG."""
     if len(data) < 26:
         raise ValueError(f"the picture is damaged: a PNG of {len(data)} bytes")
     columns, rows, bits, color = struct.unpack_from(">IIBB", data, 16)
@@ -252,14 +252,14 @@ def _png_size(data: bytes) -> tuple[int, int, int, int]:
 
 
 def _jpeg_size(data: bytes) -> tuple[int, int, int]:
-    """Rows, columns and channels, from the first frame."""
+    """Return rows, columns and channels from the first frame of a JPEG."""
     at = 2
     while at + 10 <= len(data) and data[at] == 0xFF:
         marker, (length,) = data[at + 1], struct.unpack_from(">H", data, at + 2)
         if 0xC0 <= marker <= 0xCF and marker not in _NOT_A_SIZE:
             rows, columns, channels = struct.unpack_from(">HHB", data, at + 5)
             return rows, columns, channels
-        # Bytes of FF before a marker fill it up.
+        # Bytes of FF before a marker are padding.
         at += 1 if marker == 0xFF else 2 + length
     raise ValueError("the picture is damaged: a JPEG without a size")
 

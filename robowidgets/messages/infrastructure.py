@@ -1,4 +1,4 @@
-"""Topics that every node has, and types whose messages are large."""
+"""Topics that every node has, and types with large messages."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ _LARGE = re.compile("Image|PointCloud|LaserEcho|Grid|Costmap|Map$|Mesh|Voxel|Vid
 
 
 def is_infrastructure(topic: str) -> bool:
-    """Whether a topic is one that every node has, or one beside an action or a set of parameters."""
+    """Return True if a topic is one that every node has, or that belongs to an action or a set of parameters."""
     return _EVERY_NODE.fullmatch(topic) is not None
 
 
 def is_large(type_name: str) -> bool:
-    """Whether the messages of a type are large as a rule: pictures, clouds, maps."""
+    """Return True if messages of a type are usually large: pictures, clouds, maps."""
     return _LARGE.search(type_name) is not None

@@ -1,4 +1,4 @@
-"""Definitions of ROS for messages that come as plain fields, such as JSON, found from the messages themselves."""
+"""ROS definitions for messages that come as plain fields, such as JSON, derived from the messages."""
 
 from __future__ import annotations
 
@@ -17,10 +17,10 @@ _LINE = "=" * 80
 
 
 class JsonShape:
-    """The fields that some messages have, and their types in ROS.
+    """The fields of some messages, and their types in ROS.
 
-    Numbers are float64, NaN where a message lacks one or has null. What is a number in some and a text in others is a
-    text.
+    Numbers are float64, and NaN if a message lacks one or has null. A field that is a number in some messages and a
+    text in others is a text.
 
     Args:
         messages: some messages as dictionaries.
@@ -30,17 +30,17 @@ class JsonShape:
         self._fields: dict[str, JsonShape] = {}
         self._is_array = False
         self._plain = ""
-        """The type of the values; empty: none has come, or they are messages."""
+        """The type of the values, or empty if no value has come or the values are messages."""
         for message in messages:
             self._add_value(message, 0)
 
     def definition(self, package: str) -> str:
-        """Return the text of the definition, with those of the messages within it."""
+        """Return the text of the definition, with the definitions of its inner messages."""
         parts = list(self._define(package, "Message"))
         return f"\n{_LINE}\n".join([parts[0][1], *(f"MSG: {package}/{name}\n{text}" for name, text in parts[1:])])
 
     def fields_of(self, message: Any) -> dict[str, Any]:
-        """Return the fields of a message by this shape. Raises ValueError for what is no message."""
+        """Return the fields of a message in this shape. Raise ValueError if the value is not a message."""
         if not isinstance(message, Mapping):
             raise ValueError(f"expected fields, got {str(message)[:60]!r}")
         given = {field_name(str(name)): value for name, value in message.items()}
@@ -71,7 +71,7 @@ class JsonShape:
             self._plain = "float64"
 
     def _define(self, package: str, name: str) -> Iterator[tuple[str, str]]:
-        """The names and texts of the definitions of this message and of those within it."""
+        """Yield the names and texts of the definitions of this message and its inner messages."""
         lines, inner = [], []
         for field, shape in self._fields.items():
             kind = shape._plain or "float64"  # noqa: SLF001
@@ -104,7 +104,7 @@ class JsonShape:
 
 
 def field_name(name: str) -> str:
-    """Return a name that a field of ROS may have for one of JSON."""
+    """Return a valid name of a ROS field for a name in JSON."""
     plain = re.sub(r"_+", "_", re.sub(r"[^0-9A-Za-z]", "_", name)).strip("_") or "field"
     plain = plain if plain[0].isalpha() else f"f{plain}"
     return f"{plain}_" if iskeyword(plain) else plain

@@ -1,8 +1,8 @@
-"""Where the fields of a message lie in its bytes: columns of any type without an object for each message.
+"""The offsets of fields in the bytes of messages, to read columns of any type without an object for each message.
 
-A type has leaves: the fields that hold numbers, times or text, also those of the messages within it. A layout is the
-place of each leaf in messages of one length whose texts and arrays have the same lengths. It is found once, and holds
-for all messages that are alike.
+A type has leaves: the fields with numbers, times or text, including the fields of inner messages. A layout has the
+offsets of each leaf in messages of one size whose texts and arrays have the same lengths. It is computed once for all
+such messages.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from .channel import Channel
 from .decoding import DecodeError, may_go_on, store_of
 
 TIMES = ("time", "duration")
-"""Types of leaves of which each value is two numbers, the seconds and the nanoseconds."""
+"""Types of leaves with two numbers per value, the seconds and the nanoseconds."""
 
 _TIME = np.dtype([("sec", "<i4"), ("nanosec", "<u4")])
 _DTYPES: dict[str, np.dtype[Any]] = {
@@ -32,23 +32,23 @@ _DTYPES: dict[str, np.dtype[Any]] = {
 }
 _NAMED_TIMES = {"builtin_interfaces/msg/Time": "time", "builtin_interfaces/msg/Duration": "duration"}
 NO_FIELD = "structure_needs_at_least_one_member"
-"""Of an empty message: one byte in CDR, none in ROS 1."""
+"""The field of an empty message: one byte in CDR, nothing in ROS 1."""
 _MOST_LEAVES = 10_000
 _MOST_KEPT = 64
-"""Layouts that are kept for messages to come, by the length of the message."""
+"""The most layouts to cache, one for each size of messages."""
 _LENGTH = 4
 
 Rows = NDArray[np.uint8]
-"""Messages of one layout as rows, shape (N, size)."""
+"""The bytes of messages of one layout as rows, shape (N, size)."""
 
 
 class Leaf(NamedTuple):
-    """A field that holds numbers, times or text.
+    """A field with numbers, times or text.
 
     ``name`` is its path in the definition, with ``[]`` after an array of messages: ``transforms[].header.stamp``.
-    ``type`` is a type of ROS, or ``time`` or ``duration``. ``count`` is the number of values in each: 1 for a single
-    one and for text, None for an array of any length. ``is_array`` tells an array, also of text, from a single value.
-    ``arrays`` are the numbers of the arrays of messages that it is in, outermost first; an array of text counts as one.
+    ``type`` is a type of ROS, or ``time`` or ``duration``. ``count`` is the number of values: 1 for a single value and
+    for text, None for an array of any length. ``is_array`` is True for an array, also of text. ``arrays`` are the
+    numbers of the arrays of messages around it, outermost first; an array of text counts as one.
     """
 
     name: str
@@ -59,19 +59,19 @@ class Leaf(NamedTuple):
 
     @property
     def dtype(self) -> np.dtype[Any] | None:
-        """Of its values in the bytes; None for text."""
+        """The NumPy type of its values in the bytes, or None for text."""
         return _DTYPES.get(self.type)
 
     @property
     def is_fixed(self) -> bool:
-        """Whether each message has the same number of values."""
+        """True if each message has the same number of values."""
         return self.count is not None and not self.arrays
 
 
 class _Node(NamedTuple):
-    """A step on the way through the bytes: the leaf of a number, or, with ``inner``, the array of messages of a number.
+    """A step in the walk through the bytes: a leaf, or, with ``inner``, an array of messages.
 
-    Without a number it is a byte that is no field.
+    ``number`` is the number of the leaf or the array, or None for a byte that does not belong to a field.
     """
 
     number: int | None
@@ -83,7 +83,7 @@ class _Node(NamedTuple):
 
     @property
     def is_static(self) -> bool:
-        """Whether it takes the same bytes in every message, but for the alignment."""
+        """True if it takes the same number of bytes in every message, apart from the alignment."""
         within = self.inner is None or all(node.is_static for node in self.inner)
         return self.count is not None and not self.is_text and within
 
@@ -94,10 +94,10 @@ class _Node(NamedTuple):
 
 
 class FieldPath(NamedTuple):
-    """What of a leaf is wanted.
+    """A selection of values of a leaf.
 
-    ``which`` says for each array of messages that it is in the one that is meant, ``value`` which of its values; None:
-    all. ``part`` is a part of a time, ``"sec"`` or ``"nanosec"``.
+    ``which`` is the index in each array of messages around the leaf, ``value`` the index of the value, or None for all.
+    ``part`` is a part of a time, ``"sec"`` or ``"nanosec"``.
     """
 
     leaf: int
@@ -107,17 +107,17 @@ class FieldPath(NamedTuple):
 
 
 class Layout:
-    """The places of all leaves in some messages.
+    """The offsets of all leaves in some messages.
 
     Args:
         raw: one of these messages.
-        lengths: the offsets at which the length of a text or an array stands.
-        texts: the first and the last offset of each text.
-        starts: for each leaf, the offsets of its values, or of the first of each array.
+        lengths: the offsets of the lengths of texts and arrays.
+        texts: the start and the end offset of each text.
+        starts: for each leaf, the offsets of its values, or of the first value of each array.
         sizes: for each leaf of any length, the numbers of values from each of these offsets on.
-        counts: for each array of messages, the number of messages, within each message that has the array.
-        is_big_endian: whether the most significant byte of a number comes first.
-        ends: whether a zero follows each text.
+        counts: for each array of messages, its lengths, one for each occurrence.
+        is_big_endian: True if the most significant byte of a number comes first.
+        ends: True if a zero follows each text.
         left: the number of bytes after the last field, without padding.
     """
 
@@ -144,7 +144,7 @@ class Layout:
         self._fixed = tuple(raw[at : at + _LENGTH] for at in self._lengths)
 
     def fits(self, raw: bytes) -> bool:
-        """Whether a message of the same size has this layout; DecodeError if it has it, and a text in it is none."""
+        """Return True if a message of the same size has this layout; raise DecodeError if it has, with invalid text."""
         if any(raw[at : at + _LENGTH] != fixed for at, fixed in zip(self._lengths, self._fixed, strict=True)):
             return False
         for start, stop in self._texts:
@@ -154,7 +154,7 @@ class Layout:
         return True
 
     def offsets(self, leaf: Leaf, place: FieldPath) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-        """The offsets of the wanted values of a leaf in each message, and of each its number of bytes or characters."""
+        """Return the offsets of the selected values of a leaf, and the lengths of the selected texts or arrays."""
         starts, sizes = self.starts[place.leaf], self.sizes[place.leaf]
         if any(which is not None for which in place.which):
             within = self._within(leaf, place.which)
@@ -173,7 +173,7 @@ class Layout:
         return np.repeat(starts, counts) + dtype.itemsize * numbers, counts
 
     def values(self, rows: Rows, leaf: Leaf, place: FieldPath) -> NDArray[Any]:
-        """The wanted numbers of a leaf in all rows, shape (N, T), a copy; times in nanoseconds unless a part is."""
+        """Return a copy of the selected numbers of a leaf in all rows, shape (N, T); whole times in nanoseconds."""
         dtype = leaf.dtype
         assert dtype is not None
         offsets, _ = self.offsets(leaf, place)
@@ -197,12 +197,12 @@ class Layout:
         return nanoseconds
 
     def texts(self, raw: bytes, leaf: Leaf, place: FieldPath) -> list[str]:
-        """The wanted texts of a leaf in one message."""
+        """Return the selected texts of a leaf in one message."""
         starts, sizes = self.offsets(leaf, place)
         return [raw[start : start + size].decode() for start, size in zip(starts.tolist(), sizes.tolist(), strict=True)]
 
     def _within(self, leaf: Leaf, wanted: Sequence[int | None]) -> NDArray[np.int64]:
-        """The numbers of the wanted ones among all values of a leaf, or among all its arrays of numbers."""
+        """Return the indices of the selected values among all values of a leaf, or among all its arrays of numbers."""
         numbers = np.zeros(1, np.int64)
         for array, which in zip(leaf.arrays, wanted, strict=True):
             counts = self.counts[array]
@@ -223,7 +223,7 @@ class Layouts:
         channel: the channel.
 
     Raises:
-        DecodeError: its type is not known, or has more than 10,000 fields.
+        DecodeError: its type is unknown, or has more than 10,000 fields.
     """
 
     def __init__(self, channel: Channel) -> None:
@@ -236,7 +236,7 @@ class Layouts:
         self._kept: OrderedDict[int, Layout] = OrderedDict()
 
     def of(self, raw: bytes) -> Layout:
-        """The layout of a message; DecodeError for bytes that are no message of the type."""
+        """Return the layout of a message; raise DecodeError if the bytes are not a valid message of the type."""
         size = len(raw)
         kept = self._kept.get(size)
         if kept is not None and kept.fits(raw):
@@ -250,12 +250,12 @@ class Layouts:
 
     @property
     def array_count(self) -> int:
-        """The number of arrays of messages, and of arrays of texts."""
+        """The number of arrays of messages and arrays of texts."""
         return self._arrays
 
     @property
     def is_cdr(self) -> bool:
-        """Whether the messages are in CDR, which aligns numbers; else in the encoding of ROS 1."""
+        """True if the messages are in CDR, which aligns numbers; else they are in the encoding of ROS 1."""
         return self._is_cdr
 
     def _compile(self, type_name: str, prefix: str, arrays: tuple[int, ...]) -> Iterator[_Node]:
@@ -304,14 +304,14 @@ class Layouts:
 
 
 class _Walk:
-    """The way through the bytes of one message, from its first field to its last."""
+    """A walk through the bytes of one message, from its first field to its last."""
 
     def __init__(self, raw: bytes, layouts: Layouts) -> None:
         self._raw, self._type, self._is_cdr = raw, layouts.type, layouts.is_cdr
         self._may_go_on = layouts.may_go_on
         self._base = self._at = _LENGTH if layouts.is_cdr else 0
         if layouts.is_cdr and raw[:2] not in (b"\x00\x00", b"\x00\x01"):
-            raise self._error("they begin with no encapsulation of CDR")
+            raise self._error("they do not begin with a header of CDR")
         self._is_big_endian = layouts.is_cdr and raw[1] == 0
         self._lengths = [0] if layouts.is_cdr else []
         self._texts: list[tuple[int, int]] = []
@@ -320,7 +320,7 @@ class _Walk:
         self._counts: list[list[int]] = [[] for _ in range(layouts.array_count)]
 
     def layout(self, nodes: Sequence[_Node]) -> Layout:
-        """The layout of the message."""
+        """Return the layout of the message."""
         for node in nodes:
             self._pass(node)
         left = len(self._raw) - self._at
@@ -368,7 +368,7 @@ class _Walk:
         marks: list[tuple[list[int], int, bool]] = []
         before, step = self._at, 1
         for done in range(count):
-            if is_static and done == 2 and step % align == 0:  # so all others lie as the second does
+            if is_static and done == 2 and step % align == 0:  # so all others have the layout of the second
                 self._repeat(marks, step, count - done)
                 return
             marks = self._marks(inner) if is_static and done == 1 else marks
@@ -377,7 +377,7 @@ class _Walk:
             before, step = self._at, self._at - before
 
     def _marks(self, inner: Sequence[_Node]) -> list[tuple[list[int], int, bool]]:
-        """The columns of the leaves and arrays of a message, with their lengths before it."""
+        """Return the columns of the leaves and arrays of a message, with their lengths before the message."""
         marks: list[tuple[list[int], int, bool]] = []
         for node in inner:
             if node.number is None:
@@ -389,7 +389,7 @@ class _Walk:
         return marks
 
     def _repeat(self, marks: Sequence[tuple[list[int], int, bool]], step: int, times: int) -> None:
-        """Pass messages that lie as the last one does, which took so many bytes."""
+        """Pass messages with the layout of the last message, which took ``step`` bytes."""
         self._skip(step * times)
         for column, before, moves in marks:
             last = np.array(column[before:], np.int64)
@@ -416,7 +416,7 @@ class _Walk:
             raise self._error("they end too early")
 
     def _error(self, why: str) -> DecodeError:
-        return DecodeError(f"{len(self._raw)} bytes that are no {self._type}: {why}")
+        return DecodeError(f"{len(self._raw)} bytes are not a valid {self._type}: {why}")
 
 
 def _check_text(text: bytes) -> None:
@@ -424,4 +424,4 @@ def _check_text(text: bytes) -> None:
         try:
             text.decode()
         except UnicodeDecodeError as error:
-            raise DecodeError(f"a text is no UTF-8: {error}") from None
+            raise DecodeError(f"a text is not UTF-8: {error}") from None

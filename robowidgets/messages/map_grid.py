@@ -1,4 +1,4 @@
-"""Maps of the floor: nav_msgs/OccupancyGrid, costmaps, and the files of map_server."""
+"""Conversion of maps of the floor: nav_msgs/OccupancyGrid, costmaps, and files of map_server."""
 
 from __future__ import annotations
 
@@ -18,13 +18,13 @@ from .fields import frame_id, get, has, stamp_ns, unwrap
 
 _MODES = ("trinary", "scale", "raw")
 _COST = 254
-"""The cost of a cell in which the robot would touch something, of nav2_msgs/Costmap; 255 is unknown."""
+"""The cost in nav2_msgs/Costmap of a cell in which the robot would collide; 255 is unknown."""
 
 _HEADER = re.compile(rb"(P[25])\s+(?:#[^\n]*\s+)*(\d+)\s+(?:#[^\n]*\s+)*(\d+)\s+(?:#[^\n]*\s+)*(\d+)\s")
 
 
 def is_map_grid(message: Any) -> bool:
-    """Whether a message has the fields of an OccupancyGrid or a Costmap."""
+    """Return True if a message has the fields of an OccupancyGrid or a Costmap."""
     return has(message, "data") and (
         has(message, "info.width", "info.height", "info.resolution")
         or has(message, "metadata.size_x", "metadata.size_y", "metadata.resolution")
@@ -32,10 +32,10 @@ def is_map_grid(message: Any) -> bool:
 
 
 def to_map_grid(message: Any) -> MapGrid:
-    """The grid in a nav_msgs/OccupancyGrid, or a nav2_msgs/Costmap.
+    """Return the grid in a nav_msgs/OccupancyGrid or a nav2_msgs/Costmap.
 
     Raises:
-        TypeError: it is neither. ValueError: its numbers do not fit.
+        TypeError: the message is neither. ValueError: its numbers do not fit.
     """
     message = unwrap(message)
     if isinstance(message, MapGrid):
@@ -48,7 +48,7 @@ def to_map_grid(message: Any) -> MapGrid:
         get(message, f"{about}.{name}") for name in (("size_x", "size_y") if is_cost else ("width", "height"))
     )
     resolution, data = get(message, f"{about}.resolution"), get(message, "data")
-    if is_cost:  # of bytes; those of an OccupancyGrid have a sign, and rosbridge sends them as numbers
+    if is_cost:  # uint8[], which rosbridge sends in base64; an OccupancyGrid has int8[], sent as numbers
         data = bytes_in("map: data", data)
     try:
         values = np.frombuffer(data, np.uint8) if isinstance(data, (bytes, bytearray)) else np.asarray(data, np.int16)
@@ -58,7 +58,7 @@ def to_map_grid(message: Any) -> MapGrid:
         raise ValueError(f"map: expected {width} x {height} cells, as its info says, got {values.size}")
     x, y = (get(message, f"{about}.origin.position.{axis}", 0.0) for axis in "xy")
     turn = [get(message, f"{about}.origin.orientation.{axis}", float(axis == "w")) for axis in "xyzw"]
-    # Files of map_server and some nodes leave the orientation at 0, which is no turn at all.
+    # Files of map_server and some nodes leave all of the orientation at 0, which is not a valid quaternion.
     yaw = float(yaw_of(*turn)) if any(turn) else 0.0
     cells = values.astype(np.uint8).reshape(height, width)
     return MapGrid(
@@ -67,15 +67,15 @@ def to_map_grid(message: Any) -> MapGrid:
 
 
 def load_map(path: str | os.PathLike[str], frame: str = "map") -> MapGrid:
-    """A map as map_server keeps it: a YAML file that names an image, in PGM or, with Pillow installed, in PNG.
+    """Return a map from files of map_server: a YAML file that names an image, in PGM or, with Pillow installed, PNG.
 
     Args:
         path: the YAML file, with image, resolution and origin; and mode (trinary, scale or raw), negate,
-            occupied_thresh and free_thresh, where they differ from those of map_server.
-        frame: the coordinate frame of the map; no file names it.
+            occupied_thresh and free_thresh, unless these are the defaults of map_server.
+        frame: the coordinate frame of the map, which the files do not name.
 
     Raises:
-        OSError: a file cannot be read. ValueError: it is no such file; the text says what was expected.
+        OSError: a file cannot be read. ValueError: a file has invalid content; the text says what was expected.
 
     Examples:
         >>> path.ground = robowidgets.load_map("map.yaml")  # doctest: +SKIP
@@ -102,7 +102,7 @@ def load_map(path: str | os.PathLike[str], frame: str = "map") -> MapGrid:
     origin = about["origin"]
     if not isinstance(origin, Sequence) or len(origin) != 3:
         raise ValueError(f"origin: expected [x, y, yaw], got {origin!r}")
-    # map_server takes the alpha of an image as a fourth color if mode is trinary, and as "unknown" if it is scale.
+    # map_server takes the alpha of an image as a fourth colour if mode is trinary, and as "unknown" if it is scale.
     if mode == "trinary" and alpha is not None:
         pixels = (3 * pixels + alpha) / 4
     cells = _cells(pixels, mode, bool(about.get("negate")), occupied, free)
@@ -112,7 +112,7 @@ def load_map(path: str | os.PathLike[str], frame: str = "map") -> MapGrid:
 
 
 def _cells(brightness: NDArray[np.float64], mode: str, negate: bool, occupied: float, free: float) -> NDArray[np.uint8]:
-    """Pixels as cells, as map_server reads them."""
+    """Return cells for pixels, as map_server reads them."""
     if mode == "raw":
         shade = np.rint(brightness * 255)
         return np.where(shade <= 100, shade, 255).astype(np.uint8)
@@ -124,7 +124,7 @@ def _cells(brightness: NDArray[np.float64], mode: str, negate: bool, occupied: f
 
 
 def _image(path: Path) -> tuple[NDArray[np.float64], NDArray[np.float64] | None]:
-    """Return the brightness of the pixels of an image, and their alpha or None without one, both 0 to 1."""
+    """Return the brightness of the pixels of an image, and their alpha or None without alpha, both 0 to 1."""
     content = path.read_bytes()
     header = _HEADER.match(content)
     if header is None:

@@ -1,4 +1,4 @@
-"""Messages that have a place on a map."""
+"""Conversion of messages with a place on a map."""
 
 from __future__ import annotations
 
@@ -23,21 +23,21 @@ TAKEN = (
 )
 
 _BEAM, _THIN, _TURN = radians(15), radians(3), radians(4)
-"""The opening of a sonar and of an infrared sensor that do not tell theirs, and the straight pieces of their arcs."""
+"""Default opening angles of a sonar and of an infrared sensor, and the angle of a straight piece of their arcs."""
 
 _NO_FIX = -1
 """The status of a receiver without a fix (sensor_msgs/NavSatStatus)."""
 
 
 def to_map_item(message: Any) -> MapItem:
-    """What a map shows of a message.
+    """Return the item of a map for a message.
 
     Args:
         message: an object or a dictionary of one of the types in `TAKEN`; a moment of a recording; or a `Scan`, a
-            `Range`, a `MapGrid`, or a `Speed` that came with odometry.
+            `Range`, a `MapGrid`, or a `Speed` from odometry.
 
     Raises:
-        TypeError: it has no place on a map. ValueError: its numbers cannot be.
+        TypeError: the message has no place on a map. ValueError: its numbers are invalid.
     """
     message = unwrap(message)
     if hasattr(message, "seconds") and hasattr(message, "message"):  # a `TimedMessage`
@@ -48,12 +48,12 @@ def to_map_item(message: Any) -> MapItem:
         grid = to_map_grid(message)
         return MapItem("grid", _clean(grid.frame_id), grid.stamp_ns, grid=grid)
     if isinstance(message, Scan) or has(message, "ranges", "angle_min", "angle_increment"):
-        scan = to_scan(message).unmounted()  # its frame, and so tf, is the scanner's
+        scan = to_scan(message).unmounted()  # frame_id, and so tf, is for the scanner
         return MapItem("scan", _clean(scan.frame_id), scan.stamp_ns, points=scan.xy)
     if isinstance(message, Range) or has(message, "range", "min_range", "max_range"):
         return _cone(to_range(message))
     if isinstance(message, Speed):
-        # A speed names the frame in which it is expressed, that of the robot.
+        # The frame of a speed is the robot's, not the frame of the pose.
         return MapItem("pose", "", message.stamp_ns, _known(message))
     frame, stamp = _clean(frame_id(message)), stamp_ns(message)
     poses = get(message, "poses", None)
@@ -79,7 +79,7 @@ def to_map_item(message: Any) -> MapItem:
 
 
 def _cone(one: Range) -> MapItem:
-    """The cone of a sonar up to what it met, or as far as it sees; without an end where that is not known."""
+    """Return the cone of a sonar up to its reading, or up to its max_range; without points if that is unknown."""
     is_reading = one.validity is Validity.READING
     reach = one.range if is_reading else one.max_range
     points = np.empty((0, 2))
@@ -94,7 +94,7 @@ def _cone(one: Range) -> MapItem:
 
 
 def _of_poses(poses: Sequence[Any], frame: str, stamp: int | None) -> MapItem:
-    """The places of a Path, whose poses have headers, or of a PoseArray."""
+    """Return the places of a Path, whose poses have headers, or of a PoseArray."""
     inner = [get(pose, "pose", pose) for pose in poses]
     columns = np.array([[_number(pose, f"position.{axis}") for axis in "xy"] for pose in inner], np.float64).reshape(
         -1, 2
@@ -112,18 +112,18 @@ def _of_fix(message: Any, frame: str, stamp: int | None) -> MapItem:
     latitude, longitude, altitude = (_number(message, name) for name in ("latitude", "longitude", "altitude"))
     status = get(message, "status.status", 0)
     known = isfinite(latitude) and isfinite(longitude) and status is not None and status > _NO_FIX
-    known = known and not latitude == longitude == 0  # which receivers send before they have one
+    known = known and not latitude == longitude == 0  # sent by receivers before their first fix
     if known and not (abs(latitude) <= 90 and abs(longitude) <= 360):
         raise ValueError(f"expected a latitude within ±90 degrees, got {latitude:g}, longitude {longitude:g}")
     fix = (latitude, longitude, altitude if isfinite(altitude) else 0.0) if known else NO_FIX
     has_covariance = get(message, "position_covariance_type", 0) not in (0, None)
-    # Rows of three, of east, north and up.
+    # A 3 x 3 matrix of east, north and up.
     covariance = get(message, "position_covariance", None) if has_covariance else None
     return MapItem("pose", frame, stamp, scatter=_scatter(covariance, 3), fix=fix)
 
 
 def _scatter(covariance: Any, size: int = 6) -> Scatter | None:
-    """The covariance of x and y in that of a pose; None where it is all 0, or says nothing."""
+    """Return the covariance of x and y from a covariance by rows, or None if it is all 0 or invalid."""
     if covariance is None or len(covariance) != size * size:
         return None
     try:
@@ -141,7 +141,7 @@ def _known(speed: Speed) -> Pose:
 
 
 def _placed(pose: Pose) -> Pose:
-    """A pose; one without a place is nowhere."""
+    """Return the pose, or `NOWHERE` if its place is not finite."""
     return pose if isfinite(pose.x) and isfinite(pose.y) else NOWHERE
 
 
@@ -155,5 +155,5 @@ def _number(message: Any, path: str) -> float:
 
 
 def _clean(frame: str) -> str:
-    """The name of a frame, which ROS 1 wrote with a leading slash, or without."""
+    """Return the name of a frame without the leading slash that ROS 1 may write."""
     return frame.lstrip("/")

@@ -1,4 +1,4 @@
-"""Messages of poses and odometry to poses on the floor."""
+"""Conversion of poses and odometry to poses on the floor."""
 
 from __future__ import annotations
 
@@ -9,13 +9,13 @@ from .fields import describe, get, has, unwrap
 
 
 def to_pose(message: Any) -> Pose:
-    """The pose in a Pose, PoseStamped, PoseWithCovariance(Stamped) or Odometry-like message.
+    """Return the pose in a Pose, PoseStamped, PoseWithCovariance(Stamped) or Odometry-like message.
 
     Args:
-        message: an object or dictionary of one of these shapes, or a `Speed` that came with odometry.
+        message: an object or dictionary of one of these shapes, or a `Speed` from odometry.
 
     Raises:
-        TypeError: it has no pose; the text says what came and what was expected.
+        TypeError: the message has no pose; the text says what came and what was expected.
     """
     message = unwrap(message)
     pose = pose_of(message)
@@ -29,7 +29,7 @@ def to_pose(message: Any) -> Pose:
 
 
 def pose_of(message: Any) -> Pose | None:
-    """The pose in a message, as `to_pose` reads it; None where it has none."""
+    """Return the pose in a message, as `to_pose` reads it, or None."""
     if isinstance(message, Speed):
         return message.pose
     pose = message

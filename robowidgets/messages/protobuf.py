@@ -1,4 +1,4 @@
-"""Messages of protobuf as plain fields, by the definitions that a file holds, if the package protobuf is installed."""
+"""Messages of protobuf as plain fields, by the definitions in a file, if the package protobuf is installed."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from collections.abc import Callable
 from importlib import import_module
 from typing import Any
 
-NO_PROTOBUF = "its messages are encoded as 'protobuf': pip install protobuf, and they are read"
+NO_PROTOBUF = "its messages are encoded as 'protobuf': pip install protobuf to read them"
 
 
 def has_protobuf() -> bool:
@@ -27,7 +27,7 @@ def reader_of(type_name: str, definition: str) -> Callable[[bytes], dict[str, An
         definition: a FileDescriptorSet, in base64.
 
     Raises:
-        ValueError: the definition is not one, or lacks the type. The function raises it for bytes that are no message.
+        ValueError: the definition is invalid, or lacks the type. The returned function raises it for invalid bytes.
     """
     descriptors, pools, factory = (
         import_module(f"google.protobuf.{name}") for name in ("descriptor_pb2", "descriptor_pool", "message_factory")
@@ -37,10 +37,10 @@ def reader_of(type_name: str, definition: str) -> Callable[[bytes], dict[str, An
     try:
         files = descriptors.FileDescriptorSet.FromString(b64decode(definition)).file
         left = {file.name: file for file in files}
-        while left:  # in the order in which they need each other
+        while left:  # files after the files that they depend on
             ready = [file for file in left.values() if left.keys().isdisjoint(file.dependency)]
             if not ready:
-                raise ValueError("its files need each other")
+                raise ValueError("its files depend on each other in a circle, or on a missing file")
             for file in ready:
                 pool.Add(left.pop(file.name))
         kind = factory.GetMessageClass(pool.FindMessageTypeByName(type_name))
@@ -51,19 +51,19 @@ def reader_of(type_name: str, definition: str) -> Callable[[bytes], dict[str, An
         try:
             return _fields(kind.FromString(raw))
         except wrong_bytes as error:
-            raise ValueError(f"{len(raw)} bytes that are no {type_name}: {error}") from None
+            raise ValueError(f"{len(raw)} bytes are not a valid {type_name}: {error}") from None
 
     return read
 
 
 def _fields(message: Any) -> dict[str, Any]:
-    """The fields of a message; a time is one of seconds and nanoseconds."""
+    """Return the fields of a message; times have seconds and nanoseconds."""
     if message.DESCRIPTOR.full_name in ("google.protobuf.Timestamp", "google.protobuf.Duration"):
         return {"sec": message.seconds, "nsec": message.nanos}
     found: dict[str, Any] = {}
     for field in message.DESCRIPTOR.fields:
         value = getattr(message, field.name)
-        if hasattr(value, "items"):  # a map: texts to values
+        if hasattr(value, "items"):  # a map of protobuf
             value = {str(key): _plain(item) for key, item in value.items()}
         elif hasattr(value, "extend"):
             value = [_plain(item) for item in value]

@@ -1,4 +1,4 @@
-"""Range messages of sonars and infrared sensors to ranges."""
+"""Conversion of Range messages of sonars and infrared sensors."""
 
 from __future__ import annotations
 
@@ -14,15 +14,14 @@ _RADIATIONS: dict[float, str] = {0: "ultrasound", 1: "infrared"}
 
 
 def to_range(message: Any) -> Range:
-    """The distance in a Range-like message.
+    """Return the range in a Range-like message.
 
     Args:
         message: an object or dictionary with the fields of sensor_msgs/Range; a `Range` is returned as it is.
 
     Raises:
-        TypeError: it is not such a message; the text says what came and what was expected.
-        ValueError: it is one, but its limits are no limits, or equal: such a sensor tells whether something is there,
-            not how far, and is a touch sensor.
+        TypeError: the message has another type; the text says what came and what was expected.
+        ValueError: its limits are invalid, or equal. With equal limits it is a binary touch sensor (REP-117).
     """
     message = unwrap(message)
     if isinstance(message, Range):
@@ -36,7 +35,7 @@ def to_range(message: Any) -> Range:
     measured, low, high = (get(message, name) for name in _NEEDED)
     view, odd = _field_of_view(get(message, "field_of_view", None))
     return Range(
-        # JSON has neither NaN nor infinity: which of the three it was cannot be told any more.
+        # JSON has null for NaN and both infinities, so the value that was sent is unknown.
         range=nan if measured is None else measured,
         min_range=low,
         max_range=inf if high is None else high,
@@ -49,7 +48,7 @@ def to_range(message: Any) -> Range:
 
 
 def _field_of_view(given: Any) -> tuple[float, tuple[Problem, ...]]:
-    """The opening angle in radians, 0 for what is none, which does not make the distance wrong."""
+    """Return the opening angle in radians; an invalid one is 0 and a problem, because the distance is still right."""
     view = 0.0 if given is None else number("field_of_view", given)
     if view >= 0 and is_angle(view):
         return view, ()
@@ -60,5 +59,5 @@ def _field_of_view(given: Any) -> tuple[float, tuple[Problem, ...]]:
 
 
 def _radiation(code: Any) -> str:
-    """The name of a code; empty for another one."""
+    """Return the name of a code, or an empty text if it is unknown."""
     return "" if code is None else _RADIATIONS.get(number("radiation_type", code), "")

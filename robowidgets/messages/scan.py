@@ -1,4 +1,4 @@
-"""LaserScan and MultiEchoLaserScan messages to scans."""
+"""Conversion of LaserScan and MultiEchoLaserScan messages."""
 
 from __future__ import annotations
 
@@ -16,9 +16,9 @@ from .fields import MISSING, describe, frame_id, get, has, reader, stamp_ns, unw
 
 _NEEDED = ("ranges", "angle_min", "angle_increment", "range_min", "range_max")
 LONGEST_SCAN = 60.0
-"""Seconds; a scan_time or time_increment above it is noted and not used."""
+"""Seconds; a longer scan_time or time_increment is a problem and not used."""
 MOST_ECHOES = 100
-"""Of a ray; scanners send up to five."""
+"""Echoes of a ray; scanners send up to five."""
 _ONE_RAY = (
     "; a single distance is one ray: ranges=[message.range], angle_min=0, angle_increment=0, "
     "range_min=message.min_range, range_max=message.max_range"
@@ -26,15 +26,15 @@ _ONE_RAY = (
 
 
 def to_scan(message: Any) -> Scan:
-    """The scan in a LaserScan-like message; of one with several echoes, the first of each ray.
+    """Return the scan in a LaserScan-like message, with the first of several echoes of each ray.
 
     Args:
         message: an object or dictionary with the fields of sensor_msgs/LaserScan or MultiEchoLaserScan; a `Scan` is
             returned as it is.
 
     Raises:
-        TypeError: it is not such a message; the text says what came and what was expected.
-        ValueError: it is one, but its numbers cannot be shown.
+        TypeError: the message has another type; the text says what came and what was expected.
+        ValueError: its numbers cannot be shown.
     """
     message = unwrap(message)
     if isinstance(message, Scan):
@@ -87,14 +87,14 @@ def to_scan(message: Any) -> Scan:
 
 
 def _echoes(ranges: Sequence[Any], intensities: Sequence[Any]) -> tuple[Echoes, tuple[Problem, ...]]:
-    """The echoes of all rays, and what is odd about them."""
+    """Return the echoes of all rays, and their problems."""
     counts, columns = _columns("ranges", ranges)
     none = np.empty((len(counts), 0), np.float32)
     if not len(intensities):
         return Echoes(counts, columns, none), ()
     lit, strengths = _columns("intensities", intensities)
     if np.array_equal(lit, counts):
-        # A scanner without intensities may send empty lists of them.
+        # A scanner without intensities may send empty lists.
         return Echoes(counts, columns, strengths if lit.any() else none), ()
     if not lit.any():
         return Echoes(counts, columns, none), ()
@@ -106,7 +106,7 @@ def _echoes(ranges: Sequence[Any], intensities: Sequence[Any]) -> tuple[Echoes, 
 
 
 def _columns(name: str, rays: Sequence[Any]) -> tuple[NDArray[np.intp], NDArray[np.float32]]:
-    """The number of values of each ray, and the values as rows, with NaN after the last of each."""
+    """Return the number of values of each ray, and the values as rows padded with NaN."""
     lists = [get(ray, "echoes", None) for ray in rays]
     if any(not isinstance(values, Sized) or isinstance(values, (bytes, str)) for values in lists):
         raise TypeError(f"{name}: expected a list of echoes for each ray, got {describe(rays[0])}")
@@ -125,14 +125,14 @@ def _count(ranges: Any) -> int:
 
 
 def _about_unit(angle_min: Any) -> Iterator[Problem]:
-    """An angle that no scanner starts at in radians."""
+    """Yield the problem of an angle_min that is beyond a full turn, as degrees are."""
     first = to_radians("angle_min", angle_min)
     if isfinite(first) and not is_angle(first):
         yield Problem(f"angle_min is {first:g} rad", f"is it in degrees? {OF_DEGREES}")
 
 
 def _about_angles(stated: Any, count: int, angle_min: Any, increment: Any) -> Iterator[Problem]:
-    """An angle_max that contradicts the number of ranges."""
+    """Yield the problem of an angle_max that contradicts the number of ranges."""
     if stated is None or count < 2:
         return
     first, step = to_radians("angle_min", angle_min), to_radians("angle_increment", increment)
@@ -160,7 +160,7 @@ def _about_angles(stated: Any, count: int, angle_min: Any, increment: Any) -> It
 
 
 def _about_times(read: Callable[[str, Any], Any]) -> Iterator[Problem]:
-    """Times that no scanner can have; they are not used."""
+    """Yield the problems of impossible times; they are not used."""
     for name in ("time_increment", "scan_time"):
         value = read(name, None)
         seconds = 0.0 if value is None else number(name, value)
@@ -169,6 +169,6 @@ def _about_times(read: Callable[[str, Any], Any]) -> Iterator[Problem]:
 
 
 def _about_frame(message: Any) -> Iterator[Problem]:
-    """A header without the name of a coordinate frame. Numbers without a header need none."""
+    """Yield the problem of a header with an empty frame_id. A message without a header does not need one."""
     if get(message, "header.frame_id", None) == "":
         yield Problem("frame_id is empty", "set it in the driver, or tf cannot tell where the scanner is")

@@ -1,4 +1,4 @@
-"""What the definition of a message says of its fields: their types, and what their numbers are called."""
+"""The fields of a message by its definition: their types, and the names of their numbers."""
 
 from __future__ import annotations
 
@@ -16,9 +16,9 @@ from .layout import NO_FIELD
 
 _INTEGERS = ("int8", "uint8", "int16", "uint16", "int32", "uint32", "int64", "uint64")
 _SMALL = {"byte": "uint8", "char": "uint8", "int8": "uint8"}
-"""Types of one byte are taken for one: rcl_interfaces/Log has constants of ``byte`` for its field of ``uint8``."""
+"""All types of one byte count as the same: rcl_interfaces/Log has constants of ``byte`` for its field of ``uint8``."""
 _NUMBERED = frozenset(("id", "seq", "line", "count", "index"))
-"""Names of fields whose numbers seldom have names."""
+"""Names of fields whose numbers rarely have names."""
 
 _PART = re.compile(r"^=+\nMSG:[ \t]*(\S+)[ \t]*\n", re.MULTILINE)
 _CONSTANT = re.compile(r"^[ \t]*(\w+)[ \t]+(\w+)[ \t]*=[ \t]*([+-]?\w+)[ \t]*(?:#.*)?$", re.MULTILINE)
@@ -28,9 +28,9 @@ Constant = tuple[str, str, int]
 
 
 class FieldType(NamedTuple):
-    """The type of a field: ``float32``, ``string``, ``time``, ``duration``, or that of a message.
+    """The type of a field: ``float32``, ``string``, ``time``, ``duration``, or the type of a message.
 
-    ``names`` are the constants of the definition that its numbers stand for, by the number as text.
+    ``names`` maps its numbers, as text, to the names of constants in the definition.
     """
 
     type: str
@@ -40,13 +40,13 @@ class FieldType(NamedTuple):
 
 
 class Schema:
-    """The types of the fields of a message, and of the messages within it.
+    """The types of the fields of a message and of its inner messages.
 
     Args:
-        channel: its type, with its definition where that is known.
+        channel: a channel of its type, with the definition if that is known.
 
     Raises:
-        DecodeError: nothing is known of the type.
+        DecodeError: the type is unknown.
     """
 
     def __init__(self, channel: Channel) -> None:
@@ -56,7 +56,7 @@ class Schema:
         self._known: dict[str, dict[str, FieldType]] = {}
 
     def fields(self, of_type: str) -> Mapping[str, FieldType]:
-        """The fields of a message of a type, in the order of the definition; none of a type that is not in it."""
+        """Return the fields of a type, in the order of the definition, or an empty mapping for an unknown type."""
         if of_type not in self._known:
             self._known[of_type] = self._read(of_type)
         return self._known[of_type]
@@ -83,18 +83,18 @@ class Schema:
 
 
 def schema_of(message: Any, type_hint: str = "") -> Schema | None:
-    """What is known of the fields of a message; None where nothing is.
+    """Return the schema of a message, or None if its type is unknown.
 
     Args:
-        message: as rosbags, rclpy or rospy have it; what does not tell its type is of the type that is given.
-        type_hint: such as ``sensor_msgs/msg/Imu``.
+        message: a message of rosbags, rclpy or rospy, or another object.
+        type_hint: the type of an object that does not contain its type, such as ``sensor_msgs/msg/Imu``.
     """
     channel = channel_of(message)
     if channel is None:
         name = _ros_name(getattr(message, "__msgtype__", "") or type_name(message)) or _ros_name(type_hint)
         if not name:
             return None
-        text = getattr(message, "_full_text", "")  # of rospy
+        text = getattr(message, "_full_text", "")  # from rospy
         channel = Channel(0, "", name, "ros1" if text else "cdr", text if isinstance(text, str) else "", 0)
     try:
         return Schema(channel)
@@ -103,7 +103,7 @@ def schema_of(message: Any, type_hint: str = "") -> Schema | None:
 
 
 def constants_in(text: str) -> list[Constant]:
-    """The whole numbers in the text of a definition that have names."""
+    """Return the constants in the text of a definition that are whole numbers."""
     found = []
     for kind, name, value in _CONSTANT.findall(text):
         if _plain(kind) in _INTEGERS:
@@ -115,11 +115,12 @@ def constants_in(text: str) -> list[Constant]:
 
 
 def names_of(constants: Iterable[Constant], types: Mapping[str, str]) -> dict[str, dict[int, str]]:
-    """For each field whose numbers have names, the names by number.
+    """Return the names by number, for each field whose numbers have names.
 
-    A definition does not say which constants belong to which field. Those that begin with the name of a field, or its
-    last words, are its own, and lose that beginning: ``POWER_SUPPLY_STATUS_FULL``. Of the others each group, which
-    begins where numbers start anew, belongs to one field of its type, if there are as many such fields as groups.
+    A definition does not say which constants belong to which field. Constants that begin with the name of a field, or
+    with its last words, belong to it, and lose that prefix: ``POWER_SUPPLY_STATUS_FULL``. The others form groups; a new
+    group begins if a number is lower than the one before. Each group belongs to one field of its type, if there are as
+    many such fields as groups.
     """
     left = [(name, kind, int(value)) for name, kind, value in constants if _plain(kind) in _INTEGERS]
     fields = {name: _plain(kind) for name, kind in types.items() if _plain(kind) in _INTEGERS}
@@ -142,7 +143,7 @@ def names_of(constants: Iterable[Constant], types: Mapping[str, str]) -> dict[st
 
 
 def _with_prefix(constants: Iterable[Constant], field: str) -> list[tuple[str, str, int]]:
-    """The constants of a field by its name: names, names without it, and values."""
+    """Return the constants with the name of a field as a prefix: names, names without the prefix, and values."""
     words = re.sub(r"(?<=[a-z\d])(?=[A-Z])", "_", field).upper().split("_")
     listed = list(constants)
     for first in range(len(words)):
@@ -163,7 +164,7 @@ def _by_number(named: Iterable[tuple[str, int]]) -> dict[int, str]:
 
 
 def _common_words(names: list[str]) -> int:
-    """The length of the words with which all names begin; 0 where nothing would be left of one."""
+    """Return the length of the words with which all names begin; at least one word of each name is left."""
     if len(names) < 2:
         return 0
     words = [name.split("_") for name in names]
@@ -187,13 +188,13 @@ def _plain(kind: str) -> str:
 
 
 def _parts(channel: Channel) -> dict[str, str]:
-    """The texts in the definition of a channel, by type; in IDL there are none."""
+    """Return the texts in the definition of a channel, by type; a definition in IDL is not split."""
     first, *parts = _PART.split(channel.definition.replace("\r", ""))
     names = [_ros_name(name) for name in parts[::2]]
     return {channel.type: first, **dict(zip(names, parts[1::2], strict=True))}
 
 
 def _ros_name(name: str) -> str:
-    """``sensor_msgs/msg/Imu`` of the ways to write it; empty for what is no type of ROS."""
+    """Return a type as ``sensor_msgs/msg/Imu``, or an empty text if it is not a type of ROS."""
     found = re.fullmatch(r"(\w+)/(?:msg/)?(\w+)", name)
     return f"{found[1]}/msg/{found[2]}" if found else ""

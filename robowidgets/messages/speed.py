@@ -1,4 +1,4 @@
-"""Twist and odometry messages to speeds."""
+"""Conversion of twists and odometry to speeds."""
 
 from __future__ import annotations
 
@@ -11,16 +11,16 @@ from .pose import pose_of
 
 
 def to_speed(message: Any) -> Speed:
-    """The velocity in a Twist, TwistStamped, TwistWithCovariance(Stamped) or Odometry-like message, with its pose.
+    """Return the velocity in a Twist, TwistStamped, TwistWithCovariance(Stamped) or Odometry-like message.
 
-    Of an AckermannDrive(Stamped) it is the speed and the steering angle. How fast such a car turns depends on its
-    wheelbase, which no message tells.
+    Odometry has a pose too. An AckermannDrive(Stamped) has a speed and a steering angle; the angular velocity of such a
+    car is unknown, because it depends on the wheelbase.
 
     Args:
         message: an object or dictionary of one of these shapes; a `Speed` is returned as it is.
 
     Raises:
-        TypeError: it is not such a message; the text says what came and what was expected.
+        TypeError: the message has another type; the text says what came and what was expected.
     """
     message = unwrap(message)
     if isinstance(message, Speed):

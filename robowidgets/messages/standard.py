@@ -1,4 +1,4 @@
-"""Samples as messages of ROS 2, where a feed has samples and no messages: the simulated robot, a recording."""
+"""Conversion of samples to messages of ROS 2, for feeds without messages: the simulated robot, a recording."""
 
 from __future__ import annotations
 
@@ -21,11 +21,11 @@ CAMERA_INFO = "sensor_msgs/msg/CameraInfo"
 CONTACTS = "ros_gz_interfaces/msg/Contacts"
 
 ToMessage = Callable[[Any, int, str], tuple[str, dict[str, Any]]]
-"""The type and the fields of the message of a sample: of it, its time in nanoseconds, and the type of its topic."""
+"""A function of a sample, its time in nanoseconds and the type of its topic; it returns a message type and fields."""
 
 
 def scan_message(scan: Scan, time_ns: int, _topic_type: str) -> tuple[str, dict[str, Any]]:
-    """A ``sensor_msgs/LaserScan`` with the angles of the scanner, stamped with its time."""
+    """Return a ``sensor_msgs/LaserScan`` with the scanner's angles, stamped with the time."""
     scan = scan.unmounted()
     return LASER_SCAN, {
         "header": _header(time_ns, scan.frame_id),
@@ -40,7 +40,7 @@ def scan_message(scan: Scan, time_ns: int, _topic_type: str) -> tuple[str, dict[
 
 
 def range_message(measured: Range, time_ns: int, _topic_type: str) -> tuple[str, dict[str, Any]]:
-    """A ``sensor_msgs/Range``, stamped with its time."""
+    """Return a ``sensor_msgs/Range``, stamped with the time."""
     return RANGE, {
         "header": _header(time_ns, measured.frame_id),
         "radiation_type": 1 if measured.radiation == "infrared" else 0,
@@ -52,7 +52,7 @@ def range_message(measured: Range, time_ns: int, _topic_type: str) -> tuple[str,
 
 
 def mount_message(sample: Any, time_ns: int) -> tuple[str, dict[str, Any]] | None:
-    """A ``tf2_msgs/TFMessage`` with the place of a sensor on the robot; None where its sample does not tell it."""
+    """Return a ``tf2_msgs/TFMessage`` with the pose of a sensor on the robot, or None if its sample has no pose."""
     if isinstance(sample, Scan) and sample.mount and sample.mount.by == "hand" and sample.frame_id:
         turn = turn_of(sample.mount.yaw, upside_down=sample.mount.upside_down)
         return TF, {"transforms": [transform_fields("base_link", sample.frame_id, (0.0, 0.0, 0.0), turn, time_ns)]}
@@ -63,12 +63,12 @@ def mount_message(sample: Any, time_ns: int) -> tuple[str, dict[str, Any]] | Non
 
 
 def turn_of(yaw: float, *, upside_down: bool = False) -> tuple[float, float, float, float]:
-    """The quaternion x, y, z, w of a turn on the floor in radians, of a thing that stands on its head or not."""
+    """Return the quaternion x, y, z, w of a yaw in radians, for a sensor that is upside down or not."""
     return (cos(yaw / 2), sin(yaw / 2), 0.0, 0.0) if upside_down else (0.0, 0.0, sin(yaw / 2), cos(yaw / 2))
 
 
 def image_fields(image: Image) -> dict[str, Any]:
-    """The fields of a ``sensor_msgs/Image``, with its own stamp."""
+    """Return the fields of a ``sensor_msgs/Image``, with the stamp of the image."""
     pixels = np.ascontiguousarray(image.pixels)
     (height, width), data = image.shape, pixels.view(np.uint8).ravel()
     header = _header(image.stamp_ns or 0, image.frame_id)
@@ -77,7 +77,7 @@ def image_fields(image: Image) -> dict[str, Any]:
 
 
 def camera_info_fields(info: CameraInfo, stamp_ns: int) -> dict[str, Any]:
-    """The fields of a ``sensor_msgs/CameraInfo`` of ROS 2, of a whole picture."""
+    """Return the fields of a ``sensor_msgs/CameraInfo`` of ROS 2 for a whole picture."""
     size = {"height": info.height, "width": info.width, "distortion_model": info.distortion_model}
     return {"header": _header(stamp_ns, info.frame_id), **size, "d": info.d, "k": info.k, "r": info.r, "p": info.p}
 
@@ -85,13 +85,13 @@ def camera_info_fields(info: CameraInfo, stamp_ns: int) -> dict[str, Any]:
 def transform_fields(
     parent: str, child: str, place: Sequence[float], turn: Sequence[float], stamp_ns: int
 ) -> dict[str, Any]:
-    """The fields of a ``geometry_msgs/TransformStamped``: metres, and a quaternion x, y, z, w."""
+    """Return the fields of a ``geometry_msgs/TransformStamped`` from metres and a quaternion x, y, z, w."""
     pose = {"translation": dict(zip("xyz", place, strict=True)), "rotation": dict(zip("xyzw", turn, strict=True))}
     return {"header": _header(stamp_ns, parent), "child_frame_id": child, "transform": pose}
 
 
 def speed_message(speed: Speed, time_ns: int, topic_type: str) -> tuple[str, dict[str, Any]]:
-    """A type and its fields: Odometry for a speed with a pose, else Twist if the topic has it, else TwistStamped."""
+    """Return Odometry for a speed with a pose, else Twist if the topic has that type, else TwistStamped."""
     linear, angular = (dict(zip("xyz", values, strict=True)) for values in (speed.linear, speed.angular))
     twist = {"linear": linear, "angular": angular}
     if speed.pose is not None:
@@ -107,9 +107,9 @@ def speed_message(speed: Speed, time_ns: int, topic_type: str) -> tuple[str, dic
 
 
 class ContactMessages:
-    """Makes a ``ros_gz_interfaces/Contacts`` of each touch of a topic: a contact for each sensor that is touched then.
+    """A function that converts the touches of a topic to ``ros_gz_interfaces/Contacts``: a contact per touched sensor.
 
-    No standard type names touch sensors. This one takes any names, and each message tells of all sensors.
+    No standard type is made for touch sensors. This type takes any names, and each message covers all sensors.
     """
 
     def __init__(self) -> None:

@@ -1,4 +1,4 @@
-"""Twist and TwistStamped as bytes, by a module that imports nothing of robowidgets: a guard is to start soon."""
+"""Encoding of Twist and TwistStamped, in a module without imports from robowidgets, so that a guard starts fast."""
 
 from __future__ import annotations
 
@@ -10,16 +10,16 @@ TWIST = "geometry_msgs/msg/Twist"
 TWIST_STAMPED = "geometry_msgs/msg/TwistStamped"
 
 _CDR = b"\x00\x01\x00\x00"
-"""Says that little-endian CDR follows."""
+"""The header of little-endian CDR."""
 _TWIST = Struct("<6d")
 _STAMP = Struct("<iI")
 _LENGTH = Struct("<I")
 
 
 def encode_twist(encoding: str, message_type: str, message: Mapping[str, Any]) -> bytes:
-    """The bytes of a Twist or TwistStamped in ``cdr`` or ``ros1``, given as its fields; one that is left out is zero.
+    """Return the bytes of a Twist or TwistStamped in ``cdr`` or ``ros1`` from its fields; omitted fields are zero.
 
-    `encoding.encode` writes every type, and takes a tenth of a second to be imported and to write its first message.
+    `encoding.encode` writes every type, but takes a tenth of a second for its import and its first message.
     """
     head = b""
     if message_type == TWIST_STAMPED:
@@ -32,7 +32,7 @@ def encode_twist(encoding: str, message_type: str, message: Mapping[str, Any]) -
 def _header(encoding: str, header: Mapping[str, Any]) -> bytes:
     stamp, name = header.get("stamp", {}), str(header.get("frame_id", "")).encode()
     time = _STAMP.pack(stamp.get("sec", 0), stamp.get("nanosec", 0))
-    if encoding == "ros1":  # it begins with a number that nobody uses
+    if encoding == "ros1":  # it begins with an unused number
         return _LENGTH.pack(0) + time + _LENGTH.pack(len(name)) + name
     head = time + _LENGTH.pack(len(name) + 1) + name + b"\x00"
     return head + bytes(-len(head) % 8)

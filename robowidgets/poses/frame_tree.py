@@ -1,4 +1,4 @@
-"""The coordinate frames of a robot through a recording, and the pose of one in another at any time."""
+"""The coordinate frames of a robot in a recording, and the pose of a frame in another at any time."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from .transforms import Transform
 
 HELD_S = 10.0
-"""Seconds after which a transform is old, as tf2 forgets it by then. Over a longer gap it is held, not interpolated."""
+"""Seconds after which a transform is old, as in tf2, which drops it. Over a longer gap it is held, not interpolated."""
 
 Floats = NDArray[np.float64]
 Times = NDArray[np.int64]
@@ -29,34 +29,34 @@ class Poses(NamedTuple):
 
     @classmethod
     def identity(cls, count: int) -> Poses:
-        """The poses of a frame in itself."""
+        """Return the poses of a frame in itself."""
         return cls(np.zeros((count, 3)), np.tile([0.0, 0.0, 0.0, 1.0], (count, 1)))
 
     def of(self, inner: Poses) -> Poses:
-        """The poses in the outer frame of something at ``inner`` in the inner one."""
+        """Return the poses in the outer frame for ``inner``, poses in the inner frame."""
         positions = self.positions + _rotated(self.orientations, inner.positions)
         return Poses(positions, _product(self.orientations, inner.orientations))
 
     def moved(self, points: Floats) -> Floats:
-        """Points in the inner frame, shape (M, 3), in the outer one, of a single pose."""
+        """Return points in the outer frame for points in the inner frame, shape (M, 3), by a single pose."""
         return np.asarray(self.positions + _rotated(np.repeat(self.orientations, len(points), axis=0), points))
 
     def inverse(self) -> Poses:
-        """The poses of the outer frame in the inner one."""
+        """Return the poses of the outer frame in the inner frame."""
         back = self.orientations * [-1.0, -1.0, -1.0, 1.0]
         return Poses(-_rotated(back, self.positions), back)
 
 
 @dataclass(frozen=True)
 class TransformHistory:
-    """The poses of one frame in its parent through a recording.
+    """The poses of a frame in its parent in a recording.
 
     Args:
         parent: the name of the parent.
         times_ns: log times, shape (N,), N > 0.
-        stamps_ns: stamps of the messages, shape (N,); 0 for messages without one.
+        stamps_ns: stamps of the messages, shape (N,); 0 for messages without a stamp.
         poses: the poses at these times.
-        static: whether the last pose is valid at all times.
+        static: True if the last pose is valid at all times.
     """
 
     parent: str
@@ -66,10 +66,10 @@ class TransformHistory:
     static: bool = False
 
     def at(self, times_ns: Times, stamps_ns: Times) -> Poses:
-        """The poses at some log times and stamps, shape (N,) each: interpolated, and at the ends the nearest.
+        """Return the poses at some log times and stamps, shape (N,) each: interpolated, or the nearest at the ends.
 
-        By stamps if both have stamps of the same clock, else by log times. In a gap longer than `HELD_S` it is the
-        pose before.
+        Times are compared by stamps if both have stamps of the same clock, else by log times. In a gap longer than
+        `HELD_S` the pose before the gap is held.
         """
         if self.static:
             return Poses(*(np.tile(column[-1], (len(times_ns), 1)) for column in self.poses))
@@ -83,9 +83,9 @@ class TransformHistory:
         return Poses(positions, _slerp(one.orientations, other.orientations, share))
 
     def held_s(self, times_ns: Times, stamps_ns: Times) -> Floats:
-        """Return the seconds since the message whose pose is held at each time; below 0: until the first message.
+        """Return the seconds since the message whose pose is held at each time, or minus the seconds until the first.
 
-        They are 0 if the pose is static, or between two messages that are near.
+        They are 0 if the pose is static or interpolated between two messages.
         """
         if self.static:
             return np.zeros(len(times_ns))
@@ -97,7 +97,7 @@ class TransformHistory:
         return np.where(is_near | is_at, 0.0, since / 1e9)
 
     def _clock(self, times_ns: Times, stamps_ns: Times) -> tuple[Times, Times, Times]:
-        """Return the times of the messages in order, their order, and the times asked for, all by the same clock."""
+        """Return the sorted times of the messages, their order, and the requested times, all by the same clock."""
         given, order = self._by_stamp
         if given[0] and stamps_ns.all() and stamps_ns.max() >= given[0] and stamps_ns.min() <= given[-1]:
             return given, order, stamps_ns
@@ -113,7 +113,7 @@ class TransformHistory:
 
 
 class _Collected:
-    """The transforms of a frame to its parent, collected one by one."""
+    """The transforms from a frame to its parent, collected one by one."""
 
     def __init__(self) -> None:
         self._times, self._stamps, self._poses = array("q"), array("q"), array("d")
@@ -127,7 +127,7 @@ class _Collected:
         self._static = transform.static
 
     def history(self, parent: str) -> TransformHistory:
-        """The history of these transforms."""
+        """Return the history of these transforms."""
         poses = np.array(self._poses).reshape(-1, 7)
         times, stamps = (np.array(column, np.int64) for column in (self._times, self._stamps))
         return TransformHistory(parent, times, stamps, Poses(poses[:, :3], poses[:, 3:]), self._static)
@@ -139,11 +139,11 @@ class FrameTree:
     Odometry is added to the tree unless tf contains the same transform, so that robots without tf have poses too.
 
     Args:
-        transforms: all of the recording, in any order.
+        transforms: all transforms of the recording, in any order.
     """
 
     odometry: tuple[str, str] | None
-    """The parent and the child frame of the odometry that came first; None without odometry."""
+    """The parent and the child frame of the first odometry, or None without odometry."""
 
     def __init__(self, transforms: Iterable[Transform]) -> None:
         by_tf: defaultdict[tuple[str, str], _Collected] = defaultdict(_Collected)
@@ -153,25 +153,25 @@ class FrameTree:
             (by_odometry if transform.odometry else by_tf)[transform.parent, transform.child].add(transform)
             if not transform.odometry:
                 parents[transform.child] = transform.parent
-        # If messages name different parents of a frame, the parent in the last message counts.
+        # If messages name different parents of a frame, the last one counts.
         self._histories = {child: by_tf[parent, child].history(parent) for child, parent in parents.items()}
         self.odometry = next(iter(by_odometry), None)
         if self.odometry:
             self._join(*self.odometry, by_odometry[self.odometry].history(self.odometry[0]))
 
     def chain(self, frame: str) -> list[str]:
-        """The frame, its parent, the parent of that, up to the root."""
+        """Return the frame and its ancestors up to the root."""
         chain = [frame]
         while (history := self._histories.get(chain[-1])) and history.parent not in chain:
             chain.append(history.parent)
         return chain
 
     def history(self, frame: str) -> TransformHistory | None:
-        """The history of a frame; None if no message names its parent."""
+        """Return the history of a frame, or None if no message names its parent."""
         return self._histories.get(frame)
 
     def poses(self, frame: str, world: str, times_ns: Times, stamps_ns: Times) -> Poses:
-        """The poses of a frame in one above it in its `chain`, at some log times and stamps, shape (N,) each."""
+        """Return the poses of a frame in one of its `chain`, at some log times and stamps, shape (N,) each."""
         chain = self.chain(frame)
         poses = Poses.identity(len(times_ns))
         for name in chain[: chain.index(world)]:
@@ -182,7 +182,7 @@ class FrameTree:
         chain = self.chain(base)
         if world in chain:
             return
-        # The child of odometry may have parents in tf: then their root moves in the world.
+        # If the child of odometry has ancestors in tf, their root gets the pose in the world.
         below = self.poses(base, chain[-1], odometry.times_ns, odometry.stamps_ns)
         poses = odometry.poses.of(below.inverse())
         self._histories[chain[-1]] = TransformHistory(world, odometry.times_ns, odometry.stamps_ns, poses)
@@ -194,7 +194,7 @@ def _sorted(times: Times) -> tuple[Times, Times]:
 
 
 def _neighbours(given: Times, asked: Times) -> tuple[Times, Times]:
-    """Return the places of the messages before and after some times; at the ends, those of the last two."""
+    """Return the indices of the messages before and after some times, or of the two nearest messages at the ends."""
     after = np.searchsorted(given, asked).clip(1, max(len(given) - 1, 1))
     return after - 1, np.minimum(after, len(given) - 1)
 
@@ -202,7 +202,7 @@ def _neighbours(given: Times, asked: Times) -> tuple[Times, Times]:
 def _slerp(start: Floats, end: Floats, share: Floats) -> Floats:
     """Return the quaternions at a share of the shortest turn from one to another, shape (N, 4), as tf2 does."""
     along = (start * end).sum(axis=1, keepdims=True)
-    # q and -q are the same orientation: take the nearer.
+    # q and -q are the same orientation: take the nearer one.
     end = np.where(along < 0, -1.0, 1.0) * end
     angle = np.arccos(np.abs(along).clip(max=1.0))
     sine = np.sin(angle)
@@ -224,7 +224,7 @@ _AFTER, _BEFORE = np.array([1, 2, 0]), np.array([2, 0, 1])
 
 
 def _cross(one: Floats, other: Floats) -> Floats:
-    """Cross products, shape (N, 3). That of NumPy takes ten times as long for a few."""
+    """Return cross products, shape (N, 3). `np.cross` takes ten times as long for a few."""
     product: Floats = one[:, _AFTER] * other[:, _BEFORE] - one[:, _BEFORE] * other[:, _AFTER]
     return product
 

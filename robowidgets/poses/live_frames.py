@@ -1,4 +1,4 @@
-"""The coordinate frames of a running robot, as far as its transforms tell, and the pose of one in another."""
+"""The coordinate frames of a running robot by its transforms, and the pose of a frame in another."""
 
 from __future__ import annotations
 
@@ -12,60 +12,64 @@ from .frame_tree import HELD_S, Poses, Times, TransformHistory
 from .transforms import Transform
 
 KEPT = 500
-"""Transforms of a frame that are kept: ten seconds at 50 Hz."""
+"""Transforms to keep for each frame: ten seconds at 50 Hz."""
 
 
 class Frames(Protocol):
-    """The tree of coordinate frames: of a recording a `FrameTree`, of a running robot `LiveFrames`."""
+    """A tree of coordinate frames: a `FrameTree` of a recording, or the `LiveFrames` of a running robot."""
 
     def chain(self, frame: str) -> list[str]:
-        """The frame, its parent, the parent of that, up to the root."""
+        """Return the frame and its ancestors up to the root."""
 
     def poses(self, frame: str, world: str, times_ns: Times, stamps_ns: Times) -> Poses:
-        """The poses of a frame in one above it in its `chain`, at some times."""
+        """Return the poses of a frame in one of its `chain`, at some times."""
 
     def history(self, frame: str) -> TransformHistory | None:
-        """The history of a frame; None if no message names its parent."""
+        """Return the history of a frame, or None if no message names its parent."""
 
 
 class TakesFrames(Protocol):
-    """A widget that a feed tells where the robot and its sensors are."""
+    """A widget that gets the poses of the robot and its sensors from a feed."""
 
     @property
     def frame_topics(self) -> str:
-        """By "odometry", of several topics the first, and without any by tf; by "tf"; by "both"; empty: by nothing."""
+        """The topics to take: "odometry" (the first topic, or tf without odometry), "tf", "both", or empty for none."""
 
     def take_frames(self, message: Any) -> None:
-        """Take a message of odometry or of tf. It may be called from any thread; one that says nothing is left out."""
+        """Take a message of odometry or tf, from any thread. Invalid messages are ignored."""
 
     def take_static_frames(self, message: Any) -> None:
-        """Take a message of tf whose transforms hold for ever, as `take_frames` takes others."""
+        """Take a message of static tf, from any thread. Invalid messages are ignored."""
 
 
 @runtime_checkable
 class TakesTopics(Protocol):
-    """A widget that a feed gives what other topics say beside its own."""
+    """A widget that gets messages of further topics from a feed."""
 
     def topics_beside(self, topics: Mapping[str, str]) -> Sequence[tuple[str, Callable[[Any], object]]]:
-        """The topics that it needs of those there are, of which each has its type, and what takes their messages."""
+        """Return the names of the topics that it needs, each with a function that takes its messages.
+
+        Args:
+            topics: the types of all topics by name.
+        """
 
 
 class LiveFrames:
-    """The frames of a running robot; of each frame the last transforms to its parent.
+    """The frames of a running robot, with the last transforms from each frame to its parent.
 
-    Odometry counts where tf names no parent of its frame.
+    Odometry counts for a frame without a parent in tf.
     """
 
     def __init__(self) -> None:
         self.edition = 0
-        """How often a frame got another parent."""
+        """The number of times that a frame got another parent."""
         self._parents: dict[str, str] = {}
         self._rows: dict[str, deque[Transform]] = {}
         self._by_odometry: set[str] = set()
         self._histories: dict[str, TransformHistory] = {}
 
     def add(self, one: Transform) -> None:
-        """Take the newest transform of a frame. Its ``time_ns`` is when it arrived."""
+        """Take the newest transform of a frame. Its ``time_ns`` is its time of arrival."""
         child = one.child
         if one.odometry and child in self._parents and child not in self._by_odometry:
             return
@@ -95,7 +99,7 @@ class LiveFrames:
         return poses
 
     def is_static(self, frame: str, world: str) -> bool:
-        """Return True if static transforms alone lead from a frame to one above it in its `chain`."""
+        """Return True if only static transforms lead from a frame to one of its `chain`."""
         chain = self.chain(frame)
         return all(self._rows[name][-1].static for name in chain[: chain.index(world)])
 
@@ -116,9 +120,9 @@ class LiveFrames:
 
 
 class OldTransform(NamedTuple):
-    """A transform that was old at the time for which it was taken: seconds since its last message.
+    """A transform that was old when it was used, with the seconds since its last message.
 
-    Seconds below 0 are those until its first one.
+    Negative seconds are the time until its first message.
     """
 
     parent: str
@@ -127,12 +131,12 @@ class OldTransform(NamedTuple):
 
 
 def are_joined(frames: Frames, one: str, other: str) -> bool:
-    """Whether transforms lead from one frame to the other."""
+    """Return True if transforms lead from one frame to the other."""
     return one == other or not set(frames.chain(one)).isdisjoint(frames.chain(other))
 
 
 def joined(frames: Frames, frame: str, world: str, times_ns: Times, stamps_ns: Times) -> Poses | None:
-    """The poses of a frame in another at some log times and stamps, shape (N,); None: nothing joins them."""
+    """Return the poses of a frame in another at log times and stamps, shape (N,), or None if they are not joined."""
     if frame == world:
         return Poses.identity(len(times_ns))
     up, down = frames.chain(frame), frames.chain(world)
@@ -144,7 +148,7 @@ def joined(frames: Frames, frame: str, world: str, times_ns: Times, stamps_ns: T
 
 
 def held_between(frames: Frames, frame: str, world: str, time_ns: int, stamp_ns: int | None) -> OldTransform | None:
-    """Return the transform between two frames that is the oldest at a time; None if all are newer than `HELD_S`."""
+    """Return the oldest transform between two frames at a time, or None if all are newer than `HELD_S`."""
     up, down = frames.chain(frame), frames.chain(world)
     moving = [name for name in (*up, *down) if (name in up) != (name in down)]
     times, stamps = np.array([time_ns], np.int64), np.array([stamp_ns or 0], np.int64)
@@ -158,7 +162,7 @@ def held_between(frames: Frames, frame: str, world: str, time_ns: int, stamp_ns:
 
 
 def notes_on(held: Iterable[OldTransform | None]) -> list[str]:
-    """Return a note for each transform that was old, for a person."""
+    """Return a note for users for each transform that was old."""
     oldest: dict[tuple[str, str], OldTransform] = {}
     for one in held:
         if one is not None:

@@ -1,4 +1,4 @@
-"""The mounts of the scanners of a running robot: by hand, else by the transforms that came."""
+"""The mounts of the scanners of a running robot: set by hand, or else by tf."""
 
 from __future__ import annotations
 
@@ -16,21 +16,21 @@ from .transforms import transforms_in
 
 
 class LiveMounts:
-    """The mounts of scanners by their frames. Any thread may call each method."""
+    """The mounts of scanners by frame. All methods are thread-safe."""
 
     def __init__(self) -> None:
         self._lock = threading.RLock()
         self._frames = LiveFrames()
         self._by_hand: dict[str, Mount] = {}
         self._fixed: dict[str, Mount] = {}
-        """Mounts of scanners that static transforms alone join to the robot."""
+        """Mounts of scanners that only static transforms join to the robot."""
 
     def take(self, message: Any, *, static: bool) -> None:
-        """Take a message of tf; a transform that says nothing is left out."""
+        """Take a message of tf; invalid transforms are ignored."""
         inner, now_ns = unwrap(message), round(time.monotonic() * 1e9)
         with self._lock:
             edition = self._frames.edition
-            with suppress(ValueError):  # of the others, all were taken
+            with suppress(ValueError):  # raised after the valid transforms
                 for one in transforms_in(inner, static, now_ns):
                     self._frames.add(one)
             if static or edition != self._frames.edition:
@@ -44,12 +44,13 @@ class LiveMounts:
                 self._by_hand[frame_id.lstrip("/")] = mount
 
     def of(self, frame_id: str, time_ns: int | None = None, stamp_ns: int | None = None) -> Mount | None:
-        """The mount of a scanner, None if it is not known.
+        """Return the mount of a scanner, or None if it is unknown.
 
         Args:
             frame_id: the coordinate frame of its scans.
-            time_ns: when a scan arrived, by the monotonic clock, for a scanner that moves on its robot; None: now.
-            stamp_ns: the stamp of that scan.
+            time_ns: the time of arrival of a scan by the monotonic clock, for a scanner that moves on its robot, or
+                None for now.
+            stamp_ns: the stamp of the scan.
         """
         frame = frame_id.lstrip("/")
         with self._lock:
@@ -63,7 +64,7 @@ class LiveMounts:
             return found
 
     def is_fixed(self, frame_id: str) -> bool:
-        """Return True if the mount is known by hand, or by static transforms alone."""
+        """Return True if the mount is set by hand, or known only by static transforms."""
         frame = frame_id.lstrip("/")
         with self._lock:
             if frame in self._by_hand or frame in self._fixed:
@@ -72,7 +73,7 @@ class LiveMounts:
             return bool(base) and self._frames.is_static(frame, base)
 
     def mounted(self, sample: Any) -> Any:
-        """A scan with the angles of the robot, if its mount is known; another sample as it is."""
+        """Return a scan with the robot's angles if its mount is known, or another sample as it is."""
         if not isinstance(sample, Scan):
             return sample
         if sample.mount is not None and sample.frame_id.lstrip("/") not in self._by_hand:

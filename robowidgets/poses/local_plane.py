@@ -1,4 +1,4 @@
-"""Latitude and longitude as metres on a plane that touches the earth."""
+"""Conversion of latitude and longitude to metres on a plane that touches the earth."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ _E2 = _F * (2 - _F)
 
 
 class LocalPlane(NamedTuple):
-    """The plane that touches the ellipsoid of WGS 84 at a place: metres east and north of that.
+    """The plane that touches the ellipsoid of WGS 84 at an origin, with coordinates in metres east and north of it.
 
-    Exact: through earth-centred coordinates (EPSG 9836, 9837), not by the length of a degree.
+    The conversion is exact: by earth-centred coordinates (EPSG 9836, 9837), not by the length of a degree.
 
     Args:
-        latitude, longitude: of its origin, in degrees.
-        altitude: metres above the ellipsoid.
+        latitude, longitude: degrees of the origin.
+        altitude: metres of the origin above the ellipsoid.
     """
 
     latitude: float
@@ -26,7 +26,7 @@ class LocalPlane(NamedTuple):
     altitude: float
 
     def east_north(self, latitude: float, longitude: float, altitude: float) -> tuple[float, float]:
-        """Metres by which a place lies east and north of the origin."""
+        """Return the metres of a place east and north of the origin."""
         here, there = _from_centre(*self), _from_centre(latitude, longitude, altitude)
         dx, dy, dz = (b - a for a, b in zip(here, there, strict=True))
         phi, lam = radians(self.latitude), radians(self.longitude)
@@ -36,7 +36,7 @@ class LocalPlane(NamedTuple):
 
 
 def _from_centre(latitude: float, longitude: float, altitude: float) -> tuple[float, float, float]:
-    """Metres from the centre of the earth, towards longitude 0 on the equator, 90 degrees east of it, and the pole."""
+    """Return earth-centred metres: towards longitude 0 on the equator, 90 degrees east of it, and the north pole."""
     phi, lam = radians(latitude), radians(longitude)
     normal = _A / sqrt(1 - _E2 * sin(phi) ** 2)
     across = (normal + altitude) * cos(phi)

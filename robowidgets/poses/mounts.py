@@ -1,4 +1,4 @@
-"""Where the sensors of a robot are mounted, by its static transforms."""
+"""The poses of sensors on a robot, by its transforms."""
 
 from __future__ import annotations
 
@@ -14,20 +14,20 @@ from .live_frames import Frames
 from .transforms import Transform
 
 ROBOT = ("base_link", "base_footprint")
-"""Names of the frame of the robot, the usual one first (REP-105)."""
+"""Names of the robot's frame, the usual one first (REP-105)."""
 
 ODOM = "odom"
-"""The frame in which a robot moves without jumps (REP-105)."""
+"""The fixed frame in which a robot moves without jumps (REP-105)."""
 
 
 _AHEAD = Poses(np.zeros((1, 3)), np.array([[0.5, -0.5, 0.5, 0.5]]))
-"""A frame with x ahead in that of a camera, whose z looks ahead (REP-103)."""
+"""The pose of a frame with x ahead in the optical frame of a camera, which has z ahead (REP-103)."""
 
 
 def robot_frame(frames: Frames, frame: str) -> str:
-    """The frame of the robot above a frame of a sensor: by its name, else the one below odometry; empty if none is.
+    """Return the robot's frame above the frame of a sensor: by name, else the frame below odom, else an empty text.
 
-    A robot among several may have its namespace before the names of its frames: ``"robot1/base_link"``.
+    Names of frames may begin with the namespace of a robot: ``"robot1/base_link"``.
     """
     above = frames.chain(frame)[1:]
     plain = [name.rpartition("/")[2] for name in above]
@@ -41,15 +41,15 @@ def scanner_mount(frames: Frames, frame_id: str, time_ns: int = 0, stamp_ns: int
 
     Args:
         frames: the frames of the robot.
-        frame_id: of the scanner.
-        time_ns: log time at which it measured.
-        stamp_ns: its stamp at that time.
+        frame_id: the frame of the scanner.
+        time_ns: the log time of the scan.
+        stamp_ns: the stamp of the scan.
     """
     frame = frame_id.lstrip("/")
     if not frame:
         return None
     if len(frames.chain(frame)) == 1:
-        # Rows of a depth image are of the frame of their camera with x ahead, which tf may not have.
+        # Scans from a depth image are in the camera's frame with x ahead, which tf may not have.
         optical = (f"{frame}_optical", frame.replace("_frame", "_optical_frame"))
         frame = next((name for name in optical if len(frames.chain(name)) > 1), frame)
     if frame.rpartition("/")[2] in ROBOT:
@@ -63,7 +63,7 @@ def scanner_mount(frames: Frames, frame_id: str, time_ns: int = 0, stamp_ns: int
 
 
 def mount_of(x: float, y: float, z: float, w: float) -> Mount:
-    """The mount of a scanner by its orientation on the robot, a quaternion of length 1."""
+    """Return the mount of a scanner by its orientation on the robot, a quaternion of length 1."""
     up = max(-1.0, min(1.0, 1 - 2 * (x * x + y * y)))
     tilt = acos(abs(up))
     if tilt > MOST_TILT:
@@ -72,19 +72,19 @@ def mount_of(x: float, y: float, z: float, w: float) -> Mount:
 
 
 def mounts_of(transforms: Iterable[Transform]) -> dict[str, Pose]:
-    """The pose of each frame on the robot, seen from above; without those that no static transforms lead to.
+    """Return the pose on the robot, seen from above, of each frame that static transforms join to the robot.
 
     Args:
-        transforms: those of the robot; only static ones count, of each frame the last one.
+        transforms: transforms of the robot. Only static ones count, and the last one of each frame.
     """
     parents = {one.child: (one.parent, _seen_from_above(one)) for one in transforms if one.static}
-    found = {child: _pose_of(child, parents) for child in parents}
+    found = {child: _get_pose(child, parents) for child in parents}
     return {child: pose for child, pose in found.items() if pose is not None}
 
 
-def _pose_of(frame: str, parents: dict[str, tuple[str, Pose]]) -> Pose | None:
-    """The pose of a frame in that of the robot; None if none of its parents is one, or they lead in a circle."""
-    robot = next((name for name in ROBOT if name in _line_of(frame, parents)), None)
+def _get_pose(frame: str, parents: dict[str, tuple[str, Pose]]) -> Pose | None:
+    """Return the pose of a frame in the robot's frame, or None if the latter is not an ancestor."""
+    robot = next((name for name in ROBOT if name in _get_ancestry(frame, parents)), None)
     if robot is None:
         return None
     pose = Pose(0.0, 0.0, 0.0)
@@ -94,7 +94,7 @@ def _pose_of(frame: str, parents: dict[str, tuple[str, Pose]]) -> Pose | None:
     return pose
 
 
-def _line_of(frame: str, parents: dict[str, tuple[str, Pose]]) -> list[str]:
+def _get_ancestry(frame: str, parents: dict[str, tuple[str, Pose]]) -> list[str]:
     line = [frame]
     while frame in parents and parents[frame][0] not in line:
         frame = parents[frame][0]

@@ -1,4 +1,4 @@
-"""Where a robot went: its poses one after the other, thinned so that a long drive stays small."""
+"""The path of a robot: its poses over time, thinned so that a long drive stays small."""
 
 from __future__ import annotations
 
@@ -11,26 +11,26 @@ from numpy.typing import NDArray
 from ..samples import Pose
 
 MOST_POINTS = 1000
-"""Points of a path. When there are more, every second one is dropped, and from then on they lie twice as far apart."""
+"""The most points of a path. With more, every second point is dropped, and the step between points doubles."""
 
 STEP = 0.02
-"""Metres from one point to the next, at first."""
+"""Metres from one point to the next at the start."""
 
 LEAST_JUMP = 0.3
-"""Metres: a shorter jump is drawn as a way."""
+"""Metres. A shorter jump is drawn as driving."""
 
 SPEEDUP = 5.0
-"""Metres per second: no robot is twice as fast as before, and this much more, from one pose to the next."""
+"""Metres per second. Between two poses no robot exceeds twice its last speed plus this."""
 
 
 class Path:
     """The poses of a robot with their times, oldest first; the last point is always the newest pose.
 
-    The last point moves with the robot until it lies `step` metres from the one before. So standing still adds no
-    points, and all of a long way is kept, with fewer points to the metre.
+    The last point moves with the robot until it is `step` metres from the point before. So a robot that stands still
+    adds no points, and a long path is kept in full, with fewer points per metre.
 
-    Where it jumps farther than a robot can drive from one pose to the next, as odometry does that was set back, a new
-    stroke begins: its first point is as many metres along the way as the last one before the jump.
+    If a pose is farther away than a robot can drive, for example because odometry was reset, a new stroke begins. The
+    jump adds nothing to the length of the path.
     """
 
     def __init__(self) -> None:
@@ -38,22 +38,22 @@ class Path:
         self._points: list[tuple[float, float, float, float, float]] = []
         self._clock: float | None = None
         self._velocity = (0.0, 0.0)
-        """Of the newest pose: when it was measured, and how fast the robot went there, also by a jump."""
+        """The velocity between the last two poses, also in a jump."""
         self._jumped = False
 
     def add(self, time: float, pose: Pose, clock: float | None = None) -> bool:
-        """Add the newest pose at a time in seconds; one without a place is left out.
+        """Add the newest pose; a pose without a place is ignored.
 
         Args:
             time: seconds.
-            pose: where the robot was.
-            clock: seconds at which it was measured; None: unknown, and then no jump is seen.
+            pose: the pose of the robot.
+            clock: seconds at which the pose was measured, or None if unknown; then jumps are not detected.
 
         Returns:
-            Whether it begins a new stroke, after a jump.
+            True if the pose begins a new stroke after a jump.
 
         Raises:
-            ValueError: the time lies before that of the last point.
+            ValueError: the time lies before the time of the last point.
         """
         points = self._points
         if points and time < points[-1][0]:
@@ -74,7 +74,7 @@ class Path:
         return jumps
 
     def _jumps(self, pose: Pose, clock: float | None) -> bool:
-        """Whether no robot drives to a pose from the newest one until then; a clock that was set back gives no time."""
+        """Return True if no robot can drive from the newest pose to this one in time; negative times count as 0."""
         before, self._clock = self._clock, clock
         (ahead, aside), jumped = self._velocity, self._jumped
         self._velocity, self._jumped = (0.0, 0.0), False
@@ -86,21 +86,21 @@ class Path:
             self._velocity = x_step / seconds, y_step / seconds
         self._jumped = bool(is_jump(hypot(x_step, y_step), seconds, 0.0 if jumped else hypot(ahead, aside)))
         if self._jumped and jumped:
-            # A fast car that comes into view goes on as it came; odometry does not jump twice alike.
+            # After the first pose of a fast car the velocity goes on; odometry does not repeat the same jump.
             self._jumped = bool(is_jump(hypot(x_step - ahead * seconds, y_step - aside * seconds), seconds, 0.0))
         return self._jumped
 
     @property
     def points(self) -> NDArray[np.float64]:
-        """Seconds, x and y in metres, yaw in radians, and metres of the way so far, of each point, shape (N, 5)."""
+        """Seconds, x and y in metres, yaw in radians, and metres driven so far, for each point, shape (N, 5)."""
         return np.array(self._points, np.float64).reshape(-1, 5)
 
 
 def is_jump(metres: Any, seconds: Any, speed: Any) -> Any:
-    """Whether poses lie farther apart than a robot of a speed can drive in a time, as where odometry was set back."""
+    """Return True if a robot with this speed cannot drive so many metres in this time, as when odometry is reset."""
     return metres > LEAST_JUMP + seconds * (2 * speed + SPEEDUP)
 
 
 def _is_gap(start: tuple[float, ...], end: tuple[float, ...]) -> bool:
-    """Whether a robot jumped from one point of a path to the next."""
+    """Return True if there is a jump between two points of a path."""
     return hypot(end[1] - start[1], end[2] - start[2]) > end[4] - start[4] + LEAST_JUMP / 2

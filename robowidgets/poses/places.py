@@ -1,4 +1,4 @@
-"""Where a robot was, and when it was nearest to a place."""
+"""Search of the poses of a robot by place."""
 
 from __future__ import annotations
 
@@ -11,34 +11,34 @@ from ..samples import Pose
 from ..samples.checks import finite, to_radians
 
 WITHIN = 0.5
-"""How far apart two poses of the same place are at most."""
+"""The largest distance between two poses of the same place, as in `Places`."""
 
 
 class Places:
-    """Where a robot was at some times, searched by place.
+    """The poses of a robot at some times, to search by place.
 
-    Poses are as far apart as the robots in metres and their headings in radians say together: who drives back through a
-    corridor is at other places.
+    The distance of two poses includes metres and the difference of headings in radians: a robot that drives back
+    through a corridor is at other places.
 
     Args:
         seconds: times in order, shape (N,).
-        poses: x and y in metres and yaw in radians, shape (N, 3); NaN where it is not known.
+        poses: x and y in metres and yaw in radians, shape (N, 3); NaN where unknown.
     """
 
     def __init__(self, seconds: NDArray[np.float64], poses: NDArray[np.float64]) -> None:
         self.seconds, self.poses = seconds, poses
         x, y, yaw = poses.T
-        # As points, which are as far apart as the poses.
+        # Points whose Euclidean distances are the distances of the poses.
         self._points = np.array([x, y, np.cos(yaw), np.sin(yaw)])
 
     def seen_from(self, origin: Pose) -> Places:
-        """The same places in another frame, in which the origin of theirs has a pose."""
+        """Return the same places in another frame, in which ``origin`` is the pose of their frame."""
         return Places(self.seconds, np.stack(origin.offset(*self.poses.T), axis=1))
 
     def nearest(self, to: Places) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Seconds at which the robot was nearest to each of some places, and how far away; NaN where it is not known.
+        """Return the times at which the robot was nearest to each of some places, and its distances; NaN if unknown.
 
-        Of several times that are equally near the first counts. Drives of an hour take some seconds.
+        If several times are equally near, the first counts. Drives of an hour take some seconds to compute.
         """
         seconds, apart = np.full((2, len(to.seconds)), np.nan)
         known = np.isfinite(self._points).all(axis=0)
@@ -51,7 +51,7 @@ class Places:
 
 
 def to_place(name: str, value: Any) -> Pose:
-    """A pose of three numbers; TypeError or ValueError for anything else."""
+    """Return a pose from three numbers; raise TypeError or ValueError for anything else."""
     try:
         x, y, yaw = value
     except (TypeError, ValueError):

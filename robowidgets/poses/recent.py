@@ -1,4 +1,4 @@
-"""The last poses of a robot, and where it was at the time of another sample."""
+"""The last poses of a robot, and its pose at the time of another sample."""
 
 from __future__ import annotations
 
@@ -13,16 +13,16 @@ from ..samples import Pose
 
 KEPT = 500
 FARTHEST = 1.0
-"""Seconds from a sample to the nearest pose; beyond that nobody knows where the robot was."""
+"""The most seconds from a sample to the nearest pose; beyond this the pose of the robot is unknown."""
 
 
 def poses_at(
     seconds: float | NDArray[np.float64], times: NDArray[np.float64], poses: Sequence[NDArray[np.float64]]
 ) -> NDArray[np.float64]:
-    """Where a robot was at some seconds, shape (M,), between two poses; NaN where no pose is near.
+    """Return the poses of a robot at some times, interpolated; NaN where no pose is near.
 
     Args:
-        seconds: shape (M,), or one number.
+        seconds: times, shape (M,), or one number.
         times: seconds of the poses in order, shape (N,).
         poses: x and y in metres and yaw in radians without jumps, shape (N,) each.
 
@@ -35,19 +35,19 @@ def poses_at(
 
 
 class RecentPoses:
-    """Poses of a robot, oldest first, each with the seconds at which it arrived and its stamp.
+    """The last poses of a robot, oldest first, each with its time of arrival and its stamp.
 
     Args:
-        most: how many are kept; None: all.
+        most: the number of poses to keep, or None for all.
     """
 
     def __init__(self, most: int | None = KEPT) -> None:
         self._rows: deque[tuple[float, ...]] = deque(maxlen=most)
         self._columns: NDArray[np.float64] | None = None
-        """The rows, shape (5, N), the yaw without jumps; None until they are asked for."""
+        """The rows as an array, shape (5, N), the yaw without jumps, or None if they have changed."""
 
     def add(self, pose: Pose, arrived: float, stamp_ns: int | None) -> None:
-        """Add the newest pose. One that is not finite is left out, and one whose time goes back starts anew."""
+        """Add the newest pose. A pose that is not finite is ignored; if time goes back, earlier poses are dropped."""
         row = (arrived, stamp_ns / 1e9 if stamp_ns else nan, *pose)
         if not all(map(isfinite, pose)):
             return
@@ -57,9 +57,9 @@ class RecentPoses:
         self._columns = None
 
     def at(self, arrived: float, stamp_ns: int | None) -> Pose | None:
-        """Where the robot was at the time of a sample, between two poses; None where no pose is near.
+        """Return the pose of the robot at the time of a sample, interpolated, or None if no pose is near.
 
-        By stamps, where the sample and all poses have some of one clock; else by arrival.
+        Times are compared by stamps if the sample and all poses have stamps of the same clock, else by arrival.
         """
         if not self._rows:
             return None

@@ -15,11 +15,11 @@ PoseNumbers = tuple[float, float, float, float, float, float, float]
 
 
 class Transform(NamedTuple):
-    """The pose of one frame in another, at one time.
+    """The pose of a frame in another, at one time.
 
-    ``pose`` of ``child`` in ``parent``: x, y, z in metres, and a quaternion x, y, z, w of length 1. ``time_ns`` is the
-    log time, ``stamp_ns`` the stamp of the message, 0 without one. ``static``: it is valid at all times.
-    ``odometry``: it comes from an odometry message, not from tf.
+    ``pose`` is the pose of ``child`` in ``parent``: x, y, z in metres, and a quaternion x, y, z, w of length 1.
+    ``time_ns`` is the log time, ``stamp_ns`` the stamp of the message, or 0 without a stamp. ``static`` is True if it
+    is valid at all times, ``odometry`` if it comes from an odometry message instead of tf.
     """
 
     parent: str
@@ -32,11 +32,11 @@ class Transform(NamedTuple):
 
 
 def transforms_of(message: Any, topic: str, time_ns: int) -> Iterator[Transform]:
-    """The transforms in an Odometry or a TFMessage, which may be a dictionary.
+    """Yield the transforms in an Odometry or a TFMessage, which may be a dictionary.
 
     Raises:
-        ValueError: a pose contains NaN, infinity or null, or a quaternion of length 0, or fields are missing. All other
-            transforms of the message come before.
+        ValueError: a pose contains NaN, infinity, null or a quaternion of length 0, or fields are missing. It is raised
+            after all valid transforms of the message.
     """
     if get(message, "transforms", None) is not None:
         yield from transforms_in(message, topic.rpartition("/")[2] == STATIC, time_ns)
@@ -45,10 +45,10 @@ def transforms_of(message: Any, topic: str, time_ns: int) -> Iterator[Transform]
 
 
 def transforms_in(message: Any, static: bool, time_ns: int) -> Iterator[Transform]:
-    """The transforms in a TFMessage, which may be a dictionary.
+    """Yield the transforms in a TFMessage, which may be a dictionary.
 
     Raises:
-        ValueError: as `transforms_of`.
+        ValueError: as in `transforms_of`.
     """
     given, wrong = get(message, "transforms", None), None
     if not isinstance(given, Iterable):
@@ -70,7 +70,7 @@ def _transform(stamped: Any, time_ns: int, *, static: bool = False, odometry: bo
         at = one.pose.pose if odometry else one.transform
         position, orientation = (at.position, at.orientation) if odometry else (at.translation, at.rotation)
         parent, child = one.header.frame_id, one.child_frame_id
-        # ROS 1 wrote the names of frames with a leading slash, or without.
+        # ROS 1 may write the names of frames with a leading slash.
         names = parent.lstrip("/"), child.lstrip("/")
         x, y, z = position.x, position.y, position.z
         quaternion = orientation.x, orientation.y, orientation.z, orientation.w
@@ -82,9 +82,9 @@ def _transform(stamped: Any, time_ns: int, *, static: bool = False, odometry: bo
         i, j, k, w = (part / (length or 1.0) for part in quaternion)
         pose = x, y, z, i, j, k, w
         is_pose = length > 0 and all(map(isfinite, pose))
-    except (TypeError, OverflowError):  # null, by which rosbridge sends NaN
+    except (TypeError, OverflowError):  # null, which rosbridge sends for NaN
         is_pose = False
     if not is_pose:
         turn = ", ".join(map(str, quaternion))
-        raise ValueError(f"{child!r} in {parent!r} is at no pose: {x}, {y}, {z}, with the quaternion {turn}")
+        raise ValueError(f"{child!r} in {parent!r} has no valid pose: {x}, {y}, {z}, with the quaternion {turn}")
     return Transform(*names, time_ns, stamp_ns(one) or 0, pose, static, odometry)

@@ -1,6 +1,6 @@
-"""Turning damaged files, broken clocks and CARMEN logs into a clean source, before any other part reads them.
+"""Repair of damaged files, broken clocks and CARMEN logs, so that all other parts read a clean source.
 
-The readers walk through a file from its start, do not trust its index, and take no more memory than its size justifies,
+The readers walk through a file from its start, do not trust its index, and use no more memory than its size justifies,
 whatever lengths it claims. `Source.problems` lists the repairs; `write.write` writes a source as an MCAP file.
 """
 

@@ -36,13 +36,13 @@ _VERSION = re.compile(rb"#ROS(?:BAG|RECORD|LOG) V(\d+\.\d+)")
 
 
 def walk_bag(path: Path) -> Walk:
-    """All messages that can be read from a ROS 1 bag, indexed or not, whole or not.
+    """Find all readable messages of a ROS 1 bag, which may lack an index or be damaged.
 
     Args:
         path: the file, with any suffix.
 
     Raises:
-        RecordingError: it cannot be opened, is no ROS 1 bag of format 2.0, is encrypted, or nothing of it can be saved.
+        RecordingError: the file cannot be opened, is not a ROS 1 bag of format 2.0, or is encrypted.
 
     Source: http://wiki.ros.org/Bags/Format/2.0
     """
@@ -75,7 +75,7 @@ class _Reader(RecordReader):
         raise foreign(name, "a ROS 1 bag of format 2.0", head)
 
     def channels(self) -> list[Channel]:
-        """The connections."""
+        """Return the connections."""
         return list(self.by_id.values())
 
     def record(self, data: ByteRange, record: Record, chunk: int, damage: Damage) -> None:
@@ -117,7 +117,7 @@ class _Reader(RecordReader):
         return Record(op, pos, body, end, fields)
 
     def next_record(self, data: ByteRange, start: int, barred: frozenset[int]) -> int | None:
-        """See `RecordReader`: one that has the fields which its op requires."""
+        """See `RecordReader`: the record has the fields that its op requires."""
         for pos in find(data, _HEADER, _HEADER_LENGTH, start):
             record = self.record_at(data, pos)
             if record and record.op not in barred:
@@ -125,7 +125,7 @@ class _Reader(RecordReader):
         return None
 
     def header(self, record: Record) -> None:
-        """Read from the bag header whether the file was finished, and whether its end is missing."""
+        """Read the bag header, which shows if the file was finished, and if its end is missing."""
         if encryptor := record.fields.get("encryptor"):
             raise RecordingError(
                 f"{self.file.name}: the bag is encrypted ({_text(encryptor)}): expected a plain one; "
@@ -136,7 +136,7 @@ class _Reader(RecordReader):
         self.damage.cut |= index_pos >= self.file.size
 
     def connection(self, data: ByteRange, record: Record, damage: Damage) -> None:
-        """Add a connection; a second one of the same id is ignored."""
+        """Add a connection; a second connection with the same id is ignored."""
         fields = _fields(data.read(record.body, min(record.end - record.body, MAX_TEXT)))
         if fields is None or "type" not in fields:
             damage.places += 1
@@ -155,7 +155,7 @@ class _Reader(RecordReader):
 
 
 def _fields(raw: bytes) -> dict[str, bytes] | None:
-    """The ``name=value`` fields of a header; None if it does not consist of a few such fields."""
+    """Return the ``name=value`` fields of a header, or None if it does not consist of a few such fields."""
     fields: dict[str, bytes] = {}
     pos = 0
     for _ in range(_MAX_FIELDS):

@@ -1,4 +1,4 @@
-"""Sources of bytes for the records: a file, or a chunk that was decompressed."""
+"""Sources of bytes for records: a file, or a decompressed chunk."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ class ByteRange(Protocol):
         """The number of bytes."""
 
     def read(self, offset: int, size: int) -> bytes:
-        """Up to ``size`` bytes at an offset, fewer at the end; allocates no more than is left of the data."""
+        """Return up to ``size`` bytes at an offset, fewer at the end; allocate no more than the rest of the data."""
 
 
 class MemoryRange:
@@ -32,18 +32,18 @@ class MemoryRange:
         self.size = len(raw)
 
     def read(self, offset: int, size: int) -> bytes:
-        """The bytes at an offset."""
+        """Return the bytes at an offset."""
         return self._raw[offset : offset + size]
 
 
 class FileRange:
-    """A file, open for reading, that several threads may read.
+    """A file that is open for reading. Several threads may read it.
 
     Args:
         path: the file.
 
     Raises:
-        RecordingError: it cannot be opened, or it is empty.
+        RecordingError: the file cannot be opened, or is empty.
     """
 
     def __init__(self, path: Path) -> None:
@@ -61,21 +61,21 @@ class FileRange:
             )
 
     def read(self, offset: int, size: int) -> bytes:
-        """The bytes at an offset; OSError if the disk fails, ValueError after `close`."""
+        """Return the bytes at an offset; raise OSError if the disk fails, ValueError after `close`."""
         with self._lock:
             self._file.seek(offset)
             return self._file.read(max(0, min(size, self.size - offset)))
 
     def close(self) -> None:
-        """Close the file; doing it again does nothing."""
+        """Close the file; further calls do nothing."""
         self._file.close()
 
 
 def find(data: ByteRange, pattern: re.Pattern[bytes], length: int, start: int) -> Iterator[int]:
-    """Offsets at which a pattern of at most ``length`` bytes matches, from ``start`` on.
+    """Yield offsets at which a pattern of at most ``length`` bytes matches, from ``start`` on.
 
-    The pattern is a lookahead, so that matches may overlap, and does not match zeros alone. No match starts in the last
-    ``length - 1`` bytes.
+    The pattern is a lookahead, so that matches may overlap, and a match contains a byte other than zero. No match
+    starts in the last ``length - 1`` bytes.
     """
     while start + length <= data.size:
         raw = data.read(start, WINDOW)

@@ -50,7 +50,7 @@ _TYPES = {
 
 
 class _Lines(NamedTuple):
-    """The lines with messages: the names of their topics and their bytes; a line on those left out, by topic."""
+    """The lines with messages: the names of their topics, their bytes, and problems of omitted lines by topic."""
 
     names: list[str]
     texts: list[bytes]
@@ -58,7 +58,7 @@ class _Lines(NamedTuple):
 
 
 def is_carmen(path: Path) -> bool:
-    """Whether a file is a CARMEN log by its name, and one of its first lines is a message of CARMEN."""
+    """Return True if a file has the name of a CARMEN log, and one of its first lines is a message of CARMEN."""
     name = path.with_suffix("") if path.suffix == ".gz" else path
     if name.suffix not in (".log", ".clf") or not path.is_file():
         return False
@@ -70,22 +70,24 @@ def is_carmen(path: Path) -> bool:
 
 
 def walk_carmen(path: Path) -> Walk:
-    """The messages of a CARMEN log, gzipped or not, as ROS 1 messages with the same content.
+    """Find the messages of a CARMEN log, gzipped or not, as ROS 1 messages with the same content.
 
     Its topics are the names of the lines: FLASER, ROBOTLASER1, ODOM, ... Lines that are cut are left out.
 
     Raises:
-        RecordingError: the file is no CARMEN log.
+        RecordingError: the file is not a CARMEN log.
     """
     text, problems = _text(path)
     if b"\n" in text and not text.endswith(b"\n"):
-        # A whole log ends with a newline, and a number that was cut off is another number.
+        # A complete log ends with a newline, and a number that was cut off is another number.
         text = text[: text.rindex(b"\n") + 1]
         problems = problems or ["the log was cut off within its last line, which is left out"]
     if zeros := re.findall(rb"\0+", text):
-        # What a disk lost, or never wrote, reads as zeros. A line that they cut may go on as another one.
+        # Data that a disk lost, or never wrote, reads as zeros. A line before them may continue as another line.
         size, places = sum(map(len, zeros)), many(len(zeros), "place")
-        problems.append(f"{size:,} bytes of the log are zeros, in {places}: what they replace or cut is left out")
+        problems.append(
+            f"{size:,} bytes of the log are zeros, in {places}: the lines that they replace or cut are left out"
+        )
     names, lines, about_lines = _lines(text)
     times, about_clock = _times(names, lines)
     topics = list(dict.fromkeys(names))
@@ -105,13 +107,13 @@ def walk_carmen(path: Path) -> Walk:
 
 
 def _lines(text: bytes) -> _Lines:
-    """The lines of a log in their order.
+    """Return the lines of a log in their order.
 
-    Mapping programs add ODOM lines of their own to a log, each before a line NEFF. These are estimated poses, not
+    Mapping programs add further ODOM lines to a log, each before a line NEFF. These are estimated poses, not
     measurements, with a speed of 0 and mostly without a time. They become the topic NEFF.
 
-    A line has as many words as CARMEN writes, or as most lines of its topic have, since other programs add some. One
-    with more or fewer was cut, or joined to the rest of another.
+    A line has as many words as CARMEN writes, or as most lines of its topic, because other programs add some. A line
+    with more or fewer words was cut, or joined to the rest of another.
     """
     names: list[str] = []
     lines: list[tuple[bytes, int]] = []
@@ -134,7 +136,7 @@ def _lines(text: bytes) -> _Lines:
     for name, (_, words) in zip(names, lines, strict=True):
         whole.append(words in (WORDS[name], usual[name]))
         if not whole[-1]:
-            expected = f"expected {usual[name]} words beside the readings, got {words}"
+            expected = f"expected {usual[name]} words other than readings, got {words}"
             errors[name].append(f"{expected}: the line is cut, or joined to another")
     problems = [
         f"{name}: left out {many(len(texts), 'line')} that cannot be read, such as: {texts[0]}"
@@ -144,7 +146,7 @@ def _lines(text: bytes) -> _Lines:
 
 
 def _usual_words(names: Sequence[str], words: Sequence[int]) -> dict[str, int]:
-    """The number of words, beside readings, that most lines of a topic have; that of CARMEN where there is none."""
+    """Return the usual number of words other than readings in the lines of a topic; the default is CARMEN's number."""
     counts: dict[str, Counter[int]] = defaultdict(Counter)
     for name, number in zip(names, words, strict=True):
         counts[name][number] += 1
@@ -157,7 +159,7 @@ def _usual_words(names: Sequence[str], words: Sequence[int]) -> dict[str, int]:
 
 
 def _times(names: Sequence[str], lines: Sequence[bytes]) -> tuple[list[int], str]:
-    """Monotonic log times, and a line on problems of the clock. An estimate has the time of the line before it."""
+    """Return monotonic log times, and a line on problems of the clock. An estimate gets the time of the line before."""
     is_timed = [name != ESTIMATE for name in names]
     monotonic, about_clock = repaired_log([time_ns_of(line) for line in compress(lines, is_timed)])
     latest = monotonic[0] if monotonic else 0
@@ -170,7 +172,7 @@ def _times(names: Sequence[str], lines: Sequence[bytes]) -> tuple[list[int], str
 
 
 def _encoder(topic: str, names: Sequence[str], lines: Sequence[bytes]) -> Callable[[bytes], bytes]:
-    """A function that turns a line of a topic into a message."""
+    """Return a function that converts a line of a topic to a message."""
     if topic in SPEEDS:
         return odometry
     if topic in NEW_SCANS:
@@ -205,12 +207,12 @@ def _text(path: Path) -> tuple[bytes, list[str]]:
     if whole:
         return text, []
     if len(text) == limit:
-        return text, [f"more than {_RATIO} times its size comes out of the file: read the first {limit:,} bytes"]
+        return text, [f"the file decompresses to more than {_RATIO} times its size: read the first {limit:,} bytes"]
     return text, ["the file was cut off or is damaged: read what could be decompressed"]
 
 
 def _gunzip(data: bytes, limit: int) -> tuple[bytes, bool]:
-    """The data that can be decompressed, up to a limit, and whether it is complete."""
+    """Return the data that can be decompressed, up to a limit, and True if it is complete."""
     text = bytearray()
     stream = zlib.decompressobj(wbits=31)
     try:

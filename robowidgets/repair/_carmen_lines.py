@@ -34,16 +34,16 @@ WORDS = {
     **dict.fromkeys(OLD_SCANS, 11),
     **{name: 13 if name.startswith("RAW") else 24 for name in NEW_SCANS},
 }
-"""Words of a line beside its ranges and remissions."""
+"""The number of words of a line other than ranges and remissions."""
 
 
 def name_of(line: bytes) -> str:
-    """The name of the message in a line; empty if CARMEN has no such message."""
+    """Return the name of the message in a line, or an empty text if CARMEN does not have such a message."""
     return _NAMES.get(line.partition(b" ")[0], "")
 
 
 def time_ns_of(line: bytes) -> int | None:
-    """The time at which a line was logged, its last word, in nanoseconds; None if that is no number or out of range."""
+    """Return the log time of a line, its last word, in nanoseconds, or None if it is not a number or out of range."""
     try:
         seconds = float(line.rsplit(None, 1)[-1])
     except ValueError:
@@ -52,10 +52,10 @@ def time_ns_of(line: bytes) -> int | None:
 
 
 def count_words(name: str, line: bytes) -> int:
-    """The number of words in a line beside its ranges and remissions.
+    """Return the number of words in a line other than ranges and remissions.
 
     Raises:
-        ValueError: it has fewer words than its name and its counts require.
+        ValueError: the line has fewer words than its name and its counts require.
     """
     words = line.split()
     least = 10 if name in SPEEDS else 11 if name in OLD_SCANS else 13
@@ -71,7 +71,7 @@ def count_words(name: str, line: bytes) -> int:
 
 
 def odometry(line: bytes) -> bytes:
-    """The nav_msgs/Odometry in ``ODOM x y theta tv rv accel time host logged``."""
+    """Return the nav_msgs/Odometry for a line ``ODOM x y theta tv rv accel time host logged``."""
     words = line.split()
     x, y, turn = (_float(word) for word in words[1:4])
     if not isfinite(x + y + turn):
@@ -85,12 +85,12 @@ def odometry(line: bytes) -> bytes:
 
 
 def estimate(line: bytes) -> bytes:
-    """The geometry_msgs/Pose2D in the ODOM line of an estimate."""
+    """Return the geometry_msgs/Pose2D for the ODOM line of an estimate."""
     return pack("<3d", *(_float(word) for word in line.split()[1:4]))
 
 
 def old_scan(line: bytes, range_max: float) -> bytes:
-    """The LaserScan in an FLASER or RLASER line.
+    """Return the LaserScan for an FLASER or RLASER line.
 
     ``name count ranges… x y theta odom_x odom_y odom_theta time host logged``
 
@@ -106,7 +106,7 @@ def old_scan(line: bytes, range_max: float) -> bytes:
 
 
 def new_scan(line: bytes) -> bytes:
-    """The LaserScan in a RAWLASER or ROBOTLASER line.
+    """Return the LaserScan for a RAWLASER or ROBOTLASER line.
 
     ``name type start_angle field_of_view step range_max accuracy mode count ranges… count remissions… … time host log``
     """
@@ -119,10 +119,10 @@ def new_scan(line: bytes) -> bytes:
 
 
 def range_max_of(lines: Sequence[bytes]) -> float:
-    """The maximum range in metres of the scanner of some FLASER or RLASER lines, which do not contain it.
+    """Return the maximum range in metres for the scanner of FLASER or RLASER lines, which do not contain it.
 
     It is 80 m, as in CARMEN. But if the largest reading is a number that such scanners send for "nothing in range", and
-    is frequent (1 reading in 200), the maximum range is just below it.
+    it is frequent (1 reading in 200), the maximum range is just below it.
     """
     seen = _some_ranges(lines)
     longest = float(seen.max()) if seen.size else 0.0
@@ -173,12 +173,12 @@ def _check_count(words: list[bytes], first: int, count: int) -> int:
 
 
 def _floats(words: list[bytes], first: int, count: int) -> NDArray[np.float32]:
-    with np.errstate(over="ignore"):  # of damaged numbers
+    with np.errstate(over="ignore"):  # damaged numbers
         return np.array([_float(word) for word in words[first : first + count]], np.float32)
 
 
 def _float(word: bytes) -> float:
-    """The number in a word; NaN if the word is damaged."""
+    """Return the number in a word, or NaN if the word is damaged."""
     try:
         return float(word)
     except ValueError:

@@ -1,4 +1,4 @@
-"""Clocks that were set while a recording was written: detecting the steps, and making the times monotonic.
+"""Clocks that were set while a recording was written: detection of the steps, and monotonic times.
 
 A robot sets its clock when it reaches a time server: the clock goes back, or leaps years ahead. Repaired times continue
 from the last time before the step, in the order of arrival of the messages.
@@ -20,16 +20,16 @@ Times = NDArray[np.int64]
 
 SECOND = 1_000_000_000
 JITTER_NS = 10_000_000
-"""Largest step back that is jitter: threads of a recorder overtake each other by less, clocks are set by more."""
+"""Largest step back that is jitter: the threads of a recorder overtake each other by less, clocks are set by more."""
 
 RESET_NS = 10 * SECOND
-"""Largest step back after which the clock may catch up; after a larger one it was set back for good."""
+"""Largest step back after which the clock may catch up; a larger step is permanent."""
 
 LEAP_NS = 30 * 86_400 * SECOND
-"""Longest time between two messages of any topics; after a longer one the clock was set ahead."""
+"""Longest time between two messages of any topics; a longer one means that the clock was set ahead."""
 
 REAL_FROM_NS = 631_152_000 * SECOND
-"""1990: a clock before that was never set, or has another epoch, as in a simulation."""
+"""The year 1990. A clock before that was never set, or has another epoch, as in a simulation."""
 
 _STILL_STEP_NS = SECOND // 10
 _STILL_SHARE = 10
@@ -38,7 +38,7 @@ _HABIT, _RARELY = 10, 100
 """A topic has several publishers, whose times differ, if it goes back more than 10 times and in more than 1 message
 of 100."""
 _MOST_VOTES = 10_000_000
-"""Most votes that are counted: no clock is set so often, and counting more would take long."""
+"""The most votes to count: no clock is set so often, and counting more would take long."""
 
 
 class Arrivals(NamedTuple):
@@ -48,34 +48,34 @@ class Arrivals(NamedTuple):
     channels: Times
 
     def span_ns(self, channel: int) -> tuple[int, int] | None:
-        """The earliest and the latest log time of a channel; None if it has no message."""
+        """Return the earliest and the latest log time of a channel, or None if it has no messages."""
         own = self.times[self.channels == channel]
         return (int(own.min()), int(own.max())) if own.size else None
 
     def renumbered(self, ids: Mapping[int, int]) -> Arrivals:
-        """The same with other ids of channels; -1 for those that have none."""
+        """Return the same arrivals with other ids of channels, or -1 for channels that are not in ``ids``."""
         known, places = np.unique(self.channels, return_inverse=True)
         return Arrivals(self.times, np.array([ids.get(number, -1) for number in known.tolist()], np.int64)[places])
 
 
 def joined(parts: Iterable[Arrivals]) -> Arrivals:
-    """The arrivals in one file after the other."""
+    """Return the arrivals of several files, one after the other."""
     times, channels = zip(*parts, strict=True)
     return Arrivals(np.concatenate(times), np.concatenate(channels))
 
 
 def has_clock_step(arrivals: Arrivals) -> bool:
-    """Return True if the clock was set back, or far ahead, or began later than the recorder."""
+    """Return True if the clock was set back, was set far ahead, or began later than the recorder."""
     return bool(_before_clock(arrivals.times).any()) or _leaps(arrivals.times) or bool(_steps_back(arrivals))
 
 
 def may_precede_clock(first_ns: int, last_ns: int) -> bool:
-    """Return True if a recording from one time to another may have messages from before its clock began."""
+    """Return True if a recording between two times may have messages from before its clock began."""
     return first_ns == 0 and last_ns > RESET_NS
 
 
 def repaired(arrivals: Arrivals) -> tuple[Times, str]:
-    """Monotonic times of the same messages, and a line on the problems of the clock; empty if there are none."""
+    """Return monotonic times of the same messages, and a line on the problems of the clock, which may be empty."""
     early = _before_clock(arrivals.times)
     if early.any():
         count = int(early.sum())
@@ -88,7 +88,7 @@ def repaired(arrivals: Arrivals) -> tuple[Times, str]:
         return arrivals.times, ""
     runs = np.zeros(len(arrivals.times), np.int64)
     runs[steps] = 1
-    # Between two steps the clock is right, and messages overtake each other as in any recording: sort them by time.
+    # Between two steps the clock is right, but messages overtake each other as in any recording: sort them by time.
     order = np.lexsort((arrivals.times, np.cumsum(runs)))
     monotonic, problems = make_monotonic(arrivals.times[order].tolist())
     times = np.empty_like(arrivals.times)
@@ -97,13 +97,13 @@ def repaired(arrivals: Arrivals) -> tuple[Times, str]:
 
 
 def repaired_log(times: Sequence[int | None]) -> tuple[list[int], str]:
-    """Monotonic times for the lines of a log, and a line on the problems of the clock.
+    """Return monotonic times for the lines of a log, and a line on the problems of the clock.
 
     The order of the lines is kept. If the clock stands still (fewer than one different time in ten lines), the lines
     are set 0.1 s apart.
 
     Args:
-        times: nanoseconds, in the order of the lines; None where a line has no time.
+        times: nanoseconds, in the order of the lines, or None for a line without a time.
     """
     if len(times) > 1 and _STILL_SHARE * len(set(times)) < len(times):
         different = len(set(times))
@@ -125,8 +125,8 @@ def repaired_log(times: Sequence[int | None]) -> tuple[list[int], str]:
 class ClockProblems(NamedTuple):
     """The problems of a clock; times in nanoseconds.
 
-    ``behind`` is the largest step back, ``leaps`` the number of leaps ahead, ``ahead`` the largest of these, ``start``
-    the first of the monotonic times.
+    ``behind`` is the largest step back, ``leaps`` the number of leaps ahead, ``ahead`` the largest leap, and ``start``
+    the first monotonic time.
     """
 
     behind: int
@@ -136,13 +136,13 @@ class ClockProblems(NamedTuple):
 
 
 def make_monotonic(times: Sequence[int]) -> tuple[list[int], ClockProblems]:
-    """Times that never go back and never leap, in the same order, and the problems of the clock.
+    """Return times that never go back and never leap, in the same order, and the problems of the clock.
 
-    After a small step back (up to `RESET_NS`) the last time is repeated until the clock has caught up. A larger step
-    back, if the clock stays there, and a leap ahead by more than `LEAP_NS` shift all later times, so that they continue
-    from the last one; as does a step back by more than a second to the start of a clock without a date, as of a
-    simulator that is reset. After a leap the result is dated by the first time from 1990 on; without a leap, or without
-    such a time, by the first.
+    After a small step back (up to `RESET_NS`) the last time is repeated until the clock has caught up. Other steps
+    shift all later times, so that they continue from the last time: a larger step back, if the clock stays there; a
+    leap ahead by more than `LEAP_NS`; and a step back by more than a second to the start of a clock without a date, as
+    when a simulator is reset. After a leap the result is dated by the first time from 1990 on; without a leap, or
+    without such a time, by the first time.
     """
     result: list[int] = []
     latest = times[0] if times else 0
@@ -181,14 +181,14 @@ def _described(back: int, problems: ClockProblems) -> str:
     if problems.leaps:
         by = f"{'up to ' * (problems.leaps > 1)}{problems.ahead / SECOND / 86_400:,.1f} days"
         date = np.datetime64(problems.start // SECOND, "s").astype("datetime64[D]")
-        lines.append(f"jumps ahead {often(problems.leaps)}, by {by}: time goes on from where it was, dated {date}")
+        lines.append(f"jumps ahead {often(problems.leaps)}, by {by}: time goes on without a gap, dated {date}")
     return f"the clock {'; it '.join(lines)}" if lines else ""
 
 
 def _before_clock(times: Times) -> NDArray[np.bool_]:
     """Return, for each message, True if it came before the clock began.
 
-    A recorder that waits for the clock of a simulation has the time 0 until then.
+    A recorder that waits for the clock of a simulation writes the time 0 until it begins.
     """
     early: NDArray[np.bool_] = times == 0
     count = int(early.sum())
@@ -199,19 +199,19 @@ def _before_clock(times: Times) -> NDArray[np.bool_]:
 
 
 def _leaps(times: Times) -> bool:
-    """Whether there is a gap that is too long for a silence: the clock was set ahead within it."""
+    """Return True if a gap is too long for a silence, so that the clock was set ahead within it."""
     if not times.size or float(times.max()) - float(times.min()) <= LEAP_NS:
         return False
     return bool((np.diff(np.sort(times).astype(np.float64)) > LEAP_NS).any())
 
 
 def _steps_back(arrivals: Arrivals) -> list[int]:
-    """The first messages after the clock was set back.
+    """Return the indices of the first messages after each time that the clock was set back.
 
     The clock was set back if a topic goes back in the order of arrival and most other topics agree. Otherwise messages
-    of the topic were late, were written twice, or have times of their own.
+    of the topic were late, were written twice, or have times by another clock.
     """
-    # As floats, so that no difference overflows; rounding by a quarter of a microsecond does not matter.
+    # Floats, so that no difference overflows; rounding by a quarter of a microsecond does not matter.
     times = arrivals.times.astype(np.float64)
     if not times.size or (times >= np.maximum.accumulate(times) - JITTER_NS).all():
         return []
@@ -226,7 +226,7 @@ def _steps_back(arrivals: Arrivals) -> list[int]:
     steps: list[int] = []
     start = 0
     for i in np.argsort(falls.places, kind="stable"):
-        # At a step all topics that continue go back: later falls across the same place belong to the same step.
+        # At a step all topics that continue go back, so later falls across the same place belong to the same step.
         if votes[i] > 0 and falls.before[i] >= start:
             start = int(falls.places[i])
             steps.append(start)
@@ -236,8 +236,8 @@ def _steps_back(arrivals: Arrivals) -> list[int]:
 class _Falls(NamedTuple):
     """Falls: messages with an earlier time than the previous message of their topic.
 
-    Indices of both messages, the depth of each fall, the time from it to the end of the topic, and the index of the
-    last leap ahead before it.
+    The fields are the indices of both messages, the depth of each fall, the time from it to the end of the topic, and
+    the index of the last leap ahead before it.
     """
 
     places: Times
@@ -257,7 +257,7 @@ def _falls(times: NDArray[np.float64], places: Times, ahead: Times) -> _Falls:
 
 
 def _votes(times: NDArray[np.float64], places: Times, falls: _Falls) -> Times:
-    """The vote of one topic on each fall: 1 if it falls there, too, -1 if it continues or has ended, 0 if it is unsure.
+    """Return the vote of a topic on each fall: 1 if it falls too, -1 if it continues or has ended, 0 if it is unsure.
 
     A topic continues only if its usual step is less than half the depth of the fall. If the clock leapt ahead before
     the fall, the topic must also have had a message since the leap.

@@ -15,7 +15,7 @@ from ._byte_range import FileRange
 from .source import RecordingError
 
 MAX_PLACES = 10_000
-"""Damaged places after which the rest of a file is not read."""
+"""The number of damaged places after which the rest of a file is not read."""
 _KEPT = 1 << 26
 _MAX_TIME = 2**63
 
@@ -24,11 +24,12 @@ _MAX_TIME = 2**63
 class Damage:
     """The damage of a file.
 
-    ``places`` counts where the walk had to search for the next record or could not use one; ``index``: lengths in the
-    index were wrong; ``cut``: data is missing at the end; ``unfinished``: only the index is missing at the end;
-    ``written``: another program is writing to the file; ``log``: the end of the log beside a database is missing;
-    ``checksums`` counts chunks that differ from their checksum; ``compressions`` names those that cannot be read;
-    ``unnamed`` counts messages of topics that the file does not name; ``disk`` is the text of the disk's error.
+    ``places`` counts the places at which the walk had to search for the next record or could not use one. ``index``:
+    lengths in the index were wrong. ``cut``: data is missing at the end. ``unfinished``: only the index is missing at
+    the end. ``written``: another program is writing to the file. ``log``: the end of the -wal file of a database is
+    missing. ``checksums`` counts chunks that differ from their checksum. ``compressions`` names unsupported
+    compressions. ``unnamed`` counts messages of topics that the file does not name. ``disk`` is the text of the disk's
+    error.
     """
 
     places: int = 0
@@ -52,12 +53,12 @@ class Walk:
         size: size of the file in bytes.
         channels: all channels that the file names; messages of other channels are left out.
         times: log times in nanoseconds, in the order of arrival.
-        ids: the ids of the channels of these messages.
+        ids: the channel ids of these messages.
         read: returns the bytes of a message by its number.
         close: closes the file.
         damage: the damage of the file.
         problems: lines on other problems.
-        hint: another way to save the file, if nothing of it can be read.
+        hint: another way to save the file, for an error if no message can be read.
     """
 
     name: str
@@ -81,7 +82,7 @@ class _Chunk(NamedTuple):
 
 
 class FoundMessages:
-    """The places of all messages of a file of records: 40 bytes each, so that a file of any size can be indexed.
+    """The places of all messages of a file of records, with 40 bytes each, so that a file of any size can be indexed.
 
     Args:
         file: the file.
@@ -99,12 +100,12 @@ class FoundMessages:
         self._raw: OrderedDict[int, bytes] = OrderedDict()
 
     def add_chunk(self, offset: int, size: int, compression: str) -> int:
-        """Add a compressed chunk; returns its number."""
+        """Add a compressed chunk, and return its number."""
         self._chunks.append(_Chunk(offset, size, compression))
         return len(self._chunks) - 1
 
     def add(self, channel: int, time_ns: int, offset: int, size: int, chunk: int) -> bool:
-        """Add a message in a chunk, or in the file itself (-1); returns False if its time is beyond 2262."""
+        """Add a message in a chunk, or outside chunks (-1); return False if its time is beyond 2262."""
         if time_ns >= _MAX_TIME:
             return False
         self.channels.append(channel)
@@ -115,7 +116,7 @@ class FoundMessages:
         return True
 
     def read(self, number: int) -> bytes:
-        """The bytes of a message; RecordingError if the file cannot be read any more."""
+        """Return the bytes of a message; raise RecordingError if the file cannot be read any more."""
         chunk, offset, size = self._where[number], self._offsets[number], self._sizes[number]
         try:
             data = self._file.read(offset, size) if chunk < 0 else self._chunk(chunk)[offset : offset + size]
@@ -128,7 +129,7 @@ class FoundMessages:
         return data
 
     def as_walk(self, channels: Sequence[Channel], damage: Damage) -> Walk:
-        """The result of the walk."""
+        """Return the result of the walk."""
         file = self._file
         return Walk(file.name, file.size, channels, self.times, self.channels, self.read, self._close, damage)
 
@@ -137,7 +138,7 @@ class FoundMessages:
         self._raw.clear()
 
     def _chunk(self, number: int) -> bytes:
-        """The data of a chunk; the last ones are cached, because neighbouring messages mostly share one."""
+        """Return the data of a chunk. The last chunks are cached, because consecutive messages mostly share one."""
         with self._lock:
             raw = self._raw.pop(number, None)
             if raw is None:

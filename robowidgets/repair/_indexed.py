@@ -1,4 +1,4 @@
-"""A source over files that were walked through: an index of the messages in memory, sorted by a repaired clock."""
+"""A source over the files of a recording: an index of their messages in memory, sorted by a repaired clock."""
 
 from __future__ import annotations
 
@@ -20,11 +20,11 @@ from .source import Message
 class IndexedSource:
     """A `Source` over one file, or over the files of one recording in their order.
 
-    Channels are merged. With several files, problems name theirs.
+    Channels are merged. With several files, problems begin with the name of the file.
 
     Args:
         walks: the walk through each file; closed with the source.
-        problems: lines that come before all others.
+        problems: lines to put before all others.
 
     Raises:
         RecordingError: files are damaged, and no message can be read.
@@ -35,7 +35,7 @@ class IndexedSource:
         files = ExitStack()
         for walk in walks:
             files.callback(walk.close)
-        self._close = finalize(self, files.close)  # also where nobody closes it: Python would complain of the files
+        self._close = finalize(self, files.close)  # also without close(): Python would warn of open files
         self._starts = np.cumsum([0, *(len(walk.times) for walk in walks)])
         channels, renumber = merged(walk.channels for walk in walks)
         arrivals = (Arrivals(np.asarray(walk.times, np.int64), np.asarray(walk.ids, np.int64)) for walk in walks)
@@ -84,7 +84,7 @@ class IndexedSource:
         self._close()
 
     def _before(self, time_ns: int) -> int:
-        """The number of messages that were logged before a time."""
+        """Return the number of messages before a log time."""
         limits = np.iinfo(np.int64)
         if time_ns > limits.max:
             return len(self._times)

@@ -30,15 +30,15 @@ _READ_AT_ONCE = 1 << 20
 
 
 def walk_mcap(path: Path) -> Walk:
-    """All messages that can be read from an MCAP file, with chunks or without, indexed or not, whole or not.
+    """Find all readable messages of an MCAP file, which may lack chunks or an index, or be damaged.
 
-    Encodings and schemas are not interpreted: channels of all of them are listed.
+    Encodings and schemas are not interpreted: channels with any of them are listed.
 
     Args:
         path: the file, with any suffix.
 
     Raises:
-        RecordingError: it cannot be opened, is no MCAP file, or nothing of it can be saved.
+        RecordingError: the file cannot be opened, or is not an MCAP file.
 
     Source: https://mcap.dev/spec
     """
@@ -78,7 +78,7 @@ class _Reader(RecordReader):
             raise foreign(self.file.name, "an MCAP file", head)
 
     def channels(self) -> list[Channel]:
-        """The channels with their schemas. A schema may lie anywhere in the file, even after its channel."""
+        """Return the channels with their schemas. A schema may lie anywhere in the file, even after its channel."""
         channels = []
         for number, (schema_id, topic, encoding) in self.named.items():
             schema = self.schemas.get(schema_id, _Schema("", "", ""))
@@ -110,14 +110,14 @@ class _Reader(RecordReader):
         return Record(op, pos, body, body + size) if body + size <= data.size else None
 
     def next_record(self, data: ByteRange, start: int, barred: frozenset[int]) -> int | None:
-        """See `RecordReader`: one that others follow without a gap, or that ends the file."""
+        """See `RecordReader`: other records follow without a gap, or the record ends the file."""
         for pos in find(data, _RECORD, _HEAD.size, start):
             if data.read(pos, 1)[0] not in barred and self.is_chain(data, pos):
                 return pos
         return None
 
     def is_chain(self, data: ByteRange, pos: int) -> bool:
-        """Whether several records follow each other from an offset on, or one that ends the file."""
+        """Return True if several records follow each other from an offset on, or a record ends the file."""
         for _ in range(_IN_A_ROW):
             record = self.record_at(data, pos)
             if not record:
@@ -138,7 +138,7 @@ class _Reader(RecordReader):
         damage.places += 1
 
     def name(self, data: ByteRange, record: Record, damage: Damage) -> None:
-        """Add a schema or a channel; a second one of the same id is ignored."""
+        """Add a schema or a channel; a second one with the same id is ignored."""
         raw = data.read(record.body, min(record.end - record.body, MAX_TEXT))
         try:
             if record.op == _SCHEMA:
@@ -156,7 +156,7 @@ class _Reader(RecordReader):
             damage.places += 1
 
     def chunk(self, record: Record) -> None:
-        """Check the checksum of a chunk; index the records of a compressed one, as far as it decompresses."""
+        """Check the checksum of a chunk; if it is compressed, index all records that can be decompressed."""
         checksum = int.from_bytes(record.fields["checksum"], "little")
         compression = record.fields["compression"].decode()
         if not compression:
@@ -168,7 +168,7 @@ class _Reader(RecordReader):
             self.damage.checksums += checksum != crc32(raw)
 
     def checksum(self, offset: int, size: int) -> int | None:
-        """CRC-32 of bytes in the file; None if some are missing."""
+        """Return the CRC-32 of bytes in the file, or None if some are missing."""
         end = offset + size
         if end > self.file.size:
             return None
@@ -179,7 +179,7 @@ class _Reader(RecordReader):
 
 
 def _chunk_at(data: ByteRange, pos: int, outer_end: int) -> Record | None:
-    """The chunk at an offset, if its lengths agree or if at least all of its data is in the file; else None."""
+    """Return the chunk at an offset if its lengths agree or all of its data is in the file, else None."""
     body = pos + _HEAD.size + _CHUNK_HEAD.size
     head = data.read(pos + _HEAD.size, _CHUNK_HEAD.size)
     if len(head) < _CHUNK_HEAD.size:
@@ -198,12 +198,12 @@ def _chunk_at(data: ByteRange, pos: int, outer_end: int) -> Record | None:
 
 
 def _strings(raw: bytes, count: int) -> list[str]:
-    """The first strings of a record; struct.error if some are missing."""
+    """Return the first strings of a record; raise struct.error if some are missing."""
     return [value.decode("utf-8", errors="replace") for value in _values(raw, count)]
 
 
 def _values(raw: bytes, count: int) -> list[bytes]:
-    """The first strings of a record as bytes, each after its length; struct.error if some are missing."""
+    """Return the first strings of a record as bytes; raise struct.error if some are missing."""
     values: list[bytes] = []
     pos = 0
     for _ in range(count):

@@ -1,4 +1,4 @@
-"""The files of one recording, recognised by their first bytes, as one clean source."""
+"""Opening the files of one recording, recognised by their first bytes, as one clean source."""
 
 from __future__ import annotations
 
@@ -26,24 +26,24 @@ _WALKS: dict[str, Callable[[Path], Walk]] = {
 _MAGICS = {b"#ROS": ".bag", _sqlite.MAGIC: ".db3", _mcap.MAGIC: ".mcap"}
 _ZSTD_SUFFIXES = (".zstd", ".zst")
 SUFFIX = re.compile(r"(?<=.)\.(bag|db3|mcap)(\.active|\.zstd?)?$", re.IGNORECASE)
-"""Of the names of recordings. A recorder that was killed leaves a bag as ``drive.bag.active``."""
+"""Suffixes of recordings. A recorder that was killed leaves a bag as ``drive.bag.active``."""
 _BLOCK = 1 << 20
 _MOST_UNPACKED = 1 << 30
 _MOST_RATIO = 256
 
 
 def open_repaired(paths: Sequence[Path], problems: Sequence[str] = ()) -> IndexedSource:
-    """All messages that can be read from the files of one recording, on a clock that never goes back.
+    """Return all readable messages of the files of one recording, on a clock that never goes back.
 
-    Each file is walked through once, with a progress bar; an index of 40 bytes per message stays in memory. If
-    only some of several files cannot be read, each of these becomes a line in the problems.
+    Each file is read once, with a progress bar; an index of 40 bytes per message stays in memory. If some of several
+    files cannot be read, each of these becomes a line in the problems.
 
     Args:
         paths: the files, in their order: ROS 1 bags, MCAP files, rosbag2 databases, any of them in zstd, CARMEN logs.
-        problems: lines that come before all others.
+        problems: lines to put before all others.
 
     Raises:
-        RecordingError: no file can be read; the text is that of the first.
+        RecordingError: no file can be read; the text is about the first file.
     """
     found = [_attempt(path) for path in paths]
     errors = [error for error in found if isinstance(error, str)]
@@ -54,15 +54,15 @@ def open_repaired(paths: Sequence[Path], problems: Sequence[str] = ()) -> Indexe
 
 
 def find_files(folder: Path) -> list[Path]:
-    """The recordings in a folder, with numbers in numerical order: ``drive_2.db3`` before ``drive_10.db3``."""
+    """Return the recordings in a folder, with numbers in numerical order: ``drive_2.db3`` before ``drive_10.db3``."""
     found = (path for path in folder.iterdir() if SUFFIX.search(path.name) and path.is_file())
     return sorted(found, key=lambda path: natural(path.name))
 
 
 def is_being_written(path: Path) -> bool:
-    """Whether a program, this one or another, has the file open to write to it.
+    """Return True if a program, this one or another, has the file open for writing.
 
-    Only Linux tells: it refuses a lease then.
+    This is known only on Linux, which refuses a lease on such a file.
     """
     try:
         from fcntl import F_RDLCK, F_SETLEASE, F_SETSIG, F_UNLCK, fcntl
@@ -70,11 +70,11 @@ def is_being_written(path: Path) -> bool:
         return False
     with path.open("rb") as file:
         try:
-            # Who opens the file to write between the next two lines causes a signal: one that does nothing.
+            # If a program opens the file for writing between the next lines, a signal comes: use one without an effect.
             fcntl(file, F_SETSIG, signal.SIGURG)
             fcntl(file, F_SETLEASE, F_RDLCK)
             fcntl(file, F_SETLEASE, F_UNLCK)
-        except OSError as error:  # other errors: a file of another user, or a disk without leases
+        except OSError as error:  # other errors mean a file of another user, or a disk without leases
             return error.errno == EAGAIN
     return False
 
@@ -92,7 +92,7 @@ def _attempt(path: Path) -> Walk | str:
 
 
 def _walk_file(path: Path) -> Walk:
-    """The walk through one file. Its first bytes decide its format, and its suffix only if they do not."""
+    """Walk through one file. Its first bytes decide its format; its suffix decides only if they do not."""
     left_behind = path.with_name(f"{path.name}-wal")
     if left_behind.is_file() and left_behind.stat().st_size:
         return _sqlite.walk_sqlite(path)
@@ -110,7 +110,7 @@ def _walk_file(path: Path) -> Walk:
 
 
 def _walk_packed(path: Path) -> Walk:
-    """The walk through a file that was compressed as a whole: through a temporary copy of the decompressed data."""
+    """Walk through a file that was compressed as a whole, by a temporary copy of the decompressed data."""
     try:
         with ExitStack() as stack:
             folder = stack.enter_context(TemporaryDirectory(prefix="robowidgets-"))
@@ -120,7 +120,7 @@ def _walk_packed(path: Path) -> Walk:
             with path.open("rb") as packed, copy.open("wb") as unpacked:
                 whole = inflate_to(unpacked.write, "zstd", iter(lambda: packed.read(_BLOCK), b""), limit)
             if not copy.stat().st_size:
-                raise RecordingError(f"{path.name}: its zstd data is damaged or cut off where it starts; copy it again")
+                raise RecordingError(f"{path.name}: its zstd data is damaged or cut off at its start; copy it again")
             with copy.open("rb") as file:
                 if file.read(4) == ZSTD_MAGIC:
                     raise RecordingError(f"{path.name}: expected a recording in zstd, got zstd within zstd")
@@ -135,6 +135,6 @@ def _walk_packed(path: Path) -> Walk:
 
 
 def natural(name: str) -> list[tuple[bool, int, str]]:
-    """A key that sorts names with their numbers in numerical order."""
+    """Return a key that sorts names with numbers in numerical order."""
     parts = re.findall(r"\d+|\D+", name)
     return [(part.isdecimal(), int(part) if part.isdecimal() else 0, part) for part in parts]

@@ -1,4 +1,4 @@
-"""What the readers of bags and of MCAP files share: the walk through a file of records and of chunks of records."""
+"""The walk through a file of records and chunks of records, shared by the readers of bags and MCAP files."""
 
 from __future__ import annotations
 
@@ -14,14 +14,14 @@ from ._byte_range import ByteRange, FileRange, MemoryRange
 from ._found_messages import MAX_PLACES, Damage, FoundMessages, Walk
 
 MAX_TEXT = 1 << 22
-"""Most bytes of a record with names and definitions."""
+"""The most bytes of a record with names and definitions."""
 
 
 class Record(NamedTuple):
     """The offsets of a record: ``start``, the first byte of its data (``body``), the byte after its data (``end``).
 
-    A chunk that is not compressed ends where its data starts: its records are walked as if they lay outside it, so a
-    wrong length or a missing end costs nothing. ``whole`` is False when the data ends early.
+    An uncompressed chunk ends at the start of its data: its records are read as if they were outside the chunk, so a
+    wrong length or a missing end loses nothing. ``whole`` is False if the data ends early.
     """
 
     op: int
@@ -33,19 +33,19 @@ class Record(NamedTuple):
 
 
 class RecordReader(ABC):
-    """One walk through a file that may be damaged. Subclasses know the records of a format.
+    """One walk through a file that may be damaged. Subclasses define the records of a format.
 
     Args:
         path: the file.
 
     Raises:
-        RecordingError: it cannot be opened.
+        RecordingError: the file cannot be opened.
     """
 
     magic: ClassVar[bytes]
     """The bytes before the first record."""
     last_op: ClassVar[int | None] = None
-    """The op after which nothing follows."""
+    """The op of the last record."""
     index_ops: ClassVar[frozenset[int]]
     """The ops of records without messages."""
     inner_ops: ClassVar[frozenset[int]]
@@ -63,14 +63,11 @@ class RecordReader(ABC):
 
     @abstractmethod
     def record_at(self, data: ByteRange, pos: int) -> Record | None:
-        """The record at an offset, which may reach past the end of the data; None if there is none."""
+        """Return the record at an offset, which may reach past the end of the data, or None."""
 
     @abstractmethod
     def next_record(self, data: ByteRange, start: int, barred: frozenset[int]) -> int | None:
-        """The offset, from ``start`` on, of a record that is unlikely to be an accident and has no barred op.
-
-        None if there is none.
-        """
+        """Return the next offset from ``start`` on of a likely record without a barred op, or None."""
 
     @abstractmethod
     def record(self, data: ByteRange, record: Record, chunk: int, damage: Damage) -> None:
@@ -78,10 +75,10 @@ class RecordReader(ABC):
 
     @abstractmethod
     def channels(self) -> list[Channel]:
-        """The channels that were found."""
+        """Return the channels that were found."""
 
     def walk(self) -> Walk:
-        """Read the whole file, which an error closes."""
+        """Read the whole file; close it on errors."""
         try:
             self.check()
             done = 0
@@ -99,10 +96,10 @@ class RecordReader(ABC):
             raise
 
     def records(self, data: ByteRange, damage: Damage, start: int = 0) -> Iterator[Record]:
-        """Every record that can be recognised, in the order of the data; adds to ``damage``.
+        """Yield every record that can be recognised, in the order of the data; add to ``damage``.
 
-        A record is yielded once another one is found where it ends. If there is none, the next one is searched for
-        within the pending record, because its length may be wrong.
+        A record is yielded once another record is found at its end. Otherwise the next record is searched for within
+        the pending record, because its length may be wrong.
         """
         pending: Record | None = None
         pos = start
@@ -134,7 +131,7 @@ class RecordReader(ABC):
             yield pending
 
     def inflated(self, record: Record, compression: str) -> bytes | None:
-        """Index the records of a compressed chunk, as far as it decompresses; returns its data if that is whole."""
+        """Index all records of a compressed chunk that can be decompressed; return its data if that is complete."""
         if compression not in COMPRESSIONS:
             self.damage.compressions.add(compression)
             return None
@@ -148,9 +145,9 @@ class RecordReader(ABC):
         return raw if whole else None
 
     def _search(self, data: ByteRange, pending: Record | None, pos: int) -> int | None:
-        """The offset of the next record, after a record whose end is in doubt or, with none, after an offset.
+        """Return the offset of the next record after a pending record, whose end is in doubt, or else after an offset.
 
-        Records of messages within compressed data are skipped: they are accidents, or are read after decompression.
+        Within compressed data, records that belong into chunks are skipped: they are accidental matches.
         """
         if pending is None:
             return self.next_record(data, pos + 1, frozenset())

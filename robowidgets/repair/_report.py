@@ -1,4 +1,4 @@
-"""Errors and problems of files that are damaged, or are no recordings."""
+"""Errors and problems of files that are damaged, or are not recordings."""
 
 from __future__ import annotations
 
@@ -24,14 +24,14 @@ _CHANGED_BY_GIT = {
     b"\x89MCAP0\n": f"one {_BY_GIT.format('mcap')}",
     b"#ROSBAG V2.0\r\n": f"one {_BY_GIT.format('bag')}",
 }
-"""CR LF became LF, or LF became CR LF, also between bytes that are no lines."""
+"""First bytes of files in which git changed CR LF to LF, or LF to CR LF, everywhere in binary data."""
 _TAR_AT = 257
 HEAD = _TAR_AT + 8
-"""Bytes at the start of a file that tell its format."""
+"""The number of bytes at the start of a file that determine its format."""
 
 
 def format_of(head: bytes) -> str:
-    """The format of a file by its first bytes, or a description of them; what to do where it could be unpacked."""
+    """Return the format of a file by its first bytes, or a description of them; archives with advice to unpack them."""
     for magic, name in (*_CHANGED_BY_GIT.items(), *_FORMATS.items()):
         if head.startswith(magic):
             return name
@@ -44,15 +44,15 @@ def format_of(head: bytes) -> str:
 
 
 def foreign(name: str, expected: str, head: bytes) -> RecordingError:
-    """The error for a file that is no recording in the expected format."""
+    """Return the error for a file that is not a recording in the expected format."""
     return RecordingError(f"{name}: expected {expected}, got {format_of(head)}")
 
 
 def nothing_readable(walk: Walk) -> RecordingError:
-    """The error for a file without a single message that can be read."""
+    """Return the error for a file without a readable message."""
     name, damage = walk.name, walk.damage
     if damage.written:
-        return RecordingError(f"{name}: is being written, and holds no message so far: open it again later")
+        return RecordingError(f"{name}: is being written, and has no message so far: open it again later")
     if damage.compressions:
         shown = ", ".join(sorted(damage.compressions))
         return RecordingError(f"{name}: compressed with {shown}, which cannot be read: expected none, bz2, lz4 or zstd")
@@ -64,18 +64,18 @@ def nothing_readable(walk: Walk) -> RecordingError:
 
 
 def damage_lines(damage: Damage, count: int, span_ns: int) -> tuple[str, ...]:
-    """One line for each kind of damage in a file that was read all the same.
+    """Return one line for each kind of damage in a file that was read in spite of it.
 
     Args:
         damage: the damage.
-        count: number of messages that can be read.
-        span_ns: nanoseconds from the first of these to the last.
+        count: number of readable messages.
+        span_ns: nanoseconds from the first to the last of these messages.
     """
     amount = f"{many(count, 'message')}, up to {span_ns / 1e9:.1f} s"
     places = f"damaged in {many(damage.places, 'place')}" if damage.places else ""
     lines = []
     if damage.written:
-        lines.append(f"the file is being written: read what it holds so far, {amount}; open it again for the rest")
+        lines.append(f"the file is being written: read its content so far, {amount}; open it again for the rest")
     elif damage.cut or places:
         what = " and ".join(filter(None, (f"is {places}" if places else "", "was cut off" if damage.cut else "")))
         lines.append(f"the recording {what}: read {amount}")

@@ -1,4 +1,4 @@
-"""rosbag2 databases (.db3), read row by row and past damage, without ever writing to them."""
+"""rosbag2 databases (.db3), read row by row and past damage, and never written."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from .source import RecordingError
 
 try:
     import sqlite3
-except ModuleNotFoundError:  # in a browser, where all else opens without
+except ModuleNotFoundError:  # in a browser, which opens all other files without it
     sqlite3 = None  # type: ignore[assignment,unused-ignore]
 
 MAGIC = b"SQLite format 3\0"
@@ -34,15 +34,15 @@ _LOG_HEAD, _PAGE_HEAD = 32, 24
 
 
 def walk_sqlite(path: Path) -> Walk:
-    """All messages that can be read from a rosbag2 database, whole or not.
+    """Find all readable messages of a rosbag2 database, which may be damaged.
 
-    Files that a killed recorder left beside it (``-wal``, ``-journal``) are read, too.
+    Files that a killed recorder left next to it (``-wal``, ``-journal``) are read too.
 
     Args:
         path: the file, with any suffix.
 
     Raises:
-        RecordingError: it cannot be opened, or is no rosbag2 database.
+        RecordingError: the file cannot be opened, or is not a rosbag2 database.
 
     Source: the tables topics, messages and (since ROS 2 Iron) message_definitions of rosbag2_storage_sqlite3.
     """
@@ -63,7 +63,7 @@ def walk_sqlite(path: Path) -> Walk:
 
 
 def files_beside(path: Path) -> list[Path]:
-    """The files of a recorder beside a database (``-wal``, ``-journal``) that are read with it."""
+    """Return the files of a recorder next to a database (``-wal``, ``-journal``) that are read with it."""
     beside = [path.with_name(path.name + ending) for ending in ("-wal", "-journal")]
     return [file for file in beside if file.is_file() and file.stat().st_size]
 
@@ -96,9 +96,9 @@ def _walk_rows(path: Path, connection: sqlite3.Connection, damage: Damage) -> Wa
 
 
 def _connect(path: Path, stack: ExitStack) -> tuple[sqlite3.Connection, Damage]:
-    """A connection, and the damage that is visible before any row is read.
+    """Return a connection, and the damage that is visible before any row is read.
 
-    The file is opened read-only and immutable, so that sqlite creates no file beside it. In two cases a temporary copy
+    The file is opened read-only and immutable, so that sqlite creates no file next to it. In two cases a temporary copy
     is opened instead, which sqlite may change: to apply the files of a killed recorder (``-wal``, ``-journal``), and to
     drop an incomplete page at the end, whose missing bytes sqlite would read as zeros.
 
@@ -107,7 +107,7 @@ def _connect(path: Path, stack: ExitStack) -> tuple[sqlite3.Connection, Damage]:
         stack: closes the connection and removes the copy.
 
     Raises:
-        RecordingError: the file cannot be opened or copied, or is no database.
+        RecordingError: the file cannot be opened or copied, or is not a database.
         sqlite3.Error: sqlite cannot open it.
     """
     beside = files_beside(path)
@@ -135,10 +135,10 @@ def _connect(path: Path, stack: ExitStack) -> tuple[sqlite3.Connection, Damage]:
 
 
 def _is_log_whole(log: Path, connection: sqlite3.Connection) -> bool:
-    """Whether sqlite takes all pages of a log (``-wal``) that belong to it.
+    """Return True if sqlite reads all pages of a log (``-wal``) that belong to it.
 
-    It leaves out, in silence, all from the first damaged page on, and a last transaction without an end. A log is
-    written anew from its start: pages of earlier rounds, which have another salt, may follow the last one.
+    It silently ignores all pages from the first damaged one on, and a last transaction without an end. A log is
+    overwritten from its start, so pages of earlier rounds, which have another salt, may follow its last page.
 
     Source: https://www.sqlite.org/fileformat2.html#the_write_ahead_log
     """
@@ -149,20 +149,20 @@ def _is_log_whole(log: Path, connection: sqlite3.Connection) -> bool:
         salt, size = head[16:24], _PAGE_HEAD + int.from_bytes(head[8:12], "big")
         pages = -(-max(file.size - _LOG_HEAD, 0) // size)
         own = (n for n in range(pages, 0, -1) if salt.startswith(file.read(_LOG_HEAD + (n - 1) * size + 8, 8)))
-        # No page with the salt of the log: its head is damaged.
+        # If no page has the salt of the log, its header is damaged.
         return file.size >= _LOG_HEAD and taken >= next(own, min(pages, 1))
     finally:
         file.close()
 
 
 def is_cut(path: Path) -> bool:
-    """Whether a database is shorter than it says. SQLite reads zeros where a part of its last page is missing."""
+    """Return True if a database is shorter than its header says. SQLite reads missing bytes of a page as zeros."""
     size, page_size, pages = _sizes(path)
     return size < pages * page_size
 
 
 def _sizes(path: Path) -> tuple[int, int, int]:
-    """The size of the file, the size of a page, and the number of pages by the header of the file."""
+    """Return the size of the file, the size of a page, and the number of pages by the header of the file."""
     file = FileRange(path)
     try:
         head = file.read(0, HEAD)
@@ -175,14 +175,14 @@ def _sizes(path: Path) -> tuple[int, int, int]:
 
 
 def _copy(path: Path, beside: list[Path], stack: ExitStack) -> Path:
-    """A copy of the file and of the files beside it."""
+    """Copy the file and the files next to it, and return the copy of the former."""
     folder = Path(stack.enter_context(TemporaryDirectory(prefix="robowidgets-")))
     try:
         for file in (path, *beside):
             shutil.copyfile(file, folder / file.name)
     except OSError as error:
         raise RecordingError(
-            f"{path.name}: is not whole, and cannot be copied to be read: {error.strerror or error}"
+            f"{path.name}: is not complete, and cannot be copied to be read: {error.strerror or error}"
         ) from None
     return folder / path.name
 
@@ -192,14 +192,14 @@ def _check_tables(connection: sqlite3.Connection, name: str) -> None:
     if not tables >= {"topics", "messages"}:
         shown = ", ".join(sorted(map(repr, tables))) or "none"
         raise RecordingError(
-            f"{name}: an SQLite database, but no rosbag2 recording: expected the tables 'topics' and 'messages', "
+            f"{name}: an SQLite database, but not a rosbag2 recording: expected the tables 'topics' and 'messages', "
             f"got {shown[:200]}"
         )
 
 
 def _channels(connection: sqlite3.Connection, damage: Damage) -> list[Channel]:
     definitions = {}
-    with suppress(sqlite3.OperationalError):  # no such table before ROS 2 Iron
+    with suppress(sqlite3.OperationalError):  # the table does not exist before ROS 2 Iron
         rows = connection.execute("SELECT topic_type, encoding, encoded_message_definition FROM message_definitions")
         definitions = {
             name: definition_text(encoding, name, text) for name, encoding, text in (map(str, row) for row in rows)
@@ -221,7 +221,7 @@ class _Message(NamedTuple):
 
 
 def _look_up(connection: sqlite3.Connection, row: int) -> _Message | None:
-    """A message by the number of its row; None if it is missing or cannot be read."""
+    """Return a message by the number of its row, or None if it is missing or cannot be read."""
     try:
         found = connection.execute(_LOOK_UP, (row,)).fetchone()
     except sqlite3.Error:
@@ -231,9 +231,9 @@ def _look_up(connection: sqlite3.Connection, row: int) -> _Message | None:
 
 
 def _rows(connection: sqlite3.Connection, damage: Damage) -> Iterator[int]:
-    """The numbers of the rows in their order; where sqlite fails, the walk continues behind the damage.
+    """Yield the numbers of the rows in their order; if sqlite fails, continue after the damage.
 
-    A row of the walk may still be missing when it is looked up.
+    A row that was found may still be missing when it is looked up.
     """
     start: int | None = 1
     while start is not None:
@@ -244,7 +244,7 @@ def _rows(connection: sqlite3.Connection, damage: Damage) -> Iterator[int]:
                 start = row + 1
                 yield row
             return
-        # Python reads one row ahead, so the last row before the damage can still be read by itself.
+        # Python reads one row ahead, so the last row before the damage can still be read separately.
         if row := _peek(connection, start):
             start = row + 1
             yield row
@@ -253,7 +253,7 @@ def _rows(connection: sqlite3.Connection, damage: Damage) -> Iterator[int]:
 
 
 def _next_start(connection: sqlite3.Connection, start: int) -> int | None:
-    """The least row number after ``start`` from which the walk can continue; None if there is none."""
+    """Return the least row number after ``start`` from which the walk can continue, or None."""
     step = 1
     while _peek(connection, start + step) is None:
         step *= 2
@@ -267,7 +267,7 @@ def _next_start(connection: sqlite3.Connection, start: int) -> int | None:
 
 
 def _peek(connection: sqlite3.Connection, start: int) -> int | None:
-    """The first row number from ``start`` on; 0 if no row is left, None if sqlite cannot read on from there."""
+    """Return the first row number from ``start`` on, 0 if no row is left, or None if sqlite cannot read on."""
     try:
         row, *_ = connection.execute(f"{_WALK} LIMIT 1", (start,)).fetchone() or (0,)
     except sqlite3.DatabaseError:

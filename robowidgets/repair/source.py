@@ -1,4 +1,4 @@
-"""The interface between the readers of files and a recording: a file of messages in any format."""
+"""The interface between the readers of files and a recording: messages from a file in any format."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ Message = tuple[Channel, int, bytes]
 
 
 class RecordingError(Exception):
-    """A recording that cannot be opened or read. The text is one line for a person: the file and the reason."""
+    """A recording cannot be opened or read. The text is one line for users: the file and the reason."""
 
 
 class Source(Protocol):
@@ -23,34 +23,34 @@ class Source(Protocol):
 
     @property
     def channels(self) -> tuple[Channel, ...]:
-        """All channels that the file names, including those without a message."""
+        """All channels that the file names, including channels without messages."""
 
     @property
     def problems(self) -> tuple[str, ...]:
-        """The repairs, and the parts that could not be read so far, one line each, for a person."""
+        """The repairs, and the parts that could not be read so far, one line for each."""
 
     @property
     def start_ns(self) -> int | None:
-        """Log time of the first message in nanoseconds since the epoch; None when there is no message."""
+        """Log time of the first message in nanoseconds since the epoch, or None without messages."""
 
     @property
     def end_ns(self) -> int | None:
-        """Log time of the last message (not one after it); None when there is no message."""
+        """Log time of the last message (inclusive) in nanoseconds since the epoch, or None without messages."""
 
     def messages(
         self, channels: Collection[Channel], start_ns: int | None = None, stop_ns: int | None = None
     ) -> Iterator[Message]:
-        """The messages of these channels, by log time; those of the same time in the order of arrival.
+        """Yield the messages of these channels by log time, or in the order of arrival if the time is the same.
 
-        Messages logged at ``start_ns`` or later and before ``stop_ns``; None means no limit. Without channels there is
-        no message. Several iterators may be in use at once.
+        Only messages logged at ``start_ns`` or later and before ``stop_ns`` are included; None means no limit. Several
+        iterators may be in use at once.
         """
 
     def span_ns(self, channel: Channel) -> tuple[int, int] | None:
-        """Log times of the first and the last message of a channel, or a little before and after them.
+        """Return log times of the first and the last message of a channel, or a little before and after them.
 
-        None if the index does not contain them.
+        Return None if the index does not contain them.
         """
 
     def close(self) -> None:
-        """Close the file; doing it again does nothing."""
+        """Close the file; further calls do nothing."""

@@ -1,4 +1,4 @@
-"""Writing a source as an MCAP file that every tool reads: indexed, in chunks, on a clock that never goes back."""
+"""Writing of a source as an MCAP file that every tool reads: indexed, in chunks, on a clock that never goes back."""
 
 from __future__ import annotations
 
@@ -28,16 +28,18 @@ class Written(NamedTuple):
 
 
 def write(source: Source, path: Path) -> Written:
-    """Write all messages of a source into an MCAP file, in chunks compressed with zstd, but in a browser.
+    """Write all messages of a source into an MCAP file, in chunks that are compressed with zstd (not in a browser).
 
-    The file is complete when it appears, and replaces an existing one. A definition that the source lacks is written
+    The file is complete when it appears, and replaces an existing file. A definition that the source lacks is written
     if the type is known. If the source fails midway, the messages before are written.
 
     Raises:
-        RecordingError: the file cannot be written, or the source has no message. The text gives the reason.
+        RecordingError: the file cannot be written, or no message can be read. The text gives the reason.
     """
     if (source.start_ns or 0) < 0:
-        raise RecordingError(f"{path}: cannot be written: the clock begins before 1970, and MCAP holds no such times")
+        raise RecordingError(
+            f"{path}: cannot be written: the clock begins before 1970, and MCAP cannot store such times"
+        )
     try:
         with whole_file(path) as file:
             count, problems = _write_messages(source, file, path.name)
@@ -48,11 +50,11 @@ def write(source: Source, path: Path) -> Written:
 
 
 class McapWriter:
-    """Messages written as MCAP: in chunks compressed with zstd, but in a browser; each schema once.
+    """A writer of MCAP: in chunks that are compressed with zstd (not in a browser), with each schema once.
 
     Args:
-        file: open for writing; the caller closes it.
-        encodings: of all messages that will be written.
+        file: a file that is open for writing; the caller closes it.
+        encodings: the encodings of all messages that will be written.
     """
 
     def __init__(self, file: BinaryIO, encodings: Collection[str]) -> None:
@@ -65,7 +67,7 @@ class McapWriter:
         """Lines on missing definitions."""
 
     def register(self, channel: Channel) -> None:
-        """Name a channel, before its messages; the file says its definition, as far as the type is known."""
+        """Add a channel before its messages, with its definition if the type is known."""
         name, encoding, text = channel.type, "", definition_of(channel)
         if channel.encoding == "ros1":
             name, encoding = name.replace("/msg/", "/"), "ros1msg"
@@ -88,7 +90,7 @@ class McapWriter:
         self._writer.add_message(self._ids[channel.id], time_ns, data, time_ns)
 
     def flush(self) -> None:
-        """Write the chunk as far as it has come, so that a file that is never finished holds it."""
+        """Write the current chunk, so that an unfinished file contains it."""
         self._writer.flush()
 
     def finish(self) -> None:
@@ -97,7 +99,7 @@ class McapWriter:
 
 
 def _write_messages(source: Source, file: BinaryIO, name: str) -> tuple[int, list[str]]:
-    """Write all messages; returns their number, and lines on missing parts."""
+    """Write all messages; return their number, and lines on missing parts."""
     writer = McapWriter(file, {channel.encoding for channel in source.channels})
     for channel in source.channels:
         writer.register(channel)

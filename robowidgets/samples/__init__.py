@@ -1,7 +1,7 @@
-"""Samples: what every source makes and every widget shows.
+"""Samples: the data that every source makes and every widget shows.
 
 A sample is immutable, in SI units and in the body frame of REP-103 (x forward, y left, z up; yaw grows
-counter-clockwise). It knows neither ROS nor a page.
+counter-clockwise). It depends neither on ROS nor on a page.
 """
 
 from .age import HasAge

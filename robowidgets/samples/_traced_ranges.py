@@ -1,4 +1,4 @@
-"""Ranges that note which of them a function reads."""
+"""An array of ranges that records which of them a function reads."""
 
 from __future__ import annotations
 
@@ -10,14 +10,14 @@ from numpy.typing import NDArray
 
 
 class TracedRanges(np.ndarray):
-    """The ranges of a scan, which note what is read of them at once: an index, a part, or all of them.
+    """The ranges of a scan, which record each read: an index, a slice, or all ranges.
 
-    All of them are read by a loop, and by a function of NumPy that makes one number of them. Parts, and what NumPy
-    makes of them, are plain.
+    A loop reads all of them, and so does a function of NumPy that returns one number. Slices, and the results of
+    NumPy, are plain arrays.
     """
 
     _note: Callable[[Any, Any], None] | None = None
-    """Takes an index of the array and what it gives. Copies have none: an index of a sorted one is no ray."""
+    """Called with an index and the value read. None for copies: an index into a sorted copy does not name a ray."""
 
     def __getitem__(self, key: Any) -> Any:
         part = np.asarray(self)[key]
@@ -46,7 +46,7 @@ TracedRanges.__name__ = "array"  # for its repr
 
 
 def traced(ranges: NDArray[np.float32], note: Callable[[Any, Any], None]) -> NDArray[np.float32]:
-    """A view of ranges that calls a function with each index that is read, and with what it gives."""
+    """Return a view of ranges that calls a function with each index that is read and its value."""
     view = ranges.view(TracedRanges)
     vars(view)["_note"] = note
     return view

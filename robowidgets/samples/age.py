@@ -6,9 +6,9 @@ import time
 
 
 class HasAge:
-    """A sample that knows when it arrived. Not a field: two samples with the same content stay equal.
+    """A sample that knows its time of arrival. This time is not a field, so samples with the same content are equal.
 
-    A dataclass that has a `__post_init__` of its own calls `note_arrival` in it.
+    A dataclass that defines `__post_init__` calls `note_arrival` in it.
     """
 
     _arrived: float
@@ -18,9 +18,9 @@ class HasAge:
 
     @property
     def age(self) -> float:
-        """Seconds since it arrived here, in this process; of a sample of a recording, since it was read.
+        """Seconds since the sample arrived in this process, or since it was read from a recording.
 
-        The clock is this computer's own and never set, so the age holds whatever the robot's clock says.
+        The clock is this computer's monotonic clock, so the age does not depend on the robot's clock.
         """
         return time.monotonic() - self._arrived
 
@@ -31,5 +31,5 @@ def note_arrival(sample: HasAge, when: float | None = None) -> None:
 
 
 def arrival_of(sample: HasAge) -> float:
-    """Seconds of the monotonic clock at which a sample arrived."""
-    return sample._arrived  # noqa: SLF001  # no field of a sample, and no attribute for users, who ask for its age
+    """Return the time of the monotonic clock in seconds at which a sample arrived."""
+    return sample._arrived  # noqa: SLF001  # neither a field nor public: users read the age

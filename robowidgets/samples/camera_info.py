@@ -1,4 +1,4 @@
-"""The calibration of a camera: how what it sees falls on its pixels."""
+"""The calibration of a camera: the mapping from points in space to pixels."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ Floats = NDArray[np.float64]
 
 
 class PixelBox(NamedTuple):
-    """A part of a picture, in pixels of the whole one; of width and height 0: all of it."""
+    """A part of a picture, in pixels of the whole picture. Width and height 0 mean the whole picture."""
 
     x_offset: int = 0
     y_offset: int = 0
@@ -31,23 +31,23 @@ class CameraInfo(HasAge):
     """The calibration of a camera, for the whole picture of its sensor.
 
     The camera looks along z of its frame, with x to the right and y down (REP-103, a frame that ends in ``_optical``).
-    The middle of the first pixel is at (0, 0).
+    The centre of the first pixel is at (0, 0).
 
     Args:
-        width, height: pixels of the whole picture, before `binning` and `roi`; 0: not known.
-        k: the matrix of the raw picture, 9 numbers by rows; all 0: the camera is not calibrated.
-        d: the numbers of the distortion, as many as its model has.
-        r: the turn from the camera to the rectified picture, 9 numbers; all 0 counts as none.
+        width, height: pixels of the whole picture, before `binning` and `roi`, or 0 if unknown.
+        k: the matrix of the raw picture, 9 numbers by rows; all 0 if the camera is not calibrated.
+        d: the distortion coefficients, as many as the model has.
+        r: the rotation from the camera to the rectified picture, 9 numbers; all 0 counts as no rotation.
         p: the matrix of the rectified picture, 12 numbers; all 0 counts as `k`.
         distortion_model: "plumb_bob", "rational_polynomial", "equidistant", or empty.
-        binning: how many pixels of the sensor one of the picture has, across and down.
+        binning: the number of sensor pixels per pixel of the picture, across and down.
         roi: the part of the sensor that the picture shows.
         stamp_ns: nanoseconds since the epoch, or None.
         frame_id: the coordinate frame of the camera.
 
     Raises:
-        TypeError: something is no number.
-        ValueError: another count of numbers, or one that is not finite.
+        TypeError: a value is not a number.
+        ValueError: a matrix has the wrong number of values, or a value is not finite.
 
     Source: sensor_msgs/CameraInfo.
     """
@@ -76,12 +76,12 @@ class CameraInfo(HasAge):
 
     @property
     def is_calibrated(self) -> bool:
-        """Whether it says how the camera sees at all."""
+        """True if the camera is calibrated: `k` or `p` has focal lengths."""
         return bool(self.k[0] > 0 and self.k[4] > 0) or bool(self.p[0] > 0 and self.p[5] > 0)
 
     @property
     def size(self) -> tuple[int, int]:
-        """Width and height of the pictures that come, in pixels."""
+        """Width and height of the pictures after `roi` and `binning`, in pixels."""
         width, height = (self.roi.width, self.roi.height) if self.roi.width else (self.width, self.height)
         return width // self.binning[0], height // self.binning[1]
 

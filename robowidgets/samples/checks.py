@@ -1,4 +1,4 @@
-"""Numbers as they are given, checked, and arrays that nobody changes."""
+"""Checks of numbers that users give, and read-only arrays."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ ANGLE_ROUNDING = 1e-6
 """Radians."""
 
 _FULL_TURN = 2 * pi + 0.01
-"""And what is lost when it is typed with few digits."""
+"""Radians, with a margin for angles typed with few digits."""
 
 DEGREES = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+))\s*(?:deg|°)\s*")
 """Degrees as text: ``"20deg"``, ``"-7.5°"``."""
@@ -25,7 +25,7 @@ _FLOAT32 = np.dtype(np.float32)
 
 
 def number(name: str, value: Any) -> float:
-    """A float, NaN and inf included; TypeError when it is no number."""
+    """Return a float, NaN and inf included, or raise TypeError if the value is not a number."""
     if type(value) is float:
         return value
     if isinstance(value, (str, bytes, bool)):
@@ -37,7 +37,7 @@ def number(name: str, value: Any) -> float:
 
 
 def finite(name: str, value: Any, unit: str) -> float:
-    """A finite float; ValueError when it is NaN or infinite."""
+    """Return a finite float, or raise ValueError if the value is NaN or infinite."""
     result = number(name, value)
     if not isfinite(result):
         raise ValueError(f"{name}: expected a finite number of {unit}, got {result!r}")
@@ -45,7 +45,7 @@ def finite(name: str, value: Any, unit: str) -> float:
 
 
 def not_negative(name: str, value: Any, unit: str) -> float:
-    """A finite float that is 0 or more; ValueError for any other."""
+    """Return a finite float that is 0 or more, or raise ValueError."""
     result = finite(name, value, unit)
     if result < 0:
         raise ValueError(f"{name}: expected {unit}, 0 or more, got {result!r}")
@@ -53,7 +53,7 @@ def not_negative(name: str, value: Any, unit: str) -> float:
 
 
 def to_radians(name: str, value: Any) -> float:
-    """Radians, NaN and inf included, also of degrees as text (``"20deg"``); TypeError when it is neither."""
+    """Return radians, NaN and inf included, from a number or from degrees as text (``"20deg"``), or raise TypeError."""
     if not isinstance(value, str):
         return number(name, value)
     degrees = DEGREES.fullmatch(value)
@@ -63,7 +63,7 @@ def to_radians(name: str, value: Any) -> float:
 
 
 def in_radians(name: str, value: Any) -> float:
-    """An angle within ±2 pi, as `to_radians` takes it; ValueError beyond it, where it is in degrees."""
+    """Return radians within ±2 pi from a value for `to_radians`; raise ValueError beyond, which suggests degrees."""
     given = finite(name, to_radians(name, value), "radians")
     if not is_angle(given):
         raise ValueError(f"{name}: expected radians within ±2 pi, got {given!r}; {OF_DEGREES}")
@@ -71,15 +71,15 @@ def in_radians(name: str, value: Any) -> float:
 
 
 def is_angle(value: float) -> bool:
-    """Whether this is within ±2 pi, as radians are."""
+    """Return True if the value is within ±2 pi, as radians are."""
     return abs(value) <= _FULL_TURN
 
 
 def floats(name: str, values: ArrayLike | Any) -> NDArray[np.float32]:
-    """A read-only float32 copy of a one-dimensional array."""
+    """Return a read-only float32 copy of a one-dimensional array."""
     array: NDArray[np.float32] | None
     if type(values) is np.ndarray and values.dtype is _FLOAT32 and values.ndim == 1:
-        array = values.copy()  # as scanners send it: nothing to guard against
+        array = values.copy()  # the usual case: no checks needed
         array.setflags(write=False)
         return array
     try:
@@ -96,24 +96,24 @@ def floats(name: str, values: ArrayLike | Any) -> NDArray[np.float32]:
 
 
 def _unmasked(values: np.ma.MaskedArray[Any, Any]) -> NDArray[np.float32]:
-    """Masked values as NaN, because they are no measurements."""
+    """Return the array with NaN for masked values, because they are not measurements."""
     return np.ma.filled(values.astype(np.float32), np.nan)
 
 
 def is_frozen(values: Any) -> TypeGuard[NDArray[np.float32]]:
-    """Whether this is a read-only one-dimensional array of float32."""
+    """Return True if this is a read-only one-dimensional array of float32."""
     return type(values) is np.ndarray and values.dtype is _FLOAT32 and values.ndim == 1 and not values.flags.writeable
 
 
 def shortest(value: SupportsFloat) -> float:
-    """A float32 as the float that a person would write: 2.54, not 2.5399999618530273."""
+    """Return a float32 as the float with the fewest decimals: 2.54, not 2.5399999618530273."""
     return float(str(np.float32(float(value))))
 
 
 def decimals(value: float, most: int) -> str:
-    """A finite number with at most so many decimals, and none that is not needed: "0.35", "-20", "0".
+    """Return a finite number as text with at most that many decimals, without trailing zeros: "0.35", "-20", "0".
 
-    A tie goes away from zero, as in the page, so that both write the same.
+    Ties round away from zero, as in the page, so that both write the same text.
     """
     text = f"{Decimal(value).quantize(Decimal(1).scaleb(-most), ROUND_HALF_UP):f}"
     text = text.rstrip("0").rstrip(".") if most else text
@@ -121,7 +121,7 @@ def decimals(value: float, most: int) -> str:
 
 
 def metres(value: float, reach: float) -> str:
-    """A distance in a picture that reaches so far in metres, as the page writes it: ``"2.54 m"``, ``"1.235 km"``."""
+    """Return a distance as the page writes it in a picture with this reach in metres: ``"2.54 m"``, ``"1.235 km"``."""
     if value >= 1000:
         return f"{value / 1000:.3f} km"
     text = f"{value:.{min(6, max(2, 1 - floor(log10(reach))))}f}"
@@ -129,7 +129,7 @@ def metres(value: float, reach: float) -> str:
 
 
 def frozen(array: NDArray[Any]) -> NDArray[Any]:
-    """The same array, read-only."""
+    """Make an array read-only and return it."""
     array.setflags(write=False)
     return array
 

@@ -1,4 +1,4 @@
-"""A cloud of points, with every field that its sensor measured."""
+"""A point cloud, with every field that its sensor measured."""
 
 from __future__ import annotations
 
@@ -21,15 +21,15 @@ from .scan import MAX_RAYS, Scan
 MAX_POINTS = 5_000_000
 AXES = ("x", "y", "z")
 Band = tuple[float, float]
-"""Bounds that belong to it, of which one may be infinite."""
+"""The lower and upper bound, both included; each may be infinite."""
 
 
 class Point(NamedTuple):
     """One point of a cloud.
 
-    ``index`` counts the points as the message has them, from 0; ``row`` and ``column`` are None unless the cloud lies
-    in rows; ``x``, ``y``, ``z`` and ``distance``, from the origin of the frame, are in metres, and NaN where nothing
-    was measured; ``fields`` has the value of every field by its name.
+    ``index`` is the index of the point in the message, from 0. ``row`` and ``column`` are None if the cloud is not
+    organized in rows. ``x``, ``y``, ``z`` and ``distance`` (from the origin of the frame) are in metres, and NaN if
+    nothing was measured. ``fields`` maps the name of every field to its value.
     """
 
     index: int  # type: ignore[assignment]  # hides tuple.index
@@ -46,19 +46,19 @@ class Point(NamedTuple):
 class Cloud(HasAge):
     """Points in a frame of REP-103, x forward, y left, z up, in metres, in the order of their message.
 
-    Arrays are read-only, and views of the message where that cannot change.
+    Arrays are read-only, and views of the message if it cannot change.
 
     Args:
-        points: shape (N,), a structured array with a field for each that the sensor measured, ``x``, ``y`` and ``z``
-            among them; of any byte order.
-        rows: the number of rows, of as many points each, of a cloud that lies in rows as a picture does; else 1.
+        points: shape (N,), a structured array with the measured fields, including ``x``, ``y`` and ``z``, in any byte
+            order.
+        rows: the number of rows of equal length for a cloud that is organized like a picture; else 1.
         stamp_ns: time of the cloud in nanoseconds since the epoch, or None.
         frame_id: coordinate frame of the points.
-        problems: what was odd in the message.
+        problems: problems of the message.
 
     Raises:
-        TypeError: no structured array. ValueError: x, y or z is missing or no number, there are too many points, or no
-            such rows.
+        TypeError: points is not a structured array.
+        ValueError: x, y or z is missing or not a number, there are too many points, or they do not fit into the rows.
 
     Source: sensor_msgs/PointCloud2, REP-103.
 
@@ -78,7 +78,7 @@ class Cloud(HasAge):
     def __post_init__(self) -> None:
         points = self.points
         if not isinstance(points, np.ndarray) or points.dtype.names is None or points.ndim != 1:
-            raise TypeError("points: expected a one-dimensional structured array; to_cloud makes it of other things")
+            raise TypeError("points: expected a one-dimensional structured array; to_cloud makes it from other data")
         if points.dtype.hasobject:
             raise TypeError(f"points: expected fields of numbers, got {points.dtype}")
         check_count(points.size)
@@ -123,7 +123,7 @@ class Cloud(HasAge):
         return (self[i] for i in range(len(self)))
 
     def __getstate__(self) -> dict[str, Any]:
-        """What was measured, without what follows from it."""
+        """Return the measured values without the cached ones."""
         names = ("points", "rows", "stamp_ns", "frame_id", "problems", "_arrived")
         return {name: getattr(self, name) for name in names}
 
@@ -138,22 +138,22 @@ class Cloud(HasAge):
 
     @property
     def columns(self) -> int:
-        """The number of points in each row; of a cloud that does not lie in rows, of all."""
+        """The number of points in each row; the number of all points if the cloud is not organized in rows."""
         return len(self) // self.rows
 
     @property
     def x(self) -> NDArray[Any]:
-        """Metres forward, shape (N,), as they were sent."""
+        """Metres forward, shape (N,), as sent."""
         return self.points["x"]
 
     @property
     def y(self) -> NDArray[Any]:
-        """Metres to the left, shape (N,), as they were sent."""
+        """Metres to the left, shape (N,), as sent."""
         return self.points["y"]
 
     @property
     def z(self) -> NDArray[Any]:
-        """Metres up, shape (N,), as they were sent."""
+        """Metres up, shape (N,), as sent."""
         return self.points["z"]
 
     @cached_property
@@ -165,17 +165,17 @@ class Cloud(HasAge):
 
     @cached_property
     def valid(self) -> NDArray[np.bool_]:
-        """Whether each point was measured: x, y and z are numbers, shape (N,)."""
+        """True for each point that was measured: x, y and z are finite numbers, shape (N,)."""
         return frozen(np.isfinite(self.distance))
 
     def inside(self, /, **bands: Band) -> NDArray[np.bool_]:
-        """Whether each point lies between bounds, shape (N,): ``cloud.inside(x=(0, 2), z=(0.1, 0.5))``.
+        """Return True for each point within bounds, shape (N,): ``cloud.inside(x=(0, 2), z=(0.1, 0.5))``.
 
         Args:
-            **bands: two bounds, which belong to it, for any of the fields, or for ``distance``.
+            **bands: a lower and an upper bound, both included, for any field or for ``distance``.
 
         Raises:
-            ValueError: there is no such field, or the bounds are no pair, in order.
+            ValueError: the cloud does not have the field, or the bounds are not a pair in ascending order.
         """
         found = self.valid.copy()
         for name, band in bands.items():
@@ -189,10 +189,10 @@ class Cloud(HasAge):
         return found
 
     def nearest(self, /, **bands: Band) -> Point | None:
-        """The point nearest to the origin of the frame, the first of equals; None without any.
+        """Return the point nearest to the origin of the frame, the first of equals, or None if no point was measured.
 
         Args:
-            **bands: as of `inside`: of these points only.
+            **bands: bounds as in `inside`; other points are ignored.
         """
         away = np.where(self.inside(**bands), self.distance, np.inf)
         i = int(away.argmin()) if away.size else 0
@@ -208,24 +208,24 @@ class Cloud(HasAge):
         range_min: float = 0.0,
         range_max: float = inf,
     ) -> Scan:
-        """The points between two heights as a scan: for each ray the nearest of them, from the origin of the frame.
+        """Return the points between two heights as a scan: the range of each ray is the distance to its nearest point.
 
-        A ray takes the points from its angle up to the angle of the next ray, as the node does. Its range is the
-        distance on the ground, without the height. ``scan.sources`` has the index of its
-        point in the cloud, and ``ray.source`` too. A ray without a point is +inf: nothing in range.
+        A ray takes the points from its angle up to the angle of the next ray, as pointcloud_to_laserscan does. Its
+        range is the distance on the ground from the origin of the frame, without the height. ``scan.sources`` and
+        ``ray.source`` have the index of its point in the cloud. A ray without a point is +inf: nothing in range.
 
         Args:
-            z: metres, the lower and the upper bound, which belong to the band.
+            z: the lower and the upper bound in metres, both included.
             angle_min: angle of ray 0, in radians or as text (``"-90deg"``).
-            angle_increment: from one ray to the next, above 0; half a degree.
-            ray_count: the number of rays; None: as many as make the full circle.
-            range_min: metres; points nearer than this on the ground are not in it.
-            range_max: metres; nor are points farther away.
+            angle_increment: angle from one ray to the next, above 0; the default is half a degree.
+            ray_count: the number of rays, or None for a full circle.
+            range_min: metres; points nearer than this on the ground are left out.
+            range_max: metres; points farther away on the ground are left out.
 
         Raises:
-            TypeError: no numbers. ValueError: no such band, angles, or limits.
+            TypeError: a value is not a number. ValueError: a band, an angle or a limit is out of range.
 
-        Source: the node pointcloud_to_laserscan of ROS.
+        Source: the ROS node pointcloud_to_laserscan.
 
         Examples:
             >>> from robowidgets.messages import to_cloud
@@ -246,12 +246,12 @@ class Cloud(HasAge):
         with np.errstate(invalid="ignore", over="ignore"):
             away = np.hypot(x, y)
             chosen = np.flatnonzero(self.inside(z=(low, high)) & (away >= near) & (away <= range_max))
-        # The node divides by what its message says, in single precision.
+        # The node divides by the float32 values of its message.
         turned = (np.arctan2(y[chosen], x[chosen]) - float(np.float32(first))) % tau
         rays = (turned / float(np.float32(step))).astype(np.intp)
-        # Of a full circle that is no whole number of steps, what lies beyond the last ray is of it or of the first.
+        # If a full circle is not a whole number of steps, the last ray or the first takes the points beyond the last.
         chosen, rays = chosen[rays < count], rays[rays < count]
-        # The nearest is written last.
+        # The nearest point of each ray is written last.
         order = np.argsort(-away[chosen], kind="stable")
         chosen, rays = chosen[order], rays[order]
         ranges = np.full(count, np.inf, np.float32)
@@ -271,14 +271,14 @@ class Cloud(HasAge):
             intensities=intensities,
             stamp_ns=self.stamp_ns,
             frame_id=self.frame_id,
-            sources=Sources(_made_of(low, high), "points[{number}]", numbers),
+            sources=Sources(_describe_band(low, high), "points[{number}]", numbers),
         )
         note_arrival(made, self._arrived)
         return made
 
 
 def check_count(points: int) -> None:
-    """ValueError for more points than a cloud may have, before any is copied."""
+    """Raise ValueError for more points than a cloud may have, before any point is copied."""
     if points > MAX_POINTS:
         raise ValueError(
             f"expected at most {MAX_POINTS:,} points, got {points:,}; take every n-th, or a filter such as a voxel grid"
@@ -286,10 +286,10 @@ def check_count(points: int) -> None:
 
 
 def to_band(name: str, band: Any) -> Band:
-    """Two bounds in order; infinite ones too.
+    """Return a lower and an upper bound, which may be infinite.
 
     Raises:
-        ValueError: they are none.
+        ValueError: these are not two numbers in ascending order.
     """
     try:
         low, high = (float(bound) for bound in band)
@@ -300,7 +300,7 @@ def to_band(name: str, band: Any) -> Band:
     return low, high
 
 
-def _made_of(low: float, high: float) -> str:
+def _describe_band(low: float, high: float) -> str:
     if not isfinite(low) and not isfinite(high):
         return "points of all heights"
     bounds = [f"from {low:.3g} m" if isfinite(low) else "", f"to {high:.3g} m" if isfinite(high) else ""]
@@ -308,7 +308,7 @@ def _made_of(low: float, high: float) -> str:
 
 
 def _plain(value: Any) -> Any:
-    """A number of NumPy as Python has it, a float32 as a person would write it."""
+    """Return a number of NumPy as a number of Python, float32 with the fewest decimals."""
     if isinstance(value, np.ndarray):
         return tuple(map(_plain, value))
     return shortest(value) if value.dtype.kind == "f" and value.itemsize == 4 else value.item()

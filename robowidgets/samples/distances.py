@@ -1,4 +1,4 @@
-"""What the rays of a scan count as in a distance, of one scan or of many with the same limits and angles."""
+"""Distances that follow from the rays of one scan, or of many with the same limits and angles."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from .sector import ALL_ROUND, Asked, Sector, in_sector, to_sector
 
 
 class ScanRays(Protocol):
-    """The rays of a scan: a `Scan`, before that class is there."""
+    """The rays of a scan: the part of `Scan` that this module needs, without importing it."""
 
     @property
     def ranges(self) -> NDArray[np.float32]:
@@ -50,10 +50,10 @@ def distances(
     sector: Asked = ALL_ROUND,
     percentile: float | None = None,
 ) -> NDArray[np.float32]:
-    """`Scan.distance` of one scan, shape (R,), or of many, (N, R): shape () or (N,).
+    """Return `Scan.distance` for one scan, shape (), or for many, shape (N,).
 
     Args:
-        ranges: metres.
+        ranges: metres, shape (R,) for one scan or (N, R) for many.
         like: a scan with the same limits and angles.
         sector: as in `Scan.distance`.
         percentile: as in `Scan.distance`.
@@ -66,7 +66,7 @@ def distances(
     least = np.asarray(np.fmin.reduce(away, axis=-1, initial=np.nan))
     if percentile is None or not away.size:
         return least
-    # Beside what was measured a code says that nothing was seen. NaN is sorted to the end.
+    # If something was measured, a code counts as nothing in range. NaN is sorted to the end.
     away = np.sort(np.where(np.isnan(away) & ~np.isnan(ranges), np.float32(np.inf), away))
     last = np.maximum((~np.isnan(away)).sum(axis=-1, keepdims=True) - 1, 0)
     picked = np.take_along_axis(away, (percentile / 100 * last).astype(int), axis=-1)[..., 0]
@@ -74,10 +74,10 @@ def distances(
 
 
 def ray_distances(ranges: NDArray[np.float32], like: ScanRays) -> NDArray[np.float32]:
-    """The distance of each ray as in `Scan.distance`, in a new array of the same shape; NaN for a code.
+    """Return the distance of each ray as in `Scan.distance`, in a new array of the same shape; NaN for a code.
 
     Args:
-        ranges: of one scan, shape (R,), or of many, (N, R).
+        ranges: metres, shape (R,) for one scan or (N, R) for many.
         like: a scan with the same limits.
     """
     away = np.where(ranges > like.range_max, np.float32(np.inf), ranges)
@@ -89,18 +89,18 @@ def ray_distances(ranges: NDArray[np.float32], like: ScanRays) -> NDArray[np.flo
 
 
 def difference(now: ScanRays, then: ScanRays) -> NDArray[np.float32]:
-    """See `Scan.__sub__`."""
+    """Return ``now - then`` as `Scan.__sub__` does."""
     here, there = ray_distances(now.ranges, now), ray_distances(then.ranges, then)
     if len(now) != len(then) or not np.allclose(now.angles, then.angles, rtol=0, atol=ANGLE_ROUNDING):
         found = indices_at(then, now.angles)
-        # Where no ray points there, the index is -1: the NaN that is appended.
+        # The index is -1 if no ray points there: it picks the appended NaN.
         there = np.append(there, np.float32(np.nan))[found]
     with np.errstate(invalid="ignore"):
         return np.where(here == there, np.float32(0), here - there).astype(np.float32)
 
 
 def indices_at(like: ScanRays, angles: NDArray[np.float64]) -> NDArray[np.intp]:
-    """The index of the ray that points closest to each angle in radians; -1 more than half a step outside the sweep."""
+    """Return the index of the ray closest to each angle in radians, or -1 more than half a step outside the sweep."""
     step = abs(like.angle_increment) or 2 * pi
     turned = (angles - like.angle_min) * (-1 if like.angle_increment < 0 else 1) % (2 * pi)
     index = np.rint(turned / step)
@@ -110,12 +110,12 @@ def indices_at(like: ScanRays, angles: NDArray[np.float64]) -> NDArray[np.intp]:
 
 
 def angles_of(angle_min: float, angle_increment: float, count: int) -> NDArray[np.float64]:
-    """The angle of each ray in radians, shape (R,), read-only."""
+    """Return the angle of each ray in radians, shape (R,), read-only."""
     return frozen(angle_min + np.arange(count) * angle_increment)
 
 
 def inside(like: ScanRays, sector: Asked) -> NDArray[np.bool_]:
-    """Whether each ray of scans with the same angles lies in a sector, shape (R,), read-only."""
+    """Return True for each ray in a sector, for scans with the same angles, shape (R,), read-only."""
     return _inside(like.angle_min, like.angle_increment, len(like), to_sector(sector))
 
 

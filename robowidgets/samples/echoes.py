@@ -1,4 +1,4 @@
-"""Several echoes of each ray, and where the ranges of a scan stand in the data that it was made of."""
+"""Scanners with several echoes for each ray, and the positions of ranges in the data that a scan was made from."""
 
 from __future__ import annotations
 
@@ -11,25 +11,23 @@ from .checks import frozen
 from .problem import Problem
 
 CHOICES = ("first", "last", "strongest")
-"""Which echo of each ray is its range."""
+"""The echo that becomes the range of a ray."""
 
 _CODE = "ranges[{ray}].echoes[{number}]"
-"""How a program gets at an echo of a message."""
+"""Code that reads an echo from a message."""
 
-_NO_STRENGTH = Problem(
-    "no intensities: nobody can tell which echo is the strongest", "show the first or the last echo instead"
-)
+_NO_STRENGTH = Problem("no intensities: the strongest echo is unknown", "show the first or the last echo instead")
 
 
 @dataclass(frozen=True, eq=False)
 class Sources:
-    """Where the ranges of a scan stand in the data that it was made of: an echo of many, a point of a cloud.
+    """The positions of the ranges of a scan in the data that it was made from: echoes, or points of a cloud.
 
     Args:
-        made_of: what the scan is made of, in a few words: ``"first echo"``.
-        code: how a program gets at one, with ``{ray}`` and ``{number}``: ``"ranges[{ray}].echoes[{number}]"``.
-        numbers: for each ray its number in that data, shape (R,), int32; -1 where it has none.
-        problems: what is odd about how the scan was made of it.
+        made_of: a short name of that data: ``"first echo"``.
+        code: code that reads one value, with ``{ray}`` and ``{number}``: ``"ranges[{ray}].echoes[{number}]"``.
+        numbers: for each ray the number of its echo or point, shape (R,), int32, or -1 if it has none.
+        problems: problems of the conversion.
     """
 
     made_of: str
@@ -47,12 +45,12 @@ class Sources:
 
 @dataclass(frozen=True, eq=False)
 class Echoes:
-    """What a scanner measured along each ray, up to E echoes.
+    """The echoes of a scan: up to E along each ray.
 
     Args:
         counts: the number of echoes of each ray, shape (R,).
         ranges: metres, shape (R, E), float32; NaN beyond the echoes of a ray.
-        intensities: device units, shape (R, E), float32; (R, 0) without.
+        intensities: device units, shape (R, E), float32, or (R, 0) if the scanner sent none.
     """
 
     counts: NDArray[np.intp]
@@ -72,13 +70,13 @@ class Echoes:
         return self.counts.nbytes + self.ranges.nbytes + self.intensities.nbytes
 
     def sources(self, which: str) -> Sources:
-        """The number of one echo of each ray; -1 for a ray without an echo, or if nobody can tell which it is.
+        """Return the number of one echo of each ray, or -1 if a ray has no echo or the strongest is unknown.
 
         Args:
-            which: ``"first"``, ``"last"`` or ``"strongest"``, of equals the first.
+            which: ``"first"``, ``"last"`` or ``"strongest"`` (the first of equals).
 
         Raises:
-            ValueError: another choice.
+            ValueError: which is another value.
         """
         check_choice(which)
         found = np.zeros_like(self.counts) if which == "first" else self.counts - 1
@@ -90,7 +88,7 @@ class Echoes:
         return Sources(f"{which} echo", _CODE, np.where(self.counts > 0, found, -1), problems)
 
     def at(self, numbers: NDArray[np.int32]) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
-        """The ranges and the intensities of these echoes, each of shape (R,); NaN for -1, no intensities without."""
+        """Return the ranges and intensities of these echoes, shape (R,), NaN for -1; without intensities shape (0,)."""
         ranges = _pick(self.ranges, numbers)
         return ranges, _pick(self.intensities, numbers) if self.intensities.shape[1] else ranges[:0]
 
@@ -100,7 +98,7 @@ class Echoes:
 
 
 def check_choice(which: str) -> None:
-    """ValueError for what is no choice of an echo."""
+    """Raise ValueError unless this is one of `CHOICES`."""
     if which not in CHOICES:
         raise ValueError(f"echo: expected {', '.join(map(repr, CHOICES))}, got {which!r}")
 

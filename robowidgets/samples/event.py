@@ -11,7 +11,7 @@ from .age import HasAge
 
 
 class Level(IntEnum):
-    """How much an event matters; the numbers are those of ROS 2 and of Python's logging."""
+    """The severity of an event, with the numbers of ROS 2 and Python's logging."""
 
     DEBUG = 10
     INFO = 20
@@ -21,7 +21,7 @@ class Level(IntEnum):
 
     @classmethod
     def at_most(cls, number: int) -> Level:
-        """The highest level that a number reaches; of numbers below all, the lowest."""
+        """Return the highest level that a number reaches, or the lowest level for a smaller number."""
         return max((level for level in cls if level <= number), default=cls.DEBUG)
 
 
@@ -33,11 +33,11 @@ class Event(HasAge):
     """Something that happened.
 
     Args:
-        text: what happened, in full, as it was sent.
-        level: how much it matters.
-        source: the node, the device or the machine that tells it; may be empty.
+        text: the whole text, as sent.
+        level: its severity.
+        source: the node, device or machine that reports it; may be empty.
         topic: the topic on which it came; may be empty.
-        stamp_ns: the time in the message in nanoseconds; None without one.
+        stamp_ns: the time in the message in nanoseconds, or None if the message has none.
     """
 
     text: str
@@ -48,10 +48,10 @@ class Event(HasAge):
 
 
 def to_level(name: str, given: Any) -> Level:
-    """The level that a person names: ``"WARN"``, a `Level`, or its number.
+    """Return the level that a user names: ``"WARN"``, a `Level`, or its number.
 
     Raises:
-        TypeError: it is neither text nor a whole number. ValueError: there is no such level.
+        TypeError: the value is neither text nor a whole number. ValueError: it does not name a level.
     """
     if isinstance(given, str):
         word = given.strip().upper()
@@ -66,10 +66,10 @@ def to_level(name: str, given: Any) -> Level:
 
 
 def to_words(name: str, given: Any) -> str:
-    """Words that a text must hold, in any case; empty for None.
+    """Return a search text, or an empty text for None.
 
     Raises:
-        TypeError: it is no text.
+        TypeError: the value is not text.
     """
     if given is not None and not isinstance(given, str):
         raise TypeError(f"{name}: expected words as text, got {given!r}")
@@ -77,7 +77,7 @@ def to_words(name: str, given: Any) -> str:
 
 
 def holds(event: Event, level: Level | None, words: str) -> bool:
-    """Whether an event is of a level or a higher one, and has words in its text or its source, in any case."""
+    """Return True if an event has at least this level and contains the words in its text or source, in any case."""
     if level is not None and event.level < level:
         return False
     wanted = words.casefold()

@@ -1,4 +1,4 @@
-"""Events as rows of a list: equal ones that follow each other are one row, and the oldest are forgotten."""
+"""Events as rows of a list: consecutive equal events share a row, and the oldest rows are dropped."""
 
 from __future__ import annotations
 
@@ -10,17 +10,17 @@ from typing import NamedTuple
 from .event import Event, Level
 
 _LONGEST_NAME = 200
-"""Characters of the names of sources and topics that are kept."""
+"""Characters kept of the name of a source or a topic."""
 
 
 _SHORT = 60
-"""Characters to which texts below a warning are cut before those of errors and warnings are."""
+"""Texts below a warning are cut to this many characters before the texts of warnings and errors are cut."""
 
 
 class EventRow(NamedTuple):
-    """A row of a list: an event, from its first time to its last, in seconds, and how often it came.
+    """A row of a list: an event, its first and last time in seconds, and its count.
 
-    ``number`` counts rows from 0 on. ``length`` is that of the whole text, of which ``text`` may be the beginning.
+    ``number`` counts rows from 0. ``length`` is the length of the whole text; ``text`` may be only its beginning.
     """
 
     number: int
@@ -38,9 +38,9 @@ class EventLog:
     """The newest events, as rows.
 
     Args:
-        most_rows: rows that are kept; older ones are forgotten. None: all.
-        most_text: characters of a text that are kept.
-        most_characters: characters of all texts that are kept. None: all.
+        most_rows: rows to keep, or None for all; older rows are dropped.
+        most_text: characters to keep of each text.
+        most_characters: characters to keep of all texts together, or None for all.
 
     Attributes:
         count: the number of events so far.
@@ -56,7 +56,7 @@ class EventLog:
 
     @property
     def first(self) -> int:
-        """The number of the first row that is kept: so many were forgotten."""
+        """The number of the first row that is kept, which is the number of rows that were dropped."""
         return self._made - len(self._rows)
 
     @property
@@ -70,7 +70,7 @@ class EventLog:
         return self._made
 
     def add(self, event: Event, seconds: float) -> None:
-        """Add an event; one that repeats the last row makes that longer."""
+        """Add an event; if it repeats the last row, extend that row."""
         self.count += 1
         text, source, topic = event.text[: self._most_text], event.source[:_LONGEST_NAME], event.topic[:_LONGEST_NAME]
         said = (event.level, source, text, topic)
@@ -92,7 +92,7 @@ class EventLog:
             self._forget()
 
     def clear(self) -> None:
-        """Forget all rows; their numbers go on."""
+        """Drop all rows; numbering goes on."""
         self._rows.clear()
         self._characters = 0
 
@@ -101,7 +101,7 @@ class EventLog:
 
 
 def thinned(rows: Sequence[EventRow], most: int) -> list[EventRow]:
-    """At most so many rows, those that matter most; of a level of which not all have room some, evenly chosen."""
+    """Return at most that many rows, the most severe first to be kept; a level that does not fit is thinned evenly."""
     kept: list[EventRow] = []
     for level in sorted(Level, reverse=True):
         own = [row for row in rows if row.level == level]
@@ -111,7 +111,7 @@ def thinned(rows: Sequence[EventRow], most: int) -> list[EventRow]:
 
 
 def shortened(rows: Sequence[EventRow], most_characters: int) -> list[EventRow]:
-    """The rows with texts so short that together they have at most so many characters, errors and warnings last."""
+    """Return the rows with texts cut to at most that many characters in total; warnings and errors are cut last."""
     most = severe = max((len(row.text) for row in rows), default=0)
     while sum(min(severe if row.level >= Level.WARN else most, len(row.text)) for row in rows) > most_characters:
         if most > _SHORT:

@@ -1,4 +1,4 @@
-"""Hints: what a call may be given, and what is rarely meant by it."""
+"""Hints about arguments that are valid but probably not meant."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ _of_thread = threading.local()
 
 
 def give_hint(text: str, **values: Any) -> None:
-    """Give a hint to who hears those of this thread; else it is a warning, which Python shows once for a line.
+    """Pass a hint to the `hearing` function of this thread, or else warn, which Python shows once for each line.
 
     Args:
-        text: English, as a literal, with fields as of `str.format`.
-        values: of the fields.
+        text: English, as a literal, with fields for `str.format`.
+        values: values of the fields.
     """
     take: Callable[..., object] | None = getattr(_of_thread, "take", None)
     if take is not None:
@@ -30,7 +30,7 @@ def give_hint(text: str, **values: Any) -> None:
 
 @contextmanager
 def hearing(take: Callable[..., object]) -> Iterator[None]:
-    """Pass the hints of the calling thread to a function, which takes what `give_hint` takes."""
+    """Pass the hints of the calling thread to a function with the parameters of `give_hint`."""
     _of_thread.take = take
     try:
         yield
@@ -39,7 +39,7 @@ def hearing(take: Callable[..., object]) -> Iterator[None]:
 
 
 def _callers_depth() -> int:
-    """How far above `give_hint` the line is that calls robowidgets, as `warnings.warn` counts."""
+    """Return the stack level of the line that calls robowidgets, as `give_hint` passes it to `warnings.warn`."""
     frame: FrameType | None = sys._getframe(1)
     depth = 1
     while frame is not None and str(frame.f_globals.get("__name__")).partition(".")[0] == _OURS:

@@ -15,7 +15,7 @@ from .age import HasAge, note_arrival
 from .checks import frozen
 
 MOST_PIXELS = 100_000_000
-"""Of one picture; no camera has more."""
+"""The limit for one picture; no camera has more."""
 
 CHANNELS = {
     **dict.fromkeys(("rgb8", "rgb16"), "rgb"),
@@ -24,7 +24,7 @@ CHANNELS = {
     **dict.fromkeys(("bgra8", "bgra16", "8UC4", "16UC4"), "bgra"),
     **dict.fromkeys(("yuv422", "uyvy", "yuv422_yuy2", "yuyv"), "yuv"),
 }
-"""By encoding the letters of the channels, in their order in the pixels. Others have one, or channels by number."""
+"""The letters of the channels by encoding, in the order of the pixels. Other encodings number their channels."""
 
 BAYER = ("bayer_rggb", "bayer_bggr", "bayer_gbrg", "bayer_grbg")
 
@@ -33,24 +33,24 @@ BAYER = ("bayer_rggb", "bayer_bggr", "bayer_gbrg", "bayer_grbg")
 class Image(HasAge):
     """The pixels of one picture, as they were measured.
 
-    ``image[row, column]`` is a pixel and ``image[120:180, 300:360]`` a region, as of an array of NumPy: row 0 is at the
+    ``image[row, column]`` is a pixel and ``image[120:180, 300:360]`` a region, as in an array of NumPy: row 0 is at the
     top, column 0 at the left.
 
     Args:
         values: shape (rows, columns), or (rows, columns, channels) in the order of the encoding; None for a compressed
-            picture, whose pixels are unpacked when they are asked for.
-        encoding: of REP-118 and cv_bridge: "rgb8", "16UC1" ...
+            picture, whose pixels are unpacked on first use.
+        encoding: a name of REP-118 or cv_bridge: "rgb8", "16UC1" ...
         stamp_ns: nanoseconds since the epoch, or None.
-        frame_id: the coordinate frame of the camera: z looks ahead, x to the right and y down.
-        compressed: a JPEG or PNG as it came; empty: it is none.
+        frame_id: the coordinate frame of the camera: z points ahead, x to the right and y down.
+        compressed: the JPEG or PNG as it came, or empty if the picture is not compressed.
         size: rows and columns of a compressed picture.
-        unpack: makes the pixels of a compressed picture.
-        depth_scale: metres of one step of a depth image; 0: it is none.
-        step: bytes of a row in the data of its message; 0: it has no such data.
-        is_gray: whether a compressed picture has one channel.
+        unpack: returns the pixels of a compressed picture.
+        depth_scale: metres per unit of a depth image, or 0 for other images.
+        step: bytes of a row in the data of the message, or 0 without such data.
+        is_gray: True if a compressed picture has one channel.
 
     Raises:
-        ValueError: no pixels, or too many.
+        ValueError: the picture has no pixels, or too many.
 
     Source: sensor_msgs/Image, REP-118.
 
@@ -87,43 +87,43 @@ class Image(HasAge):
 
     @cached_property
     def pixels(self) -> NDArray[Any]:
-        """`values`, also of a compressed picture.
+        """The `values`; a compressed picture is unpacked.
 
         Raises:
-            ImportError: Pillow is needed to unpack it, and not installed. ValueError: it is damaged.
+            ImportError: Pillow is needed to unpack it, and not installed. ValueError: the picture is damaged.
         """
         if self.values is not None:
             return self.values
         if self.unpack is None:
-            raise ValueError("expected pixels, or how to unpack them")
+            raise ValueError("expected values, or a function in unpack")
         return frozen(self.unpack(self.compressed))
 
     @property
     def channels(self) -> tuple[str, ...]:
-        """The names of the channels; empty for one without a name."""
+        """The names of the channels, or empty for a single channel without a name."""
         count = 1 if self.pixels.ndim == 2 else self.pixels.shape[2]
         return tuple(CHANNELS.get(self.encoding, "0123"[:count] if count > 1 else ""))
 
     @property
     def is_depth(self) -> bool:
-        """Whether its pixels are distances."""
+        """True if the pixels are distances."""
         return self.depth_scale > 0
 
     @cached_property
     def depth(self) -> NDArray[np.float32]:
-        """Metres along the view of the camera, shape (rows, columns); NaN where nothing was measured.
+        """Metres along the optical axis of the camera, shape (rows, columns); NaN where nothing was measured.
 
         Raises:
-            ValueError: it is no depth image.
+            ValueError: this is not a depth image.
         """
         self._check_depth()
         return frozen(to_depth(self.pixels, self.depth_scale))
 
     def distance(self, row: int, column: int) -> float:
-        """Metres at a pixel of a depth image; NaN where nothing was measured. Below 0, both count from the end.
+        """Return metres at a pixel of a depth image; NaN if nothing was measured. Negative indices count from the end.
 
         Raises:
-            ValueError: it is no depth image. IndexError: it has no such pixel.
+            ValueError: this is not a depth image. IndexError: the pixel is outside the image.
         """
         self._check_depth()
         return float(to_depth(np.atleast_1d(self.pixels[row, column]), self.depth_scale)[0])
@@ -142,10 +142,10 @@ class Image(HasAge):
 
 
 def to_depth(values: NDArray[Any], scale: float) -> NDArray[np.float32]:
-    """Metres of depth values; NaN for 0, which is "nothing", and for what is no number or infinite."""
+    """Return depth values in metres; NaN for 0, which means "nothing", and for NaN, infinite or negative values."""
     metres = values.astype(np.float32)
     if scale != 1.0:
-        # By way of float64, so that 1500 mm are the float32 that is nearest to 1.5 m.
+        # Computed in float64, so that 1500 mm become the float32 nearest to 1.5 m.
         metres = (values * np.float64(scale)).astype(np.float32)
     metres[~np.isfinite(metres) | (metres <= 0)] = nan
     return metres

@@ -1,4 +1,4 @@
-"""A map of a floor as a grid of cells."""
+"""A map of the floor as a grid of cells."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from .pose import Pose
 
 MOST_CELLS = 100_000_000
 UNKNOWN = 255
-"""The cell of which nothing is known, as a byte; the value is -1."""
+"""The byte of an unknown cell; its value is -1."""
 
 
 _CORNER = Pose(0.0, 0.0, 0.0)
@@ -21,20 +21,20 @@ _CORNER = Pose(0.0, 0.0, 0.0)
 
 @dataclass(frozen=True, eq=False)
 class MapGrid(HasAge):
-    """A floor in square cells: which are free, occupied or unknown, or what it costs to drive there.
+    """A floor in square cells, which are free, occupied or unknown, or have a cost.
 
-    Cell [0, 0] lies at the origin; rows lie in the direction of y, columns in that of x (nav_msgs/OccupancyGrid).
+    Cell [0, 0] lies at the origin; rows follow y and columns follow x (nav_msgs/OccupancyGrid).
 
     Args:
-        cells: shape (rows, columns), whole numbers: 0 free to `most`, 255 or -1 unknown; kept as bytes.
-        resolution: metres from cell to cell.
-        origin: where the outer corner of cell [0, 0] is, in its frame.
-        most: the value of what is surely occupied: 100 for occupancy, 254 for costs.
+        cells: shape (rows, columns), whole numbers from 0 (free) to `most`; 255 or -1 is unknown. Kept as bytes.
+        resolution: width of a cell in metres.
+        origin: the pose of the outer corner of cell [0, 0] in its frame.
+        most: the value of a cell that is surely occupied: 100 for occupancy, 254 for costs.
         stamp_ns: nanoseconds since the epoch, or None.
         frame_id: the coordinate frame of the origin.
 
     Raises:
-        ValueError: it has no cells, too many of them, or a resolution or an origin that cannot be.
+        ValueError: the grid has no cells or too many, or its resolution or origin is invalid.
 
     Examples:
         >>> grid = MapGrid(np.array([[0, 100], [255, 0]], np.uint8), 0.05, Pose(-1.0, 0.0, 0.0))
@@ -66,7 +66,7 @@ class MapGrid(HasAge):
         super().__post_init__()
 
     def __getitem__(self, index: tuple[int, int]) -> int:
-        """The value of a cell, by row and column; -1: unknown."""
+        """Return the value of a cell by row and column, or -1 if it is unknown."""
         return int(self.values[index])
 
     def __repr__(self) -> str:
@@ -77,15 +77,15 @@ class MapGrid(HasAge):
 
     @property
     def values(self) -> NDArray[np.int16]:
-        """The cells as messages tell them, shape (rows, columns); -1: unknown."""
+        """The cells as in messages, shape (rows, columns), with -1 for unknown."""
         if self.most <= 127:
             return self.cells.view(np.int8).astype(np.int16)
         return np.where(self.cells == UNKNOWN, np.int16(-1), self.cells)
 
     def thinned(self, most: int) -> tuple[MapGrid, int]:
-        """The grid in at most so many cells, and how many cells wide each of them is.
+        """Return the grid in at most that many cells, and the number of cells along the side of each new cell.
 
-        A cell has the greatest value of those in it, so that no obstacle is lost; it is unknown where all are.
+        A new cell has the greatest value of its cells, so that no obstacle is lost. It is unknown if all of them are.
         """
         rows, columns = self.cells.shape
         step = 1
@@ -95,7 +95,7 @@ class MapGrid(HasAge):
             return self, 1
         padded = np.full((-(-rows // step) * step, -(-columns // step) * step), UNKNOWN, np.uint8)
         padded[:rows, :columns] = self.cells
-        # Plus one, unknown is 0: the least.
+        # Plus one as a byte, unknown becomes 0, the least.
         blocks = (padded + np.uint8(1)).reshape(padded.shape[0] // step, step, padded.shape[1] // step, step)
         cells = blocks.max(axis=(1, 3)) - np.uint8(1)
         return MapGrid(cells, self.resolution * step, self.origin, self.most, self.stamp_ns, self.frame_id), step

@@ -1,4 +1,4 @@
-"""What a map shows of one message: a pose, poses, a path, a scan or a grid."""
+"""An item of a map from one message: a pose, poses, a path, a scan or a grid."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from .pose import Pose
 MapKind = Literal["pose", "goal", "poses", "path", "scan", "cone", "grid"]
 
 SENSED = ("scan", "cone")
-"""What is seen from a robot: it tells less of the frame of the floor than what has a place on it."""
+"""Items that a robot senses. They say less about the frame of the floor than items with a place on it."""
 
 NOWHERE = Pose(nan, nan, nan)
 
@@ -25,7 +25,7 @@ NO_FIX = (nan, nan, nan)
 
 
 class Scatter(NamedTuple):
-    """How sure a place is: the covariance of x and y, in square metres."""
+    """The uncertainty of a place: the covariance of x and y, in square metres."""
 
     xx: float
     xy: float
@@ -34,20 +34,20 @@ class Scatter(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class MapItem(HasAge):
-    """What a map shows of one message, in the frame that it names.
+    """The content of one message on a map, in the frame that the message names.
 
     Args:
-        kind: what it is.
-        frame_id: its coordinate frame; empty: the message names none.
+        kind: the kind of item.
+        frame_id: its coordinate frame, or empty if the message does not name one.
         stamp_ns: nanoseconds since the epoch, or None.
-        pose: of a pose, that; of a cone, where its sensor is; NaN where it is not known, or the cone met nothing.
-        scatter: of a pose, how sure it is; None: not known.
-        points: shape (N, 2), of a path or a scan: x and y in metres; of a cone, its sensor
-            and then its arc; (N, 3) of poses: their yaw, too.
-        grid: of a grid, that.
-        fix: of a satellite receiver, its latitude and longitude in degrees and its altitude in metres; `NO_FIX` while
-            it has none.
-        child_frame_id: of odometry, the frame whose pose it is; empty: the message names none.
+        pose: for a pose, the pose; for a cone, the pose of its sensor. NaN if unknown, or if the cone met nothing.
+        scatter: for a pose, its uncertainty, or None if unknown.
+        points: for a path or a scan, x and y in metres, shape (N, 2); for a cone, its sensor and then its arc; for
+            poses, x, y and yaw, shape (N, 3).
+        grid: for a grid, the grid.
+        fix: for a satellite receiver, latitude and longitude in degrees and altitude in metres, or `NO_FIX` while it
+            has no fix.
+        child_frame_id: for odometry, the frame that the pose belongs to, or empty if the message does not name one.
     """
 
     kind: MapKind
@@ -62,5 +62,5 @@ class MapItem(HasAge):
 
     @property
     def is_nowhere(self) -> bool:
-        """True for a pose that is not known: its frame says nothing about a map."""
+        """True for an unknown pose: its frame says nothing about a map."""
         return self.kind == "pose" and not (isfinite(self.pose.x) and isfinite(self.pose.y))

@@ -1,17 +1,17 @@
-"""Something odd about data, and what to do about it."""
+"""A problem of some data, and its remedy."""
 
 from __future__ import annotations
 
 from typing import NamedTuple
 
 LONGEST = 200
-"""Characters of a problem as text."""
+"""The most characters of a problem as text."""
 
 
 class Problem(NamedTuple):
-    """Something odd about data, in plain words, and the remedy, which may be empty.
+    """A problem of some data in plain words, and its remedy, which may be empty.
 
-    As text it is one line of at most 200 characters: names from a file may be of any length, and are cut.
+    The text is one line of at most 200 characters: long names from a file are cut.
 
     Examples:
         >>> print(Problem("frame_id is empty", "set it in the driver"))

@@ -19,25 +19,25 @@ RADIATIONS = ("", "ultrasound", "infrared")
 
 @dataclass(frozen=True)
 class Range(HasAge):
-    """One distance within a beam: the nearest thing in it, wherever in its width.
+    """One distance within a beam: the distance to the nearest thing anywhere in its width.
 
     Numbers are kept at float32's precision, each as its shortest decimal: a limit and a reading sent as the same number
     are equal.
 
     Args:
         range: metres, as measured. -inf: too close; +inf: nothing in range; NaN: no measurement (REP-117).
-        min_range, max_range: metres; a range within them, both included, is a reading. A max_range of inf: not known.
-        field_of_view: the opening angle of the beam in radians, half of it on each side, up to 2 pi; 0: not known.
-        radiation: "ultrasound" or "infrared"; empty: not known.
+        min_range, max_range: metres; a range within them, both included, is a reading. A max_range of inf is unknown.
+        field_of_view: the opening angle of the beam in radians, half of it on each side, up to 2 pi, or 0 if unknown.
+        radiation: "ultrasound" or "infrared", or empty if unknown.
         stamp_ns: time in nanoseconds since the epoch, or None.
-        frame_id: coordinate frame of the sensor, which looks along its x.
-        pose: where the sensor is on the robot, in metres and radians of the robot's frame; None: not known.
-        problems: what was odd in the message.
+        frame_id: coordinate frame of the sensor, whose beam points along x.
+        pose: the pose of the sensor in the robot's frame, in metres and radians, or None if unknown.
+        problems: problems of the message.
 
     Raises:
-        TypeError: something is not a number.
-        ValueError: limits that are no distances, equal, or the wrong way round; an opening angle beyond a full turn;
-            another radiation.
+        TypeError: a value is not a number.
+        ValueError: the limits are not distances, equal, or swapped; the opening angle is beyond a full turn; the
+            radiation is another text.
 
     Source: sensor_msgs/Range, REP-117.
 
@@ -92,10 +92,10 @@ class Range(HasAge):
 
     @property
     def distance(self) -> float:
-        """The distance in metres that a program goes by, as in `Scan.distance`.
+        """The distance in metres for a program to use, as in `Scan.distance`.
 
-        0 where something is too close: -inf, or below min_range. inf where nothing is in range: +inf, or above
-        max_range. NaN where that is unknown: NaN, or below both min_range and 0.02 m, where numbers are codes.
+        0 if something is too close: -inf, or below min_range. inf if nothing is in range: +inf, or above max_range.
+        NaN if the distance is unknown: NaN, or a code, which is a number below both min_range and 0.02 m.
         """
         if self.range > self.max_range:
             return inf

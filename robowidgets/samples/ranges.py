@@ -16,16 +16,17 @@ _NUMBERS = re.compile(r"(\d+)")
 
 
 class NoSensorError(KeyError):
-    """There is no sensor of that name, or it has not sent anything yet."""
+    """The sensor is unknown, or has not sent anything yet."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Ranges(HasAge, Mapping[str, Range]):
-    """The newest range of each sensor by its name, in the order of names: ``front_2`` comes before ``front_10``.
+    """The newest range of each sensor by name, sorted so that ``front_2`` comes before ``front_10``.
 
     Args:
         readings: sensor name to its newest range.
-        times: when each came, in seconds of one clock; -inf: it has not come yet. Empty: when it arrived here.
+        times: sensor name to the time of its range, in seconds of one clock, or -inf if it has not come yet. If empty,
+            the times of arrival in this process.
 
     Examples:
         >>> sonars = Ranges({"front": Range(0.42), "left": Range(1.5)})
@@ -47,7 +48,7 @@ class Ranges(HasAge, Mapping[str, Range]):
         try:
             return self.readings[name]
         except KeyError:
-            known = f"there are: {', '.join(self)}" if self.readings else "none has sent anything yet"
+            known = f"there are: {', '.join(self)}" if self.readings else "no sensor has sent anything yet"
             raise NoSensorError(f"no sensor {name!r}; {known}") from None
 
     def __iter__(self) -> Iterator[str]:
@@ -71,33 +72,33 @@ class Ranges(HasAge, Mapping[str, Range]):
 
     @property
     def newest(self) -> Range | None:
-        """The range that came last; None without any."""
+        """The range that came last, or None if no range has come."""
         return self[max(self, key=self.times.__getitem__)] if self.readings else None
 
     @property
     def stamp_ns(self) -> int | None:
-        """The stamp of the range that came last."""
+        """The stamp of the range that came last, or None."""
         return self.newest.stamp_ns if self.newest else None
 
     @property
     def nearest(self) -> str | None:
-        """The name of the sensor with the nearest thing; None where nothing is in range, or all is unknown."""
+        """The name of the sensor with the least distance, or None if nothing is in range or all is unknown."""
         near = {name: reading.distance for name, reading in self.items() if reading.distance < inf}
         return min(near, key=near.__getitem__, default=None)
 
     @property
     def behind(self) -> dict[str, float]:
-        """By sensor the seconds by which its range is older than the newest of all; inf where none has come yet."""
+        """Seconds by which the range of each sensor is older than the newest, or inf if it has not come yet."""
         newest = max(self.times.values(), default=0.0)
         return {name: newest - time if time > -inf else inf for name, time in self.times.items()}
 
     def updated(self, readings: Mapping[str, Range]) -> Ranges:
-        """With these ranges in place of the older ones of their sensors, each of the time when it arrived here."""
+        """Return a copy with newer ranges for some sensors, with their times of arrival in this process."""
         times = {name: arrival_of(reading) for name, reading in readings.items()}
         return Ranges({**self.readings, **readings}, {**self.times, **times})
 
     def expecting(self, names: Iterable[str]) -> Ranges:
-        """With sensors that have not measured yet, beside those that have."""
+        """Return a copy that also has these sensors; ranges that have not come yet are NaN."""
         new = {name: Range(nan) for name in names if name not in self.readings}
         for reading in new.values():
             note_arrival(reading, -inf)
@@ -105,6 +106,6 @@ class Ranges(HasAge, Mapping[str, Range]):
 
 
 def _by_number(name: str) -> tuple[Any, ...]:
-    """A key that sorts names by the numbers in them."""
+    """Return a key that sorts names by the numbers in them."""
     parts = _NUMBERS.split(name)
     return tuple((int(part), "") if i % 2 else (-1, part) for i, part in enumerate(parts)), name

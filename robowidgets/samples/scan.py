@@ -1,4 +1,4 @@
-"""One sweep of a laser scanner, with the geometry that follows from it."""
+"""One sweep of a laser scanner, and its geometry."""
 
 from __future__ import annotations
 
@@ -42,29 +42,29 @@ _FARTHEST = float(np.finfo(np.float32).max)
 class Scan(HasAge):
     """One sweep of a laser scanner.
 
-    Ray ``i`` points at ``angle_min + i * angle_increment``; ``angle_max`` of a message is never used for geometry,
-    because drivers disagree on what it means. A negative increment is a clockwise scanner. Arrays are read-only.
+    Ray ``i`` points at ``angle_min + i * angle_increment``. The ``angle_max`` of a message is never used for geometry,
+    because drivers disagree on its meaning. A negative increment is a clockwise scanner. Arrays are read-only.
 
     Args:
         ranges: R distances in metres, any real dtype, kept as float32. NaN: no measurement; -inf: too close; +inf:
             nothing in range (REP-117). None in a list counts as NaN (JSON has no NaN).
         angle_min: angle of ray 0 in radians, counter-clockwise from forward.
-        angle_increment: radians from one ray to the next; NaN or 0 only where there is at most one ray.
+        angle_increment: radians from one ray to the next; NaN or 0 only for a scan with at most one ray.
         range_min, range_max: metres; a range within them, both included, is a reading. Kept at float32's precision, so
-            that a limit and a reading sent as the same number are equal. A range_max of inf, as some converters of
-            point clouds send it, sets no limit: it is kept as the largest number that there is.
-        intensities: nothing, or R values in device units. Another length is a problem, and the values are not used.
+            that a limit and a reading sent as the same number are equal. A range_max of inf, which some converters of
+            point clouds send, sets no limit: it is kept as the largest float32.
+        intensities: no values, or R values in device units. Another length is a problem, and the values are not used.
         stamp_ns: time of the first ray in nanoseconds since the epoch, or None.
         frame_id: coordinate frame of the scanner.
-        header_problems: what was odd in the message besides its ranges; `problems` has them, and those of the ranges.
-        echoes: all echoes of each ray, of a scanner that sends several; `echo` chooses among them.
-        sources: where each range stands in the data that the scan was made of; None: the data is the array of ranges.
-        mount: how the scanner stands on the robot, if that is known: then all angles are the robot's, and `unmounted`
-            has the scanner's own. `mounted` makes such a scan.
+        header_problems: problems of the message other than its ranges; `problems` returns these and the range problems.
+        echoes: all echoes of each ray, if the scanner sends several; `echo` selects one of them.
+        sources: the position of each range in the data that the scan was made from, or None if that is ``ranges``.
+        mount: the mount of the scanner on the robot, or None if unknown. With a mount all angles are the robot's;
+            `mounted` returns such a scan, and `unmounted` one with the scanner's angles.
 
     Raises:
-        TypeError: something is not a number.
-        ValueError: wrong shape, limits the wrong way round, or a value that is not finite.
+        TypeError: a value is not a number.
+        ValueError: a shape is wrong, the limits are swapped, or a value is not finite.
 
     Source: sensor_msgs/LaserScan, REP-103, REP-117.
 
@@ -104,7 +104,7 @@ class Scan(HasAge):
             ("sources", self.sources and self.sources.numbers.size),
         ):
             if count is not None and count != ranges.size:
-                raise ValueError(f"{name}: expected those of {ranges.size:,} rays, got {count:,}")
+                raise ValueError(f"{name}: expected {ranges.size:,}, one for each ray, got {count:,}")
 
         put(self, "angle_min", finite("angle_min", to_radians("angle_min", self.angle_min), "radians"))
         increment = to_radians("angle_increment", self.angle_increment)
@@ -159,7 +159,7 @@ class Scan(HasAge):
         )
 
     def __getstate__(self) -> dict[str, Any]:
-        """What was measured, without what follows from it."""
+        """Return the fields and the time of arrival, without cached values."""
         return {**{field.name: getattr(self, field.name) for field in fields(self)}, "_arrived": self._arrived}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
@@ -169,7 +169,7 @@ class Scan(HasAge):
 
     def __repr__(self) -> str:
         rays = f"{len(self):,} ray{'' if len(self) == 1 else 's'}"
-        # Without the sign of a zero, which a turn leaves behind.
+        # Adding 0.0 removes the sign of -0.0, which turning may produce.
         ends = [round(degrees(float(self.angles[i])), 1) + 0.0 for i in (0, -1)] if len(self) else []
         sweep = f" from {ends[0]:.1f}° to {ends[1]:.1f}°" if ends else ""
         near = self.nearest()
@@ -183,29 +183,29 @@ class Scan(HasAge):
         return (self[i] for i in range(len(self)))
 
     def __sub__(self, other: Scan) -> NDArray[np.float32]:
-        """How much farther each ray goes than in another scan, in metres, shape (R,).
+        """Return the distance of each ray minus its distance in another scan, in metres, shape (R,).
 
-        Each ray counts as in `distance`: 0 where it is too close, inf where it meets nothing, NaN where that is
-        unknown. So the difference is inf when nothing is in range any more, -inf when nothing was before, 0 when
-        nothing is in both, and NaN where one of them is unknown. Rays are compared by index where both scans have the
-        same angles; else by angle, with the closest ray of the other scan, and NaN if it has none within half a step.
+        Each ray counts as in `distance`: 0 if it is too close, inf if nothing is in range, NaN if that is unknown. So
+        the difference is inf if nothing is in range any more, -inf if nothing was in range before, 0 if nothing is in
+        range in both, and NaN if either is unknown. Rays are compared by index if both scans have the same angles,
+        else by angle with the closest ray of the other scan, or NaN if that is more than half a step away.
         """
         if not isinstance(other, Scan):
             return NotImplemented
         return difference(self, other)
 
     def again(self, ranges: ArrayLike, intensities: ArrayLike | None, stamp_ns: int | None) -> Scan:
-        """The next sweep of the same scanner: what is not given stays as it is, and is not checked again.
+        """Return the next sweep of the same scanner; all other fields stay as they are, and are not checked again.
 
         It has no echoes and no sources.
 
         Args:
             ranges: as many as this scan has. They are copied, unless they are float32 and read-only.
-            intensities: the same, or None to keep those of this scan.
+            intensities: the same, or None to keep the intensities of this scan.
             stamp_ns: time of the first ray in nanoseconds since the epoch, or None.
 
         Raises:
-            TypeError: no numbers. ValueError: another number of rays, or of intensities.
+            TypeError: a value is not a number. ValueError: the number of rays or of intensities differs.
         """
         scan = object.__new__(Scan)
         values = scan.__dict__
@@ -224,12 +224,12 @@ class Scan(HasAge):
 
     @cached_property
     def angles(self) -> NDArray[np.float64]:
-        """Angle of every ray in radians, shape (R,): a full circle may run from 0 to 2 pi."""
+        """The angle of every ray in radians, shape (R,). A full circle may run from 0 to 2 pi."""
         return angles_of(self.angle_min, self.angle_increment, len(self))
 
     @cached_property
     def validity(self) -> NDArray[np.uint8]:
-        """The class of every ray, shape (R,), values of `Validity`, in the order that REP-117 asks for."""
+        """The class of every ray as a value of `Validity`, shape (R,), tested in the order of REP-117."""
         r = self.ranges
         conditions = [(self.range_min <= r) & (r <= self.range_max), r == -np.inf, r == np.inf, np.isnan(r)]
         validities = [Validity.READING, Validity.TOO_CLOSE, Validity.NOTHING_IN_RANGE, Validity.NO_MEASUREMENT]
@@ -237,7 +237,7 @@ class Scan(HasAge):
 
     @cached_property
     def valid(self) -> NDArray[np.bool_]:
-        """True where there is a reading, shape (R,)."""
+        """True for each ray with a reading, shape (R,)."""
         return frozen(self.validity == Validity.READING)
 
     @cached_property
@@ -258,13 +258,13 @@ class Scan(HasAge):
 
     @property
     def xy(self) -> NDArray[np.float64]:
-        """Points of the readings only, shape (N, 2), metres forward and to the left."""
+        """The points of the readings, shape (N, 2), metres forward and to the left."""
         return np.column_stack((self.x, self.y))[self.valid]
 
     def distance(self, sector: Asked = ALL_ROUND, *, percentile: float | None = None) -> float:
-        """Metres to the nearest thing: inf when nothing is in range, 0 when it is too close, NaN when that is unknown.
+        """Return metres to the nearest thing: inf if nothing is in range, 0 if it is too close, NaN if unknown.
 
-        Each ray counts as its range says, and the least of them is the distance:
+        Each ray counts by its range, and the least value is the distance:
 
         =============================================  ==========================================
         range                                          counts as
@@ -276,27 +276,27 @@ class Scan(HasAge):
         NaN                                            nothing, unless all are NaN: then NaN
         =============================================  ==========================================
 
-        Scanners that send codes send them for what is too far, too dark or too close alike. So a sector in which
-        there are only codes, or codes and NaN, is NaN, as is one without rays. A loop "go while distance > x" stops
+        Scanners send the same code for things that are too far, too dark or too close. So the distance is NaN for a
+        sector with only codes, or codes and NaN, and for a sector without rays. A loop "go while distance > x" stops
         at NaN.
 
         Args:
             sector: a `Sector`; two angles in radians, or in degrees as text (``("-15deg", "15deg")``), from the first
                 counter-clockwise to the second; "front", "left", "back" or "right", the quarter of the circle round
-                that direction; or the selection of a laser widget. Without it: all rays.
-            percentile: 0 to 100, of what the rays count as, in place of the least: 5 is robust against single wrong
-                rays. It is always that of a ray, the nearer of two, so that nothing lies between a number and inf.
+                that direction; or the selection of a laser widget. The default is all rays.
+            percentile: 0 to 100, a percentile of these values instead of the least: 5 is robust against single wrong
+                rays. It is never interpolated: between two rays the nearer one counts.
 
         Raises:
-            TypeError: the sector is no pair of numbers, as None, or the percentile no number.
-            ValueError: no such sector, an angle is beyond a full turn either way, or the percentile is not 0 to 100.
+            TypeError: the sector is not a pair of numbers (None, for example), or the percentile is not a number.
+            ValueError: the sector is unknown, an angle is beyond a full turn, or the percentile is not 0 to 100.
         """
         return shortest(distances(self.ranges, self, sector, percentile))
 
     def nearest(self, sector: Asked = ALL_ROUND) -> Ray | None:
-        """The ray that meets the nearest thing, the first of equals; None where `distance` is inf or NaN.
+        """Return the ray to the nearest thing, the first of equals, or None if `distance` is inf or NaN.
 
-        A thing that is too close to measure is nearer than any other: its ray has a range of -inf, or below range_min.
+        A thing that is too close to measure is nearest of all: its ray has a range of -inf, or below range_min.
 
         Args:
             sector: as in `distance`, with the same errors.
@@ -307,9 +307,9 @@ class Scan(HasAge):
         return self[found] if away.size and away[found] < np.inf else None
 
     def indices(self, sector: Asked = ALL_ROUND) -> NDArray[np.intp]:
-        """Indices of the rays in a sector, in its order: from its first angle counter-clockwise to its second.
+        """Return the indices of the rays in a sector, from its first angle counter-clockwise to its second.
 
-        So they run on across the seam of a full circle, and downwards for a clockwise scanner.
+        They go on across the seam of a full circle, and decrease for a clockwise scanner.
 
         Args:
             sector: as in `distance`, with the same errors.
@@ -322,12 +322,13 @@ class Scan(HasAge):
         return np.arange(len(self)) if sector is ALL_ROUND else order_in_sector(self.angles, to_sector(sector))
 
     def at(self, angle: float | str) -> Ray | None:
-        """The ray that points closest to an angle in radians, or in degrees as text (``"20deg"``).
+        """Return the ray that points closest to an angle in radians, or in degrees as text (``"20deg"``).
 
-        None more than half a step outside the sweep.
+        Return None if the angle is more than half a step outside the sweep.
 
         Raises:
-            TypeError: no angle. ValueError: it is beyond ±2 pi and all angles of the scan, as degrees are.
+            TypeError: the value is not an angle.
+            ValueError: it is beyond ±2 pi and beyond all angles of the scan, as degrees without a unit are.
         """
         asked = finite("angle", to_radians("angle", angle), "radians")
         if abs(asked) > np.abs(self.angles).max(initial=0.0):
@@ -338,11 +339,11 @@ class Scan(HasAge):
         return self[int(off.argmin())]
 
     def problems(self) -> tuple[Problem, ...]:
-        """What is odd about this scan, the worst first, each with its remedy; the widget shows the same.
+        """Return the problems of this scan, the worst first, each with its remedy; the widget shows the same.
 
-        A header that disagrees with its array, angles in degrees, times that no scanner can have, an empty frame_id,
-        intensities of another number; no reading at all, or a third or more of the rays outside the limits. A
-        scanner that turns clockwise is in order, and so are codes for "nothing seen", such as 0.0.
+        Problems are a header that disagrees with its array, angles in degrees, impossible times, an empty frame_id, a
+        wrong number of intensities, no reading at all, and a third or more of the rays outside the limits. A clockwise
+        scanner is not a problem, nor are codes for "nothing seen", such as 0.0.
 
         Examples:
             >>> scan = Scan([0.0, 0.0], angle_min=0.0, angle_increment=0.5, range_min=0.1, range_max=3.5)
@@ -351,21 +352,21 @@ class Scan(HasAge):
             no readings: all 2 rays say 0 m, outside 0.1 m to 3.5 m; the scanner sees nothing, or is covered
         """
         of_ranges = scan_problems.of_ranges(self.ranges, self.range_min, self.range_max)
-        # Without a remedy it is the reason why there are no rays: nothing has been measured yet.
+        # A problem without a remedy explains an empty scan: nothing has been measured yet.
         is_explained = not len(self) and any(not problem.remedy for problem in self.header_problems)
         of_sources = self.sources.problems if self.sources else ()
         return tuple(dict.fromkeys((*of_sources, *(() if is_explained else of_ranges), *self.header_problems)))
 
     def echo(self, which: str) -> Scan:
-        """The same scan, of the same age, with the first, last or strongest echo of each ray as its range.
+        """Return the same scan, of the same age, with the first, last or strongest echo of each ray as its range.
 
-        A scan of a scanner with one echo is returned as it is.
+        A scan without several echoes is returned as it is.
 
         Args:
             which: ``"first"``, ``"last"`` or ``"strongest"``.
 
         Raises:
-            ValueError: another choice.
+            ValueError: which is another value.
 
         Examples:
             >>> from robowidgets.messages import to_scan
@@ -383,17 +384,17 @@ class Scan(HasAge):
         return _changed(self, ranges=ranges, intensities=intensities, sources=sources)
 
     def with_echoes(self, echoes: Echoes) -> Scan:
-        """The same scan with the echoes of which its ranges are the first."""
+        """Return the same scan with echoes; the first echo of each ray is its range."""
         return _changed(self, echoes=echoes, sources=echoes.sources("first"))
 
     def turned(self, angle: float | str) -> Scan:
-        """The same scan, of the same age, with every ray turned by an angle, counter-clockwise.
+        """Return the same scan, of the same age, with every ray turned by an angle, counter-clockwise.
 
         Args:
             angle: radians, or degrees as text (``"20deg"``).
 
         Raises:
-            TypeError: the angle is neither. ValueError: it is not finite.
+            TypeError: the angle is neither a number nor degrees. ValueError: it is not finite.
         """
         by = finite("angle", to_radians("angle", angle), "radians")
         if not by:
@@ -401,12 +402,12 @@ class Scan(HasAge):
         return _changed(self, angle_min=self.angle_min + by)
 
     def mounted(self, mount: Mount | None) -> Scan:
-        """Return the same scan, of the same age, of a scanner that stands on its robot like this.
+        """Return the same scan, of the same age, with a mount of the scanner on its robot.
 
-        All angles are the robot's then. Rays keep their indices, and distances are still measured from the scanner.
+        All its angles are the robot's. Rays keep their indices, and distances are still measured from the scanner.
 
         Args:
-            mount: how it stands; it replaces the mount that the scan has. None: unknown, as for `unmounted`.
+            mount: the mount, which replaces the present one, or None if unknown, as for `unmounted`.
 
         Examples:
             >>> scan = Scan([1.0, 2.0], angle_min=0.0, angle_increment=1.5708, range_min=0.1, range_max=30.0)
@@ -426,7 +427,7 @@ class Scan(HasAge):
         return _changed(own, mount=wound, angle_min=first, angle_increment=step, header_problems=problems)
 
     def unmounted(self) -> Scan:
-        """Return the same scan, of the same age, with the angles of the scanner itself."""
+        """Return the same scan, of the same age, with the scanner's angles."""
         mount = self.mount
         if mount is None:
             return self
@@ -439,7 +440,7 @@ class Scan(HasAge):
 
     @property
     def _reach(self) -> float:
-        """Metres that a picture of this scan reaches: range_max, or the farthest reading where that is no limit."""
+        """Metres that a picture of this scan reaches: range_max, or the farthest reading if range_max is unlimited."""
         return self.range_max if self.range_max < _FARTHEST else float(self.ranges[self.valid].max(initial=0)) or 1.0
 
     @cached_property
@@ -452,7 +453,7 @@ class Scan(HasAge):
 
 
 def _changed(scan: Scan, **values: Any) -> Scan:
-    """The same scan, of the same age, with other values."""
+    """Return the same scan, of the same age, with other values."""
     changed = replace(scan, **values)
     note_arrival(changed, arrival_of(scan))
     return changed

@@ -1,6 +1,6 @@
-"""The problems of a scan: of its geometry, which stays the same from scan to scan, and of its ranges.
+"""The problems of a scan: of its geometry, which is the same for all scans of a scanner, and of its ranges.
 
-The reader of LaserScan messages adds those of the fields that a `Scan` does not keep (`messages/scan.py`).
+The reader of LaserScan messages (`messages/scan.py`) adds problems of the fields that a `Scan` does not keep.
 """
 
 from __future__ import annotations
@@ -18,14 +18,14 @@ from .ray import CODES_END
 _MOST_TURNS = 3
 
 _MILLIMETRES = 25
-"""Times range_max that lies beyond what drivers send for rays that saw nothing."""
+"""Median ranges above this multiple of range_max are millimetres: it is more than drivers send for "nothing seen"."""
 
 _SHARE = 3
-"""One ray in so many may lie outside of the limits before it is a problem."""
+"""It is a problem if at least one ray in this many lies outside the limits."""
 
 
 def of_geometry(count: int, increment: float) -> Iterator[Problem]:
-    """The problems of the angles of a scan: rays that sweep more than a full circle."""
+    """Yield the problems of the angles of a scan: rays that sweep more than a full circle."""
     turns = abs(increment) * (count - 1) / (2 * pi)
     if turns > _MOST_TURNS:
         yield Problem(f"the rays sweep {turns:,.0f} full circles", f"is angle_increment in degrees? {OF_DEGREES}")
@@ -36,15 +36,15 @@ def of_geometry(count: int, increment: float) -> Iterator[Problem]:
 
 
 def of_intensities(count: int, rays: int) -> Problem:
-    """The problem of intensities of another number than the rays."""
+    """Return the problem of a number of intensities that differs from the number of rays."""
     return Problem(f"{count:,} intensities for {rays:,} rays: not used", "the driver should send one for each, or none")
 
 
 def of_ranges(ranges: NDArray[np.float32], low: float, high: float) -> Iterator[Problem]:
-    """The problems of the ranges of one scan: no reading at all, or a third or more of the rays lie outside the limits.
+    """Yield the problems of ranges: no reading at all, or a third or more of the rays outside the limits.
 
-    Codes below `CODES_END`, which many scanners send for "nothing seen", are none of these. Two scans with the same
-    problem have the same words, so that they are sent to the page, and listed for a recording, once.
+    Codes below `CODES_END`, which many scanners send for "nothing seen", do not count as outside. The text of a problem
+    is the same for all scans that have it, so that it is sent to the page, and listed for a recording, once.
 
     Args:
         ranges: metres, shape (R,).
@@ -73,7 +73,7 @@ def of_ranges(ranges: NDArray[np.float32], low: float, high: float) -> Iterator[
 
 
 def _of_no_reading(ranges: NDArray[np.float32], low: float, high: float) -> Problem:
-    """The problem of a scan without a reading, by what all its rays have in common."""
+    """Return the problem of a scan without a reading, by the value that all its rays share."""
     rays = ranges.size
     if not rays:
         return Problem("the scan has no rays", "is the scanner turning? see the log of its driver")

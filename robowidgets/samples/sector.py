@@ -16,7 +16,7 @@ HYSTERESIS = 0.05
 """Metres."""
 
 STATES = {"stop": "stop", "warning": "warning", "near": "occupied"}
-"""The limits of a sector with the states that they set, the most severe first."""
+"""The limits of a sector and the states that they set, the most severe first."""
 
 
 def _metres(name: str, value: Any) -> float:
@@ -28,21 +28,21 @@ def _metres(name: str, value: Any) -> float:
 
 @dataclass(frozen=True, init=False)
 class Sector:
-    """The rays between two angles, whatever the scanner: its start and direction of counting do not matter.
+    """The rays between two angles, for any scanner: its first angle and its direction do not matter.
 
-    A sector may have limits. It is occupied while the nearest thing in it is nearer than `near`, and in "warning" or
-    "stop" below those distances, as with safety scanners. A limit that was met holds until the distance is larger by
-    the hysteresis, so that noise does not make it flicker.
+    A sector may have limits. It is "occupied" while the nearest thing in it is nearer than `near`, and in "warning" or
+    "stop" below these distances, as with safety scanners. A state lasts until the distance exceeds its limit by the
+    hysteresis, so that noise does not make it flicker.
 
     Args:
         start, end: angles in radians, or degrees as text (``"20deg"``), within a full turn either way; the sector goes
             from the first counter-clockwise to the second. Two angles a full turn apart are the whole circle.
-        near: metres below which the sector is occupied; None: no such limit.
-        warning, stop: metres below which it is in that state; stop is not above warning.
+        near: metres below which the sector is occupied, or None.
+        warning, stop: metres below which it is in that state, or None; stop is not above warning.
         hysteresis: metres.
 
     Raises:
-        TypeError: something is no number.
+        TypeError: a value is not a number.
         ValueError: an angle is beyond a full turn, a limit is not above 0, or stop is above warning.
 
     Examples:
@@ -89,11 +89,11 @@ class Sector:
         return 2 * pi if turned >= 2 * pi else turned % (2 * pi)
 
     def state(self, distance: float, before: str = "free") -> str:
-        """What the limits say of a distance: "stop", "warning", "occupied" (`near`), "free", or "unknown" for NaN.
+        """Return the state for a distance: "stop", "warning", "occupied" (`near`), "free", or "unknown" for NaN.
 
         Args:
-            distance: metres to the nearest thing, as `Scan.distance` gives it.
-            before: the state at the scan before, which holds up to the hysteresis.
+            distance: metres to the nearest thing, as `Scan.distance` returns it.
+            before: the state at the previous scan, which lasts up to the hysteresis.
         """
         if isnan(distance):
             return "unknown"
@@ -106,16 +106,16 @@ class Sector:
         return "free"
 
     def to_json(self) -> dict[str, float | str]:
-        """The sector as plain values for JSON; ``Sector(**values)`` makes it again."""
+        """Return plain values for JSON; ``Sector(**values)`` restores the sector."""
         return {"start": angle_text(self.start) or self.start, "end": angle_text(self.end) or self.end, **self._more()}
 
     def _more(self) -> dict[str, float]:
-        """What differs from the default, apart from the angles."""
+        """Return the fields other than the angles that differ from their defaults."""
         return {f.name: v for f in fields(self)[2:] if (v := getattr(self, f.name)) != f.default}
 
 
 class HasSector(Protocol):
-    """What has a sector, such as the selection of a laser widget."""
+    """An object with a sector, such as the selection of a laser widget."""
 
     @property
     def sector(self) -> Sector:
@@ -123,8 +123,8 @@ class HasSector(Protocol):
 
 
 Asked: TypeAlias = Sector | tuple[float | str, float | str] | str | HasSector
-"""A sector as it is given: a `Sector`, two angles (radians, or text like ``"20deg"``), a name in `SECTORS`, or what has
-a sector."""
+"""A sector as an argument: a `Sector`, two angles (radians, or text like ``"20deg"``), a name in `SECTORS`, or an
+object with a sector."""
 
 ALL_ROUND = Sector("-180deg", "180deg")
 """All rays of any scanner."""
@@ -135,17 +135,17 @@ SECTORS: dict[str, Sector] = {
     "back": Sector("135deg", "225deg"),
     "right": Sector("-135deg", "-45deg"),
 }
-"""Quarters of the circle by name, centred on 0, 90, 180 and -90 degrees: together they leave no direction out."""
+"""Quarters of the circle by name, centred on 0, 90, 180 and -90 degrees; together they cover all directions."""
 
 _TWO_ANGLES = 'two angles, like ("-15deg", "15deg") or in radians'
 
 
 def to_sector(sector: Any) -> Sector:
-    """The sector itself, or that of two angles or of a name in `SECTORS`.
+    """Return a sector from a value as in `Asked`.
 
     Raises:
-        TypeError: it is no pair of angles.
-        ValueError: no such name, or an angle is beyond a full turn either way, infinite or NaN.
+        TypeError: the value is not a pair of angles.
+        ValueError: the name is unknown, or an angle is beyond a full turn, infinite or NaN.
     """
     if isinstance(sector, Sector):
         return sector
@@ -179,7 +179,7 @@ def to_sector(sector: Any) -> Sector:
 
 
 def angles_code(sector: Sector) -> str:
-    """The two angles of a sector as a program writes them, such that the second is larger where it goes far round."""
+    """Return code for the two angles of a sector; the second is larger if the sector covers more than half a circle."""
     turns = (0, 0)
     if _is_long_way_back(sector):
         turns = (0, 1) if sector.end <= 0 else (-1, 0)
@@ -187,43 +187,43 @@ def angles_code(sector: Sector) -> str:
 
 
 def angle_code(angle: float, turns: int = 0) -> str:
-    """An angle as a program writes it, after some full turns: ``"20deg"`` where that is exact, else radians."""
+    """Return code for an angle plus some full turns: ``"20deg"`` if that is exact, else radians."""
     if angle_text(angle):
         return f'"{decimals(degrees(angle) + 360 * turns, 4)}deg"'
     return radians_code(angle + 2 * pi * turns)
 
 
 def radians_code(angle: float) -> str:
-    """An angle in radians as a program writes it."""
+    """Return code for an angle in radians."""
     text = decimals(angle, 7)
     return text if "." in text else f"{text}.0"
 
 
 def _is_long_way_back(sector: Sector) -> bool:
-    """Whether a sector goes more than half round, to a smaller angle: often the two angles are swapped."""
+    """Return True if a sector covers more than half a circle and ends at a smaller angle: a likely swap."""
     return sector.start > sector.end and sector.sweep > pi
 
 
 def in_sector(angles: NDArray[np.float64], sector: Sector) -> NDArray[np.bool_]:
-    """Whether each of some angles in radians lies in a sector, its ends included."""
+    """Return True for each angle in radians that lies in a sector, its ends included."""
     inside: NDArray[np.bool_] = _turned(angles, sector) <= sector.sweep + 2 * ANGLE_ROUNDING
     return inside
 
 
 def order_in_sector(angles: NDArray[np.float64], sector: Sector) -> NDArray[np.intp]:
-    """Indices of the angles that lie in a sector, in its order: from its first angle counter-clockwise."""
+    """Return the indices of the angles in a sector, counter-clockwise from its start."""
     turned = _turned(angles, sector)
     order = np.argsort(turned, kind="stable")
     return order[turned[order] <= sector.sweep + 2 * ANGLE_ROUNDING]
 
 
 def angle_text(angle: float) -> str | None:
-    """An angle in radians as ``"20deg"``, where at most four decimals of degrees are exactly that angle; else None."""
+    """Return an angle in radians as ``"20deg"``, or None if four decimals of degrees are not exactly that angle."""
     text = decimals(degrees(angle), 4)
     return f"{text}deg" if radians(float(text)) == angle else None
 
 
 def _turned(angles: NDArray[np.float64], sector: Sector) -> NDArray[np.float64]:
-    """Radians from the start of a sector counter-clockwise to each angle, and half of what rounding may lose."""
+    """Return radians counter-clockwise from the start of a sector to each angle, plus the tolerance of rounding."""
     turned: NDArray[np.float64] = (angles - sector.start + ANGLE_ROUNDING) % (2 * pi)
     return turned

@@ -1,4 +1,4 @@
-"""Python that computes the distance of a sector, for a reader to paste. The page has the same texts."""
+"""Python code that computes the distance of a sector, to copy and paste. The page has the same texts."""
 
 from __future__ import annotations
 
@@ -32,25 +32,25 @@ distance(msg)
 
 
 def for_scan(sector: Sector) -> str:
-    """An expression of a `Scan` named ``scan``."""
+    """Return an expression for a `Scan` named ``scan``."""
     name = next((name for name, known in SECTORS.items() if (known.start, known.end) == (sector.start, sector.end)), "")
     asked = f'"{name}"' if name else angles_code(sector)
     return f"scan.distance({asked})"
 
 
 def for_message(sector: Sector, angle_offset: float = 0.0, mount: Mount | None = None) -> str:
-    """A function of a sensor_msgs/LaserScan, which needs NumPy alone, and its call for a message named ``msg``.
+    """Return a function of a sensor_msgs/LaserScan that needs only NumPy, and its call for a message named ``msg``.
 
     Args:
-        sector: in a picture of the message.
+        sector: the sector as seen in a picture of the message.
         angle_offset: radians by which the picture is turned.
-        mount: how the scanner stands on the robot, whose angles are in the picture; None: not known.
+        mount: the mount of the scanner, if the picture has the robot's angles, or None if unknown.
     """
     words = f"from {_degrees(sector.start)} to {_degrees(sector.end)}"
     start = sector.start - angle_offset
     if mount and mount.turns_angles:
         words += f" of the robot, with the scanner {mount.words}"
-        # Upside down, the scanner comes to the end of the sector first.
+        # A scanner that is upside down reaches the end of the sector first.
         start = mount.yaw - (sector.end - angle_offset) if mount.upside_down else start - mount.yaw
     if angle_offset:
         words += f" of a picture turned by {_degrees(angle_offset)}"
@@ -58,7 +58,7 @@ def for_message(sector: Sector, angle_offset: float = 0.0, mount: Mount | None =
 
 
 def for_array(sector: Sector, scan: Scan) -> str:
-    """The part of ``ranges`` alone, for this scan: an expression for lists and for arrays."""
+    """Return an expression for the part of ``ranges`` in a sector, for this scan; it works for lists and arrays."""
     found = stretches(scan, sector)
     if len(found) < 2:
         return expression(found, len(scan))

@@ -18,16 +18,16 @@ class Speed(HasAge):
     """A velocity in the body frame: measured, or commanded.
 
     Args:
-        linear: x forward, y left, z up, in m/s. NaN means that there is no value; it is never taken for 0.
+        linear: x forward, y left, z up, in m/s. NaN means no value; it is never taken for 0.
         angular: about x (roll), y (pitch) and z (yaw, counter-clockwise), in rad/s. NaN as above.
         stamp_ns: time in nanoseconds since the epoch, or None.
         frame_id: the frame in which the velocity is expressed (``child_frame_id`` of an odometry message).
-        pose: where odometry has the robot: x, y in metres and yaw in radians; None where there is no odometry.
-        steering: the angle of the front wheels of a car in radians, left is positive; None for what is not steered.
+        pose: the pose from odometry: x, y in metres and yaw in radians, or None without odometry.
+        steering: the angle of the front wheels of a car in radians, left is positive, or None for other robots.
 
     Raises:
-        TypeError: something is not a number.
-        ValueError: not three values.
+        TypeError: a value is not a number.
+        ValueError: there are not three values.
 
     Source: geometry_msgs/Twist, nav_msgs/Odometry, ackermann_msgs/AckermannDrive, REP-103.
 
@@ -69,7 +69,7 @@ class Speed(HasAge):
 
 
 def _in_order(given: Any) -> tuple[Any, ...] | None:
-    """The values in a sequence or an array; None for text, mappings and sets: they have no x, y and z in this order."""
+    """Return the values of a sequence or an array, or None for text, mappings and sets, which have no order x, y, z."""
     try:
         return None if isinstance(given, (str, bytes, Mapping, Set)) else tuple(given)
     except TypeError:

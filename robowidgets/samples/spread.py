@@ -1,4 +1,4 @@
-"""How far the readings of a ray scatter from scan to scan."""
+"""The spread of the readings of a ray from scan to scan."""
 
 from __future__ import annotations
 
@@ -13,17 +13,17 @@ LOW, HIGH = 0.05, 0.95
 
 
 def spread(scans: Iterable[Scan]) -> NDArray[np.float32]:
-    """How far the readings of each ray scatter over some scans: metres, shape (R,).
+    """Return the spread of the readings of each ray over some scans: metres, shape (R,).
 
-    Half of the way from the 5th percentile of its readings to the 95th, so that single wrong readings do not count:
-    1.6 standard deviations of normal noise. Rays are told apart by index; what is no reading is left out. NaN where a
-    ray has fewer than two readings.
+    The spread is half the distance from the 5th percentile of the readings to the 95th, so that single wrong readings
+    do not count: 1.6 standard deviations of normal noise. Rays are matched by index, and only readings count. The
+    spread is NaN for a ray with fewer than two readings.
 
     Args:
         scans: scans with the same number of rays.
 
     Raises:
-        TypeError: something is no `Scan`. ValueError: there is none, or their numbers of rays differ.
+        TypeError: an item is not a `Scan`. ValueError: scans is empty, or their numbers of rays differ.
 
     Examples:
         >>> scans = [Scan([2.0 + noise, 3.0], 0.0, 0.1, 0.1, 10.0) for noise in (0.0, 0.01, 0.02)]
@@ -42,12 +42,12 @@ def spread(scans: Iterable[Scan]) -> NDArray[np.float32]:
 
 
 def readings(ranges: NDArray[np.float32], like: Scan) -> NDArray[np.float32]:
-    """The readings among ranges of any shape, of scans with the same limits; NaN for all others."""
+    """Return ranges of any shape, with NaN for ranges that are not readings of scans with these limits."""
     return np.where((like.range_min <= ranges) & (ranges <= like.range_max), ranges, np.float32(np.nan))
 
 
 def spread_of(readings: NDArray[np.float32]) -> NDArray[np.float32]:
-    """`spread` of readings, shape (N, R), with NaN for what is none: shape (R,). The page has the same rule."""
+    """Return the spread of readings, shape (N, R), NaN without a reading: shape (R,). The page has the same rule."""
     found = np.sort(readings, axis=0).astype(np.float64)  # NaN comes last
     last = (~np.isnan(found)).sum(axis=0) - 1
 

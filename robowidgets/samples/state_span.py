@@ -1,4 +1,4 @@
-"""When the states of a program's machines were active."""
+"""Spans in which the states of a program's machines were active."""
 
 from __future__ import annotations
 
@@ -12,14 +12,14 @@ MOST_ROWS = 3
 
 
 def spelled(path: str) -> str:
-    """A state as pictures and texts write it: ``Walker › avoid › turn`` for ``Walker.avoid.turn``, as programs do."""
+    """Return a state as pictures and texts write it: ``Walker › avoid › turn`` for ``Walker.avoid.turn``."""
     return path.replace(".", " › ")
 
 
 class StateSpan(NamedTuple):
-    """A span in which a state was active, in seconds from the start of a recording, or of a program.
+    """A span in which a state was active, in seconds from the start of a recording or of a program.
 
-    ``path`` names machines and states from the outermost on, such as ``Walker.avoid.turn``.
+    ``path`` names machines and states from the outermost inwards, such as ``Walker.avoid.turn``.
     """
 
     start: float
@@ -33,12 +33,12 @@ class StateSpan(NamedTuple):
 
     @property
     def name(self) -> str:
-        """The name of the state alone."""
+        """The name of the state without its machines."""
         return self.path.rpartition(".")[2]
 
 
 def rows_of(spans: Iterable[StateSpan]) -> list[list[StateSpan]]:
-    """The spans as rows in which none overlap: outer machines first, nested ones below, at most `MOST_ROWS` rows."""
+    """Return the spans in at most `MOST_ROWS` rows without overlaps: outer machines first, nested ones below."""
     by_machine: defaultdict[str, list[StateSpan]] = defaultdict(list)
     for span in spans:
         by_machine[span.machine].append(span)

@@ -1,4 +1,4 @@
-"""Stretches: rays that follow each other in the array, and the text by which a program names them."""
+"""Stretches: consecutive rays in the array, and the code that names them."""
 
 from __future__ import annotations
 
@@ -17,18 +17,18 @@ _PART = re.compile(r"\s*(?:(?:msg\.|scan\.)?ranges\s*)?\[\s*(-?\d{1,7})?\s*(:)?\
 _EXPECTED = 'expected text like "ranges[240:300]" or "ranges[350:] + ranges[:10]"'
 
 _LOST = 3e-5
-"""Degrees that rounding may lose; `in_sector` allows for more."""
+"""Degrees of rounding error; `in_sector` allows for more."""
 
 
 class Stretch(NamedTuple):
-    """Rays that follow each other in the array: from an index up to, and without, another."""
+    """Consecutive rays in the array, from one index up to, but not including, another."""
 
     start: int
     stop: int
 
 
 def stretches(scan: Scan, sector: Sector) -> list[Stretch]:
-    """The stretches of the array that lie in a sector, in the order in which the scanner passes through it."""
+    """Return the stretches of the array in a sector, in the order in which the scanner passes through it."""
     inside = np.concatenate(([False], in_sector(scan.angles, sector), [False]))
     edges = np.flatnonzero(inside[1:] != inside[:-1]).tolist()
     found = [Stretch(*pair) for pair in zip(edges[::2], edges[1::2], strict=True)]
@@ -37,7 +37,7 @@ def stretches(scan: Scan, sector: Sector) -> list[Stretch]:
 
 
 def expression(found: list[Stretch], count: int) -> str:
-    """The stretches as a program writes them: ``ranges[540:610]``, ``ranges[350:] + ranges[:10]``."""
+    """Return code for stretches: ``ranges[540:610]``, ``ranges[350:] + ranges[:10]``."""
     parts = [
         f"ranges[{'' if len(found) > 1 and start == 0 else start}:{'' if len(found) > 1 and stop == count else stop}]"
         for start, stop in found
@@ -46,14 +46,14 @@ def expression(found: list[Stretch], count: int) -> str:
 
 
 def sector_of(scan: Scan, first: int, last: int) -> Sector:
-    """The sector of the rays from one index to another, both included, with angles in few decimals of degrees.
+    """Return the sector of the rays from one index to another, both included, with angles in few decimals of degrees.
 
-    The angles are rounded outwards, by less than half a step, so that they hold these rays and no others.
+    The angles are rounded outwards, by less than half a step, so that the sector has these rays and no others.
 
     Args:
         scan: any scan of the scanner.
         first: index of a ray; on a full circle it may lie beyond the array.
-        last: another one.
+        last: index of another ray.
     """
     step = degrees(abs(scan.angle_increment))
     unit = next((10**n for n in (1, 2, 3) if 10**-n <= step / 2 or not step), 10**4)
@@ -67,14 +67,14 @@ def sector_of(scan: Scan, first: int, last: int) -> Sector:
 
 
 def parse(text: str, count: int) -> NDArray[np.intp]:
-    """Indices of the rays that a text names: slices and single indices, joined by ``+``.
+    """Return the indices of the rays that a text names: slices and single indices, joined by ``+``.
 
     Args:
         text: such as ``ranges[240:300]``, ``[-10:]`` or ``ranges[350:] + ranges[:10]``.
-        count: the number of rays; slices end there, as Python's do.
+        count: the number of rays; slices end there, as in Python.
 
     Raises:
-        ValueError: it is no such text, or names no ray.
+        ValueError: the text is invalid, or names no ray.
     """
     found: list[int] = []
     for part in text.split("+"):
@@ -92,20 +92,20 @@ def parse(text: str, count: int) -> NDArray[np.intp]:
 
 
 def to_stretches(indices: NDArray[np.intp]) -> list[Stretch]:
-    """The same rays as stretches, in the order of the array."""
+    """Return the same rays as stretches, in the order of the array."""
     ordered = np.unique(indices)
     breaks = np.flatnonzero(np.diff(ordered) > 1) + 1
     return [Stretch(int(part[0]), int(part[-1]) + 1) for part in np.split(ordered, breaks) if part.size]
 
 
 def _within_half_turn(angle: int, unit: int) -> int:
-    """The same direction above -180 degrees and up to 180, in parts of a degree."""
+    """Return the same direction above -180 degrees and up to 180, in fractions ``1 / unit`` of a degree."""
     half = 180 * unit
     return (angle + half - 1) % (2 * half) - half + 1
 
 
 def _passed(scan: Scan, sector: Sector, index: int) -> float:
-    """Radians of the sector that the scanner has passed when it comes to a ray."""
+    """Return the radians of the sector that the scanner has passed when it reaches a ray."""
     angle = float(scan.angles[index])
     turned = sector.end - angle if scan.angle_increment < 0 else angle - sector.start
     return (turned + ANGLE_ROUNDING) % (2 * pi)

@@ -1,4 +1,4 @@
-"""A span of time, with rays or without: what a selection on a picture of a recording holds."""
+"""A span of time, with rays or without: the value of a selection on a picture of a recording."""
 
 from __future__ import annotations
 
@@ -8,16 +8,16 @@ from typing import Any
 
 
 def time_span(name: str, value: Any, *, rays: bool = False) -> tuple[Any, ...]:
-    """(start, end) in seconds, 0 <= start < end; a span of `Recording.find` is taken as it is.
+    """Return (start, end) in seconds, 0 <= start < end, also from a span of `Recording.find`.
 
     Args:
-        name: of the argument, for errors.
-        value: two numbers.
-        rays: whether (start, end, first, stop) may say as well which rays are meant: from index ``first`` up to, not
-            including, ``stop``.
+        name: the name of the argument, for errors.
+        value: two numbers, or four with rays.
+        rays: True if (start, end, first, stop) is valid too, with rays from index ``first`` up to, but not including,
+            ``stop``.
 
     Raises:
-        ValueError: it is no such span.
+        ValueError: the value is not a span.
     """
     expected = "expected None or (start, end) in seconds, 0 <= start < end"
     if rays:

@@ -14,7 +14,7 @@ from .age import HasAge, note_arrival
 
 
 class TouchState(IntEnum):
-    """What is known of one touch sensor. Only what is touched is true: ``if touch.states["left"]: stop()``."""
+    """The state of one touch sensor. Only TOUCHED is true: ``if touch.states["left"]: stop()``."""
 
     FREE = 0
     TOUCHED = 1
@@ -25,7 +25,7 @@ class TouchState(IntEnum):
 
     @property
     def as_bool(self) -> bool | None:
-        """True, False, or None where it is unknown, as in `Touch.touched`."""
+        """True, False, or None if unknown, as in `Touch.touched`."""
         return None if self is TouchState.UNKNOWN else bool(self)
 
 
@@ -47,16 +47,16 @@ class Touch(HasAge):
 
     Args:
         touched: sensor name to True (touched), False (free) or None (the source does not know). In PRESENCE mode it
-            holds the touched ones only.
+            has only touched sensors.
         mode: the meaning of the messages, see `TouchMode`.
-        sensors: every sensor that this source is known to have, from the robot's left to its right; those that the
-            message did not name are shown as unknown (or, in PRESENCE mode, as free).
+        sensors: every known sensor of this source, from the robot's left to its right; sensors that the message did not
+            name are shown as unknown (or, in PRESENCE mode, as free).
         stamp_ns: time in nanoseconds since the epoch, or None.
-        dialect: the message type it was read from, for a person to read.
+        dialect: the message type that it was read from, for users to read.
 
     Raises:
-        TypeError: a name that is not a string, or a state that is not True, False or None.
-        ValueError: an unknown mode.
+        TypeError: a name is not a string, or a state is not True, False or None.
+        ValueError: the mode is unknown.
     """
 
     touched: Mapping[str, bool | None]

@@ -20,8 +20,8 @@ class TouchSensor:
         state: see `TouchState`.
         touches: number of changes from free or unknown to touched.
         since_ns: start of the state; None before the first message about it.
-        seen_ns: time at which a PRESENCE source last listed it; None while it is not listed.
-        missed: whether a later message of that source does not list it.
+        seen_ns: time at which a PRESENCE source last listed it, or None while it is not listed.
+        missed: True if a later message of that source does not list it.
     """
 
     state: TouchState = TouchState.UNKNOWN
@@ -31,32 +31,32 @@ class TouchSensor:
     missed: bool = False
 
     def became(self, state: TouchState, at_ns: int) -> TouchSensor:
-        """The sensor in a state, with a new start, and counted, only if the state differs."""
+        """Return the sensor in a state; if the state differs, with a new start, and counted if it is TOUCHED."""
         if state is self.state:
             return self if self.seen_ns is None else replace(self, seen_ns=None, missed=False)
         return TouchSensor(state, self.touches + (state is TouchState.TOUCHED), at_ns)
 
     def no_later_than(self, now_ns: int) -> TouchSensor:
-        """The sensor, with times later than now replaced by now."""
+        """Return the sensor, with times later than now replaced by now."""
         since, seen = (None if t is None else min(t, now_ns) for t in (self.since_ns, self.seen_ns))
         return self if (since, seen) == (self.since_ns, self.seen_ns) else replace(self, since_ns=since, seen_ns=seen)
 
 
 class TouchTracker:
-    """Keeps the states of touch sensors, in the three modes of `TouchMode`.
+    """The current states of touch sensors, in the three modes of `TouchMode`.
 
     EVENT and LEVEL states last until the next message about the sensor. In PRESENCE mode no message reports a release:
-    a sensor that later messages do not list is free ``hold`` seconds after the last one that did. This bridges gaps of
-    sources that flicker. Sources that publish only while something touches fall silent at the release instead: after
-    ``timeout`` of silence their sensors are free too.
+    a sensor that later messages do not list is free ``hold`` seconds after the last message that did. This bridges gaps
+    of sources that flicker. Sources that publish only while something touches fall silent at the release instead: after
+    ``timeout`` seconds of silence their sensors are free too.
 
-    It has no clock: the caller passes the time, in nanoseconds from any start. If the time goes back (a bag is played
-    again, a simulation restarted), later times are replaced by the new time: states and counts stay, durations begin
-    again, and no release is further away than its hold or timeout.
+    The tracker has no clock: the caller passes the time, in nanoseconds from any start. If the time goes back (a bag is
+    played again, a simulation restarts), later times are replaced by the new time: states and counts stay, durations
+    begin again, and no release is further away than its hold or timeout.
 
     Args:
         hold: seconds, 0 or more; longer than the pause between two messages of the slowest source.
-        timeout: seconds, 0 or more, infinite to wait for ever; None: the same as ``hold``.
+        timeout: seconds, 0 or more, infinite to wait for ever, or None for the same as ``hold``.
 
     ``newest`` is the last message; None before the first one.
 
@@ -102,7 +102,7 @@ class TouchTracker:
         self._timeout = value
 
     def apply(self, touch: Touch, now_ns: int) -> None:
-        """Apply a message that arrived at a time."""
+        """Apply a message that arrived at this time."""
         known = {name: s.no_later_than(now_ns) for name, s in self.states(now_ns).items()}
         for name in touch.sensors:
             known.setdefault(name, TouchSensor())
@@ -119,11 +119,11 @@ class TouchTracker:
         self._sensors, self.newest = known, touch
 
     def states(self, now_ns: int) -> dict[str, TouchSensor]:
-        """All sensors at a time, in the order of their first mention."""
+        """Return all sensors at a time, in the order of their first mention."""
         return {name: self._at(sensor, now_ns) for name, sensor in self._sensors.items()}
 
     def next_change_ns(self, now_ns: int) -> int | None:
-        """The time of the next release if no message comes; None if there is none."""
+        """Return the time of the next release without further messages, or None if no release is due."""
         due = (self._release_ns(sensor) for sensor in self.states(now_ns).values())
         return min((at for at in due if at is not None), default=None)
 
@@ -144,7 +144,7 @@ class TouchTracker:
 
 
 class TouchesBetween:
-    """The states of all touch sensors, where one that was touched and released since it was asked counts as touched."""
+    """The states of all touch sensors; each sensor that was touched since the last `take` counts as touched."""
 
     def __init__(self) -> None:
         self._tracker = TouchTracker()
@@ -156,7 +156,7 @@ class TouchesBetween:
         self._tracker.apply(touch, time.monotonic_ns())
 
     def take(self) -> Touch:
-        """The states, by name. The next call tells of what comes from now on."""
+        """Return the states by name; the next call counts touches from now on."""
         touched, self._touched = self._touched, set()
         states = self._tracker.states(time.monotonic_ns())
         return Touch({**{name: one.state.as_bool for name, one in states.items()}, **dict.fromkeys(touched, True)})

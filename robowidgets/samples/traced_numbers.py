@@ -1,4 +1,4 @@
-"""Numbers that note what they are compared to, and values whose numbers do."""
+"""Numbers that record their comparisons, and values with such numbers."""
 
 from __future__ import annotations
 
@@ -20,11 +20,11 @@ _ARITHMETIC = {
 }  # fmt: skip
 _LONGEST_NAME = 24
 UNITS = {"time": "s", "since": "s", "driven": "m", "turned": "rad"}
-"""Of the numbers that a step is given."""
+"""Units of the numbers that a program's step gets."""
 
 
 def fact(value: float, relation: str, limit: float, unit: str = "m") -> str:
-    """A comparison as it came out: ``"1.24 < 1.50 m"``; the opposite relation where it did not hold."""
+    """Return the outcome of a comparison: ``"1.24 < 1.50 m"``, with the opposite relation if it did not hold."""
     shown = relation if OPERATORS[relation](value, limit) else _OPPOSITE[relation]
     decimals = 0
     if not (isinstance(value, int) and isinstance(limit, int)):
@@ -34,7 +34,7 @@ def fact(value: float, relation: str, limit: float, unit: str = "m") -> str:
 
 
 class NumberComparison(NamedTuple):
-    """A number that was compared to another one. ``name`` says which, and is empty where that would take long."""
+    """A comparison of a number with a limit. ``name`` names the number, and is empty if the name would be long."""
 
     name: str
     value: float
@@ -45,12 +45,12 @@ class NumberComparison(NamedTuple):
 
     @property
     def is_known(self) -> bool:
-        """Whether it compares numbers, not NaN."""
+        """True if the number is not NaN."""
         return not isnan(self.value)
 
     @property
     def text(self) -> str:
-        """The comparison as it came out: ``"way 0.04 ≤ 0.10"``."""
+        """The outcome of the comparison: ``"way 0.04 ≤ 0.10"``."""
         return f"{self.name} {fact(self.value, self.relation, self.limit, self.unit)}".strip()
 
 
@@ -58,7 +58,7 @@ Note = Callable[[NumberComparison], None]
 
 
 class _Traced:
-    """A number that notes what it is compared to, as do its sums and products with others."""
+    """A number that records its comparisons, as do its sums and products with others."""
 
     _name: str
     _unit: str
@@ -68,11 +68,11 @@ class _Traced:
     def _compare(self, relation: str, other: Any) -> Any:
         limit = plain(other)
         if hasattr(limit, "_note"):
-            return NotImplemented  # a distance, which notes the comparison itself
+            return NotImplemented  # a distance, which records the comparison itself
         try:
             outcome = OPERATORS[relation](self._plain, limit)
         except TypeError:
-            return NotImplemented  # Python then raises the error itself, on the line that compares
+            return NotImplemented  # Python then raises the error on the line that compares
         if _is_number(limit):
             self._note(NumberComparison(self._name, self._plain, relation, limit, self._unit, bool(outcome)))
         return outcome
@@ -118,8 +118,8 @@ class _Traced:
         number = plain(other)
         if not _is_number(number):
             return NotImplemented
-        said = getattr(other, "_name", "") if isinstance(other, _Traced) else f"{number:g}"
-        names, values = [self._name, said], [self._plain, number]
+        other_name = getattr(other, "_name", "") if isinstance(other, _Traced) else f"{number:g}"
+        names, values = [self._name, other_name], [self._plain, number]
         if not is_left:
             names.reverse()
             values.reverse()
@@ -146,12 +146,12 @@ class _TracedInt(_Traced, int):
     pass
 
 
-# For errors of the function, such as a comparison with a text.
+# For errors in the user's function, such as a comparison with a text.
 _TracedFloat.__name__, _TracedInt.__name__ = "float", "int"
 
 
 class _Values:
-    """Values by name, of which those that are numbers note what they are compared to: a program's state, say."""
+    """Values by name, such as a program's state, whose numbers record their comparisons."""
 
     __slots__ = ("_note", "_of")
 
@@ -194,12 +194,12 @@ class _Values:
 
 
 def plain(value: Any) -> Any:
-    """The number behind one that is traced; another value as it is."""
+    """Return the plain number of a traced one, or another value as it is."""
     return vars(value)["_plain"] if isinstance(value, _Traced) else value
 
 
 def traced(value: Any, name: str, note: Note, unit: str = "") -> Any:
-    """A number that notes what it is compared to, and a tuple of such numbers; another value as it is."""
+    """Return a number, or a tuple of numbers, that records its comparisons, or another value as it is."""
     if _is_number(value) and not isinstance(value, _Traced):
         number: Any = _TracedInt(value) if isinstance(value, (int, np.integer)) else _TracedFloat(value)
         vars(number).update(_name=name, _unit=unit, _note=note, _plain=value)
@@ -212,14 +212,14 @@ def traced(value: Any, name: str, note: Note, unit: str = "") -> Any:
 
 
 def traced_fields(sample: Any, names: tuple[str, ...], note: Note) -> Any:
-    """A copy of a sample in which some fields note what they are compared to."""
+    """Return a copy of a sample in which some fields record their comparisons."""
     result = copy(sample)
     vars(result).update({name: traced(getattr(sample, name), name, note) for name in names})
     return result
 
 
 def traced_values(values: Any, note: Note) -> Any:
-    """What stands for values by name, such as a program's state, and notes what its numbers are compared to."""
+    """Return a wrapper of values by name, such as a program's state, whose numbers record their comparisons."""
     return _Values(values, note)
 
 

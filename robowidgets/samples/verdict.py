@@ -1,4 +1,4 @@
-"""What a condition says of one sample, and the rays that made it say so."""
+"""The verdict of a condition on one sample, and the rays that decided it."""
 
 from __future__ import annotations
 
@@ -26,12 +26,11 @@ _MOST_TEXTS = 3
 
 
 class Verdict(NamedTuple):
-    """What a condition says of one sample.
+    """The verdict of a condition on one sample.
 
-    ``value`` is True, False, or None where it is unknown. ``text`` says what was compared, as a fact, such as
-    ``"1.24 < 1.50 m"``. ``rays`` are the indices of the rays that made it true, shape (M,), ascending; none where it is
-    not true, or where no ray did. ``nearest`` is the ray that met the nearest thing where the condition is true; None
-    where it looked at no distance.
+    ``value`` is True, False, or None if unknown. ``text`` is the comparison as a fact, such as ``"1.24 < 1.50 m"``.
+    ``rays`` are the indices of the rays that made it true, shape (M,), ascending; empty if it is not true, or if no ray
+    decided it. ``nearest`` is the ray to the nearest thing if the condition is true, or None if it read no distance.
     """
 
     value: bool | None
@@ -44,9 +43,9 @@ UNKNOWN = Verdict(None)
 
 
 class _Comparison(NamedTuple):
-    """A distance of a scan that was compared to a limit.
+    """A comparison of a distance of a scan with a limit.
 
-    ``between`` are the ids of the two distances where the limit is another one, else the id of the distance alone.
+    ``between`` has the id of the distance, and of the limit if that is a distance too.
     """
 
     scan: Scan
@@ -59,16 +58,16 @@ class _Comparison(NamedTuple):
 
     @property
     def is_known(self) -> bool:
-        """Whether the distance is known."""
+        """True if the distance is known."""
         return not isnan(self.distance)
 
     @property
     def text(self) -> str:
-        """The comparison as it came out."""
+        """The outcome of the comparison."""
         return fact(self.distance, self.relation, self.limit)
 
     def rays(self) -> NDArray[np.bool_]:
-        """Whether the comparison came out the same for each ray of the sector, shape (R,)."""
+        """Return True for each ray of the sector with the same outcome of the comparison, shape (R,)."""
         away = ray_distances(self.scan.ranges, self.scan)
         alike = OPERATORS[self.relation](away, self.limit) == self.holds
         result: NDArray[np.bool_] = alike & ~np.isnan(away) & inside(self.scan, self.sector)
@@ -76,7 +75,7 @@ class _Comparison(NamedTuple):
 
 
 class _Distance(float):
-    """A distance that notes what it is compared to."""
+    """A distance that records its comparisons."""
 
     _note: Callable[[str, float], bool]
 
@@ -93,13 +92,13 @@ class _Distance(float):
         return self._note("≥", other)
 
 
-_Distance.__name__ = "float"  # for errors of the function, such as a comparison with a text
+_Distance.__name__ = "float"  # for errors in the user's function, such as a comparison with a text
 
 
 class _TracedScan(Scan):
-    """A scan that notes which distances and ranges a function reads, and to what it compares distances.
+    """A scan that records the distances and ranges that a function reads, and its comparisons of distances.
 
-    A copy of it, and what `dataclasses.replace` makes of it, is a plain scan.
+    A copy of it, also by `dataclasses.replace`, is a plain scan.
     """
 
     _trace: Trace
@@ -139,11 +138,11 @@ class _TracedScan(Scan):
         return unmounted
 
 
-_TracedScan.__name__ = "Scan"  # for errors of the function, such as an attribute that scans do not have
+_TracedScan.__name__ = "Scan"  # for errors in the user's function, such as an attribute that scans do not have
 
 
 class Trace:
-    """What a function of samples reads while it is called once.
+    """A record of one call of a function of samples: the values that it reads and compares.
 
     Examples:
         >>> trace = Trace()
@@ -155,31 +154,31 @@ class Trace:
     def __init__(self) -> None:
         self._comparisons: list[_Comparison] = []
         self._all: list[_Comparison | NumberComparison] = []
-        """What was compared, distances and other numbers, in that order."""
+        """All comparisons, of distances and of other numbers, in order of time."""
         self._rays: list[tuple[Scan, Ray]] = []
         self._sectors: list[tuple[Scan, Asked]] = []
         self._distances: list[_Distance] = []
-        """Those that were given: as long as they are kept, no two have the same id."""
+        """The distances that were read, kept alive so that their ids stay unique."""
         self._parts: list[tuple[Scan, Any]] = []
-        """The scans, with the indices that gave all of their ranges or a part of them."""
+        """The scans, with the keys that read all of their ranges or a part of them."""
         self._of_parts: dict[tuple[int, int], Scan] = {}
-        """By its id and an index, the scan of the nearest ray of each part of the ranges that was read at once."""
+        """The scans that were read in parts, by the id of the scan and the index of the nearest ray of a part."""
         self._single: tuple[float, Scan, Any] | None = None
-        """The nearest of the rays that were read one by one: its range, scan and index."""
+        """The nearest of the ranges that were read one by one: its range, scan and index."""
 
     def of(self, sample: Any) -> Any:
-        """A scan that notes what is read in it; another sample as it is."""
+        """Return a scan that records what is read from it, or another sample as it is."""
         if not isinstance(sample, Scan):
             return sample
         self._parts.append((sample, slice(None)))
-        _ = sample.angles  # found once for the scan and all that trace it
+        _ = sample.angles  # cached once for the scan and for all its traced copies
         traced = object.__new__(_TracedScan)
         ranges = traced_ranges(sample.ranges, lambda key, part: self.looked(sample, key, part))
         traced.__dict__.update(sample.__dict__, ranges=ranges, _scan=sample, _trace=self)
         return traced
 
     def named(self, name: str, value: Any) -> Any:
-        """What a step is given under a name: a scan as `of` makes it; numbers note what they are compared to."""
+        """Return an argument of a program's step by its name: a scan as from `of`; numbers record their comparisons."""
         note = self._all.append
         if name in ("state", "variables"):
             return traced_values(value, note)
@@ -188,19 +187,19 @@ class Trace:
         return self.of(value) if isinstance(value, Scan) else traced(value, name, note, UNITS.get(name, ""))
 
     def read(self, scan: Scan, sector: Asked, distance: float) -> float:
-        """Note that the distance in a sector was read."""
+        """Record that the distance in a sector was read."""
         self._sectors.append((scan, sector))
         noted = _Distance(distance)
 
         def compare(relation: str, limit: Any) -> bool:
-            # As a plain number: Python would ask another such distance first, which would note it the other way round.
+            # A plain number: Python would call the method of the other distance first, which would swap the sides.
             outcome: Any
             between = frozenset(id(one) for one in (noted, limit) if isinstance(one, _Distance))
             limit = float(limit) if isinstance(limit, _Distance) else plain(limit)
             try:
                 outcome = OPERATORS[relation](distance, limit)
             except TypeError:
-                outcome = NotImplemented  # Python then raises the error itself, on the line that compares.
+                outcome = NotImplemented  # Python then raises the error on the line that compares.
             if isinstance(outcome, (bool, np.bool_)):
                 comparison = _Comparison(scan, sector, distance, relation, float(limit), bool(outcome), between)
                 self._comparisons.append(comparison)
@@ -213,13 +212,13 @@ class Trace:
         return noted
 
     def saw(self, scan: Scan, ray: Ray | None) -> Ray | None:
-        """Note that a ray was read."""
+        """Record that a ray was read."""
         if ray:
             self._rays.append((scan, ray))
         return ray
 
     def looked(self, scan: Scan, key: Any, part: Any) -> None:
-        """Note that an index of the ranges was read, which gave a part of them or a single one."""
+        """Record that an index of the ranges was read, which returned a part of them or a single one."""
         if not part.ndim:
             before = self._single
             if before is None or part < before[0] or isnan(before[0]):
@@ -231,10 +230,10 @@ class Trace:
             self._of_parts[id(scan), int(np.arange(len(scan))[key].flat[away.argmin()])] = scan
 
     def value(self, result: Any) -> bool | None:
-        """What the function says by its result.
+        """Return True, False or None (unknown) for the result of the function.
 
-        None and NaN stand for unknown. So does a result that rests on distances of which none is known: a comparison
-        with NaN is False, and neither it nor its opposite is meant.
+        None and NaN mean unknown. A result is unknown too if all compared distances are: a comparison with NaN is
+        False, but that means neither False nor True.
         """
         compared = self._comparisons or self._all
         if result is None or (isinstance(result, (float, np.floating)) and isnan(result)):
@@ -244,7 +243,7 @@ class Trace:
         return bool(np.any(result)) if _is_mask(result) else bool(result)
 
     def nearest(self) -> Ray | None:
-        """Return the ray that met the nearest thing among the rays that were read."""
+        """Return the ray to the nearest thing among the rays that were read."""
         met = self.met()
         return met[1] if met else None
 
@@ -258,13 +257,13 @@ class Trace:
         return min((one for one in away if not isnan(one[0])), key=lambda one: one[0], default=None)
 
     def verdict(self, result: Any) -> Verdict:
-        """The verdict of a function that returned a result."""
+        """Return the verdict for the result of the function."""
         value = self.value(result)
         return Verdict(value, self.text, self._marked(result), self.nearest()) if value else Verdict(value, self.text)
 
     @property
     def text(self) -> str:
-        """What was compared, as `Verdict.text`."""
+        """The comparisons, as `Verdict.text`."""
         choices = self._choices
         conditions = [comparison for comparison in self._all if id(comparison) not in choices]
         decisive = [comparison for comparison in conditions if comparison.holds] or conditions
@@ -273,14 +272,14 @@ class Trace:
 
     @property
     def _decisive(self) -> list[_Comparison]:
-        """The comparisons that held; all of them where none did, as in ``not distance > limit``."""
+        """The comparisons that held, or all if no comparison held, as in ``not distance > limit``."""
         choices = self._choices
         conditions = [comparison for comparison in self._comparisons if id(comparison) not in choices]
         return [comparison for comparison in conditions if comparison.holds] or conditions
 
     @property
     def _choices(self) -> set[int]:
-        """The ids of comparisons that are no conditions: by them min, max or sorted chose what met a limit."""
+        """The ids of comparisons by min, max or sorted, which chose the distance to compare: not conditions."""
         choices: set[int] = set()
         limited: frozenset[int] = frozenset().union(*(c.between for c in self._comparisons if len(c.between) == 1))
         left = [c for c in self._comparisons if len(c.between) == 2]
@@ -313,15 +312,15 @@ class Trace:
 
 
 def _is_mask(result: Any) -> bool:
-    """Whether a function returned True or False for each ray, or for each of a part of them."""
+    """Return True if the result is True or False for each ray, or for each ray of a part of them."""
     return isinstance(result, np.ndarray) and result.dtype == bool and result.ndim == 1
 
 
 def judged(function: Callable[..., Any], *samples: Any) -> Verdict:
-    """The verdict of a function of some samples.
+    """Return the verdict of a function on some samples.
 
     The function may return True or False, None for unknown, a `Ray`, or True or False for each ray, shape (R,), or for
-    each of a part of the ranges, which is true where any ray is. What it raises passes through.
+    each ray of a part of the ranges; the latter is true if any ray is. Its exceptions pass through.
     """
     trace = Trace()
     return trace.verdict(function(*map(trace.of, samples)))

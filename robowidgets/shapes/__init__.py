@@ -1,4 +1,4 @@
-"""What a program draws on a scan: lines, points, polygons, arcs, arrows and text."""
+"""Shapes that a program draws on a scan: lines, points, polygons, arcs, arrows and text."""
 
 from typing import TYPE_CHECKING, Any
 

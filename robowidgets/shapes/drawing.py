@@ -1,4 +1,4 @@
-"""Drawing shapes on a widget, by name."""
+"""Drawing of named shapes on a widget."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ COLORS = (
     "teal",
     "white",
 )
-"""Colours that have names."""
+"""Names of colours."""
 
 _HEX = re.compile(r"#(?:[0-9a-fA-F]{3}){1,2}")
 
@@ -45,29 +45,29 @@ S = TypeVar("S")
 
 
 class Drawn(NamedTuple):
-    """What is drawn under a name."""
+    """The drawing under a name."""
 
     shapes: tuple[Shape, ...]
-    """Empty where a function makes them."""
+    """Empty if a function makes them."""
     function: Drawer | None
     color: str | None
     ends: float | None
-    """Time of the monotonic clock at which it goes."""
+    """Time of the monotonic clock at which it is removed, or None."""
 
     @property
     def places(self) -> int:
-        """How many places its shapes have."""
+        """The number of places of its shapes."""
         return sum(len(shape.form["at"]) for shape in self.shapes)
 
     def forms(self, name: str, shapes: tuple[Shape, ...], now: float) -> list[dict[str, Any]]:
-        """The shapes as the page reads them, with the seconds that they have left."""
+        """Return the shapes for the page, with the seconds that are left."""
         left = {} if self.ends is None else {"left": self.ends - now}
         color = {"color": self.color} if self.color else {}
         return [{"name": name, **shape.form, **color, **left} for shape in shapes]
 
 
 class DrawsShapes(RobotWidget[S]):
-    """A widget on which a program draws: of scans, or a map."""
+    """A widget that a program draws on, of scans or of a map."""
 
     def __init__(self, **kwargs: Any) -> None:
         self._drawn: dict[str, Drawn] = {}
@@ -83,22 +83,23 @@ class DrawsShapes(RobotWidget[S]):
         color: str | None = None,
         lifetime: float | None = None,
     ) -> None:
-        """Draw a shape over the readings, under a name; what had the name before is replaced.
+        """Draw a shape over the readings under a name; it replaces the drawing with this name.
 
-        It only stores, and may be called from any thread at any rate: the page gets the newest, with the newest scan.
-        Shapes are frozen, stepped back to, saved and photographed with the scan that they were drawn on.
+        This only stores the shape, and may be called from any thread at any rate: the page gets the newest shapes with
+        the newest scan. Freezing, stepping back, saving and taking a picture keep shapes with their scan.
 
         Args:
-            name: 1 to 60 characters, which stand beside the shape.
-            shape: a shape, several, or None to remove what has the name. On a widget in a player also a function that
-                is called with each scan of the recording, in another thread, and returns any of these.
-            color: like "#12854a" or "green"; None: the colour of all that programs draw.
-            lifetime: seconds after which it goes, unless it is drawn again; None: it stays.
+            name: 1 to 60 characters, shown next to the shape.
+            shape: a shape, several shapes, or None to remove the drawing with this name. On a widget in a player also a
+                function that is called with each scan of the recording, in another thread, and returns any of these.
+            color: a colour like "#12854a" or "green", or None for the default of drawings.
+            lifetime: seconds after which the shape is removed, unless it is drawn again, or None to keep it.
 
         Raises:
-            TypeError: no shape, or something is no text or number. ValueError: the name, the colour or the lifetime
-                cannot be, or there are too many shapes. In a callback (another thread; a task, timer or button of a
-                notebook) nothing is raised; widget and log say it.
+            TypeError: the shape is not a shape, or a value is not text or a number.
+            ValueError: the name, the colour or the lifetime is invalid, or there are too many shapes. In a callback
+                (another thread; a task, timer or button of a notebook) nothing is raised; the widget and the log show
+                the error.
 
         Examples:
             >>> from robowidgets import LaserWidget, Line
@@ -119,13 +120,13 @@ class DrawsShapes(RobotWidget[S]):
 
     @property
     def drawn(self) -> Mapping[str, Any]:
-        """What is drawn now, by name: a tuple of shapes, or a function."""
+        """The current drawings by name: a tuple of shapes, or a function."""
         with self._newest.lock:
             self._drop(time.monotonic())
             return MappingProxyType({name: one.function or one.shapes for name, one in self._drawn.items()})
 
     def forms(self) -> list[dict[str, Any]]:
-        """What is drawn now, as the page reads it, without the seconds that it has left."""
+        """Return the current drawings for the page, without the seconds that are left."""
         with self._newest.lock:
             forms = self._forms(time.monotonic())
         return [{key: value for key, value in form.items() if key != "left"} for form in forms]
@@ -133,12 +134,12 @@ class DrawsShapes(RobotWidget[S]):
     # -- for the base --------------------------------------------------------------------------------------------------
 
     def _texts_now(self) -> dict[str, Any]:
-        """The shapes, as texts on the newest sample. Called with the lock of the samples."""
+        """Return the shapes, as texts on the newest sample. Called with the lock of the samples."""
         forms = self._forms(time.monotonic())
         return {"shapes": forms} if forms else {}
 
     def _drawn_on(self, scan: Any) -> dict[str, Any]:
-        """The texts on a scan of a recording: the shapes, and what was wrong with functions that make some."""
+        """Return the texts on a scan of a recording: the shapes, and the errors of functions that make shapes."""
         forms: list[dict[str, Any]] = []
         notes: list[str] = []
         with self._newest.lock:
@@ -164,7 +165,7 @@ class DrawsShapes(RobotWidget[S]):
         if function is not None and not self.driven_by_player:
             raise TypeError(
                 f"draw({name!r}): a function of a scan is for widgets in the player of a recording; "
-                "here draw the shape itself, for each scan anew"
+                "here draw the shape again for each scan"
             )
         if color is not None and not (isinstance(color, str) and (_HEX.fullmatch(color) or color in COLORS)):
             raise ValueError(f'color: expected one like "#12854a", or one of {", ".join(COLORS)}; got {color!r}')
@@ -177,7 +178,7 @@ class DrawsShapes(RobotWidget[S]):
         return Drawn(() if function else _shapes(name, shape), function, color, ends)
 
     def _keep(self, name: str, drawn: Drawn | None) -> None:
-        """Take a drawing under its name, in the place of the one before."""
+        """Store a drawing under its name, or remove the name for None."""
         before = self._drawn.get(name)
         if drawn is not None:
             if before is None and len(self._drawn) >= MOST_NAMES:
@@ -199,13 +200,13 @@ class DrawsShapes(RobotWidget[S]):
         return [form for name, one in self._drawn.items() for form in one.forms(name, one.shapes, now)]
 
     def _drop(self, now: float) -> None:
-        """Forget shapes whose time is over."""
+        """Remove shapes whose lifetime is over."""
         for name in [name for name, one in self._drawn.items() if one.ends is not None and one.ends <= now]:
             self._forget(name)
             self._newest.changed = True
 
     def _drop_expired(self) -> None:
-        """Drop the shapes whose time is over, and have the widget sent without them."""
+        """Remove the shapes whose lifetime is over, and send the widget without them."""
         with self._newest.lock:
             self._drop(time.monotonic())
             self._expiry.plan(one.ends for one in self._drawn.values())
@@ -221,7 +222,7 @@ class DrawsShapes(RobotWidget[S]):
 
 
 class _Expiry:
-    """Has the shapes dropped whose time is over, when the first of them is due."""
+    """Calls a function when the lifetime of the next shape is over."""
 
     def __init__(self, drop: Callable[[], None]) -> None:
         self._drop = drop
@@ -230,13 +231,13 @@ class _Expiry:
         pacer.mark_at(self, min((end for end in ends if end is not None), default=None))
 
     def send_newest(self) -> int:
-        """The pacer calls it."""
+        """Drop expired shapes; called by the pacer."""
         self._drop()
         return 0
 
 
 def _shapes(name: str, given: Any) -> tuple[Shape, ...]:
-    """The shapes in a shape, a sequence of shapes, or None."""
+    """Return the shapes in a shape, a sequence of shapes, or None."""
     if given is None:
         return ()
     shapes = (given,) if isinstance(given, Shape) else given

@@ -1,4 +1,4 @@
-"""The shapes that a program can draw, checked when they are made."""
+"""The shapes that a program can draw, checked when they are created."""
 
 from __future__ import annotations
 
@@ -15,19 +15,19 @@ from ..samples.checks import finite, in_radians
 from ..samples.scan import MAX_RAYS
 
 FARTHEST = 100_000.0
-"""Metres; nothing is drawn farther away."""
+"""The largest distance of a shape in metres."""
 
 MOST_PLACES = 2000
-"""Places of one shape, and of all shapes of a widget."""
+"""The most places of one shape, and of all shapes of a widget."""
 
 LONGEST_TEXT = 60
-"""Characters of a text or a name."""
+"""The most characters of a text or a name."""
 
 
 class Shape:
     """A shape in the frame of the scanner: x forward and y to the left in metres, angles counter-clockwise (REP-103).
 
-    Shapes are immutable and equal when they look the same.
+    Shapes are immutable, and equal if they look the same.
     """
 
     kind: ClassVar[str] = ""
@@ -38,7 +38,7 @@ class Shape:
 
     @property
     def form(self) -> dict[str, Any]:
-        """The shape as plain values, as the page reads it: see `Shape` in js/shared/traits.ts."""
+        """The shape as plain values for the page: see `Shape` in js/shared/traits.ts."""
         return self._form
 
     def __setattr__(self, name: str, value: Any) -> None:
@@ -56,14 +56,14 @@ class Shape:
 
 
 class Line(Shape):
-    """A line from place to place: two or more.
+    """A line through two or more places.
 
     Args:
-        *places: each (x, y) in metres; a `Ray`; or the index of a ray, for its reading in the scan on show, which
-            leaves the line out while that ray has none. A single argument may be a sequence of places.
+        *places: each (x, y) in metres; a `Ray`; or the index of a ray, which stands for its reading in the scan on
+            show. The line is not drawn while that ray has no reading. A single argument may be a sequence of places.
 
     Raises:
-        TypeError: something is no place. ValueError: there are fewer than two, or one is not finite.
+        TypeError: a value is not a place. ValueError: there are fewer than two places, or one is not finite.
 
     Examples:
         >>> wall = Line((1, -1), (1, 1))
@@ -78,7 +78,7 @@ class Line(Shape):
 
 
 class Points(Shape):
-    """Places, each marked by a ring.
+    """Places, each marked with a ring.
 
     Args:
         places: a sequence of places as `Line` takes them, or an array of shape (N, 2).
@@ -108,7 +108,7 @@ class Polygon(Shape):
 
 
 class Text(Shape):
-    """Words at a place.
+    """A text at a place.
 
     Args:
         place: as `Line` takes it.
@@ -125,11 +125,11 @@ class Text(Shape):
 
 
 class Arc(Shape):
-    """A part of a circle; without angles all of it.
+    """A part of a circle, or the whole circle without angles.
 
     Args:
         radius: metres above 0.
-        start, end: from the first counter-clockwise to the second, radians or text like "20deg".
+        start, end: angles in radians or text like "20deg", from the first counter-clockwise to the second.
         center: a place, as `Line` takes it; the scanner by default.
 
     Examples:
@@ -149,7 +149,7 @@ class Arc(Shape):
 
 
 class Arrow(Shape):
-    """An arrow: a place and a direction, as of a target.
+    """An arrow: a place and a direction, for a target, for example.
 
     Args:
         place: as `Line` takes it.
@@ -166,7 +166,7 @@ class Arrow(Shape):
 
 
 def short_text(name: str, text: Any) -> str:
-    """A text of 1 to 60 characters; TypeError or ValueError for anything else."""
+    """Return a text of 1 to 60 characters; raise TypeError or ValueError for anything else."""
     if not isinstance(text, str):
         raise TypeError(f"{name}: expected text, got {text!r}")
     if not 0 < len(text.strip()) <= LONGEST_TEXT:
@@ -175,14 +175,14 @@ def short_text(name: str, text: Any) -> str:
 
 
 def _is_place(given: Any) -> bool:
-    """Whether this is one place, rather than a sequence of them."""
+    """Return True for one place, False for a sequence of places."""
     if isinstance(given, (Ray, Real)):
         return True
     return isinstance(given, tuple) and len(given) == 2 and all(isinstance(value, Real) for value in given)
 
 
 def _places(shape: str, given: Any, least: int) -> list[Any]:
-    """The places as the page reads them: [x, y], or the index of a ray."""
+    """Return the places for the page: [x, y], or the index of a ray."""
     if isinstance(given, (str, bytes)) or not isinstance(given, Iterable):
         raise TypeError(f"{shape}: expected places, like (1.0, -0.5) in metres or the index of a ray; got {given!r}")
     places = [_place(shape, one) for one in given]

@@ -156,14 +156,14 @@ def test_a_picture_that_was_scaled_has_its_pixels_scaled_and_another_one_is_refu
     half = CameraModel(info(), size=(320, 240))
     u, v = 525 * 0.1 + 319.5, 520 * 0.1 + 239.5
     assert one(half, 0.1, 0.1, 1.0) == pytest.approx([(u + 0.5) / 2 - 0.5, (v + 0.5) / 2 - 0.5])
-    with pytest.raises(ValueError, match="of another picture: of 640 x 480 pixels, and this one has 640 x 360"):
+    with pytest.raises(ValueError, match="for another picture: of 640 x 480 pixels, and this one has 640 x 360"):
         CameraModel(info(), size=(640, 360))
 
 
 def test_a_camera_that_is_not_calibrated_and_an_unknown_lens_say_so() -> None:
     with pytest.raises(ValueError, match="not calibrated: k of its camera_info is all 0"):
         CameraModel(info(k=np.zeros(9)))
-    with pytest.raises(ValueError, match="distortion_model 'thin_prism' with 12 numbers is not understood"):
+    with pytest.raises(ValueError, match="distortion_model 'thin_prism' with 12 numbers is not supported"):
         CameraModel(info(d=[0.1] * 12, distortion_model="thin_prism"))
     CameraModel(info(d=[0.1] * 12, distortion_model="thin_prism"), rectified=True)
 
@@ -255,7 +255,7 @@ def test_a_message_with_a_depth_image_is_a_scan_of_its_time() -> None:
         (np.zeros((4, 4, 3)), 1, r"expected an image of shape \(H, W\), got shape \(4, 4, 3\)"),
         (np.zeros((480, 640), complex), 1, "depth: expected an image of metres"),
         (np.zeros((480, 640)), (470, 490), "rows: expected rows of an image of 480, got 470 to 490"),
-        (np.zeros((100, 640)), 1, "of another picture"),
+        (np.zeros((100, 640)), 1, "for another picture"),
     ],
 )
 def test_what_is_no_depth_image_says_what_is_wrong(depth: np.ndarray, rows: object, error: str) -> None:

@@ -93,7 +93,7 @@ def test_without_usable_intensities_nobody_can_tell_the_strongest_echo(rays, lit
     assert tuple(problem.what for problem in scan.problems()) == said
     strongest = scan.echo("strongest")
     assert np.isnan(strongest.distance())
-    assert strongest.problems()[0].what == "no intensities: nobody can tell which echo is the strongest"
+    assert strongest.problems()[0].what == "no intensities: the strongest echo is unknown"
     assert values(strongest.echo("last"))[0] == [5.0, None, 2]
     assert len(strongest.echo("last").problems()) == len(said)
 

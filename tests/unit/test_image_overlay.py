@@ -82,7 +82,7 @@ def test_the_scan_nearest_to_the_picture_by_its_stamp_lies_over_it() -> None:
         beside.scans.append((scan_at(tenths * SECOND // 10), tenths))
     nothing = beside.over(view)
     assert nothing is not None
-    assert nothing.missing == ("no camera_info: where readings are in the picture is not known",)
+    assert nothing.missing == ("no camera_info: the place of readings in the picture is unknown",)
     beside.info = CameraInfo(640, 480, np.array(INFO["k"]), frame_id="camera_optical_frame")
     assert beside.over(view).missing == ("no tf from laser to camera_optical_frame",)  # type: ignore[union-attr]
     widget = ImageWidget()

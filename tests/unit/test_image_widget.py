@@ -212,8 +212,8 @@ def test_a_calibration_is_that_of_the_pictures_that_come_where_these_are_scaled(
     widget.update(np.ones((240, 240), np.float32))
     assert widget.camera is None
     (note,) = widget.get_state()["_about"]["notes"]
-    assert note.startswith("Pixels have no x, y and z: camera_info is of another picture: of 640 x 480")
-    with pytest.raises(ValueError, match="camera_info is of another picture"):
+    assert note.startswith("Pixels have no x, y and z: camera_info is for another picture: of 640 x 480")
+    with pytest.raises(ValueError, match="camera_info is for another picture"):
         widget.calibrate(info)
     widget.camera = (1, 1, 0, 0)
     assert widget.frame_of(np.ones((300, 240), np.float32))[0].get("notes") is None

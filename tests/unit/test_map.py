@@ -469,14 +469,16 @@ class TestFrames:
         path = PathWidget(frame="map")
         path.put("map->odom")
         message = scene.tf_of_rosbridge(("map", "camera", None), ("map", "odom", 1.0), ("map", "lens", None))
-        with pytest.raises(ValueError, match=r"/tf: 'camera' in 'map' is at no pose: None, 0.0, 0.0, with the quat"):
+        with pytest.raises(
+            ValueError, match=r"/tf: 'camera' in 'map' has no valid pose: None, 0.0, 0.0, with the quat"
+        ):
             path.put("/tf", message)
         assert shown(path)["map->odom"].pose == (1.0, 0.0, 0.0)
 
     def test_a_transform_without_a_pose_is_told_and_the_others_of_its_message_join(self) -> None:
         path = PathWidget(frame="map")
         wrong, right = scene.tf("map", "camera", (nan, 0.0, 0.0), 1.0), scene.tf("map", "odom", (1.0, 0.0, 0.0), 1.0)
-        with pytest.raises(ValueError, match=r"/tf: 'camera' in 'map' is at no pose: nan"):
+        with pytest.raises(ValueError, match=r"/tf: 'camera' in 'map' has no valid pose: nan"):
             path.put("/tf", SimpleNamespace(transforms=[*wrong.transforms, *right.transforms]))
         path.put("/odom", scene.odometry(Pose(1.0, 0.0, 0.0), 1.0))
         assert shown(path)["/odom"].pose == (2.0, 0.0, 0.0)

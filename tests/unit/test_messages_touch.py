@@ -299,7 +299,7 @@ def test_names_of_the_robots_own_concern_contacts_only() -> None:
         ),
         (
             ranger(1.5, low=0.1, high=4.0),
-            r"^min_range: expected the same as max_range, for only then a Range says whether something is there; "
+            r"^min_range: expected the same as max_range, because only such a Range is a touch sensor; "
             r"got 0.1 and 4 m \(a sensor that measures distance\)$",
         ),
     ],
@@ -332,12 +332,12 @@ def test_a_number_without_a_meaning_is_an_error_and_not_a_guess(message: dict, t
         (ranger("far"), r"^range: expected a number, got 'far'$"),
         (
             {"left": None, "front": np.True_, "right": 0, "back": 1},
-            r"^right: expected True, False or None in a mapping of sensor names, got 0; bool\(\) makes it of a number$",
+            r"^right: expected True, False or None in a mapping of sensor names, got 0; bool\(\) converts a number$",
         ),
-        ({"data": 1}, r"^data: expected True, False or None in a mapping of sensor names, got 1; bool\(\) makes it"),
+        ({"data": 1}, r"^data: expected True, False or None in a mapping of sensor names, got 1; bool\(\) converts"),
         (
             {"left": 1.0},
-            r"^left: expected True, False or None in a mapping of sensor names, got 1.0; bool\(\) makes it",
+            r"^left: expected True, False or None in a mapping of sensor names, got 1.0; bool\(\) converts",
         ),
         (
             {"right": True, "left": "True"},

@@ -52,7 +52,7 @@ class TestRanges:
     def test_say_which_there_are_where_one_is_not(self) -> None:
         with pytest.raises(KeyError, match="no sensor 'fornt'; there are: front, left"):
             Ranges({"front": Range(1.0), "left": Range(2.0)})["fornt"]
-        with pytest.raises(KeyError, match="no sensor 'front'; none has sent anything yet"):
+        with pytest.raises(KeyError, match="no sensor 'front'; no sensor has sent anything yet"):
             Ranges({})["front"]
 
     @pytest.mark.parametrize(

@@ -282,7 +282,7 @@ def test_a_truncated_message_is_told_until_a_whole_one_comes(heard: Ears) -> Non
     wish = _dds_session.Wish("/speed", TWIST, False, False)
     session._readers[wish] = _dds_session._Reader(Reader(), None, _dds_session.decoder(TWIST), deque())
     session.pass_on(wish)
-    assert heard.words("/speed").startswith(f"a message of /speed cannot be read: 43 bytes that are no {TWIST}: ")
+    assert heard.words("/speed").startswith(f"a message of /speed cannot be read: 43 bytes are not a valid {TWIST}: ")
     session.pass_on(wish)
     assert heard.words("/speed") == ""
     assert heard.messages[0][1].linear.x == 0.5
@@ -622,7 +622,7 @@ def test_a_range_of_a_publisher_that_does_not_describe_it_is_read_by_the_definit
     decode = decoder(RANGE, "")
     assert (decode(old).range, hasattr(decode(old), "variance")) == (1.5, False)
     assert (decode(new).range, decode(new).variance) == (1.5, 0.25)
-    with pytest.raises(DecodeError, match=f"{len(old) - 4} bytes that are no {RANGE}"):
+    with pytest.raises(DecodeError, match=f"{len(old) - 4} bytes are not a valid {RANGE}"):
         decode(old[:-4])
 
 

@@ -246,7 +246,9 @@ def test_a_truncated_message_is_told_until_a_whole_one_comes(real: Real, ears: E
     middleware = opened(real.address, ears, "/scan")
     try:
         wait_for(lambda: real.scan.log(cdr()[:40]) or ears.troubles.get("/scan"), "the trouble was told")
-        assert ears.troubles["/scan"].startswith(f"a message of /scan cannot be read: 40 bytes that are no {SCAN}: ")
+        assert ears.troubles["/scan"].startswith(
+            f"a message of /scan cannot be read: 40 bytes are not a valid {SCAN}: "
+        )
         log_until(real, ears, cdr())
         assert ears.troubles["/scan"] == ""
     finally:

@@ -208,7 +208,7 @@ def test_one_that_was_added_comes_before_ours_and_before_the_standard() -> None:
     ("source", "error", "says"),
     [
         ("/nowhere/at/all", ValueError, "no .msg or .action file in '/nowhere/at/all': expected a folder with .msg or"),
-        ("float32 charge\n", ValueError, "a line such as 'MSG: my_msgs/Status' stands before each definition"),
+        ("float32 charge\n", ValueError, "text with a line such as 'MSG: my_msgs/Status' before each definition"),
         ("MSG: my_msgs/Odd\nfloat32 1: %%%\n", ValueError, "my_msgs/msg/Odd cannot be understood"),
         (STATUS, ValueError, "my_msgs/msg/Part, which they use, is not known: give its .msg file, too"),
         ("MSG: my_msgs/Loop\nLoop inside\n", ValueError, "a message contains itself"),

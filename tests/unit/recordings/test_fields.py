@@ -158,7 +158,10 @@ def test_types_are_those_of_the_definition(fields: Fields) -> None:
         ("linear_acceleration.w", "did you mean 'linear_acceleration.z' or "),
         ("linear_accelaration.x", "did you mean 'linear_acceleration.x'"),
         ("frame_id", "did you mean 'header.frame_id'? Its fields are header{stamp, frame_id}, orientation{x, y, z, w}"),
-        ("linear_acceleration", "is no single field but a message: name fields in it, such as 'linear_acceleration.x'"),
+        (
+            "linear_acceleration",
+            "is not a single field but a message: name fields in it, such as 'linear_acceleration.x'",
+        ),
         ("header.frame_id[0]", "no field 'header.frame_id[0]'"),
         ("header.stamp.nsec", "no field"),
         ("orientation_covariance[9]", "no message has 'orientation_covariance[9]': its arrays are shorter"),

@@ -247,7 +247,7 @@ def test_a_folder_that_links_to_itself_is_read_once(tmp_path: Path) -> None:
 @pytest.mark.skipif(sys.platform != "linux", reason="only Linux tells who writes to a file")
 class TestAFileThatIsBeingWritten:
     BEING_WRITTEN = (
-        "the file is being written: read what it holds so far, 30 messages, up to 1.4 s; open it again for the rest"
+        "the file is being written: read its content so far, 30 messages, up to 1.4 s; open it again for the rest"
     )
 
     @pytest.mark.parametrize("write", [write_bag, write_db3, write_indexed_mcap])
@@ -269,7 +269,7 @@ class TestAFileThatIsBeingWritten:
         os.truncate(path, 20)
         with path.open("ab"), pytest.raises(RecordingError) as caught:
             open(path)
-        assert str(caught.value) == "drive.mcap: is being written, and holds no message so far: open it again later"
+        assert str(caught.value) == "drive.mcap: is being written, and has no message so far: open it again later"
 
     def test_may_be_one_that_another_program_reads(self, tmp_path: Path) -> None:
         path = write_bag(tmp_path / "drive.bag", messages(30))

@@ -162,7 +162,7 @@ def test_a_definition_that_nests_without_end_is_not_followed(tmp_path: Path, nam
     start = time.process_time()
     recording = robowidgets.open(path)
     assert time.process_time() - start < SECONDS
-    assert recording.problems[0].startswith("/topic: the definition of its messages in the file is not one that can be")
+    assert recording.problems[0].startswith("/topic: the definition of its messages in the file cannot be understood")
 
 
 def test_a_definition_of_many_fields_is_read_all_the_same(tmp_path: Path) -> None:

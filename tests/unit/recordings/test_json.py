@@ -199,6 +199,4 @@ class TestProtobuf:
             monkeypatch.setattr(module, "has_protobuf", lambda: False)
         monkeypatch.setattr("robowidgets.recordings._sample_reader.has_protobuf", lambda: False)
         with robowidgets.open(write_protobuf(tmp_path / "x.mcap")) as recording:
-            assert "/scan: its messages are encoded as 'protobuf': pip install protobuf, and they are read" in str(
-                recording
-            )
+            assert "/scan: its messages are encoded as 'protobuf': pip install protobuf to read them" in str(recording)

@@ -71,7 +71,7 @@ ODD = {
     "empty_definition.bag": ({}, ["/led_array_status: no definition of its messages in the file", NO_WIDGET]),
     "service_events.mcap": (
         {},
-        ["/add_two_ints/_service_event: the definition of its messages in the file is not one that can be", NO_WIDGET],
+        ["/add_two_ints/_service_event: the definition of its messages in the file cannot be understood", NO_WIDGET],
     ),
     "service_events.db3": ({}, ["/add_two_ints/_service_event: no definition of its messages in the file", NO_WIDGET]),
     "empty_bag": ({}, ["there is no message in it: nothing was recorded"]),

@@ -73,15 +73,15 @@ def test_a_type_that_no_file_defines_is_read_as_its_encoding_has_it() -> None:
 
 @pytest.mark.parametrize("definition", ["", "int64 a\n---\nint64 sum\n"])
 def test_a_type_that_nobody_knows_is_refused(definition: str) -> None:
-    with pytest.raises(DecodeError, match="nor among those that are known"):
+    with pytest.raises(DecodeError, match=r"nor among those that are known|no other is known"):
         decoder_of(channel("led_array_msgs/msg/Status", definition))
-    with pytest.raises(DecodeError, match="nor among those that are known"):
+    with pytest.raises(DecodeError, match=r"nor among those that are known|no other is known"):
         shape_of(channel("led_array_msgs/msg/Status", definition))
 
 
 @pytest.mark.parametrize("raw", [b"", b"\0\1\0\0", b"\xff" * 40, b"\0\1\0\0" + b"\xff" * 30])
 def test_bytes_that_are_no_such_message_are_refused_in_a_line(raw: bytes) -> None:
-    with pytest.raises(DecodeError, match=r"^\d+ bytes that are no sensor_msgs/msg/LaserScan: ") as caught:
+    with pytest.raises(DecodeError, match=r"^\d+ bytes are not a valid sensor_msgs/msg/LaserScan: ") as caught:
         read(raw, "sensor_msgs/msg/LaserScan")
     assert "\n" not in str(caught.value)
 

@@ -94,7 +94,7 @@ class TestTheClock:
     def test_goes_on_after_a_leap_ahead(self, log: Open) -> None:
         recording = self.open(log, [1.0, 2.0, EPOCH, EPOCH + 1])
         assert recording.problems == (
-            "the clock jumps ahead once, by 19,675.9 days: time goes on from where it was, dated 2023-11-14",
+            "the clock jumps ahead once, by 19,675.9 days: time goes on without a gap, dated 2023-11-14",
         )
         self.check(recording, 0, 1, 1, 2)
         assert recording.end_ns == START_NS + S
@@ -171,7 +171,7 @@ class TestLinesThatWereJoined:
         recording = log(first, second[:400] + bytes(64) + third[464:], flaser(time=4))
         assert [moment.seconds for moment in recording.samples("FLASER")] == [0, 3]
         assert recording.problems == (
-            "64 bytes of the log are zeros, in 1 place: what they replace or cut is left out",
+            "64 bytes of the log are zeros, in 1 place: the lines that they replace or cut are left out",
         )
 
     def test_by_zeros_within_a_number_are_left_out(self, log: Open) -> None:
@@ -193,7 +193,7 @@ class TestLinesThatWereJoined:
         assert [moment.seconds for moment in recording.samples("ODOM")] == [0, 3]
         assert recording.problems == (
             "ODOM: left out 1 line that cannot be read, such as: "
-            "expected 10 words beside the readings, got 15: the line is cut, or joined to another",
+            "expected 10 words other than readings, got 15: the line is cut, or joined to another",
         )
 
     def test_do_not_turn_a_measured_speed_into_an_estimate(self, log: Open) -> None:

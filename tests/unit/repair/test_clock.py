@@ -33,7 +33,7 @@ YEAR = 365 * 86_400.0
 EPOCH = START_NS / 1e9
 SET_BACK_3 = "the clock goes back once, by up to 2.90 s: order is kept, time stands still meanwhile"
 SET_BACK_3600 = "the clock goes back once, by up to 3599.90 s: order is kept, time stands still meanwhile"
-SET = "the clock jumps ahead once, by 19,675.9 days: time goes on from where it was, dated 2023-11-14"
+SET = "the clock jumps ahead once, by 19,675.9 days: time goes on without a gap, dated 2023-11-14"
 HELD = [max(i / 10 - 3 * (i >= 50), 4.9 * (i >= 50)) for i in range(100)]
 GONE_ON = [i / 10 - 0.1 * (i >= 50) for i in range(100)]
 
@@ -163,7 +163,7 @@ class TestALeapAhead:
     def test_keeps_a_date_that_can_be(self, tmp_path: Path, kind: str) -> None:
         recording = robowidgets.open(KINDS[kind](tmp_path, drive(step(-YEAR))))
         assert recording.problems == (
-            "the clock jumps ahead once, by 365.0 days: time goes on from where it was, dated 2023-11-14",
+            "the clock jumps ahead once, by 365.0 days: time goes on without a gap, dated 2023-11-14",
         )
         assert recording.start_ns == START_NS
         assert recording.scans().seconds.tolist() == pytest.approx(GONE_ON)
@@ -172,7 +172,7 @@ class TestALeapAhead:
         times = [i / 10 + YEAR * (i >= 20) + 2 * YEAR * (i >= 70) for i in range(100)]
         recording = robowidgets.open(KINDS[kind](tmp_path, drive(times)))
         assert recording.problems == (
-            "the clock jumps ahead 2 times, by up to 730.0 days: time goes on from where it was, dated 2023-11-14",
+            "the clock jumps ahead 2 times, by up to 730.0 days: time goes on without a gap, dated 2023-11-14",
         )
         assert order(recording) == list(range(100))
         assert recording.duration == pytest.approx(9.7)
@@ -182,7 +182,7 @@ class TestALeapAhead:
         recording = robowidgets.open(KINDS[kind](tmp_path, drive(times)))
         assert recording.problems == (
             f"the clock goes back once, by up to {YEAR - 0.1:.2f} s: order is kept, time stands still meanwhile; "
-            "it jumps ahead once, by 365.0 days: time goes on from where it was, dated 2023-11-14",
+            "it jumps ahead once, by 365.0 days: time goes on without a gap, dated 2023-11-14",
         )
         assert order(recording) == order(recording, SPEED) == list(range(100))
         assert recording.duration == pytest.approx(9.7)

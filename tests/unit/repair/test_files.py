@@ -72,7 +72,7 @@ def test_zstd_that_is_cut_off_behind_the_recording_is_told(tmp_path: Path, tempo
 @pytest.mark.parametrize(
     ("raw", "why"),
     [
-        (zstd.compress(b"hello robot")[:9], r"x\.db3\.zstd: its zstd data is damaged or cut off where it starts"),
+        (zstd.compress(b"hello robot")[:9], r"x\.db3\.zstd: its zstd data is damaged or cut off at its start"),
         (zstd.compress(zstd.compress(b"hello")), r"x\.db3\.zstd: expected a recording in zstd, got zstd within zstd"),
         (
             zstd.compress(b"hello robot"),

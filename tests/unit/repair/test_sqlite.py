@@ -283,7 +283,7 @@ def test_another_database_is_named_by_its_tables(tmp_path: Path) -> None:
     with pytest.raises(RecordingError) as error:
         open_repaired([path])
     assert str(error.value) == (
-        "shop.db3: an SQLite database, but no rosbag2 recording: expected the tables 'topics' and 'messages', "
+        "shop.db3: an SQLite database, but not a rosbag2 recording: expected the tables 'topics' and 'messages', "
         "got 'orders', 'topics'"
     )
 
