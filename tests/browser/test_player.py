@@ -376,7 +376,7 @@ def test_a_span_gets_a_name_by_keys_or_by_a_click_and_loses_it_and_a_busy_kernel
     press("a")
     field.fill("door")
     press("Enter")
-    expect(player.locator(".rw-naming-about")).to_contain_text("the label is not kept")
+    expect(player.locator(".rw-naming-about")).to_contain_text("the label cannot be saved")
     expect(field).to_have_value("door")
 
 
