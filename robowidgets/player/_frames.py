@@ -37,10 +37,10 @@ from ..touch_widget import TouchWidget, about_touch, pack_states
 from ._touch_history import TouchHistory
 
 TICK = 0.1
-"""The maximum of seconds between two frames of touches: their durations grow without a message."""
+"""The maximum number of seconds between two frames of touches: their durations grow without a message."""
 
 _LEAST = 1e-3
-"""The minimum of seconds between them."""
+"""The minimum number of seconds between them."""
 
 BEFORE = -1.0
 """The ``seconds`` of a frame that shows that nothing was measured yet."""

@@ -20,7 +20,7 @@ from ..speed_widget import OUT_OF_PLANE
 from .scanogram import MEMORY_BYTES, OpenSpan, scanogram
 
 LONGEST = 10.0
-"""The maximum of seconds for a scanogram that the user did not request: making it reads all scans."""
+"""The maximum number of seconds for a scanogram that the user did not request: making it reads all scans."""
 
 FEW = 5_000_000
 """A number of readings that takes no noticeable time."""
@@ -73,7 +73,7 @@ def _too_long(recording: RecordingData, topic: str, span: OpenSpan) -> str:
     start, end = span[0] or 0.0, recording.duration if span[1] is None else span[1]
     share = (end - start) / recording.duration if recording.duration else 1.0
     count = round(share * sum(t.count for t in recording.topics if t.name == topic))
-    # The maximum of rays of several scans: the first may be empty.
+    # The maximum number of rays of several scans: the first may be empty.
     firsts = islice(recording.samples(topic), _LOOKED_AT)
     rays = max((len(moment.sample) for moment in firsts if isinstance(moment.sample, Scan)), default=0)
     if count * rays <= FEW:

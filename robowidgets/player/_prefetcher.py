@@ -46,11 +46,10 @@ POINTED = 8
 """The number of segments that the pointer visited last and that the page keeps, however far they are."""
 
 CLOSE_TIMEOUT = 2.0
-"""The maximum of seconds that `Prefetcher.close` waits for the thread, which may read a slow file."""
+"""The maximum number of seconds that `Prefetcher.close` waits for the thread, which may read a slow file."""
 
 ANSWER = 0.03
-"""The maximum of seconds that `Prefetcher.point` waits for the segment to be sent, which leaves the GIL to the thread.
-"""
+"""The maximum number of seconds that `Prefetcher.point` waits for a segment, which leaves the GIL to the thread."""
 
 _AT_EASE = 4
 """Idle time of the thread per working time, if nothing is urgent."""

@@ -48,7 +48,7 @@ def field_lines(source: Fielded, field: str, most: int) -> list[FieldLine]:
     Args:
         source: the recording.
         field: the topic with the field: ``"/odom.twist.twist.linear"``.
-        most: the maximum of numbers for a topic that is named without a field.
+        most: the maximum number of values for a topic that is named without a field.
 
     Raises:
         UnknownTopicError: the topic does not exist, or its messages cannot be read.

@@ -184,7 +184,7 @@ def _touched(touches: Any, starts: NDArray[np.int64]) -> list[str]:
 
 
 def _in_force(times: NDArray[np.int64]) -> float:
-    """Return the maximum of nanoseconds for which a sample of a topic counts when no other follows."""
+    """Return the maximum number of nanoseconds for which a sample of a topic counts when no other follows."""
     return RECORDED.after(usual_step(times), SECOND)
 
 
