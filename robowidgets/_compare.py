@@ -209,7 +209,7 @@ def _marks(drive: _Drive, asked: Condition | None) -> Iterator[tuple[float, floa
 
 
 def _states(drive: _Drive, is_named: bool) -> Iterator[StateSpan]:
-    """Yield the states of the programs of a drive, in rows of their own for each drive."""
+    """Yield the states of the programs of a drive, in separate rows for each drive."""
     prefix = f"{drive.name.replace('.', '_')} " if is_named else ""
     for span in drive.recording.states:
         yield span._replace(path=f"{prefix}{span.path}")

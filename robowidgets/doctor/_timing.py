@@ -13,7 +13,7 @@ _LEAST = 20
 """The minimum number of samples for a judgement."""
 
 _STEADY, _SHARE = 0.1, 0.75
-"""A topic is steady if this share of its steps differs from the usual one by no more than this part of it."""
+"""A topic is steady if this share of its steps differs from the usual step by this share of it at most."""
 
 _WINDOW = 20
 """The number of steps over which the rate is measured."""

@@ -62,8 +62,8 @@ def gather(
     """Return the result of a job for each recording that some paths name.
 
     Args:
-        job: takes a path, and returns plain data: a mapping. A mapping with ``problem`` contains the reason why there
-            is no result.
+        job: takes a path, and returns plain data: a mapping. A mapping with ``problem`` contains the reason for the
+            missing result.
         paths: as for `places_of`.
         kept: the store of results of earlier runs, or None for no store. See `kept_of`. A result with ``problem`` is
             not stored: the reason may lie outside of the recording.
@@ -159,7 +159,7 @@ def kept_of(question: Any, keep: bool) -> Kept | None:
 
 
 def identity_or_none(question: Any) -> str | None:
-    """Return the text of a question, as by `identity_of`, or None if it contains code of the user."""
+    """Return the text of a question, from `identity_of`, or None if it contains code of the user."""
     try:
         # A kind of sensor, or message definitions, may have been added: then other samples are read.
         readers = {kind.name: kind.read for kind in KINDS.values()}

@@ -19,9 +19,7 @@ def chosen_of(recording: RecordingData, patterns: Collection[str]) -> list[str]:
     for pattern in patterns:
         if not any(_fits(topic, (pattern,)) for topic in topics):
             there = ", ".join(topic.name for topic in topics if topic.widget) or "none"
-            raise UnknownTopicError(
-                f"{recording.path.name} has no topic {pattern!r}: those that a widget shows are {there}"
-            )
+            raise UnknownTopicError(f"{recording.path.name} has no topic {pattern!r}; topics with a widget: {there}")
     chosen = []
     for kind in dict.fromkeys(topic.widget for topic in topics if topic.widget):
         fitting = [topic for topic in topics if topic.widget == kind and topic.count]

@@ -71,7 +71,7 @@ class WholeMap:
         recording: the recording.
         names: the topics of the layers.
         frames: True if the robot's frame, from tf, is a layer.
-        asked: the frame of the map, or empty for the one that is found.
+        asked: the frame of the map, or empty to find one.
     """
 
     def __init__(self, recording: RecordingData, names: list[str], frames: bool, asked: str) -> None:

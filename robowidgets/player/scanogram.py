@@ -136,7 +136,7 @@ def _put_scans(widget: ScanogramWidget, recording: RecordingData, scans: ScanSer
     loaded = _loaded(scans, most)
     counts = {rays: count for rays, count in scans.ray_counts.items() if rays}
     if not counts:
-        raise RecordingError(f"{recording.path.name}: topic {scans.topic!r} holds no scan with rays")
+        raise RecordingError(f"{recording.path.name}: topic {scans.topic!r} has no scan with rays")
     usual = max(counts, key=lambda rays: counts[rays])
     # As many rays as the finest scan, so that no scan is left out: on some scanners the number varies.
     rays = max(count for count in counts if count <= _FINER * usual)

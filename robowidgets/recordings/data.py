@@ -355,7 +355,7 @@ class RecordingData:
     def series(self, topic: str) -> Series[Any]:
         """Return a topic of any type as columns.
 
-        Scans, speeds and touches are returned as by `scans`, `speeds` and `touches`, all others as by `fields`.
+        Scans, speeds and touches are returned as `scans`, `speeds` and `touches` do, all others as `fields` does.
 
         Raises:
             UnknownTopicError: the recording has no such topic, or its messages cannot be read; the text gives the
@@ -616,7 +616,7 @@ class RecordingData:
         check(name, self.topics, self.path.name)
 
     def only(self, widget: str) -> str:
-        """Return the topic that is meant if none of a kind is named: the only one, or the one in `preferred`.
+        """Return the topic of a kind if the user names none: the only one, or the one in `preferred`.
 
         Raises:
             UnknownTopicError: the recording has no such topic. `UnnamedTopicError`: there are several.

@@ -142,7 +142,7 @@ class LiveWriter:
             self.is_complete = True
         except Exception as error:  # most likely a full disk
             self._failed = f"recording has ended: {getattr(error, 'strerror', None) or error}"
-            log.error("%s: %s; the robot and its program go on", self._path, self._failed)
+            log.error("%s: %s; the robot and its program continue", self._path, self._failed)
             with suppress(OSError):
                 self._file.close()
             self._end()

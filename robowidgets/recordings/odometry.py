@@ -32,7 +32,7 @@ def places_of(recording: ReadableRecording) -> Places:
     known = np.isfinite(poses).all(axis=1)
     if not speeds or not known.any():
         raise UnknownTopicError(
-            f"{recording.path.name} has no odometry, which says where the robot was: record nav_msgs/Odometry, too"
+            f"{recording.path.name} has no odometry, so its places are unknown: record nav_msgs/Odometry, too"
         )
     times, (x, y, yaw) = speeds.seconds[known], poses[known].T
     scanned = named(recording.topics, LASER.name)

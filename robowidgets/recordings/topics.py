@@ -106,9 +106,9 @@ def check(name: str, topics: Sequence[Topic], file: str) -> None:
         return
     there = ", ".join(can) or "none"
     if known.problem:
-        raise UnknownTopicError(f"{file}: topic {name!r} cannot be shown ({known.problem}): those that can are {there}")
+        raise UnknownTopicError(f"{file}: topic {name!r} cannot be shown ({known.problem}): topics that can: {there}")
     raise UnknownTopicError(
-        f"{file}: topic {name!r} cannot be shown (no widget shows {known.type}): those that can are {there}; "
+        f"{file}: topic {name!r} cannot be shown (no widget shows {known.type}): topics that can: {there}; "
         f"recording.messages({name!r}) and recording.fields({name!r}) read its messages"
     )
 
@@ -126,7 +126,7 @@ def check_known(name: str, topics: Sequence[Topic], file: str) -> Topic:
         near = get_close_matches(name, [topic.name for topic in topics])
         hint = f"; did you mean {' or '.join(map(repr, near))}?" if near else ""
         there = ", ".join(shown(topics)) or "none"
-        raise UnknownTopicError(f"{file} has no topic {name!r}: those that a widget shows are {there}{hint}")
+        raise UnknownTopicError(f"{file} has no topic {name!r}; topics with a widget: {there}{hint}")
     return known
 
 

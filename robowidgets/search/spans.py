@@ -61,7 +61,7 @@ class Spans(Sequence[Span]):
         return sum(span.seconds for span in self)
 
     def to_pandas(self) -> Any:
-        """A pandas DataFrame: a row for each span.
+        """Return a pandas DataFrame: a row for each span.
 
         Raises:
             ImportError: pandas is not installed.

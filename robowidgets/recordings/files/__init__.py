@@ -92,7 +92,7 @@ def _whole(
 def _open_by_rosbags(path: Path) -> _rosbags.RosbagsSource:
     unsaved = path.with_name(f"{path.name}-wal")
     if unsaved.exists() and unsaved.stat().st_size:
-        raise RecordingError(f"{path}: rosbags leaves out what its recorder had not yet put into it")
+        raise RecordingError(f"{path}: rosbags leaves out messages that its recorder had not yet put into it")
     if is_being_written(path):
         raise RecordingError(f"{path}: rosbags does not detect that it is being written")
     with path.open("rb") as file:

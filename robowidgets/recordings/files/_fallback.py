@@ -1,4 +1,4 @@
-"""A file that looks whole but is damaged inside: a repaired source continues where reading fails."""
+"""A file that looks complete but is damaged: a repaired source continues at the place where reading fails."""
 
 from __future__ import annotations
 

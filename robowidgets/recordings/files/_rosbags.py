@@ -66,7 +66,7 @@ def open_sqlite(path: Path) -> RosbagsSource:
     """Open a ``.db3``. Raises as `open_bag`, and RecordingError if rosbags would silently leave something out."""
     # rosbags makes a URI of the path, in which these characters have another meaning: it might open another file.
     if set("%?#") & set(str(path)):
-        raise RecordingError(f"{path}: rosbags opens no database whose path holds %, ? or #")
+        raise RecordingError(f"{path}: rosbags opens no database whose path contains %, ? or #")
     if is_cut(path):
         raise RecordingError(f"{path}: SQLite reads zeros at the end of a database that was cut off")
     reader = Sqlite3Reader(path)
