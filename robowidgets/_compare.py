@@ -1,4 +1,4 @@
-"""`robowidgets.compare`: some drives over one time, or by place, in one plot and on one map."""
+"""`robowidgets.compare`: several drives in one plot and on one map, by time or by place."""
 
 from __future__ import annotations
 
@@ -30,35 +30,35 @@ from .search.search import find
 from .shapes import Points
 
 MOST = 4
-"""Drives: a graph has room for so many lines."""
+"""The maximum number of drives: a graph has room for so many lines."""
 _POINTS = 1000
-"""Of a way on the map."""
+"""The maximum number of points of a path on the map."""
 _MARKS = 200
-"""Of what happened in a drive: a plot with more of them says nothing."""
+"""Marks of a drive: a plot has room for so many."""
 _FRAME = "odom"
 _NAME = 40
-"""Characters of a name beside a place."""
+"""Characters of a name next to a place."""
 _LINES = ("nearest", "speed")
 
 
 class Comparison(Together):
-    """The plot and the map of `compare`, side by side. The map shows where the robots were at the time of the plot.
+    """The plot and the map of `compare`, side by side. The map shows the robots at the time of the plot.
 
     Attributes:
         plot: the `PlotWidget`.
-        map: the `PathWidget`; None where no drive has odometry.
+        map: the `PathWidget`, or None if no drive has odometry.
     """
 
     def __init__(self, plot: PlotWidget, ways: Mapping[str, _Way], is_by_place: bool) -> None:
         self.plot, self.map = plot, _map(ways)
-        # By place the others were where the first one was.
+        # By place, all robots were at the place of the first one.
         self._ways = dict([*ways.items()][:1]) if is_by_place else ways
         self._marked: list[str] = []
         super().__init__([plot, *([self.map] if self.map else [])])
         plot.observe(self._mark, "time")
 
     def _mark(self, change: Any) -> None:
-        """Mark on the map where each robot was at the time of the plot."""
+        """Mark on the map the position of each robot at the time of the plot."""
         if self.map is None:
             return
         for mark in self._marked:
@@ -75,14 +75,14 @@ class Comparison(Together):
 
 
 class _Way(NamedTuple):
-    """Where the robot of a drive was, by the odometry of the first one: seconds, and x, y and yaw."""
+    """The path of a robot by the odometry of the first drive: seconds, and x, y and yaw."""
 
     seconds: Floats
     poses: Floats
 
 
 class _Drive(NamedTuple):
-    """A recording under its name, and where its odometry starts in that of the first one."""
+    """A recording with its name, and the pose at which its odometry starts in the odometry frame of the first drive."""
 
     name: str
     recording: RecordingData
@@ -96,24 +96,25 @@ def compare(
     marks: Condition | None = None,
     origins: Sequence[Sequence[Any]] = (),
 ) -> Comparison:
-    """Some drives in one plot and on one map: the nearest thing, the speed, states, what happened, and the ways.
+    """Show several drives in one plot and on one map: nearest distance, speed, states, marks, and paths.
 
-    The lines of the first drive are dark, those of the others gray, and the legend says by how much they differ.
+    The lines of the first drive are dark, the lines of the others gray, and the legend shows the differences.
 
     Args:
         *drives: 2 to 4 recordings, or their paths.
-        by: "time", each from its start; or "place": the values of the others are those from when their robot was where
-            that of the first was, by odometry, as in `Player.follow`.
-        sector: where the nearest thing is looked for, as in `Scan.distance`.
-        marks: a condition whose spans are marked, named by drive; None: touches, and events of level WARN or more. By
-            place only those of the first.
+        by: "time" from the start of each drive, or "place": the values of another drive are taken at the times when its
+            robot was at the place of the first robot by odometry, as in `Player.follow`.
+        sector: the sector of the nearest distance, as in `Scan.distance`.
+        marks: a condition whose spans are marked, named by drive, or None for touches and events of level WARN or more.
+            By place, only spans of the first drive are marked.
         origins: for each drive but the first, x and y in metres and yaw in radians, or as "20deg", at which its
-            odometry starts in that of the first; empty: they start at the same place.
+            odometry starts in the odometry frame of the first; empty if all start at the same place.
 
     Raises:
-        TypeError: no recordings. ValueError: too few or too many, or by place none is near one of the first.
-        UnknownTopicError: none of them has scans or measured speeds; by place, no odometry.
-        RecordingError: nothing of one can be read.
+        TypeError: an argument is not a recording. ValueError: too few or too many recordings, or, by place, the robots
+            were never near each other.
+        UnknownTopicError: no recording has scans or measured speeds, or, by place, one has no odometry.
+        RecordingError: a recording cannot be read.
 
     Example:
         >>> import robowidgets
@@ -139,7 +140,7 @@ def compare(
 
 
 def _names(recordings: Sequence[RecordingData]) -> list[str]:
-    """Short names that differ: with what they need of the path, and with numbers where they are the same file."""
+    """Return short names that differ: with as much of the path as needed, and with numbers for the same file."""
     paths = [recording.path for recording in recordings]
     names = [path.name.partition(".")[0] for path in paths]
     if len(set(names)) < len(set(paths)):
@@ -179,7 +180,7 @@ def _plot(drives: Sequence[_Drive], by: str, sector: Asked, marks: Condition | N
 
 
 def _lines(drive: _Drive, sector: Asked) -> Iterator[tuple[str, tuple[Floats, Floats]]]:
-    """The nearest thing and the speed of a drive, as far as it tells them, by name."""
+    """Yield the nearest distance and the speed of a drive by name, if it has them."""
     recording = drive.recording
     with suppress(UnknownTopicError):
         scans = recording.scans(_topic(recording, LASER.name))
@@ -190,7 +191,7 @@ def _lines(drive: _Drive, sector: Asked) -> Iterator[tuple[str, tuple[Floats, Fl
 
 
 def _topic(recording: RecordingData, widget: str) -> str | None:
-    """The topic that is meant of a kind; None where the recording has none, or one alone."""
+    """Return the preferred topic of a kind, or None if the recording has at most one."""
     fitting = [topic for topic in recording.topics if topic.widget == widget and topic.count]
     return likeliest(fitting).name if len(fitting) > 1 else None
 
@@ -208,14 +209,14 @@ def _marks(drive: _Drive, asked: Condition | None) -> Iterator[tuple[float, floa
 
 
 def _states(drive: _Drive, is_named: bool) -> Iterator[StateSpan]:
-    """The states of the programs of a drive, under its name: each drive has rows of its own."""
+    """Yield the states of the programs of a drive, in separate rows for each drive."""
     prefix = f"{drive.name.replace('.', '_')} " if is_named else ""
     for span in drive.recording.states:
         yield span._replace(path=f"{prefix}{span.path}")
 
 
 def _ways(drives: Sequence[_Drive]) -> Iterator[tuple[str, _Way]]:
-    """The ways of all drives that have odometry, by name."""
+    """Yield the paths of all drives that have odometry, by name."""
     for drive in drives:
         topic = odometry(drive.recording.topics)
         speeds = drive.recording.speeds(topic) if topic else None
@@ -228,11 +229,11 @@ def _ways(drives: Sequence[_Drive]) -> Iterator[tuple[str, _Way]]:
 
 
 def _map(ways: Mapping[str, _Way]) -> PathWidget | None:
-    """The ways in the frame of the first one's odometry; None where there is none."""
+    """Return a map of the paths in the odometry frame of the first drive, or None without paths."""
     if not ways:
         return None
     widget = PathWidget(title="ways by odometry", frame=_FRAME)
-    widget.has_rate = False  # what was recorded does not get old
+    widget.has_rate = False  # recorded data does not become stale
     for name, (seconds, poses) in ways.items():
         few = np.unique(np.linspace(0, len(seconds) - 1, min(_POINTS, len(seconds))).astype(int))
         for second, pose in zip(seconds[few].tolist(), poses[few].tolist(), strict=True):

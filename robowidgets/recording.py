@@ -29,11 +29,11 @@ def open(path: str | os.PathLike[str]) -> Recording:  # noqa: A001  # the name t
         path: a ROS bag (``.bag``), a rosbag2 folder, a lone ``.db3`` or ``.mcap``, or a CARMEN log (``.log``, ``.clf``,
             gzipped or not). The readable parts of a damaged file are read, and `Recording.problems` lists the damage.
             Or its URL as text, such as ``"s3://bucket/drive.mcap"``, of any kind that fsspec reads (extra ``remote``):
-            it is fetched once, and again when it has changed. Copies take up to 10 GB, or what the environment variable
-            ``ROBOWIDGETS_CACHE_SIZE`` says, in the folder that ``ROBOWIDGETS_CACHE`` names.
+            it is fetched once, and fetched again after it has changed. Copies take up to 10 GB, or the size in the
+            environment variable ``ROBOWIDGETS_CACHE_SIZE``, in the folder that ``ROBOWIDGETS_CACHE`` names.
 
     Raises:
-        RecordingError: nothing of it can be read, or fetched. The text gives the reason.
+        RecordingError: the recording cannot be fetched, or no part of it can be read. The text gives the reason.
 
     Examples:
         >>> recording = robowidgets.open("drive.bag")  # doctest: +SKIP
@@ -54,30 +54,30 @@ class Recording(RecordingData):
     def scanogram(
         self, topic: str | None = None, beside: Collection[str] | None = None, **options: Any
     ) -> ScanogramWidget:
-        """All scans of a topic in one picture, with speeds and touches below; see `ScanogramWidget.of`."""
+        """Show all scans of a topic in one picture, with speeds and touches below; see `ScanogramWidget.of`."""
         # Imported lazily: reading recordings needs no widgets.
         from .player.scanogram import scanogram
 
         return scanogram(self, topic, beside, **options)
 
     def find(self, condition: Condition | Callable[[Instant], Any], topics: str | Iterable[str] | None = None) -> Spans:
-        """The spans in which a condition is true, as a table.
+        """Find the spans in which a condition is true, and return them as a table.
 
         A condition is one of `robowidgets.conditions`, several of them joined by ``&``, ``|`` and ``~``, or a function
         of one moment. The function gets an `Instant` with the last ``scan``, ``speed`` and ``touch`` up to that moment.
         If it reads a sample before the first one, the condition is unknown, and nothing is found.
 
-        A condition keeps its value until the next sample, but scans and speeds are stale one usual step into a silence.
-        Ready-made conditions are computed for whole columns. A function is called in this process, so it may be a
-        lambda. An interrupt (stop the cell, Ctrl-C) ends the search: the result then has the spans up to that time,
-        and its `is_complete` is False.
+        A condition keeps its value until the next sample, but scans and speeds become stale one usual step after the
+        topic falls silent. Ready-made conditions are computed on whole columns. A function is called in this process,
+        so it may be a lambda. An interrupt (stop the cell, Ctrl-C) ends the search: the result then has the spans up to
+        that time, and its `is_complete` is False.
 
         Args:
             condition: the condition or function.
-            topics: the topics that a function may read; None: all that a widget shows.
+            topics: the topics that a function may read, or None for all topics with a widget.
 
         Raises:
-            TypeError: ``condition`` is no condition.
+            TypeError: ``condition`` is not a condition.
             ValueError: a condition names a missing touch sensor.
             UnknownTopicError: a condition needs a missing topic, or does not name one of several.
             RecordingError: the recording is closed, or the function failed; the text gives the time.
@@ -93,10 +93,10 @@ class Recording(RecordingData):
         return find(self, condition, topics)
 
     def doctor(self) -> Report:
-        """A check-up: what the topics hold (rays, angles, limits, frames, rate, jitter, lost scans), and the problems.
+        """Check the recording: its topics (rays, angles, limits, frames, rate, jitter, lost scans), and its problems.
 
-        It reads all scans and speeds, and finds what `Scan.problems` finds in any of them, rates that fall, pauses,
-        stamps by another clock, and topics of which nothing came. Each problem names a remedy.
+        It reads all scans and speeds. It finds the problems that `Scan.problems` finds in any scan, falling rates,
+        pauses, stamps from another clock, and topics without messages. Each problem names a remedy.
 
         Raises:
             RecordingError: the recording is closed.
@@ -112,7 +112,7 @@ class Recording(RecordingData):
         self.check_topics()
         series = {name: self.series(name) for name in shown(self.topics)}
         for one in series.values():
-            len(one)  # Reads it, which finds the problems of its clock and of its messages.
+            len(one)  # Reads the samples, which finds the problems of the clock and of the messages.
         silences = {name: clock.silences for name, clock in self._note_clocks().items()}
         transforms = list(self.transforms(odometry=False))
         return examine(self._heading(), self.topics, series, self._with_remedies(), silences, transforms)
@@ -124,23 +124,25 @@ class Recording(RecordingData):
         rerun: bool = False,
         arrangement: Sequence[Any] | None = None,
     ) -> Player:
-        """One widget per topic it knows how to show, with a player that moves them through its time.
+        """Show the recording: a player, and one widget for each topic that has one.
 
-        The player opens the file again, so this recording may still be read, or be closed.
+        The player opens the file again, so this recording may be read or closed meanwhile.
 
         Args:
-            *topics: names of the topics to show, of any type, or of fields: ``"/odom.twist.twist.linear.x"``, also with
-                the widget that is to show them: ``"/points as laser"``; none: all that have a widget and a message, or,
-                where none has, a few widgets that show what there is.
-            scanogram: whether to show a scanogram of the whole drive above them; None: only if it takes a moment.
-            rerun: whether to show the Rerun viewer beside them, with the scans in the world (extra ``rerun``).
-            arrangement: what to show, as `Player.arrangement` of an earlier one returned it.
+            *topics: names of the topics to show, of any type, or of fields: ``"/odom.twist.twist.linear.x"``;
+                ``"/points as laser"`` chooses the widget. Without names, all topics with a widget and a message;
+                without such topics, a few general widgets.
+            scanogram: True to show a scanogram of the whole drive above the widgets, or None to show it only if that is
+                quick.
+            rerun: True to show the Rerun viewer next to the widgets, with the scans in the world (extra ``rerun``).
+            arrangement: the arrangement of widgets, as returned by `Player.arrangement` of an earlier player.
 
         Raises:
-            UnknownTopicError: the recording has no such topic, or its messages cannot be read; the text says why.
+            UnknownTopicError: the recording has no such topic, or its messages cannot be read; the text gives the
+                reason.
             KeyError: a topic has no such field; the text names the nearest ones.
             RecordingError: the file does not exist any more.
-            TypeError: a name is no text, for example a list of names.
+            TypeError: a name is not a text, for example a list of names.
 
         Examples:
             >>> recording.show("/scan", "/odom")  # doctest: +SKIP
@@ -156,9 +158,9 @@ class Recording(RecordingData):
             raise
 
     def wires(self, **options: Any) -> WiresView:
-        """The topics as a graph, with the nodes that published them, as far as the file names any: see `WiresWidget`.
+        """Show the topics as a graph with the nodes that published them, if the file names any; see `WiresWidget`.
 
-        A bag of ROS 1 names them; in others, the log on /rosout names the nodes that wrote to it.
+        A ROS 1 bag names the publishers. In other files, the log on /rosout names the nodes that wrote to it.
 
         Args:
             **options: keywords of `WiresWidget`.
@@ -193,31 +195,32 @@ class Recording(RecordingData):
         scanogram: bool | None = None,
         max_size: int | None = 50_000_000,
     ) -> Path:
-        """Write a page that plays: one file, which any browser shows without a kernel, a server or the web.
+        """Write a page that plays the recording: one file for any browser, without a kernel, a server or the web.
 
-        It has the player with its keys, the widgets that `show` would show, and the exact samples as CSV. Its times are
-        those of the recording. It appears under its name when it is complete, and replaces an existing file.
+        The page has the player with its keys, the widgets that `show` would show, and the exact samples as CSV. Its
+        times are the times of the recording. The file appears when it is complete, and replaces an existing one.
 
         Args:
             path: the file, such as ``"bump.html"``.
-            start: seconds from the start of the recording; None: its start.
-            end: seconds from its start; None: its end.
-            topics: names of the topics and fields, as for `show`; none: all that have a widget and a message.
-            marks: (start, end, text) in seconds, or what `find` returns; None: what touched the robot.
-            title: of the page; empty: the name of the recording.
+            start: seconds from the start of the recording, or None for its start.
+            end: seconds from its start, or None for its end.
+            topics: names of the topics and fields, as for `show`; without names, all topics with a widget and a
+                message.
+            marks: (start, end, text) in seconds, or the result of `find`, or None to mark the touches.
+            title: title of the page, or empty for the name of the recording.
             note: a text under the title, which is shown as it is.
-            every: 2 takes every second scan, and so on; speeds and touches are complete.
-            scanogram: whether to show one; None: only if making it takes a moment.
-            max_size: most bytes of the file; None: any number.
+            every: 2 to write every second scan, and so on; speeds and touches are always complete.
+            scanogram: True to add a scanogram, or None to add one only if that is quick.
+            max_size: maximum size of the file in bytes, or None for no limit.
 
         Returns:
             The path of the file.
 
         Raises:
             UnknownTopicError: the recording has no such topic, or no widget shows it.
-            ValueError: the stretch is not in the recording, or the page would be too large; the text says what would
-                make it smaller.
-            TypeError: a time is no number, or a title no text. OSError: the file cannot be written.
+            ValueError: the span is not in the recording, or the page would be too large; the text says how to make it
+                smaller.
+            TypeError: a time is not a number, or a title is not a text. OSError: the file cannot be written.
 
         Examples:
             >>> recording.to_html("bump.html", start=10, end=20, note="It turns too late.")  # doctest: +SKIP
@@ -236,13 +239,13 @@ class Recording(RecordingData):
         every: int = 1,
         scanogram: bool | None = None,
     ) -> int:
-        """About how many bytes `to_html` would write; it takes the same arguments, and raises the same errors."""
+        """Return about how many bytes `to_html` would write. It takes the same arguments and raises the same errors."""
         with self._shown(topics) as player:
             return player.html_size(start=start, end=end, every=every, scanogram=scanogram)
 
     @contextmanager
     def _shown(self, topics: Sequence[str], marks: Any = None) -> Iterator[Player]:
-        """A player without a scanogram, which is closed afterwards."""
+        """Open a player without a scanogram, and close it afterwards."""
         if isinstance(topics, str):
             raise TypeError(f"topics: expected a list of names, got {topics!r}; write [{topics!r}]")
         self._check_open()
@@ -255,15 +258,15 @@ class Recording(RecordingData):
             player.close()
 
     def to_rerun(self, path: str | os.PathLike[str] | None = None, *topics: str) -> Path | RerunWidget:
-        """Write a file for Rerun, and return its path; without a path, the viewer for the page: see `RerunWidget`.
+        """Write a file for Rerun and return its path; without a path, return the viewer for the page, a `RerunWidget`.
 
         Args:
-            path: the file, such as ``"drive.rrd"``; an existing one is replaced when the new one is complete.
+            path: the file, such as ``"drive.rrd"``; an existing file is replaced when the new one is complete.
             *topics: as for `show`.
 
         Raises:
-            ImportError: Rerun is not installed (extra ``rerun``); and as `show`. ValueError: the name does not end in
-                ``.rrd``. OSError: the file cannot be written.
+            ImportError: Rerun is not installed (extra ``rerun``). ValueError: the name does not end in ``.rrd``.
+                OSError: the file cannot be written.
         """
         from .in_rerun.export import to_rerun  # Imported lazily: Rerun is optional.
 

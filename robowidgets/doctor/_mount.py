@@ -1,4 +1,4 @@
-"""The mount of a scanner by odometry: as the robot drives and turns, walls move the other way."""
+"""The mount of a scanner from odometry: while the robot drives and turns, walls move the opposite way."""
 
 from __future__ import annotations
 
@@ -17,37 +17,38 @@ from ..samples.distances import indices_at
 Floats = NDArray[np.float64]
 
 DRIVEN, STRAIGHT = 0.25, radians(3)
-"""Metres between two scans that are compared, and the most that the robot turns between them."""
+"""Metres between two scans that are compared, and the maximum turn between them."""
 
 TURNED, ON_THE_SPOT = radians(20), 0.05
-"""Radians between two scans that are compared, and the most metres that the robot drives between them."""
+"""Radians between two scans that are compared, and the maximum distance in metres that the robot drives between them.
+"""
 
 LONGEST = 5.0
-"""Seconds between two such scans: people walk through rooms, and odometry drifts."""
+"""The maximum number of seconds between two such scans: people walk through rooms, and odometry drifts."""
 
 MOST_PAIRS, FEWEST_PAIRS = 40, 5
 MOST_RAYS = 400
 STEP = radians(3)
 
 OFF, OFF_SHARE = 0.05, 0.01
-"""Metres by which a wall may be off, and as a share of its distance."""
+"""The tolerance for a wall in metres, and as a share of its distance."""
 
 GOOD, BETTER = 0.6, 0.15
-"""Share of the readings that fit by another mount, and by how much more they fit than by the one that is assumed."""
+"""The share of the readings that must fit another mount, and its minimum lead over the assumed mount."""
 
 ROUNDED = radians(5)
 
 ALIKE = 0.03
-"""Share of the readings by which two mounts are about as good."""
+"""The share of the readings by which two mounts count as equally good."""
 
 LEAST = radians(20)
 
 
 class Fit(NamedTuple):
-    """The mount by which walls stand still, in the angles of the scans.
+    """The mount for which walls stand still, in the angles of the scans.
 
-    ``yaw``: radians by which the scans would have to be turned; 0 if they fit as they are, or if it is not known.
-    ``upside_down``: True if the scanner seems to stand on its head.
+    ``yaw``: radians by which the scans must be turned, or 0 if they fit or the angle is unknown. ``upside_down``: True
+    if the scanner seems to be mounted upside down.
     """
 
     yaw: float = 0.0
@@ -55,7 +56,7 @@ class Fit(NamedTuple):
 
 
 def problem_of(scans: Scans, odometry: Speeds) -> Problem | None:
-    """The problem of scans in which walls do not move as odometry says, or None if they do, or if nobody can tell."""
+    """Return the problem if walls in the scans contradict the odometry, or None if they agree or are not seen."""
     fit = fit_of(scans, odometry)
     if fit == Fit():
         return None
@@ -63,18 +64,18 @@ def problem_of(scans: Scans, odometry: Speeds) -> Problem | None:
     parts = ["upside down" * fit.upside_down, f"turned by about {degrees(fit.yaw):.0f}°" if fit.yaw else ""]
     seems = " and ".join(filter(None, parts))
     if mount is not None and mount.words:
-        what = f"the scanner is {mount.words}, but walls move as if it were {seems} besides"
-        return Problem(what, f"does the transform of {_frame(scans)} say how the scanner really stands?")
+        what = f"the scanner is {mount.words}, but walls move as if it were also {seems}"
+        return Problem(what, f"does the transform of {_frame(scans)} match how the scanner is really mounted?")
     by_hand = f'recording.mount("{scans[0].sample.frame_id}", "{degrees(fit.yaw):.0f}deg"'
     by_hand += ", upside_down=True)" if fit.upside_down else ")"
     return Problem(
-        f"walls move as if the scanner were {seems}, which tf does not say",
+        f"walls move as if the scanner were {seems}, which tf does not contain",
         f"publish the transform from base_link to {_frame(scans)}; meanwhile {by_hand}",
     )
 
 
 def fit_of(scans: Scans, odometry: Speeds) -> Fit:
-    """The mount of a scanner by scans of a robot that drives straight, and that turns on the spot."""
+    """Return the mount of a scanner from scans of a robot that drives straight, and that turns on the spot."""
     poses = _poses(scans, odometry)
     turned = _pairs(poses, scans.seconds, turns=True)
     straight = _pairs(poses, scans.seconds, turns=False)
@@ -88,13 +89,13 @@ def fit_of(scans: Scans, odometry: Speeds) -> Fit:
         best = int(shares.argmax())
         found = _middle(shares, best)
         if shares[best] >= GOOD and shares[best] - shares[0] >= BETTER and abs(found) >= LEAST:
-            # Upside down, an angle of the robot is the yaw less that of the scanner.
+            # If upside down, an angle of the robot is the yaw minus the angle of the scanner.
             yaw = pi - (pi + found) % (2 * pi) if is_hanging else found
     return Fit(yaw, bool(is_hanging))
 
 
 def _middle(shares: Floats, best: int) -> float:
-    """Radians in the middle of the turns around the best one that are about as good: of a single wall many are."""
+    """Return the middle in radians of the turns around the best one that are about as good: one wall has many."""
     is_good = shares >= shares[best] - ALIKE
     ends = []
     for way in (-1, 1):
@@ -106,7 +107,7 @@ def _middle(shares: Floats, best: int) -> float:
 
 
 def _poses(scans: Scans, odometry: Speeds) -> Floats:
-    """X, y and yaw of the robot at each scan, shape (3, N); NaN where they are not known."""
+    """Return x, y and yaw of the robot at each scan, shape (3, N), NaN if unknown."""
     poses = odometry.poses
     known = np.isfinite(poses).all(axis=1)
     if not known.any():
@@ -123,7 +124,7 @@ def _poses(scans: Scans, odometry: Speeds) -> Floats:
 
 
 def _pairs(poses: Floats, seconds: Floats, *, turns: bool) -> list[tuple[int, int]]:
-    """Two scans each between which the robot drove straight, or turned on the spot; evenly chosen."""
+    """Return pairs of scans between which the robot drove straight, or turned on the spot; evenly chosen."""
     steps = np.abs(np.diff(poses[2])) if turns else np.hypot(*np.diff(poses[:2], axis=1))
     gone = np.concatenate(([0.0], np.cumsum(np.nan_to_num(steps))))
     later = np.searchsorted(gone, gone + (TURNED if turns else DRIVEN))
@@ -150,7 +151,7 @@ def _both(scans: Scans, pair: tuple[int, int]) -> tuple[Scan, Scan]:
 
 
 def _drive_shares(first: Scan, second: Scan, poses: Floats, pair: tuple[int, int]) -> Floats:
-    """For each turn of the scans by a multiple of `STEP`, the share of the readings that then stand still."""
+    """Return the share of readings that stand still, for each turn of the scans by a multiple of `STEP`."""
     (x, y, yaw), to = poses[:, pair[0]], poses[:, pair[1]]
     dx, dy = to[0] - x, to[1] - y
     ahead, left = cos(yaw) * dx + sin(yaw) * dy, cos(yaw) * dy - sin(yaw) * dx
@@ -161,7 +162,7 @@ def _drive_shares(first: Scan, second: Scan, poses: Floats, pair: tuple[int, int
 
 
 def _turn_shares(first: Scan, second: Scan, poses: Floats, pair: tuple[int, int]) -> Floats:
-    """The share of the readings that stand still if the scanner is upright, and if it stands on its head."""
+    """Return the share of the readings that stand still if the scanner is upright, and if it is upside down."""
     turn = poses[2, pair[1]] - poses[2, pair[0]]
     points = _points(first)
     x, y = points.T
@@ -175,7 +176,7 @@ def _points(scan: Scan) -> Floats:
 
 
 def _shares(points: Floats, scan: Scan) -> Floats:
-    """Of each set of points, shape (K, N, 2), the share that a scan has where they are; NaN if it sees none there."""
+    """Return the share of each set of points, shape (K, N, 2), that a scan confirms, or 0 if it sees none of them."""
     away = np.hypot(points[..., 0], points[..., 1])
     rays = indices_at(scan, np.arctan2(points[..., 1], points[..., 0]))
     seen = (rays >= 0) & scan.valid[rays]

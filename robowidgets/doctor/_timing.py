@@ -1,4 +1,4 @@
-"""How evenly the samples of a topic follow each other: jitter, lost samples, pauses, a rate that falls."""
+"""The regularity of the samples of a topic: jitter, lost samples, pauses, falling rates."""
 
 from __future__ import annotations
 
@@ -10,24 +10,24 @@ from numpy.typing import NDArray
 from ..samples.staleness import PAUSE
 
 _LEAST = 20
-"""Samples that a judgement needs at least."""
+"""The minimum number of samples for a judgement."""
 
 _STEADY, _SHARE = 0.1, 0.75
-"""A topic is steady if this share of its steps differs from the usual one by no more than this part of it."""
+"""A topic is steady if this share of its steps differs from the usual step by this share of it at most."""
 
 _WINDOW = 20
-"""Steps over which the rate is measured."""
+"""The number of steps over which the rate is measured."""
 
 
 class Timing(NamedTuple):
-    """How evenly the samples of a topic follow each other; times in seconds.
+    """The regularity of the samples of a topic; times in seconds.
 
-    ``step``: the usual (median) time from one sample to the next. ``jitter``: how far from it 19 of 20 steps stay at
-    most. ``lost``: the number of samples that are missing between others. ``pauses`` and ``slow``: start and length of
-    each time without samples, and of each at less than half the usual rate.
+    ``step``: the usual (median) time from one sample to the next. ``jitter``: the maximum deviation from it of 19 of 20
+    steps. ``lost``: the number of missing samples between others. ``pauses`` and ``slow``: start and length of each
+    span without samples, and of each span below half the usual rate.
 
-    All are None or empty with fewer than twenty samples. The last three are so where the steps differ, as in the log of
-    a robot that measures when it can: nobody knows what is missing there.
+    With fewer than twenty samples, no field is set. The last three are not set either if the steps vary, as in the log
+    of a robot that measures at irregular times: the missing samples are unknown then.
     """
 
     step: float | None = None
@@ -38,11 +38,11 @@ class Timing(NamedTuple):
 
 
 def timing_of(times: NDArray[np.float64], seconds: NDArray[np.float64]) -> Timing:
-    """The timing of samples that were taken at these times.
+    """Return the timing of samples that were taken at these times.
 
     Args:
         times: seconds by any clock, shape (N,), ascending.
-        seconds: the same times as seconds from the start of the recording, in which starts are given, shape (N,).
+        seconds: the same times in seconds from the start of the recording, for the starts of spans, shape (N,).
     """
     steps = np.diff(times)
     step = float(np.median(steps)) if len(times) >= _LEAST else 0.0
@@ -62,7 +62,7 @@ def timing_of(times: NDArray[np.float64], seconds: NDArray[np.float64]) -> Timin
 
 
 def _slow(times: NDArray[np.float64], step: float, is_pause: NDArray[np.bool_]) -> list[tuple[int, int]]:
-    """First and last sample of each time at less than half the usual rate, pauses left out."""
+    """Return the first and the last sample of each span below half the usual rate, without pauses."""
     took = times[_WINDOW:] - times[:-_WINDOW]
     pauses = np.concatenate([[0], np.cumsum(is_pause)])
     is_slow = (took > 2 * step * _WINDOW) & (pauses[_WINDOW:] == pauses[:-_WINDOW])

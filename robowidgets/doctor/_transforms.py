@@ -1,4 +1,4 @@
-"""Oddities in tf: a transform of two publishers."""
+"""Problems of tf: a transform with two publishers."""
 
 from __future__ import annotations
 
@@ -13,33 +13,33 @@ from ..recordings.times import has_date
 from ..samples import Problem
 
 _LEAST = 20
-"""Poses of a frame that a judgement needs."""
+"""The minimum number of poses of a frame for a judgement."""
 
 _OFTEN = 0.1
-"""Share of the poses that lie near an earlier one and far from the last: a single publisher has fewer."""
+"""The share of the poses that lie near an earlier one and far from the last: a single publisher has fewer."""
 
 _APART, _NEARER = 0.02, 5.0
-"""Metres, and how many times nearer: the noise of a single publisher is smaller."""
+"""Metres, and a factor of nearness: the noise of a single publisher is smaller."""
 
 _ALIKE = 0.3
-"""Share of a jump by which the next one differs at most: noise jumps by another distance each time."""
+"""The maximum difference of successive jumps as a share of a jump: noise jumps by another distance each time."""
 
 _BEFORE = 4
-"""Earlier poses that are looked at."""
+"""The number of earlier poses that are compared."""
 
 
 class TransformCheck:
-    """The frames of a robot by tf.
+    """A check of the frames of a robot in tf.
 
     Args:
-        transforms: all of the recording, in the order of time.
+        transforms: all transforms of the recording, in the order of time.
     """
 
     def __init__(self, transforms: Iterable[Transform]) -> None:
         self._places: defaultdict[str, list[tuple[float, ...]]] = defaultdict(list)
         self._parents: defaultdict[str, dict[str, int]] = defaultdict(dict)
         self.is_dated = False
-        """True if a stamp that tf has is a date."""
+        """True if a stamp of tf is a date."""
         for one in transforms:
             self.is_dated = self.is_dated or (has_date(one.stamp_ns) and not one.static)
             if not one.odometry and not one.static:
@@ -48,27 +48,28 @@ class TransformCheck:
                 self._places[one.child].append(one.pose[:3])
 
     def problems(self) -> Iterator[Problem]:
-        """The frames that two nodes place."""
+        """Yield the problems of frames with two publishers."""
         for child, parents in self._parents.items():
             steady = [name for name, count in parents.items() if count >= _LEAST]
             if len(steady) > 1:
                 yield Problem(
                     f"{child} has {len(steady)} parents in tf: {', '.join(steady)}",
-                    "let one node alone publish where it is",
+                    "let only one node publish its transform",
                 )
                 continue
             if apart := _alternates(np.array(self._places[child])):
                 parent = max(parents, key=parents.__getitem__)
                 yield Problem(
                     f"tf: two publishers of {parent}->{child}, {apart:.2f} m apart: it jumps between them",
-                    "let one node publish it: publish_tf: false of the other",
+                    "let one node publish it: set publish_tf: false in the other",
                 )
 
 
 def _alternates(places: NDArray[np.float64]) -> float:
-    """Return how far places lie from the one before, in metres, if they often lie near an earlier one; else 0.
+    """Return the distance in metres between the places of two publishers, or 0 if the places do not alternate.
 
-    Turns do not count: a wheel turns by nearly a whole turn from one message to the next.
+    The places alternate if they often lie near an earlier place and far from the last one. Turns do not count: a wheel
+    may turn nearly once from one message to the next.
     """
     if len(places) < _LEAST:
         return 0.0

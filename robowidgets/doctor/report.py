@@ -1,4 +1,4 @@
-"""A check-up of a recording: what its topics hold, what is wrong with them, and what to do about it."""
+"""A check-up of a recording: the contents of its topics, their problems, and the remedies."""
 
 from __future__ import annotations
 
@@ -33,18 +33,18 @@ _HEADS = ("topic", "samples", "Hz", "jitter", "lost", "rays", "angles", "step", 
 _RIGHT = (1, 2, 3, 4, 5, 7)
 
 _ALWAYS_THERE = ("/rosout", "/rosout_agg", "/parameter_events", "/events/write_split", "/clock", "/tf_static")
-"""Topics that every recorder lists, whether anything comes or not, as are those of services."""
+"""Topics that every recorder lists, even without messages, as it does topics of services."""
 _OF_SERVICES = "/_service_event"
 
 _SELDOM = 0.02
-"""Share of the samples in which a problem of ranges, a loss, or a stamp out of order is no problem of the recording."""
+"""The share of the samples below which a range problem, a loss, or a stamp out of order is not reported."""
 
 _SKEW_S = 1.0
-"""Seconds between stamps and log times from which transforms of other computers do not fit any more."""
+"""Seconds between stamps and log times above which transforms of other computers do not fit any more."""
 _LEAST_STAMPS = 10
 
 _LATE_NS = 1_000_000_000
-"""Nanoseconds by which a late stamp may lie before the one before it. Farther back, the clock was set."""
+"""Nanoseconds by which a late stamp may lie before the previous one. If it is more, the clock was set."""
 
 _NUMBER = re.compile(r"-?\d+(?:,\d{3})*(?:\.\d+)?(?:e[+-]\d+)?")
 
@@ -54,7 +54,7 @@ _LONGEST_NAME = 40
 
 
 class Geometry(NamedTuple):
-    """What the headers of most scans of a topic say: radians and metres."""
+    """The settings in the headers of most scans of a topic: radians and metres."""
 
     angle_min: float
     angle_increment: float
@@ -63,13 +63,13 @@ class Geometry(NamedTuple):
 
 
 class TopicReport(NamedTuple):
-    """What one topic holds.
+    """The contents of one topic.
 
-    ``mount`` says how a scanner stands on the robot, if its angles are not the robot's.
-    ``samples`` are those that came as messages. ``rate`` is their mean number per second, None where that means
-    nothing. ``timing`` is that of the scans and measured speeds. ``ray_counts`` has the number of scans for each number
-    of rays, ``geometry`` is that of most scans, ``frame_ids`` are those of all; they are empty and None for other
-    samples than scans.
+    ``mount`` describes the mount of a scanner, if its angles are not the angles of the robot. ``samples`` is the number
+    of samples that came as messages. ``rate`` is their mean number per second, or None if that has no meaning.
+    ``timing`` is the timing of scans and measured speeds. ``ray_counts`` has the number of scans for each number of
+    rays, ``geometry`` is the geometry of most scans, ``frame_ids`` are the frames of all scans. They are empty or None
+    for samples other than scans.
     """
 
     topic: str
@@ -83,12 +83,12 @@ class TopicReport(NamedTuple):
 
 
 class Report:
-    """A check-up of a recording; printed, it is a table with a line for each problem.
+    """A check-up of a recording. Printed, it is a table with a line for each problem.
 
     Args:
         head: the recording in one line.
         topics: a report for each topic that a widget shows.
-        problems: each with its remedy; empty when all is well.
+        problems: the problems with their remedies, or empty if all is well.
     """
 
     def __init__(self, head: str, topics: Sequence[TopicReport], problems: Sequence[Problem]) -> None:
@@ -97,7 +97,7 @@ class Report:
         self.problems = tuple(problems)
 
     def to_dict(self) -> dict[str, Any]:
-        """The same as dictionaries and lists, such as JSON can hold: seconds, radians and metres."""
+        """Return the same data as dictionaries and lists, as in JSON: seconds, radians and metres."""
         return {
             "topics": [_as_dict(topic) for topic in self.topics],
             "problems": [problem._asdict() for problem in self.problems],
@@ -123,15 +123,15 @@ def examine(
     silences: Mapping[str, NDArray[np.float64]],
     transforms: Iterable[Transform] = (),
 ) -> Report:
-    """The check-up of a recording. It reads the topics from start to end.
+    """Check a recording. This reads the topics from start to end.
 
     Args:
         head: the recording in one line.
         topics: all its topics.
-        series: the samples of those that a widget shows.
-        known: the problems that were found before, of the file and of its clock.
-        silences: start and end in seconds of the silences that these name, by topic, shape (K, 2).
-        transforms: all of the recording.
+        series: the samples of the topics that a widget shows.
+        known: the known problems of the file and of its clock.
+        silences: start and end in seconds of the silences in these problems, by topic, shape (K, 2).
+        transforms: all transforms of the recording.
     """
     tf = TransformCheck(transforms)
     problems = [*known, *_never_came(topics), *_updated(topics), *tf.problems()]
@@ -191,10 +191,11 @@ def _examine(
 
 
 def _timing(series: Series[Any]) -> Timing:
-    """The timing by the stamps; by the log times, which come in bursts and tell of no loss, where there are none.
+    """Return the timing from the stamps, or from the log times if the stamps are not usable.
 
-    A few stamps may be late or repeated. Many out of order are of several sensors, one far back is of a clock that was
-    set: then the log times count, too.
+    Log times come in bursts and contain no sign of lost samples. A few stamps may be late or repeated. If many stamps
+    are out of order, they come from several sensors; if one lies far back, a clock was set. Then the log times are
+    used, too.
     """
     stamps, seconds = series.stamps_ns, series.seconds
     steps = np.diff(stamps)
@@ -206,9 +207,9 @@ def _timing(series: Series[Any]) -> Timing:
 
 
 def _of_timing(timing: Timing, seconds: NDArray[np.float64], silences: NDArray[np.float64]) -> Iterator[Problem]:
-    """The problems of a timing, but for the pauses that are silences which another problem names.
+    """Yield the problems of a timing, without the pauses that another problem reports as silences.
 
-    ``seconds``: when the samples were recorded, from the start of the recording.
+    ``seconds``: the times of recording of the samples, from the start of the recording.
     """
     if not timing.step:
         return
@@ -228,7 +229,7 @@ def _of_timing(timing: Timing, seconds: NDArray[np.float64], silences: NDArray[n
     pauses = [pause for pause in timing.pauses if not np.isclose(silences[:, 0], pause[0]).any()]
     if pauses:
         longest = max(length for _, length in pauses)
-        # A recorder that got all at once has a shorter time.
+        # A recorder that received all samples at once has a shorter time.
         clock = " by its stamps" if longest > seconds[-1] - seconds[0] else ""
         yield Problem(
             f"nothing came {often(len(pauses))}, for up to {longest:.1f} s{clock}, first from {pauses[0][0]:.2f} s on",
@@ -242,12 +243,12 @@ def _has_dated_stamps(series: Series[Any]) -> bool:
 
 
 def _of_stamps(topic: Topic, series: Series[Any], is_dated: bool) -> Iterator[Problem]:
-    """The problem of stamps by another clock than the recorder's. One of a simulation is another on purpose.
+    """Yield the problem of stamps by another clock than the recorder's. A simulated clock differs on purpose.
 
     Args:
         topic: the topic.
         series: its samples.
-        is_dated: whether other stamps of the recording are dates, so that no simulation has made them.
+        is_dated: True if other stamps of the recording are dates, so that they are not simulated.
     """
     times, stamps = series.times_ns, series.stamps_ns
     if len(stamps) < _LEAST_STAMPS or not has_date(int(times.min())):
@@ -271,12 +272,12 @@ def _of_stamps(topic: Topic, series: Series[Any], is_dated: bool) -> Iterator[Pr
 
 
 def _is_stamped(type_name: str) -> bool:
-    """Return True for types whose messages have a stamp, of which 0 is no date; a Twist has none."""
+    """Return True for types whose messages have a stamp that is a date, so that 0 is an error. A Twist has no stamp."""
     return type_name.endswith("Stamped") or type_name in (LASER_SCAN, ODOMETRY, RANGE)
 
 
 def _of_scans(scans: Scans) -> tuple[Geometry | None, tuple[str, ...], list[Problem]]:
-    """Geometry and frames of scans, and the problems of headers and ranges."""
+    """Return geometry and frames of scans, and the problems of headers and ranges."""
     geometries: Counter[Geometry] = Counter()
     frames: dict[str, None] = {}
     counts: Counter[Problem] = Counter()
@@ -309,7 +310,7 @@ def _of_scans(scans: Scans) -> tuple[Geometry | None, tuple[str, ...], list[Prob
 
 
 def _groups(problems: Iterable[Problem]) -> list[list[Problem]]:
-    """Problems that differ in their numbers alone, together, in the order of the first of each group."""
+    """Group problems that differ only in their numbers, in the order of the first of each group."""
     groups: defaultdict[tuple[str, str], list[Problem]] = defaultdict(list)
     for problem in problems:
         groups[_NUMBER.sub("", problem.what), _NUMBER.sub("", problem.remedy)].append(problem)
@@ -317,7 +318,7 @@ def _groups(problems: Iterable[Problem]) -> list[list[Problem]]:
 
 
 def _joined(texts: Sequence[str]) -> str:
-    """Texts that differ in their numbers alone as one: ``for 926 to 937 rays``."""
+    """Join texts that differ only in their numbers into one: ``for 926 to 937 rays``."""
     columns = zip(*(_NUMBER.findall(text) for text in texts), strict=True)
     numbers = (sorted(set(column), key=lambda number: float(number.replace(",", ""))) for column in columns)
     ranges = [one[0] if len(one) == 1 else f"{one[0]} to {one[-1]}" for one in numbers]
@@ -350,5 +351,5 @@ def _cells(report: TopicReport) -> tuple[str, ...]:
 
 
 def _name_of(frame_id: str) -> str:
-    """The name of a frame for a person: one from a file may be of any length."""
+    """Return the name of a frame for display: a name from a file may be of any length."""
     return (frame_id if len(frame_id) <= _LONGEST_NAME else f"{frame_id[: _LONGEST_NAME - 1]}…") or "(empty)"

@@ -1,4 +1,4 @@
-"""Many recordings at once: which there are, and what holds of each, in several processes or on a cluster."""
+"""Many recordings at once: finding them, and running a function on each, in several processes or on a cluster."""
 
 from .check_up import CheckUp, doctor
 from .drives import Drives, drives, index, is_index

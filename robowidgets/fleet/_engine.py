@@ -1,4 +1,4 @@
-"""One function of each of many recordings, in processes of this machine or wherever an executor runs it."""
+"""Running one function on each of many recordings, in processes of this machine or with an executor."""
 
 from __future__ import annotations
 
@@ -22,19 +22,19 @@ from ..repair import RecordingError
 from ..search.base import ConditionError
 
 LONGEST = 600.0
-"""Seconds that one recording may take."""
+"""The maximum number of seconds that one recording may take."""
 
 _START_TIMEOUT_S = 120.0
-"""Seconds that a process may take to start and to import what the job needs."""
+"""The maximum number of seconds that a process may take to start and to import what the job needs."""
 
 _AHEAD = 256
-"""The number of recordings that wait at an executor of the user."""
+"""The maximum number of recordings that wait at an executor of the user."""
 
 
 class Done(NamedTuple):
-    """The result of one recording, or why there is none.
+    """The result of one recording, or the reason why it has none.
 
-    ``failure``: the error if the job failed, rather than the recording; it reads alike for all recordings.
+    ``failure``: the error if the job itself failed, not the recording; its text is the same for all recordings.
     """
 
     path: str
@@ -53,24 +53,25 @@ def each(
     here: bool = False,
     clock: Clock | None = None,
 ) -> Generator[Done, None, None]:
-    """Yield what a function returns for each of some recordings, as they get done.
+    """Yield the result of a function for each of some recordings, in the order of completion.
 
-    A recording that takes too long, fails, or ends its process becomes a problem; the others go on.
+    A recording that takes too long, fails, or ends its process becomes a problem; the others continue.
 
     Args:
         job: takes a path, and returns plain data. It is sent by value: it may be a lambda. Message definitions that
-            were added here go with it.
+            were added in this process are sent along.
         paths: the recordings.
-        executor: an object with ``submit``, as those of `concurrent.futures`, or a client of Dask; or None for
-            processes of this machine, one for each core. If it breaks, processes of this machine go on.
-        longest: seconds that each may take. A process of this machine is killed then, whatever it does. A thread, as
-            with ``here`` or an executor, is left behind, which does not end C code that holds the GIL.
-        idle: called now and then while executors are waited for.
-        here: run the job in a thread of this process: for a few recordings faster than a process is started.
+        executor: an object with ``submit``, such as an executor of `concurrent.futures`, or a Dask client; or None for
+            processes of this machine, one for each core. If it breaks, processes of this machine continue.
+        longest: the maximum number of seconds for each. After that, a process of this machine is killed, whatever it
+            does. A thread, as with ``here`` or an executor, is abandoned, which does not end C code that holds the GIL.
+        idle: called now and then while waiting for results.
+        here: run the job in a thread of this process: for a few recordings this is faster than starting a process.
         clock: the time that recordings take is measured by this clock.
 
     Raises:
-        TypeError: ``executor`` has no ``submit``, or the function refers to something that cannot be sent, as a lock.
+        TypeError: ``executor`` has no ``submit``, or the function refers to something that cannot be sent, such as a
+            lock.
     """
     waiting = deque(paths)
     if executor is None and (here or not waiting or sys.platform == "emscripten"):
@@ -80,12 +81,12 @@ def each(
 
     try:
         task = dumps((all_added(), job))
-    except Exception as error:  # whatever the objects that it refers to raise
+    except Exception as error:  # the objects to which it refers may raise anything
         raise TypeError(f"condition: cannot be sent to another process: {one_line(error)}") from None
     if executor is not None:
         yield from _by_executor(_executor(executor), waiting, task, longest, idle)
         if waiting:
-            inform("the executor broke, or lost workers: processes of this machine go on")
+            inform("the executor broke, or lost workers: continuing with processes of this machine")
     if waiting:
         yield from _by_processes(waiting, task, longest, idle, clock or RealClock())
 
@@ -93,7 +94,7 @@ def each(
 def _by_executor(
     executor: Executor, waiting: deque[str], task: bytes, longest: float, idle: Callable[[], None]
 ) -> Iterator[Done]:
-    """Yield the results of an executor until it breaks; the recordings that were under way then wait again."""
+    """Yield the results of an executor until it breaks; then the unfinished recordings wait again."""
     under_way: dict[Future[Any], str] = {}
     lost: list[str] = []
     done: SimpleQueue[Future[Any]] = SimpleQueue()
@@ -104,7 +105,7 @@ def _by_executor(
                 path = waiting.popleft()
                 try:
                     future = executor.submit(work, task, path, longest)
-                except Exception:  # whatever an executor says that has broken, or was shut down
+                except Exception:  # a broken or closed executor may raise anything
                     waiting.appendleft(path)
                     is_whole = False
                     break
@@ -118,10 +119,10 @@ def _by_executor(
                 answer = future.result()
             except KeyboardInterrupt:
                 raise
-            except (BrokenExecutor, CancelledError):  # a pool whose process ended, a cluster whose scheduler did
+            except (BrokenExecutor, CancelledError):  # the process of a pool or the scheduler of a cluster ended
                 lost.append(path)
                 is_whole = False
-            except BaseException:  # the errors of a job come as an answer: a cluster gave this one up
+            except BaseException:  # errors of a job are returned as answers: the cluster gave up this one
                 lost.append(path)
             else:
                 yield Done(path, *answer)
@@ -132,7 +133,7 @@ def _by_executor(
 
 
 def _next(done: SimpleQueue[Future[Any]], idle: Callable[[], None]) -> Future[Any]:
-    """The future that is done next. An interrupt just before a wait wakes nobody, so it looks for one now and then."""
+    """Return the next finished future. The waits are short, because an interrupt just before a wait wakes no thread."""
     # Not concurrent.futures.wait(): an interrupt may leave the lock of its Condition held for ever.
     while True:
         with suppress(Empty):
@@ -145,7 +146,7 @@ class _Worker:
 
     Args:
         task: the job, for `_loaded`.
-        done: where it puts itself with each future that is done.
+        done: the queue for this worker with each of its finished futures.
         clock: the time that recordings take is measured by this clock.
     """
 
@@ -156,10 +157,10 @@ class _Worker:
         self._is_started = False
         self._since = 0.0
         self.path = ""
-        """The recording that it reads; empty while it is idle."""
+        """The recording that it reads, or empty while it is idle."""
 
     def read(self, path: str) -> None:
-        """Begin with a recording, in the process that is there or in a new one."""
+        """Begin with a recording, in the current process or in a new one."""
         self.path = path
         if self._pool is not None:
             self._submit(_answer_here, self._task, path)
@@ -181,7 +182,7 @@ class _Worker:
             return self._killed("the process that read it ended: killed, or out of memory")
         except KeyboardInterrupt:
             raise
-        except BaseException as error:  # of a job that cannot be loaded there, such as an import
+        except BaseException as error:  # from a job that cannot be loaded in the process, such as an import
             return self._finish(None, *_problem_of(error))
         if self._is_started:
             return self._finish(*answer)
@@ -252,7 +253,7 @@ def work(task: bytes, path: str, longest: float) -> tuple[Any, str, str]:
 
 
 def _load(task: bytes) -> None:
-    """Import what a task needs, before its time counts."""
+    """Import what a task needs, before its time starts."""
     _loaded(task)
 
 
@@ -278,7 +279,7 @@ def _call(job: Callable[[str], Any], path: str, longest: float) -> tuple[Any, st
 
     def run() -> None:
         answer = _answer(job, path)
-        if not thread.is_abandoned:  # else its error is the one that ends the thread
+        if not thread.is_abandoned:  # otherwise its error is the one that ends the thread
             answers.append(answer)
 
     thread = UserThread(run, "robowidgets: one of many recordings")
@@ -297,12 +298,12 @@ def _answer(job: Callable[[str], Any], path: str) -> tuple[Any, str, str]:
     """Return the result of a job for a path, its problem and its failure, which are empty if all went well."""
     try:
         return job(path), "", ""
-    except BaseException as error:  # a condition may raise anything, an exit too
+    except BaseException as error:  # a condition may raise anything, including an exit
         return (None, *_problem_of(error))
 
 
 def _problem_of(error: BaseException) -> tuple[str, str]:
-    """Return the problem that an error is, and the failure if it is one of the job rather than of the recording."""
+    """Return the problem of an error, and also its failure if the job is to blame and not the recording."""
     if isinstance(error, ConditionError) and error.__cause__ is not None:
         return " ".join(str(error).split()), _named(error.__cause__)
     if isinstance(error, RecordingError):
@@ -319,15 +320,15 @@ def _named(error: BaseException) -> str:
 
 
 def _executor(given: Any) -> Executor:
-    """An executor, or that of a client of Dask."""
+    """Return an executor, or the executor of a Dask client."""
     own: Executor = given.get_executor() if hasattr(given, "get_executor") else given
     if not callable(getattr(own, "submit", None)):
-        raise TypeError(f"executor: expected what has submit(), or a client of Dask, got {given!r}")
+        raise TypeError(f"executor: expected an object with submit(), or a Dask client, got {given!r}")
     return own
 
 
 def _ignore_interrupts() -> None:
-    """An interrupt is for the process that asked: it ends the others."""
+    """Ignore interrupts: the parent process handles them, and ends the others."""
     import signal
 
     signal.signal(signal.SIGINT, signal.SIG_IGN)

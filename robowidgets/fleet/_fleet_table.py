@@ -1,4 +1,4 @@
-"""A table with a row for each thing that was found in many recordings, for a person and for other libraries."""
+"""A table with a row for each result from many recordings, for display and for other libraries."""
 
 from __future__ import annotations
 
@@ -18,33 +18,33 @@ from ..recordings.columns.tables import RowType, frame_of, library
 from ..recordings.times import has_date
 
 SHOWN = 20
-"""FleetTable that are printed."""
+"""The number of rows that are printed."""
 
 _EPOCH = datetime(1970, 1, 1, tzinfo=timezone.utc)
 
 
 class Unread(NamedTuple):
-    """A recording that could not be read, and why."""
+    """A recording that could not be read, and the reason."""
 
     file: str
     problem: str
 
 
 def date_of(time_ns: int | None) -> datetime | None:
-    """Date and time, in UTC, of a time by the clock of a recording; None if that clock has no date."""
+    """Return date and time in UTC of a time by the clock of a recording, or None if that clock has no date."""
     if time_ns is None or not has_date(time_ns):
         return None
     return _EPOCH + timedelta(microseconds=time_ns // 1000)
 
 
 class FleetTable(ABC):
-    """A table of many recordings. Of one that could not be read it has a row with the reason as ``problem``.
+    """A table of many recordings. A recording that could not be read has a row with the reason as ``problem``.
 
     Args:
         files: all recordings that were named.
-        unread: those that could not be read.
-        until: how many were read before an interrupt; None: all.
-        note: a line for a person.
+        unread: the recordings that could not be read.
+        until: the number of recordings that were read before an interrupt, or None for all.
+        note: a line for the user.
     """
 
     _types: ClassVar[Mapping[str, RowType]]
@@ -60,19 +60,19 @@ class FleetTable(ABC):
 
     @property
     def is_complete(self) -> bool:
-        """Whether all recordings were read; `unread` names those that could not be."""
+        """True if all recordings were read; `unread` names the ones that could not be read."""
         return self.until is None
 
     @abstractmethod
     def _rows(self) -> Iterator[Mapping[str, Any]]:
-        """The values of each row, by column."""
+        """Return the values of each row, by column."""
 
     @abstractmethod
     def _table(self) -> Table:
-        """What is printed."""
+        """Return the table that is printed."""
 
     def to_pandas(self) -> Any:
-        """A pandas DataFrame.
+        """Return a pandas DataFrame.
 
         Raises:
             ImportError: pandas is not installed.
@@ -80,11 +80,11 @@ class FleetTable(ABC):
         return frame_of(self._columns(), self._types)
 
     def to_polars(self) -> Any:
-        """A polars DataFrame; ImportError if polars or pyarrow is not installed."""
+        """Return a polars DataFrame; raise ImportError if polars or pyarrow is not installed."""
         return library("polars", "to_polars").from_arrow(self._arrow("to_polars"))
 
     def to_arrow(self) -> Any:
-        """A pyarrow Table; ImportError if pyarrow is not installed."""
+        """Return a pyarrow Table; raise ImportError if pyarrow is not installed."""
         return self._arrow("to_arrow")
 
     def to_parquet(self, path: str | os.PathLike[str]) -> Path:
@@ -102,7 +102,7 @@ class FleetTable(ABC):
         return target
 
     def to_json(self) -> str:
-        """JSON, a line for each row, without what is empty."""
+        """Return JSON, a line for each row, without empty values."""
         return "\n".join(json.dumps({name: _plain(value) for name, value in row.items()}) for row in self._all())
 
     def __repr__(self) -> str:
@@ -126,16 +126,16 @@ class FleetTable(ABC):
         )
 
     def _complaints(self) -> Iterator[str]:
-        """Lines on what was not read."""
+        """Yield lines on recordings that were not read."""
         if not self.is_complete:
-            yield f"stopped after {self.until:,} of {many(len(self.files), 'file')}: the same call goes on"
+            yield f"stopped after {self.until:,} of {many(len(self.files), 'file')}: the same call continues"
         yield from not_read(self.unread)
         if self._note:
             yield self._note
 
 
 def not_read(unread: Sequence[Unread]) -> Iterator[str]:
-    """Lines on recordings that could not be read, one for each reason, those of most recordings first."""
+    """Yield lines on recordings that could not be read, one for each reason, the most frequent reason first."""
     reasons: dict[str, list[str]] = {}
     for file, problem in unread:
         reasons.setdefault(without_name(problem, file), []).append(Path(file).name)
@@ -144,13 +144,13 @@ def not_read(unread: Sequence[Unread]) -> Iterator[str]:
 
 
 def without_name(problem: str, file: str) -> str:
-    """A problem without the name of its recording, so that it reads alike for others: of `scan`, not /scan."""
+    """Return a problem without the name of its recording, so that it is the same for others: of `scan`, not /scan."""
     name = re.escape(Path(file).name)
     return re.sub(rf"{re.escape(file)}|(?<![\w/.-]){name}(?!\.?[\w/-])", "", problem).strip(": ")
 
 
 def short(files: Sequence[str]) -> dict[str, str]:
-    """The names of files without the folder that all of them are in; files and URLs together have none."""
+    """Return the names of files without their common folder; a mixture of files and URLs has none."""
     try:
         base = os.path.commonpath([os.path.dirname(file) for file in files])
     except ValueError:

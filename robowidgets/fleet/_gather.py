@@ -1,4 +1,4 @@
-"""One function of each of some recordings, with what was kept of it, behind one bar."""
+"""Running one function on some recordings, with stored results and one progress bar."""
 
 from __future__ import annotations
 
@@ -20,31 +20,31 @@ from ._kept import Kept, states_of
 from .places import PathLike, places_of
 
 _HERE_BYTES = 100 << 20
-"""Recordings of fewer bytes in all are read sooner than processes start, if no code of the user may hang."""
+"""Recordings with less data in total are read faster than processes start, if no code of the user can hang."""
 
 _ALIKE = 10
-"""A job that failed for so many recordings in the same way, and for none otherwise, has a mistake of its own."""
+"""If a job failed for so many recordings in the same way, and succeeded for none, the job itself is wrong."""
 
 
 class FromAll(NamedTuple):
-    """What came of many recordings: the results by path, and what `FleetTable` takes."""
+    """The results of many recordings by path, and the arguments of `FleetTable`."""
 
     results: dict[str, Any]
     rows: dict[str, Any]
 
 
 class ResultStore(Protocol):
-    """Where results are kept for the next time."""
+    """A store of results for the next run."""
 
     @property
     def problem(self) -> str:
-        """Why they cannot be; empty while they can."""
+        """The reason why results cannot be stored, or empty while they can."""
 
     def get(self, state: str) -> Any:
-        """The result for a recording in this state; None without one."""
+        """Return the result for a recording in this state, or None without one."""
 
     def add(self, path: str, state: str | None, result: Any) -> Any:
-        """Keep the result for a recording, whose state may be unknown. Returns what of it stays in memory."""
+        """Store the result for a recording, whose state may be unknown. Return the part that stays in memory."""
 
 
 def gather(
@@ -59,22 +59,23 @@ def gather(
     found: Callable[[Any], int] = lambda result: 0,  # noqa: ARG005
     grow: Callable[[Mapping[str, Any], Sequence[Unread], Sequence[str]], None] | None = None,
 ) -> FromAll:
-    """What a job returns for each recording that some paths name.
+    """Return the result of a job for each recording that some paths name.
 
     Args:
-        job: takes a path, and returns plain data: a mapping. One with ``problem`` says why there is nothing to tell.
+        job: takes a path, and returns plain data: a mapping. A mapping with ``problem`` contains the reason for the
+            missing result.
         paths: as for `places_of`.
-        kept: where results are kept for the next time, and taken from; None: nowhere. See `kept_of`. One with
-            ``problem`` is not kept: the reason may lie outside of the recording.
-        what: for the bar: "Finding".
+        kept: the store of results of earlier runs, or None for no store. See `kept_of`. A result with ``problem`` is
+            not stored: the reason may lie outside of the recording.
+        what: the text of the bar, such as "Finding".
         executor: as for `each`.
         longest: as for `each`.
-        is_ours: the job runs no code of the user, so it needs no process that can be killed.
-        found: how much a result is, for the bar.
-        grow: called now and then with the results so far, what was not read, and all recordings that were named.
+        is_ours: True if the job runs no code of the user, so that it needs no process that can be killed.
+        found: returns the count of a result, for the bar.
+        grow: called now and then with the results so far, the recordings that were not read, and all recordings.
 
     Raises:
-        TypeError, ValueError: as `places_of` and `each`.
+        TypeError, ValueError: as for `places_of` and `each`.
     """
     places = places_of(paths)
     unread = [Unread(str(place.path), place.problem) for place in places if place.problem]
@@ -94,7 +95,7 @@ def gather(
         if grow:
             grow(results, unread, [str(place.path) for place in places])
 
-    # Processes elsewhere know no secrets but those in the URLs that they get.
+    # Other processes know only the secrets in the URLs that they get.
     name_of = {with_secrets(path) if is_url(path) else path: path for path in missing}
     with Progress(len(missing), what, " files") as bar, without_bars():
         work = each(job, list(name_of), executor, longest, lambda: tell(0), here=is_ours and _are_few(missing))
@@ -111,7 +112,7 @@ def gather(
                         results[path] = kept.add(path, states[path], result)
                 tell(1)
                 if failure and len(failures) == _ALIKE < len(missing) and len({*failures}) == 1:
-                    note = f"stopped because it failed for the first {_ALIKE} recordings alike: {failure}"
+                    note = f"stopped because it failed in the same way for the first {_ALIKE} recordings: {failure}"
                     is_cut = True
                     break
         except KeyboardInterrupt:
@@ -134,7 +135,7 @@ def gather(
 
 
 def _are_few(paths: Sequence[str]) -> bool:
-    """Return True if the recordings are read sooner than processes start: one, or some small ones on this machine."""
+    """Return True if the recordings are read faster than processes start: one, or some small local ones."""
     if len(paths) <= 1:
         return True
     size = 0
@@ -147,20 +148,20 @@ def _are_few(paths: Sequence[str]) -> bool:
 
 
 def kept_of(question: Any, keep: bool) -> Kept | None:
-    """Return where the results for a question are kept, or None if it contains code of the user.
+    """Return the store of the results for a question, or None if it contains code of the user.
 
     Args:
         question: plain values and conditions.
-        keep: False to keep nothing.
+        keep: False to store nothing.
     """
     identity = identity_or_none(question) if keep else None
     return None if identity is None else Kept(identity)
 
 
 def identity_or_none(question: Any) -> str | None:
-    """Return the text of a question, as by `identity_of`, or None if it contains code of the user."""
+    """Return the text of a question, from `identity_of`, or None if it contains code of the user."""
     try:
-        # A kind of sensor, or definitions of messages, may have been added: then other samples are read.
+        # A kind of sensor, or message definitions, may have been added: then other samples are read.
         readers = {kind.name: kind.read for kind in KINDS.values()}
         return identity_of((version("robowidgets"), question, readers, all_added(), installed()))
     except NotIdentifiedError:

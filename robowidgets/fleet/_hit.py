@@ -1,4 +1,4 @@
-"""One thing that a search through many recordings found."""
+"""One result of a search through many recordings."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from ._fleet_table import date_of
 
 
 class Hit(NamedTuple):
-    """A span in which the condition held: the recording, the topics that were looked at, and the fields of a `Span`."""
+    """A span in which the condition was true: the recording, the topics that were read, and the fields of a `Span`."""
 
     file: str
     topic: str
@@ -28,11 +28,11 @@ class Hit(NamedTuple):
 
     @property
     def date(self) -> datetime | None:
-        """Date and time of its start, in UTC; None if the clock of the recording has no date."""
+        """Date and time of its start, in UTC, or None if the clock of the recording has no date."""
         return date_of(self.start_ns)
 
     @property
     def moment(self) -> float:
-        """Seconds at which it is shown: when the nearest thing was met, or its value was reached, else its start."""
+        """The shown time in seconds: the time of the nearest reading or of the value, or else the start."""
         at_ns = self.value_ns if self.nearest_ns is None else self.nearest_ns
         return self.start if at_ns is None else self.start + (at_ns - self.start_ns) / 1e9

@@ -1,4 +1,4 @@
-"""The text of a question whose results are kept: equal for equal questions."""
+"""The text of a question with stored results: equal for equal questions."""
 
 from __future__ import annotations
 
@@ -17,8 +17,8 @@ class NotIdentifiedError(Exception):
 def identity_of(value: Any) -> str:
     """Return a text that is equal, in each process, for equal questions.
 
-    Known are plain values and what robowidgets itself defines, such as its conditions with their arguments. Nothing
-    can tell if a function of the user computes the same as yesterday: it may read a file, a module or the environment.
+    It accepts plain values and objects of robowidgets, such as its conditions with their arguments. Functions of the
+    user are not accepted, because their results may change: they may read a file, a module or the environment.
 
     Raises:
         NotIdentifiedError: the value contains anything else.

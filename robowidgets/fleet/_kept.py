@@ -1,4 +1,4 @@
-"""Results that are kept from one run to the next, by recording."""
+"""Results that are stored between runs, by recording."""
 
 from __future__ import annotations
 
@@ -19,18 +19,18 @@ from ..recordings import remote
 from ..repair import RecordingError, files_beside, find_files
 
 _AT_ONCE = 16
-"""How many servers' answers are waited for at once."""
+"""The maximum number of servers that are asked at the same time."""
 
 
 class RecordingState(NamedTuple):
-    """What changes whenever a recording does, None where a server does not tell; and why it cannot be looked at."""
+    """A text that changes whenever a recording does, or None if its server has no such text; or a problem."""
 
     text: str | None
     problem: str = ""
 
 
 def states_of(paths: Iterable[Path | str]) -> dict[str, RecordingState]:
-    """The state of each recording: size and time of its files. Servers are asked for several at once."""
+    """Return the state of each recording: size and time of its files. Several servers are asked at the same time."""
     given = list(paths)
     waiting: SimpleQueue[str] = SimpleQueue()
     answers: SimpleQueue[tuple[str, RecordingState]] = SimpleQueue()
@@ -70,21 +70,21 @@ def _state_of(path: Path | str) -> RecordingState:
         return RecordingState(None, f"cannot be read: {error.strerror or error}")
     except RecordingError as error:
         return RecordingState(None, str(error))
-    except Exception as error:  # of a driver: who waits for the answer must get one
-        return RecordingState(None, f"cannot be looked at: {type(error).__name__}: {redacted(one_line(error))}")
-    # The time of change, too: a copy may have size and time of the file that it replaces.
+    except Exception as error:  # from a driver: the caller must get an answer
+        return RecordingState(None, f"its state cannot be read: {type(error).__name__}: {redacted(one_line(error))}")
+    # The time of change, too: a copy may have the size and time of the file that it replaces.
     told = ((name, stat.st_size, stat.st_mtime_ns, stat.st_ctime_ns) for name, stat in stats)
     return RecordingState(json.dumps([str(path), *told]))
 
 
 class Kept:
-    """The results of one question, in one file of lines: checksum, state and result. Damaged lines are left out.
+    """The stored results of one question, in a file of lines: checksum, state and result. Damaged lines are ignored.
 
     Args:
-        question: a text for what was asked.
+        question: the text of the question.
 
     Attributes:
-        problem: why results cannot be kept; empty while they can.
+        problem: the reason why results cannot be stored, or empty while they can.
     """
 
     def __init__(self, question: str) -> None:
@@ -102,21 +102,21 @@ class Kept:
                 self._results[state] = result
 
     def get(self, state: str) -> Any:
-        """The result for a recording in this state; None without one."""
+        """Return the result for a recording in this state, or None without one."""
         return self._results.get(state)
 
     def add(self, path: str, state: str | None, result: Any) -> Any:  # noqa: ARG002
-        """Keep a result, and return it. Where that fails, `problem` says why, and no more are kept."""
+        """Store a result, and return it. If that fails, `problem` has the reason, and no more results are stored."""
         if self.problem or not state:
             return result
         try:
             self._path.parent.mkdir(parents=True, exist_ok=True)
-            # One write at the end of the file: a run beside this one may write to it, too.
+            # One write at the end of the file: another run may write to it at the same time.
             with self._path.open("ab", buffering=0) as file:
                 text = json.dumps([state, result]).encode()
                 file.write(b"\n%b %b\n" % (_checksum(text), text))
         except OSError as error:
-            self.problem = f"results are not kept for the next time: {error}"
+            self.problem = f"results cannot be stored for the next run: {error}"
         return result
 
 

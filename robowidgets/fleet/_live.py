@@ -1,4 +1,4 @@
-"""What a search has found so far, as a table in the notebook that grows while it runs."""
+"""The results of a search so far, as a table in the notebook that grows while it runs."""
 
 from __future__ import annotations
 
@@ -14,17 +14,17 @@ from .hits import Hits
 
 _LEAST = 0.5
 _SHARE = 20
-"""Seconds between two updates, at least; and how many times the CPU time that one takes: a long table holds up
-nothing. The first one does not count, which loads the widget."""
+"""The minimum number of seconds between two updates, and a factor on the CPU time of an update, so that a long table
+does not slow down the search. The first update does not count, because it loads the widget."""
 
 
 class LiveTable:
-    """Shows what is found so far, once a search has run for a second in a cell of a notebook; elsewhere nothing.
+    """A table of the results so far, shown once a search has run for a second in a notebook cell, and nowhere else.
 
     Args:
-        to_hits: makes a table of the results so far, of what could not be read, and of all files.
-        clock: seconds.
-        cpu: seconds of CPU time of this thread: other processes search meanwhile, on all cores.
+        to_hits: makes a table of the results so far, the recordings that could not be read, and all files.
+        clock: returns seconds.
+        cpu: returns seconds of CPU time of this thread, because other processes search on all cores meanwhile.
     """
 
     def __init__(
@@ -41,7 +41,7 @@ class LiveTable:
         self._order: list[str] = []
 
     def grow(self, results: Mapping[str, Any], unread: Sequence[Unread], files: Sequence[str]) -> None:
-        """Show the results so far, of which earlier ones keep their places, if there are more and it is time."""
+        """Show the results so far, if there are more and an update is due. Earlier ones keep their places."""
         done = len(results) + len(unread)
         if not self._is_in_cell or done == self._done or self._clock() < self._due:
             return
@@ -51,7 +51,7 @@ class LiveTable:
         self._due = self._clock() + (_LEAST if is_first else max(_LEAST, _SHARE * (self._cpu() - began)))
 
     def end(self, hits: Hits, results: Mapping[str, Any]) -> None:
-        """Show all that was found, and have it stand for the table of the result below this cell."""
+        """Show all results, and let this table replace the table of the result below this cell."""
         if self._sheet is not None:
             self._show(results, hits.unread, hits.files, None if hits.is_complete else hits.until)
             hits.shown_in, hits.live = running_cell(), self._sheet

@@ -1,4 +1,4 @@
-"""Makes the pictures of a contact sheet in a thread, and sends them to the page."""
+"""A thread that makes the pictures of a contact sheet, and sends them to the page."""
 
 from __future__ import annotations
 
@@ -19,29 +19,29 @@ from ._pictures import pictures, unreadable
 log = logging.getLogger("robowidgets")
 
 AT_ONCE = 16
-"""Pictures that are made before another look at what is wanted."""
+"""Pictures that are made before the requests are checked again."""
 
 SENT_UNASKED = 20_000
-"""Pictures that are sent before anybody looks at them, so that they are there while a cell runs."""
+"""The number of pictures that are sent before the page requests them, so that they are available while a cell runs."""
 
 MEMORY = 200_000_000
-"""Most bytes of decoded samples of the recording that is read."""
+"""The maximum size of the decoded samples of the recording that is read."""
 
 _AT_EASE = 4
-"""Idle time of the thread per working time, while nobody looks at what it makes."""
+"""Idle time of the thread per working time, while the page does not show the pictures that it makes."""
 
 _HELD = 60
-"""Pictures of the first screen, which the state of the widget holds."""
+"""Pictures of the first screen, which are in the state of the widget."""
 
 
 class PictureSender:
-    """Makes pictures and sends them: first those that a page looks at, then all others once it asked.
+    """A maker and sender of pictures: first the ones that a page shows, then all others after its first request.
 
     Args:
         send: sends some packed pictures.
-        hold: gets the packed pictures of the first screen, once.
+        hold: called once with the packed pictures of the first screen.
         wanted: the condition.
-        scheduler: repeats its turns.
+        scheduler: the scheduler that repeats its turns.
     """
 
     def __init__(
@@ -58,31 +58,31 @@ class PictureSender:
         self._looked_at: list[int] = []
         self._sent: set[int] = set()
         self._next = 0
-        """The first that may not be sent yet."""
+        """The first picture that may not be sent yet."""
         self._is_asked = False
         self._first: dict[int, bytes] | None = {}
-        """Pictures of the first screen, until all are there."""
+        """Pictures of the first screen, until all are made."""
         self._recording: RecordingData | None = None
         self._file = ""
         self._ticket: Ticket | None = None
         self._is_closed = False
 
     def set_hits(self, hits: Sequence[Hit]) -> None:
-        """Have hits, of which those that were there keep their numbers."""
+        """Set the hits. Earlier hits keep their numbers."""
         with self._lock:
             self._hits = hits
             self._wake()
 
     def look(self, numbers: Sequence[int]) -> None:
-        """Make these next; those that were asked for before and are not made yet can wait."""
+        """Make these pictures next; earlier requests that are not done yet can wait."""
         with self._lock:
             self._looked_at = [*numbers]
-            self._sent.difference_update(numbers)  # it asks for what it lacks
+            self._sent.difference_update(numbers)  # the page requests only pictures that it lacks
             self._is_asked = True
             self._wake()
 
     def start_anew(self) -> None:
-        """Send all again: to a page that has none."""
+        """Send all pictures again, to a page that has none."""
         with self._lock:
             self._sent.clear()
             self._next = 0
@@ -95,14 +95,14 @@ class PictureSender:
                 self._ticket.wake()
 
     def _wake(self) -> None:
-        """Called with the lock."""
+        """Wake or start the thread. Called with the lock held."""
         if self._ticket is not None:
             self._ticket.wake()
         elif self._is_asked and not self._is_closed:
             self._ticket = self._scheduler.start(self._turn, "robowidgets-pictures", runs_user_code=True)
 
     def _turn(self) -> float | None:
-        """Make and send some; returns when to go on."""
+        """Make and send some pictures; return the time of the next turn."""
         with self._lock:
             is_closed, ticket, batch = self._is_closed, self._ticket, self._batch()
             is_urgent = bool(self._looked_at)
@@ -126,7 +126,7 @@ class PictureSender:
         return self._scheduler.clock.now() + rest
 
     def _batch(self) -> dict[int, Hit]:
-        """The next ones to make, all of one file."""
+        """Return the next hits to draw, all of one file."""
         hits = self._hits
         looked_at = [number for number in self._looked_at if number < len(hits)]
         if looked_at:
@@ -143,7 +143,7 @@ class PictureSender:
         return {number: hits[number] for number in chosen[:AT_ONCE]}
 
     def _first_screen(self, made: Mapping[int, bytes], is_urgent: bool) -> bytes:
-        """The pictures of the first screen, once all of them are there; else nothing."""
+        """Return the pictures of the first screen once all of them are made, otherwise nothing."""
         if self._first is None or not is_urgent:
             return b""
         self._first |= made
@@ -154,9 +154,9 @@ class PictureSender:
         return held
 
     def _make(self, batch: Mapping[int, Hit]) -> dict[int, bytes]:
-        """The pictures of hits in one file, packed; in the place of those that cannot be made, the reason."""
+        """Return the packed pictures of hits in one file, or a reason for each that cannot be made."""
         file = next(iter(batch.values())).file
-        # Without progress bars: those of a background thread would appear below any cell.
+        # Without progress bars: bars of a background thread would appear below any cell.
         with without_bars():
             try:
                 if self._recording is None or self._file != file:

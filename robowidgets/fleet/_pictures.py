@@ -1,4 +1,4 @@
-"""The small pictures of a contact sheet: what a condition saw at one moment, as bytes for the page."""
+"""The small pictures of a contact sheet: the view of a condition at one moment, as bytes for the page."""
 
 from __future__ import annotations
 
@@ -23,16 +23,17 @@ from ..search.instant import Instant, NoSampleYetError, Now
 from ._hit import Hit
 
 MOST_RAYS = 400
-"""Rays of a picture: as many as a circle of 120 pixels has dots. Of more, each dot is the nearest of some."""
+"""The maximum number of rays of a picture: as many as a circle of 120 pixels has dots. Otherwise each dot is the
+nearest of several."""
 
 POINTS = 64
-"""Of the line of a number."""
+"""The number of points of a number's line."""
 
 _AROUND = 1.0
-"""Seconds of a line before and after its span, at least; half of the span where that is more."""
+"""The minimum number of seconds of a line before and after its span; half of the span if that is longer."""
 
 _HEAD = struct.Struct("<IBxHfffHxx")
-"""Number of the hit, form, count of rays or points, two facts of the form, metres of a step, bytes of the words."""
+"""Number of the hit, form, count of rays or points, two facts of the form, metres of a step, bytes of the text."""
 
 RAYS, LINE, WORDS = 1, 2, 3
 _LIT, _MOST = 0x8000, 0x7FFF
@@ -41,16 +42,16 @@ _LONGEST = 300
 
 
 class Thumbnail(NamedTuple):
-    """What a tile shows of a hit.
+    """The content of the tile of a hit.
 
     Attributes:
         form: RAYS, LINE or WORDS.
-        values: of rays, steps of distance in the low 15 bits, 0 for no reading, and whether the condition holds for it
-            in the highest one, uint16; of a line, float32. Shape (N,).
-        facts: of rays, the angle of the first and that between two, in radians; of a line, its start and its end in
-            seconds from that of the span.
+        values: for rays, uint16: steps of distance in the low 15 bits, 0 for no reading, and in the highest bit 1 if
+            the condition is true for the ray; for a line, float32. Shape (N,).
+        facts: for rays, the angle of the first and the angle between two, in radians; for a line, its start and its end
+            in seconds from the start of the span.
         step: metres.
-        words: what was compared, or what happened.
+        words: the text of the comparison or the event.
     """
 
     form: int
@@ -60,7 +61,7 @@ class Thumbnail(NamedTuple):
     words: str = ""
 
     def pack(self, number: int) -> bytes:
-        """As bytes for the page, which end at a multiple of 4: js/sheet/pictures.ts."""
+        """Return bytes for the page, whose length is a multiple of 4: js/sheet/pictures.ts."""
         words = self.words.encode()[:_LONGEST]
         head = _HEAD.pack(number, self.form, len(self.values), *self.facts, self.step, len(words))
         body = self.values.tobytes() + words
@@ -68,12 +69,12 @@ class Thumbnail(NamedTuple):
 
 
 def pictures(recording: RecordingData, hits: Mapping[int, Hit], wanted: Condition | None) -> Iterator[bytes]:
-    """The pictures of hits in one recording, packed.
+    """Yield the packed pictures of hits in one recording.
 
     Args:
         recording: the recording.
-        hits: by their numbers.
-        wanted: the condition; None: it is not known, and no ray is lit but the nearest.
+        hits: the hits by their numbers.
+        wanted: the condition, or None if it is unknown: then only the nearest ray is lit.
     """
     number = None if wanted is None else _number(recording, wanted)
     for key, hit in hits.items():
@@ -81,7 +82,7 @@ def pictures(recording: RecordingData, hits: Mapping[int, Hit], wanted: Conditio
 
 
 def unreadable(reason: str) -> Thumbnail:
-    """In the place of a picture that cannot be made."""
+    """Return a replacement for a picture that cannot be made."""
     return Thumbnail(WORDS, np.empty(0, np.uint8), words=reason)
 
 
@@ -94,7 +95,7 @@ def _picture(recording: RecordingData, hit: Hit, wanted: Condition | None, numbe
     known = shown(recording.topics)
     scanned = next((name for name in topics if name in known and known[name].widget == LASER.name), None)
     is_touch = all(name in known and known[name].widget == TOUCH.name for name in topics)
-    # Of a touch a scan tells what was touched; of a name that a person gave, all that is known is when.
+    # For a touch, a scan shows what touched the robot. For a label, only the time is known.
     if not scanned and (is_touch or not hit.topic):
         scanned = next((name for name, topic in known.items() if topic.widget == LASER.name), None)
     scan = recording.at(scanned, seconds) if scanned else None
@@ -106,14 +107,14 @@ def _picture(recording: RecordingData, hit: Hit, wanted: Condition | None, numbe
 
 
 def _judged(recording: RecordingData, hit: Hit, wanted: Condition | None, seconds: float) -> Verdict:
-    """What the condition says of the moment; that it is unknown where it takes more than one."""
+    """Return the verdict of the condition on the moment, or unknown if it needs more than one moment."""
     if wanted is None or hit.silent:
         return UNKNOWN
     try:
         return wanted.judge(_At(recording, seconds))
     except NoSampleYetError:
         return UNKNOWN
-    except Exception as error:  # of a user's function, which may know this moment alone no longer
+    except Exception as error:  # from a user's function, which may need more than this moment
         return Verdict(None, f"cannot be judged again: {type(error).__name__}: {one_line(error)}")
 
 
@@ -138,10 +139,10 @@ def _of_scan(scan: Scan, hit: Hit, verdict: Verdict) -> Thumbnail:
 
 
 def _number(recording: RecordingData, wanted: Condition) -> Curve | None:
-    """The number that a condition compares; None where it compares none, or this recording has none."""
+    """Return the number that a condition compares, or None if it compares none, or if this recording has none."""
     try:
         return wanted.number(recording)
-    except (KeyError, TypeError):  # of conditions joined by |: the recording may lack the topic of one of them
+    except (KeyError, TypeError):  # from conditions joined by |: the recording may lack the topic of one of them
         return None
 
 
@@ -155,7 +156,7 @@ def _of_number(number: Curve, hit: Hit) -> Thumbnail:
 
 
 class _At(Instant):
-    """The last samples of a recording up to a time, as a condition takes them: by kind, by topic, as messages."""
+    """The last samples of a recording up to a time, in the form for conditions: by kind, by topic, as messages."""
 
     def __init__(self, recording: RecordingData, seconds: float) -> None:
         self._recording, self._at = recording, seconds
@@ -189,7 +190,7 @@ class _At(Instant):
 
 
 class _Messages(Mapping[str, Any]):
-    """The last message of each topic, by its name."""
+    """The last message of each topic by name."""
 
     def __init__(self, recording: RecordingData, seconds: float) -> None:
         self._recording, self._at = recording, seconds

@@ -1,4 +1,4 @@
-"""The contact sheet of what was found, and below it the player of the moment that was opened."""
+"""The contact sheet of hits, and below it the player of the opened hit."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ from ._picture_sender import PictureSender
 _Named = TypeVar("_Named", Label, LabelledSpan)
 
 _SAME = 1e-6
-"""Seconds by which two times of one moment differ at most."""
+"""The maximum difference in seconds between two times of one moment."""
 
 
 class Sheet(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
@@ -35,12 +35,12 @@ class Sheet(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
 
     Args:
         condition: the text of the condition.
-        wanted: the condition itself; None: it is not known.
+        wanted: the condition itself, or None if it is unknown.
         **options: keywords of `SheetWidget`.
 
     Attributes:
         widget: the sheet itself.
-        player: that of the moment that is open; None: none is.
+        player: the player of the open hit, or None.
     """
 
     player: Player | None = None
@@ -49,7 +49,7 @@ class Sheet(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
         take_the_place(self)
         self._hits: Sequence[Hit] = ()
         self._wanted = 0
-        """The number of the hit that is to be open."""
+        """The number of the hit to open."""
         # Messages of the page may arrive in another thread while a cell runs.
         self._open = CoalescedCall(self._open_wanted)
         self.widget = SheetWidget(
@@ -71,14 +71,14 @@ class Sheet(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
         problems: Mapping[str, Sequence[str]] | None = None,
         done: int | None = None,
     ) -> None:
-        """Show hits. Those that were there before keep their places.
+        """Show hits. Earlier hits keep their places.
 
         Args:
-            hits: what was found.
+            hits: the results.
             files: all recordings that were named.
-            unread: those that could not be read.
-            problems: by recording, what is wrong with it.
-            done: how many were searched so far; None: all.
+            unread: the recordings that could not be read.
+            problems: the problems of each recording.
+            done: the number of recordings that were searched so far, or None for all.
         """
         self._hits = hits
         names = short([*files]) if files else {}
@@ -109,13 +109,13 @@ class Sheet(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
 
     @property
     def picked(self) -> Hit | None:
-        """The hit that is kept; None: none."""
+        """The picked hit, or None."""
         number = self.widget.picked
         return None if number is None or number >= len(self._hits) else self._hits[number]
 
     @property
     def false_finds(self) -> list[Hit]:
-        """The hits that a person marked as false finds."""
+        """The hits that the user marked as false finds."""
         return [self._hits[number] for number in self.widget.false_finds if number < len(self._hits)]
 
     def open_hit(self, number: int) -> None:
@@ -124,12 +124,12 @@ class Sheet(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
         While another thread opens a hit, that thread opens this one afterwards, and the call returns at once.
 
         Args:
-            number: of the hit.
+            number: the number of the hit.
 
         Raises:
-            RecordingError: its recording cannot be read any more.
+            RecordingError: the recording of the hit cannot be read any more.
         """
-        self._hits[number]  # IndexError for one that is not there
+        self._hits[number]  # IndexError for a wrong number
         self._wanted = number
         self._open()
 
@@ -153,14 +153,15 @@ class Sheet(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
         self.player.seek(hit.moment)
 
     def label_hit(self, number: int, name: str) -> None:
-        """Give the span of a hit a name, which is kept beside its recording, in place of the one that it has.
+        """Label the span of a hit, next to its recording, instead of its previous label.
 
         Args:
-            number: of the hit.
-            name: such as ``"door"``; empty: it has none any more.
+            number: the number of the hit.
+            name: a name such as ``"door"``, or empty to remove the label.
 
         Raises:
-            TypeError, ValueError: no name. RecordingError: it cannot be kept there. See `Recording.label`.
+            TypeError, ValueError: ``name`` is not a name. RecordingError: the label cannot be saved. See
+                `Recording.label`.
         """
         hit = self._hits[number]
         with open_recording(hit.file) as recording:
@@ -174,7 +175,7 @@ class Sheet(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
         self._read_labels()
 
     def _read_labels(self, _change: Any = None) -> None:
-        """Show the names that spans of hits have beside their recordings by now."""
+        """Show the current labels of hits, which are stored next to their recordings."""
         of_folder: dict[Path, dict[str, list[LabelledSpan]]] = {}
         labels = {}
         for number, hit in enumerate(self._hits):
@@ -211,7 +212,7 @@ class Sheet(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
 
 
 def _label_of(hit: Hit, labels: Sequence[_Named]) -> _Named | None:
-    """The name of the span of a hit that was given last; None: it has none."""
+    """Return the last label of the span of a hit, or None if it has no label."""
     end = max(hit.end, hit.start + SHORTEST)
     same = [one for one in labels if abs(one.start - hit.start) < _SAME and abs(one.end - end) < _SAME]
     return same[-1] if same else None

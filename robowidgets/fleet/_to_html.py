@@ -1,4 +1,4 @@
-"""The contact sheet as one page in a file, which plays each moment."""
+"""The contact sheet as one page in a file that plays each hit."""
 
 from __future__ import annotations
 
@@ -86,7 +86,7 @@ _ADVICE = "take fewer hits (hits[:50].to_html(...)), or less around each (around
 
 
 def _together(assets: Sequence[PageAssets]) -> PageAssets:
-    """Those of all pages, each once; last the script that builds the page."""
+    """Join the assets of all pages, each once; last the script that builds the page."""
     last = assets[-1].scripts[-1]
     styles = dict.fromkeys(style for one in assets for style in one.styles)
     scripts = dict.fromkeys(script for one in assets for script in one.scripts if script != last)
@@ -94,7 +94,7 @@ def _together(assets: Sequence[PageAssets]) -> PageAssets:
 
 
 def _check(size: int, target: Path, done: int, count: int, max_size: int | None) -> None:
-    """Fail as soon as it is clear that a page gets too large."""
+    """Raise ValueError as soon as it is clear that a page gets too large."""
     if max_size is not None and size > max_size:
         whole = round(size / done * count)
         raise ValueError(

@@ -1,4 +1,4 @@
-"""Which topic of a recording is meant, where it has several of a kind and nobody names one."""
+"""The choice of a topic in a recording that has several of a kind, if the user names none."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from ..recordings.topics import Topic, UnknownTopicError, likeliest, shown
 
 
 def chosen_of(recording: RecordingData, patterns: Collection[str]) -> list[str]:
-    """The topic that is meant of each kind of which there are several.
+    """Return the chosen topic of each kind with several topics.
 
     Raises:
         UnknownTopicError: no topic fits one of the patterns.
@@ -19,9 +19,7 @@ def chosen_of(recording: RecordingData, patterns: Collection[str]) -> list[str]:
     for pattern in patterns:
         if not any(_fits(topic, (pattern,)) for topic in topics):
             there = ", ".join(topic.name for topic in topics if topic.widget) or "none"
-            raise UnknownTopicError(
-                f"{recording.path.name} has no topic {pattern!r}: those that a widget shows are {there}"
-            )
+            raise UnknownTopicError(f"{recording.path.name} has no topic {pattern!r}; topics with a widget: {there}")
     chosen = []
     for kind in dict.fromkeys(topic.widget for topic in topics if topic.widget):
         fitting = [topic for topic in topics if topic.widget == kind and topic.count]
@@ -32,9 +30,9 @@ def chosen_of(recording: RecordingData, patterns: Collection[str]) -> list[str]:
 
 
 def looked_at(recording: RecordingData, patterns: Collection[str]) -> list[str]:
-    """The topics that a function may read: those that a widget shows, and those that fit one of the patterns.
+    """Return the topics that a function may read: topics with a widget, and topics that fit one of the patterns.
 
-    One that cannot be read is among them only where it is named in full: then that is an error.
+    A topic that cannot be read is included only if it is named in full: then reading it raises an error.
     """
     can = shown(recording.topics)
     asked = [topic for topic in recording.topics if _fits(topic, patterns)]

@@ -1,4 +1,4 @@
-"""A check-up of many recordings: which kinds of problems there are, in how many, and since when."""
+"""A check-up of many recordings: the kinds of problems, the number of recordings with them, and their first dates."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ _NUMBERS = re.compile(r"\d[\d,.:]*")
 
 
 class KindOfProblem(NamedTuple):
-    """Problems that differ by their numbers alone: in how many recordings, the first of them by date, and a remedy."""
+    """Problems that differ only in their numbers: the number of recordings, the date of the first, and a remedy."""
 
     text: str
     recordings: int
@@ -32,11 +32,11 @@ class KindOfProblem(NamedTuple):
 
 
 class CheckUp(FleetTable):
-    """The problems of many recordings; printed, it has a line for each kind of problem. As a table it has all.
+    """The problems of many recordings. Printed, it has a line for each kind of problem. As a table it has all.
 
     Args:
-        found: by recording, its start and its problems with their remedies.
-        **rows: as `FleetTable`.
+        found: the start of each recording, and its problems with their remedies.
+        **rows: as for `FleetTable`.
     """
 
     _types: ClassVar = {"file": text, "date": date, "problem": text, "remedy": text}
@@ -47,7 +47,7 @@ class CheckUp(FleetTable):
 
     @property
     def kinds(self) -> tuple[KindOfProblem, ...]:
-        """The kinds of problems, those of most recordings first."""
+        """The kinds of problems, the most frequent first."""
         groups: dict[str, dict[str, tuple[str, str]]] = {}
         for file, one in self._found.items():
             for problem, remedy in one["problems"]:
@@ -77,7 +77,7 @@ class CheckUp(FleetTable):
 
 
 def doctor(*paths: PathLike, executor: Any = None, longest: float = LONGEST, keep: bool = True) -> CheckUp:
-    """A check-up of many recordings, each as by `Recording.doctor`: which problems, in how many, and since when.
+    """Check many recordings with `Recording.doctor`: the problems, the number of recordings, and the first dates.
 
     Args:
         *paths: as for `find`.
@@ -86,7 +86,7 @@ def doctor(*paths: PathLike, executor: Any = None, longest: float = LONGEST, kee
         keep: as for `find`.
 
     Raises:
-        TypeError: as `find`. ValueError: as `find`.
+        TypeError: as for `find`. ValueError: as for `find`.
     """
     kept = kept_of(("doctor", _FORM), keep)
     gathered = gather(_check, paths, kept, "Checking", executor=executor, longest=longest)

@@ -1,4 +1,4 @@
-"""An index of many recordings: what each holds in each second, as one Parquet file."""
+"""An index of many recordings: a summary of each second of each, as one Parquet file."""
 
 from __future__ import annotations
 
@@ -45,25 +45,25 @@ _COLUMNS: dict[str, RowType] = {
 }
 """The columns with their types."""
 _ROWS = 100_000
-"""Rows that are written at once: as many as a group of the file has."""
-_LATER = "not read before an interrupt: the same call goes on"
+"""Rows that are written at once: the size of a row group of the file."""
+_LATER = "not read before an interrupt: the same call continues"
 
 
 class Drives:
-    """An index of recordings, as `index` wrote it: a row for each second of each.
+    """An index of recordings, written by `index`: a row for each second of each recording.
 
     The columns: ``file``, ``start_ns``, ``second`` from its start, and its ``date`` in UTC; ``nearest``, ``front``,
-    ``left``, ``back`` and ``right``, metres to the nearest thing there; ``linear_x_min`` to ``angular_z_max``, the
-    least and the greatest speed by axis in m/s and rad/s; ``touched``, the sensors that were, as text; ``gap``, the
-    longest silence in seconds that reaches into it; ``x``, ``y`` and ``yaw`` by odometry; ``scan``, ``speed`` and
-    ``touch``, the topics. What is not known is null. Seconds in which no message came have no row: a row holds until
-    the next one. Of a recording that could not be read there is one row with the reason as ``problem``.
+    ``left``, ``back`` and ``right``, the nearest distance in metres in each sector; ``linear_x_min`` to
+    ``angular_z_max``, the lowest and the highest speed by axis in m/s and rad/s; ``touched``, the touched sensors, as
+    text; ``gap``, the longest silence in seconds that overlaps it; ``x``, ``y`` and ``yaw`` by odometry; ``scan``,
+    ``speed`` and ``touch``, the topics. Unknown values are null. Seconds without a message have no row: a row is valid
+    until the next one. A recording that could not be read has one row with the reason as ``problem``.
 
     Args:
         path: the file, or a folder of such files.
 
     Raises:
-        RecordingError: it is no such file.
+        RecordingError: the path is not an index.
         ImportError: pyarrow is not installed.
     """
 
@@ -77,29 +77,29 @@ class Drives:
         except (OSError, arrow.ArrowInvalid, KeyError, TypeError, ValueError) as error:
             why = f" ({error})" if isinstance(error, OSError) else ""
             raise RecordingError(
-                f"{self.path.name} is no index of drives{why}: robowidgets.index() writes one"
+                f"{self.path.name} is not an index of drives{why}: robowidgets.index() writes one"
             ) from None
         if about["form"] != _FORM:
             raise RecordingError(f"{self.path.name} was written by another version of robowidgets: index again")
         self.topics: tuple[str, ...] = tuple(about["topics"])
-        """Names and patterns of the topics that are meant where a recording has several of a kind."""
+        """Names and patterns of preferred topics, for recordings with several topics of a kind."""
         self.identity: str | None = about["identity"]
 
     @property
     def files(self) -> tuple[str, ...]:
-        """The recordings, by name."""
+        """The recordings, sorted by name."""
         return tuple(self.states)
 
     @cached_property
     def states(self) -> dict[str, str | None]:
-        """What each recording was when it was read: None where that was not known, or where it could not be."""
+        """The state of each recording when it was read, or None if the state was unknown or it could not be read."""
         rows = self._first_rows.to_pylist()
         found = {row["file"]: None if row["problem"] else row["state"] for row in rows}
         return dict(sorted(found.items(), key=lambda one: natural(one[0])))
 
     @property
     def unread(self) -> tuple[Unread, ...]:
-        """The recordings that could not be read, and why."""
+        """The recordings that could not be read, with the reasons."""
         rows = self._first_rows.select(["file", "problem"]).to_pylist()
         return tuple(Unread(row["file"], row["problem"]) for row in rows if row["problem"])
 
@@ -110,20 +110,20 @@ class Drives:
         return self.dataset.to_table(["file", "state", "problem"], filter=field.is_null() | (field == 0))
 
     def to_arrow(self) -> Any:
-        """All of it as a pyarrow Table."""
+        """Return the whole index as a pyarrow Table."""
         return self.dataset.to_table()
 
     def candidates(self, given: Condition | Callable[..., Any]) -> list[str]:
-        """The recordings in which a condition may have been true, as far as the index tells.
+        """Return the recordings in which a condition may have been true, according to the index.
 
-        It tells of `nearest_below`, `speed_above`, `touched` and `gap`, and of what is joined of them. A recording that
-        could not be read then, or has changed since, is one of them.
+        The index is enough for `nearest_below`, `speed_above`, `touched` and `gap`, and combinations of them.
+        Recordings that could not be read, or have changed since, are always included.
 
         Args:
             given: as for `find`.
 
         Raises:
-            TypeError: no condition.
+            TypeError: ``given`` is not a condition.
         """
         wanted = condition(given)
         asked = _Asked()
@@ -150,7 +150,7 @@ class Drives:
         longest: float = LONGEST,
         keep: bool = True,
     ) -> Hits:
-        """What `robowidgets.find` finds in these recordings, of which it reads the `candidates` alone.
+        """Return the results of `robowidgets.find` in these recordings. Only `candidates` are read.
 
         Args:
             given: as for `find`.
@@ -159,7 +159,7 @@ class Drives:
             keep: as for `find`.
 
         Raises:
-            TypeError: as `find`.
+            TypeError: as for `find`.
         """
         wanted = condition(given)
         asked = self.candidates(wanted)
@@ -184,12 +184,12 @@ class Drives:
 
 
 def drives(path: PathLike) -> Drives:
-    """The index that `index` wrote; see `Drives`."""
+    """Open an index that `index` wrote; see `Drives`."""
     return Drives(path)
 
 
 def is_index(paths: Sequence[PathLike]) -> bool:
-    """Whether paths name an index, rather than recordings."""
+    """Return True if paths name an index, and not recordings."""
     return len(paths) == 1 and Path(paths[0]).suffix == ".parquet"
 
 
@@ -200,20 +200,20 @@ def index(
     executor: Any = None,
     longest: float = LONGEST,
 ) -> Drives:
-    """Write what many recordings hold in each second, so that a question need not read them: see `Drives`.
+    """Write a summary of each second of many recordings, so that a search can skip most of them: see `Drives`.
 
-    It holds the recordings that are named, and no others. Those that an earlier index of this name has, and that have
-    not changed, are not read again. An interrupt (stop the cell, Ctrl-C) keeps what was read; the same call goes on.
+    The index contains exactly the given recordings. Recordings that are in an earlier index of this name, and have not
+    changed, are not read again. An interrupt (stop the cell, Ctrl-C) keeps the finished part; the same call continues.
 
     Args:
         *paths: as for `find`.
-        output: the file, such as ``"drives.parquet"``; an existing one is replaced when the new one is complete.
+        output: the file, such as ``"drives.parquet"``; an existing file is replaced when the new one is complete.
         topics: as for `find`.
         executor: as for `find`.
         longest: as for `find`.
 
     Raises:
-        TypeError: as `find`. ValueError: as `find`, or the name does not end in ``.parquet``.
+        TypeError: as for `find`. ValueError: as for `find`, or the name does not end in ``.parquet``.
         ImportError: pyarrow is not installed. OSError: the file cannot be written.
 
     Example:
@@ -236,7 +236,7 @@ def index(
 
 
 class _Index:
-    """The rows of one recording.
+    """A function that returns the rows of one recording.
 
     Args:
         topics: names and patterns of topics.
@@ -255,9 +255,9 @@ class _Rows:
     """The rows of an index that is being written.
 
     Args:
-        schema: of its columns.
-        writer: takes tables.
-        earlier: an index that has some of the recordings.
+        schema: the schema of its columns.
+        writer: a Parquet writer.
+        earlier: an earlier index with some of the recordings.
     """
 
     problem = ""
@@ -270,14 +270,14 @@ class _Rows:
         self._tables: list[Any] = []
 
     def get(self, state: str) -> Any:
-        """An empty result for a recording that the earlier index has."""
+        """Return an empty result for a recording that the earlier index has, or None."""
         if state not in self._states:
             return None
         self._again.add(state)
         return {}
 
     def add(self, path: str, state: str | None, result: Any) -> Any:
-        """Write the rows of a recording; an empty result stays."""
+        """Write the rows of a recording; return an empty result, because nothing stays in memory."""
         start, second = result["start_ns"], result["second"]
         columns = {"file": path, "state": state, **result}
         if len(second) and has_date(start):
@@ -286,7 +286,7 @@ class _Rows:
         return {}
 
     def finish(self, unread: Mapping[str, str]) -> None:
-        """Write the rows of those that are not new, and of those that could not be read."""
+        """Write the rows from the earlier index, and rows for recordings that could not be read."""
         for file, problem in unread.items():
             self._put({"file": file, "problem": problem}, 1)
         if self._earlier and self._again:
@@ -311,14 +311,14 @@ class _Rows:
         self._write(_ROWS)
 
     def _write(self, least: int) -> None:
-        """Write what there is, if it is so many rows."""
+        """Write the collected rows, if they are at least so many."""
         if sum(len(table) for table in self._tables) >= least:
             self._writer.write_table(self._arrow.concat_tables(self._tables))
             self._tables.clear()
 
 
 class _Asked(Mapping[str, Any]):
-    """Columns without a row, which note which of them a condition looks at."""
+    """Columns without rows, which note the columns that a condition reads."""
 
     def __init__(self) -> None:
         self.names: list[str] = []
@@ -335,7 +335,7 @@ class _Asked(Mapping[str, Any]):
 
 
 def _earlier(target: Path, identity: str | None) -> Drives | None:
-    """The index that is there, if its rows are computed as those of now."""
+    """Return the existing index, if its rows were computed like the current ones, or None."""
     try:
         there = Drives(target) if identity and target.exists() else None
     except RecordingError:
@@ -344,5 +344,5 @@ def _earlier(target: Path, identity: str | None) -> Drives | None:
 
 
 def _texts(column: Any) -> Texts:
-    """A dictionary column of pyarrow."""
+    """Return the texts of a dictionary column of pyarrow."""
     return Texts(column.indices.fill_null(-1).to_numpy(False), column.dictionary.to_pylist())

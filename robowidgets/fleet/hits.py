@@ -1,4 +1,4 @@
-"""What a search through many recordings found, as one table."""
+"""The results of a search through many recordings, as one table."""
 
 from __future__ import annotations
 
@@ -25,15 +25,15 @@ if TYPE_CHECKING:
 
 
 class Hits(FleetTable, Sequence[Hit]):
-    """A table of what was found in many recordings; printed, it shows the first of it.
+    """A table of the results in many recordings. Printed, it shows the first ones.
 
     Args:
-        condition: the condition, or its text: pictures then show no ray for which it holds, but the nearest.
-        hits: what was found, by recording and time.
-        chosen: by recording, the topics that were chosen among several of a kind.
-        problems: by recording, what is wrong with it, as in `Recording.problems`: spans may be missing.
-        told: a line on how it was searched.
-        **rows: as `FleetTable`.
+        condition: the condition, or only its text: then pictures light only the nearest ray.
+        hits: the results, by recording and time.
+        chosen: the topics of each recording that were chosen among several of a kind.
+        problems: the problems of each recording, as in `Recording.problems`: spans may be missing.
+        told: a line on the way of the search.
+        **rows: as for `FleetTable`.
     """
 
     _types: ClassVar = {
@@ -69,9 +69,9 @@ class Hits(FleetTable, Sequence[Hit]):
         self._hits = tuple(hits)
         self._how = told
         self.shown_in: CellRun | None = None
-        """The run of a cell below which the hits are on show already."""
+        """The run of a cell below which the hits are shown already."""
         self.live: Sheet | None = None
-        """The table that grew there."""
+        """The table that grew below that cell."""
 
     def __len__(self) -> int:
         return len(self._hits)
@@ -101,10 +101,10 @@ class Hits(FleetTable, Sequence[Hit]):
         return iter(self._hits)
 
     def show(self, **options: Any) -> Sheet:
-        """A contact sheet: each hit as a small picture of the laser, the rays lit that made the condition true.
+        """Show a contact sheet: each hit as a small picture of the laser, with the rays of the condition lit.
 
-        A click opens the player of the recording at that moment, below the sheet. Hits of conditions on other things
-        show their value, or a line of it.
+        A click opens the player of the recording at that moment, below the sheet. Hits of conditions on other samples
+        show a value, or its line.
 
         Args:
             **options: keywords of `SheetWidget`, such as ``sort="file"``, or ``rows=True`` for a table.
@@ -114,7 +114,7 @@ class Hits(FleetTable, Sequence[Hit]):
         """
         sheet = self._sheet(**options)
         if self.live is not None and self.shown_in == running_cell() and self.live.player is None:
-            self.live.close()  # else the same would stand there twice
+            self.live.close()  # otherwise the same table would be shown twice
         return sheet
 
     def to_html(
@@ -129,19 +129,19 @@ class Hits(FleetTable, Sequence[Hit]):
         """Write the contact sheet as one page that plays each hit, which any browser shows with nothing installed.
 
         Args:
-            path: the file, such as ``"near_misses.html"``; an existing one is replaced when the new one is complete.
-            around: seconds that are played before and after each hit.
-            title: of the page; empty: the condition.
+            path: the file, such as ``"near_misses.html"``; an existing file is replaced when the new one is complete.
+            around: the number of seconds that are played before and after each hit.
+            title: the title of the page, or empty for the condition.
             note: a text under the title.
-            max_size: most bytes of the file; None: any number.
+            max_size: the maximum size of the file in bytes, or None for no limit.
 
         Returns:
             The path of the file.
 
         Raises:
-            ValueError: nothing was found, or the page would be too large; the text says what would make it smaller.
-            TypeError: ``around`` is no number. OSError: the file cannot be written. RecordingError: a recording cannot
-                be read any more.
+            ValueError: nothing was found, or the page would be too large; the text says how to make it smaller.
+            TypeError: ``around`` is not a number. OSError: the file cannot be written. RecordingError: a recording
+                cannot be read any more.
 
         Example:
             >>> hits[:50].to_html("near_misses.html", around=1.0)  # doctest: +SKIP
@@ -167,7 +167,7 @@ class Hits(FleetTable, Sequence[Hit]):
             yield {**hit._asdict(), "silent": list(hit.silent), "date": hit.date}
 
     def _table(self) -> Table:
-        """The first rows."""
+        """Return the table of the first hits."""
         met = any(hit.nearest is not None for hit in self)
         heads = ("file", "topic", "start", "end", "date", *("nearest", "index", "angle") * met, *more_heads(self))
         names = short([hit.file for hit in self])
@@ -183,14 +183,14 @@ class Hits(FleetTable, Sequence[Hit]):
         return f"{self.condition}: {len(self):,} in {len({hit.file for hit in self}):,} of {there}"
 
     def _told(self) -> Iterator[str]:
-        """How it was searched, and which topics were chosen."""
+        """Yield lines on the way of the search, and on the chosen topics."""
         if self._how:
             yield f"  {self._how}"
         if self.chosen:
             counts = Counter(topic for topics in self.chosen.values() for topic in topics)
             taken = listed([f"{topic} ({count:,})" for topic, count in counts.most_common()], 5)
             files = many(len(self.chosen), "file")
-            yield f"  {files} with several topics that fit: looked at {taken}; topics= names others"
+            yield f"  {files} with several topics that fit: read {taken}; choose others with topics="
 
     def _complaints(self) -> Iterator[str]:
         yield from super()._complaints()

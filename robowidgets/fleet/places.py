@@ -1,4 +1,4 @@
-"""Which recordings some paths name: files, folders with all that is in them, patterns, and URLs of all these."""
+"""The recordings that paths name: files, folders with all recordings in them, patterns, and URLs of all these."""
 
 from __future__ import annotations
 
@@ -17,22 +17,22 @@ PathLike = str | os.PathLike[str]
 
 
 class NamedPath(NamedTuple):
-    """A recording, or what was named as one: its path or URL, and why nothing is read there; empty if it is to be."""
+    """A path or URL that was given for a recording, and the reason if nothing is read there, or empty."""
 
     path: Path | str
     problem: str = ""
 
 
 def places_of(paths: Iterable[PathLike]) -> list[NamedPath]:
-    """The recordings that some paths name, each once, in the order given, and in a folder by name.
+    """Return the recordings that some paths name, each once, in the given order, and in a folder by name.
 
     Args:
         paths: files, folders with recordings at any depth, or patterns such as ``"runs/*.mcap"`` (``**`` for any
-            depth); or their URLs, such as ``"s3://bucket/runs/*.mcap"``. A folder of rosbag2, and a folder that holds
-            the parts of one recording alone, count as one; behind a URL, only one of rosbag2.
+            depth); or their URLs, such as ``"s3://bucket/runs/*.mcap"``. A rosbag2 folder, and a folder with only the
+            parts of one recording, count as one recording; at a URL, only a rosbag2 folder does.
 
     Raises:
-        TypeError: a path is no path. ValueError: none is given.
+        TypeError: a path is not a path. ValueError: no path is given.
     """
     found: dict[Path | str, NamedPath] = {}
     for path in paths:
@@ -46,7 +46,7 @@ def places_of(paths: Iterable[PathLike]) -> list[NamedPath]:
 
 
 def the_only(paths: Iterable[PathLike]) -> Path | str | None:
-    """The only recording that some paths name, or the path that names none; None where they name several."""
+    """Return the only recording that some paths name, or the path without one, or None for several recordings."""
     places = places_of(paths)
     return places[0].path if len(places) == 1 else None
 
@@ -72,7 +72,7 @@ def _named(text: str) -> Iterator[NamedPath]:
 
 
 def _within(folder: Path) -> Iterator[NamedPath]:
-    """The recordings in a folder; links to other folders are not followed."""
+    """Yield the recordings in a folder; links to other folders are not followed."""
     try:
         if is_one_recording(folder):
             yield NamedPath(folder)

@@ -18,7 +18,7 @@ from .hits import Hit, Hits
 from .places import PathLike
 
 _FORM = 5
-"""Of the results that are kept: another number for another form."""
+"""The version of the form of the stored results."""
 
 
 def find(
@@ -29,28 +29,30 @@ def find(
     longest: float = LONGEST,
     keep: bool = True,
 ) -> Hits:
-    """When something held in many recordings: one table, with a row for each span and for each file not read.
+    """Find the spans of a condition in many recordings: a table with a row for each span and each file not read.
 
-    It is `Recording.find` for each recording. Those that were searched for the same before are not read again, unless
-    they changed. In a notebook, a table of what was found grows while it runs, in which a click opens the recording
-    there. An interrupt (stop the cell, Ctrl-C) ends the search and keeps what was found; the same search
-    goes on.
+    It calls `Recording.find` for each recording. Recordings that were searched for the same condition before are not
+    read again, unless they changed. In a notebook, a table of the results grows while the search runs; a click in it
+    opens the recording at that time. An interrupt (stop the cell, Ctrl-C) ends the search and keeps the results; the
+    same search continues.
 
     Args:
-        given: as `Recording.find`: one of `robowidgets.conditions`, several of them joined, or a function of a moment.
-        *paths: recordings, folders with recordings at any depth, or patterns such as ``"runs/*.mcap"``. The parts of a
-            rosbag2 folder are one recording.
-        topics: names or patterns of topics, such as ``"/front*"``, that are meant where a recording has several of a
-            kind. Where none of these fits, it is one that was measured rather than made of others (``/scan_merged``),
-            then the one with most messages, then the one with the shortest name; `Hits.chosen` tells. A function may
-            read the topics that no widget shows, such as ``"/imu"``, where they are named here.
-        executor: what runs it: anything with ``submit``, or a client of Dask; None: a process for each core.
-        longest: seconds that one recording may take. It is then named as one that was not read.
-        keep: keep results in the folder that the environment variable ``ROBOWIDGETS_CACHE`` names, by default one of
-            the user's for such files. The results of a function are never kept: what it reads may change.
+        given: as for `Recording.find`: one of `robowidgets.conditions`, several of them joined, or a function of a
+            moment.
+        *paths: recordings, folders with recordings at any depth, or patterns such as ``"runs/*.mcap"``. A rosbag2
+            folder is one recording.
+        topics: names or patterns of topics, such as ``"/front*"``, that are preferred in recordings with several topics
+            of a kind. If no preferred topic fits, measured topics precede derived ones (``/scan_merged``), then the one
+            with most messages is chosen, then the one with the shortest name; see `Hits.chosen`. Topics without a
+            widget, such as ``"/imu"``, must be named here if a function reads them.
+        executor: an object with ``submit``, or a Dask client, or None for a process on each core.
+        longest: the maximum number of seconds for one recording. After that, it counts as not read.
+        keep: True to store results in the folder that the environment variable ``ROBOWIDGETS_CACHE`` names, by default
+            the user's cache folder. Results of a function are never stored, because they may change.
 
     Raises:
-        TypeError: no condition, no path, or ``executor`` has no ``submit``. ValueError: no path.
+        TypeError: ``given`` is not a condition, a path is not a path, or ``executor`` has no ``submit``. ValueError: no
+            path is given.
 
     Examples:
         >>> from robowidgets import conditions
@@ -79,7 +81,7 @@ def search(
     keep: bool,
     grow: Callable[[Mapping[str, Any], Sequence[Unread], Sequence[str]], None] | None = None,
 ) -> FromAll:
-    """What a search for a condition gives for each recording; `gather` takes ``grow``."""
+    """Return the results of a search for each recording; `gather` takes ``grow``."""
     question = ("find", _FORM, wanted, topics)
     return gather(
         _Search(wanted, topics),
@@ -95,7 +97,7 @@ def search(
 
 
 def hits_of(wanted: Condition, gathered: FromAll) -> Hits:
-    """The table of what came of a search."""
+    """Return the table of the results of a search."""
     results = gathered.results
     return Hits(
         wanted,
@@ -107,12 +109,12 @@ def hits_of(wanted: Condition, gathered: FromAll) -> Hits:
 
 
 def _span(span: list[Any]) -> list[Any]:
-    """The fields of a span, of the plain data that it is sent and kept as."""
+    """Return the fields of a span from the plain data in which it is sent and stored."""
     return [tuple(value) if isinstance(value, list) else value for value in span]
 
 
 class _Search:
-    """The search in one recording.
+    """A function that searches one recording.
 
     Args:
         wanted: the condition.
@@ -123,7 +125,7 @@ class _Search:
         self._wanted, self._topics = wanted, topics
 
     def __call__(self, path: str) -> dict[str, Any]:
-        """What was found in it, or why it has nothing to be searched, as plain data."""
+        """Return the results, or the reason why it cannot be searched, as plain data."""
         with open_recording(path) as recording, without_bars():
             try:
                 chosen = chosen_of(recording, self._topics)

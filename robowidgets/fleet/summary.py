@@ -1,4 +1,4 @@
-"""What many recordings are about: a row for each."""
+"""A summary of many recordings: a row for each."""
 
 from __future__ import annotations
 
@@ -30,19 +30,19 @@ from .places import PathLike
 
 _FORM = 3
 _STANDING = 0.01
-"""m/s below which a robot stands."""
+"""The speed in m/s below which a robot stands still."""
 
 
 class Summary(FleetTable):
-    """A row for each recording; printed, it shows the first of them.
+    """A row for each recording. Printed, it shows the first ones.
 
     The columns: ``seconds``, ``date`` of its start, ``driven`` in metres by odometry or else by speeds, ``stops``, the
-    number of ``touches``, the ``nearest`` thing in metres that the scanner met, and ``nearest_at`` in seconds. What a
-    recording does not tell is None.
+    number of ``touches``, the ``nearest`` distance of the scanner in metres, and its time ``nearest_at`` in seconds.
+    Missing values: None.
 
     Args:
         found: the values of each row, by column.
-        **rows: as `FleetTable`.
+        **rows: as for `FleetTable`.
     """
 
     _types: ClassVar = {
@@ -92,7 +92,7 @@ class Summary(FleetTable):
 
 _SHOWN = {"driven": ".1f m", "stops": "d", "touches": "d", "nearest": ".2f m", "nearest_at": ".2f"}
 _BARS = ("driven", "touches", "nearest")
-"""Columns with bars, each as long as its number beside the greatest one."""
+"""Columns with bars. The length of a bar is the share of the greatest number."""
 
 
 def _shares(values: list[float | None]) -> list[float]:
@@ -112,7 +112,7 @@ def summary(
     longest: float = LONGEST,
     keep: bool = True,
 ) -> Summary:
-    """What many recordings are about: how long, how far, how many stops and touches, and the nearest thing met.
+    """Summarize many recordings: lengths, distances driven, numbers of stops and touches, and nearest distances.
 
     Args:
         *paths: as for `find`.
@@ -122,7 +122,7 @@ def summary(
         keep: as for `find`.
 
     Raises:
-        TypeError: as `find`. ValueError: as `find`.
+        TypeError: as for `find`. ValueError: as for `find`.
 
     Examples:
         >>> robowidgets.summary("runs/").to_pandas()  # doctest: +SKIP
@@ -140,7 +140,7 @@ def summary(
 
 
 class _Summary:
-    """The summary of one recording.
+    """A function that summarizes one recording.
 
     Args:
         topics: names and patterns of topics.
@@ -165,9 +165,9 @@ class _Summary:
 
 
 def _driven(recording: Recording, is_told: bool) -> dict[str, Any]:
-    """Metres driven, by odometry or else by speeds, and how often it stopped; None where no speeds were measured.
+    """Return the metres driven, by odometry or else by speeds, and the number of stops; None without measured speeds.
 
-    A step of the odometry that no robot drives, as where it was set back, counts nothing.
+    Impossible steps of the odometry, for example after a reset, do not count.
     """
     speeds = recording.speeds() if is_told else None
     if speeds is None or next(one for one in recording.topics if one.name == speeds.topic).commanded:
@@ -179,7 +179,7 @@ def _driven(recording: Recording, is_told: bool) -> dict[str, Any]:
         is_silent = seconds > RECORDED.after(float(np.median(seconds)) if len(seconds) else 0.0)
         steps = np.where(is_silent, 0.0, fast[:-1] * seconds)
     else:
-        usual = np.maximum(seconds, np.median(seconds))  # late messages arrive at once
+        usual = np.maximum(seconds, np.median(seconds))  # late messages arrive together
         steps = np.where(is_jump(steps, usual, _speeds(steps, usual, fast)) & (usual > 0), 0.0, steps)
     moves = fast > _STANDING
     return {
@@ -189,7 +189,7 @@ def _driven(recording: Recording, is_told: bool) -> dict[str, Any]:
 
 
 def _speeds(steps: NDArray[Any], seconds: NDArray[Any], told: NDArray[Any]) -> Any:
-    """How fast a robot was about each step: as it told, or as in both of the steps beside, if that is faster."""
+    """Return the speed of a robot at about each step: as reported, or as in both adjacent steps if that is faster."""
     with np.errstate(divide="ignore", invalid="ignore"):
         beside = np.pad(steps / seconds, 1, constant_values=np.nan)
     went = np.fmin(beside[:-2], beside[2:])
@@ -197,7 +197,7 @@ def _speeds(steps: NDArray[Any], seconds: NDArray[Any], told: NDArray[Any]) -> A
 
 
 def _nearest(recording: Recording, is_told: bool) -> dict[str, Any]:
-    """The nearest thing that the scanner met, in metres, and when; None where it met none."""
+    """Return the nearest distance of the scanner in metres and its time, or None for both without a reading."""
     nearest, at = inf, None
     for chunk in recording.scans().chunks() if is_told else ():
         away = np.nan_to_num(ray_distances(chunk.ranges, chunk.like), nan=inf)

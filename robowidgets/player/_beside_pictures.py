@@ -1,4 +1,4 @@
-"""What a recording has beside the pictures of a camera, for what lies over them."""
+"""The calibration, scans, ranges and frames of a recording that are drawn over the pictures of a camera."""
 
 from __future__ import annotations
 
@@ -16,21 +16,21 @@ from ..recordings import RecordingData
 from ..recordings.calibration import first_info
 
 AROUND = 1.0
-"""Seconds round a picture in which the nearest scan is looked for."""
+"""Seconds around a picture in which the nearest scan is searched."""
 
 
 class BesidePicturesOf:
-    """Gives an image widget the calibration, the scans, the ranges and the frames of a recording.
+    """A source for an image widget of the calibration, the scans, the ranges and the frames of a recording.
 
     Args:
         recording: the recording.
-        topic: of the pictures.
-        widget: shows them.
+        topic: the topic of the pictures.
+        widget: the widget that shows the pictures.
     """
 
     def __init__(self, recording: RecordingData, topic: str, widget: ImageWidget) -> None:
         self._recording, self._widget = recording, widget
-        # Of its own: the player sends ahead in one thread what a page in a file is made of in another.
+        # A separate one for each track: the player's thread and a page in a file read different times.
         self._beside = BesidePictures()
         types = {one.name: one.type for one in recording.topics if not one.problem}
         self._scans = sorted(name for name, kind in types.items() if kind == SCAN)
@@ -43,7 +43,7 @@ class BesidePicturesOf:
         self._beside.info = widget.beside.info
 
     def load(self, start: float, end: float) -> None:
-        """Take the scans round a span."""
+        """Read the scans around a span."""
         beside = self._beside
         if not (self._scans or self._ranges):
             return
@@ -56,7 +56,7 @@ class BesidePicturesOf:
             beside.scans = deque((moment.sample, moment.time_ns) for moment in moments)
 
     def about(self, seconds: float, picture: Any) -> dict[str, Any]:
-        """What the page is told of what lies over a picture at a time."""
+        """Return the data for the page on the overlay of a picture at a time."""
         beside = self._beside
         beside.by_hand = self._widget.beside.by_hand
         found = {name: self._recording.at(name, seconds) for name in self._ranges}

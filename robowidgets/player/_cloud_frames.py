@@ -8,13 +8,13 @@ from ..recordings import RecordingData
 from ._frames import MessageFrames
 
 BYTES_PER_SECOND = 4_000_000
-"""Of one topic. A page plays as much beside its other widgets."""
+"""The maximum for one topic. A page can play this in addition to its other widgets."""
 
 _MOST = 2_000_000
 
 
 class CloudFrames(MessageFrames):
-    """A `Track` of clouds, which are thinned the more the more often they come; see `MessageFrames`."""
+    """A `Track` of clouds, thinned more if they come more often; see `MessageFrames`."""
 
     def __init__(self, recording: RecordingData, choice: WidgetChoice, widget: CloudWidget) -> None:
         super().__init__(recording, choice, widget)

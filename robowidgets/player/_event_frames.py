@@ -1,4 +1,4 @@
-"""The events of a recording in its player: all of them at once, and what is marked of them."""
+"""The events of a recording in its player: all rows at once, and the marks of errors and warnings."""
 
 from __future__ import annotations
 
@@ -21,19 +21,19 @@ from ._frames import BEFORE
 from ._touch_marks import Mark, joined
 
 MOST_ROWS = 5000
-"""Rows of a recording that the page gets."""
+"""The maximum number of rows of a recording that the page gets."""
 
 MOST_LINES = 50_000
-"""Lines of logs below a warning that are read about at most: of more, evenly chosen ones."""
+"""The approximate maximum number of log lines below a warning that are read; of more, evenly chosen ones."""
 
 MARKED = Level.WARN
-"""The least level that is marked when a player begins: the bar stays readable."""
+"""The lowest level that is marked when a player begins, so that the bar stays readable."""
 
 
 class EventFrames:
-    """A `Track` of the events of a recording, of which the page has all rows: each frame tells a time alone.
+    """A `Track` of the events of a recording. The page has all rows, so each frame contains only a time.
 
-    Beside the topics that the widget was asked for it has what touched the robot, and what its program did.
+    In addition to the requested topics it has the touches of the robot, and the events of its program.
     """
 
     def __init__(self, recording: RecordingData, choice: WidgetChoice, widget: EventsWidget) -> None:
@@ -57,7 +57,7 @@ class EventFrames:
 
 
 def event_marks(recording: RecordingData) -> list[Mark]:
-    """Start, end and text of the errors and warnings, in seconds from the start."""
+    """Return start, end and text of the errors and warnings, in seconds from the start."""
     topics = [topic.name for topic in recording.topics if topic.type in SEVERE_TYPES and not topic.problem]
     marks = []
     for at_ns, event in recording.timed_events(topics, every_line=0) if topics else ():
@@ -68,7 +68,7 @@ def event_marks(recording: RecordingData) -> list[Mark]:
 
 
 def _rows_of(recording: RecordingData, topics: Sequence[str]) -> tuple[Sequence[EventRow], list[str]]:
-    """The rows for the page, and what is said of those that are left out."""
+    """Return the rows for the page, and notes on the rows that are left out."""
     also = [topic.name for topic in recording.topics if topic.widget == TOUCH.name or _is_of_program(topic.name)]
     log, notes = EventLog(None, MOST_TEXT, None), []
     start_ns = recording.start_ns or 0
@@ -82,7 +82,7 @@ def _rows_of(recording: RecordingData, topics: Sequence[str]) -> tuple[Sequence[
     rows = sorted(log.rows, key=lambda row: row.seconds)
     kept = thinned(rows, MOST_ROWS)
     if len(kept) < len(rows):
-        left = f"{len(kept):,} of {many(len(rows), 'row')}: errors and warnings first, of others every so many"
+        left = f"{len(kept):,} of {many(len(rows), 'row')}: errors and warnings first, the others evenly chosen"
         notes.append(f"{left}; recording.events() has all")
     return shortened(kept, 2 * MOST_CHARACTERS), notes
 
@@ -92,5 +92,5 @@ def _is_of_program(topic: str) -> bool:
 
 
 def marks_of(*kinds: Iterable[Mark]) -> list[Mark]:
-    """Marks of several kinds in the order of time."""
+    """Return marks of several kinds in the order of time."""
     return sorted(mark for marks in kinds for mark in marks)

@@ -37,50 +37,51 @@ from ..touch_widget import TouchWidget, about_touch, pack_states
 from ._touch_history import TouchHistory
 
 TICK = 0.1
-"""Most seconds between two frames of touches: their durations grow without a message."""
+"""The maximum number of seconds between two frames of touches: their durations grow without a message."""
 
 _LEAST = 1e-3
-"""Least seconds between them."""
+"""The minimum number of seconds between them."""
 
 BEFORE = -1.0
 """The ``seconds`` of a frame that shows that nothing was measured yet."""
 
 MOST_POSES = 200_000
-"""Poses that make a path: of more, evenly chosen ones."""
+"""The maximum number of poses of a path; of more, evenly chosen ones."""
 
 LOOKED_AT = 20
-"""Samples of a topic from which its usual rate is found."""
+"""Samples of a topic from which its usual rate is computed."""
 
 OF_TOPIC = "recorded"
-"""In the texts on a frame of a `TreeFrames`, its topic. Its time of arrival is in seconds from the start."""
+"""The key of the topic in the texts on a frame of `TreeFrames`. Its time of arrival is in seconds from the start."""
 
 NEW = "new"
-"""In the texts on a frame, the roles whose samples came with it: none, where no message did. Missing: all of them."""
+"""The key of the roles with new samples in the texts on a frame: empty without a message. Without this key, all are
+new."""
 
 TOGETHER = 0.01
-"""Seconds within which what the sensors of a ring measure is shown in one frame: they often measure at once."""
+"""Seconds within which the readings of the sensors of a ring are shown in one frame: they often measure together."""
 
 
 class Track(Protocol):
-    """The frames of one widget of a player through the recording."""
+    """The frames of one widget of a player during the recording."""
 
     def frames(self, start: float, end: float) -> Iterator[TimedFrame]:
-        """The frame at ``start``, whose sample may be much older, and all that follow up to ``end``, in seconds."""
+        """Yield the frame at ``start``, whose sample may be much older, and all up to ``end``, in seconds."""
 
     def seek(self, seconds: float) -> None:
         """Make the widget show a time, for programs that read its sample."""
 
 
 class MessageFrames:
-    """A `Track` of the last message of each topic of a widget at each time, as it is: of any type.
+    """A `Track` of the last message of each topic of a widget at each time, of any type.
 
-    Its widget packs a message by `frame_of`; where it gathers, the newest message of each topic, by name. What the row
-    calls nothing stands for those of which none came yet.
+    Its widget packs a message with `frame_of`; a widget that gathers gets the newest message of each topic by name. For
+    a topic without a message yet, it gets the row's ``nothing``.
 
     Args:
         recording: the recording.
         choice: the topics, and the row of the widget.
-        widget: packs the messages.
+        widget: the widget that packs the messages.
     """
 
     def __init__(self, recording: RecordingData, choice: WidgetChoice, widget: SampleWidget) -> None:
@@ -106,11 +107,11 @@ class MessageFrames:
             if name not in self._before or self._before[name] != time_ns:
                 self._before[name] = time_ns
                 message = self._content(moment.message) if moment else self._choice.shown.nothing
-                with suppress(TypeError, ValueError):  # the frame of that time says so
+                with suppress(TypeError, ValueError):  # the frame of that time shows the error
                     self._widget.update(*([name] if self._choice.gathers else []), message)
 
     def _content(self, message: Any) -> Any:
-        """Return what the widget shows of a message: the message itself."""
+        """Return the content that the widget shows of a message: the message itself."""
         return message
 
     def _shown(self, seconds: float, now: Mapping[str, Moment | None]) -> TimedFrame:
@@ -123,7 +124,7 @@ class MessageFrames:
 
 
 class TreeFrames(MessageFrames):
-    """A `Track` of the fields of messages, which can be copied as the code that reads them; see `MessageFrames`."""
+    """A `Track` of the fields of messages. They can be copied as the code that reads them; see `MessageFrames`."""
 
     def _shown(self, seconds: float, now: Mapping[str, Moment | None]) -> TimedFrame:
         timed = super()._shown(seconds, now)
@@ -139,7 +140,7 @@ class SampleFrames:
     Args:
         recording: the recording.
         choice: the topics in their roles, and their kind.
-        widget: packs the samples.
+        widget: the widget that packs the samples.
     """
 
     def __init__(self, recording: RecordingData, choice: WidgetChoice, widget: SampleWidget) -> None:
@@ -170,7 +171,7 @@ class SampleFrames:
             seek(seconds)
 
     def _seek(self, topics: Sequence[str], show: Callable[[Any], None]) -> Callable[[float], None]:
-        """A function that shows the last moments of some topics at a time, unless those were shown last."""
+        """Return a function that shows the last moments of some topics at a time, unless they were shown last."""
         before: list[Any] = [None]
 
         def seek(seconds: float) -> None:
@@ -184,7 +185,7 @@ class SampleFrames:
         return seek
 
     def _sample(self, topics: Sequence[str], now: Mapping[str, Moment | None]) -> Any:
-        """The last sample of a topic, or the one of all topics of a namespace."""
+        """Return the last sample of a topic, or the joined sample of all topics of a namespace."""
         samples = {name: moment.sample if (moment := now[name]) else self._nothing for name in topics}
         each = self._choice.role.each
         if each is None or topics != self._choice.own:
@@ -193,7 +194,7 @@ class SampleFrames:
         return each({sensor_of(name): sample for name, sample in samples.items()}, came)
 
     def _shown(self, seconds: float, now: Mapping[str, Moment | None], newest: str) -> TimedFrame:
-        """The frame of the last moment of each topic; where they have several roles, it says whose sample is new."""
+        """Return the frame of the last moment of each topic. If it has several roles, it names the new one."""
         own = self._choice.own
         others = {role.name: self._sample((name,), now) for role, name in self._choice.parts[len(own) :]}
         timed = self._frame(seconds, self._sample(own, now), **others)
@@ -205,7 +206,7 @@ class SampleFrames:
 
 
 class ScanFrames(SampleFrames):
-    """A `Track` of scans; with a trail, each with its pose by the first topic of odometry, else by tf."""
+    """A `Track` of scans. With a trail, each has its pose by the first topic of odometry, or else by tf."""
 
     def __init__(self, recording: RecordingData, choice: WidgetChoice, widget: LaserWidget) -> None:
         super().__init__(recording, choice, widget)
@@ -235,7 +236,7 @@ class ScanFrames(SampleFrames):
 
 
 class SonarFrames(SampleFrames):
-    """A `Track` of a ring of sonars, each at its place by tf, and silent by its own rate; see `SampleFrames`."""
+    """A `Track` of a ring of sonars, each at its pose by tf, and stale by its own rate; see `SampleFrames`."""
 
     def __init__(self, recording: RecordingData, choice: WidgetChoice, widget: SonarWidget) -> None:
         super().__init__(recording, choice, widget)
@@ -251,7 +252,7 @@ class SonarFrames(SampleFrames):
 
 
 class SpeedFrames(SampleFrames):
-    """A `Track` of measured and commanded speeds, without peaks: a player goes to any time, in no order."""
+    """A `Track` of measured and commanded speeds, without peaks, because a player shows times in any order."""
 
     def _frame(self, seconds: float, sample: Any, commanded: Any = None) -> TimedFrame:
         _, frame = self._widget.frame_of(Reading(sample, commanded))
@@ -259,7 +260,7 @@ class SpeedFrames(SampleFrames):
 
 
 class PathFrames(SampleFrames):
-    """A `Track` of the poses of odometry, on the path of the whole recording; see `SampleFrames`."""
+    """A `Track` of the odometry poses, on the path of the whole recording; see `SampleFrames`."""
 
     def __init__(self, recording: RecordingData, choice: WidgetChoice, widget: PathWidget) -> None:
         super().__init__(recording, choice, widget)
@@ -283,7 +284,7 @@ class TouchFrames:
         """See `Track`."""
         moments: list[Moment | None] = [*self._recording.samples(self._topic, start, end), None]
         tracker = self._history.at(self._time_ns(start) - 1)
-        seconds, end = start, max(end, start + _LEAST)  # so that there is a frame
+        seconds, end = start, max(end, start + _LEAST)  # so that the span has a frame
         unchanged: dict[str, Any] = {NEW: []}
         came = unchanged
         for moment in moments:
@@ -311,7 +312,7 @@ class TouchFrames:
 
 
 def pack(frames: list[TimedFrame]) -> tuple[list[dict[str, Any]], bytes]:
-    """Frames in the format of the page: each text once, and a table of times before the bytes."""
+    """Pack frames in the format of the page: each text once, and a table of times before the bytes."""
     abouts, rows = table_of(frames)
     return abouts, b"".join([np.float64(len(frames)).tobytes(), rows.tobytes(), *(timed.frame for timed in frames)])
 
@@ -323,7 +324,7 @@ def moments_of(
     start: float | None = None,
     end: float | None = None,
 ) -> Iterator[Moment]:
-    """What a widget takes of some of its topics, in the order of time: samples, or messages as they are."""
+    """Yield the samples, or the messages, that a widget takes from some of its topics, in the order of time."""
     if not choice.takes_messages:
         return recording.samples(topics, start, end)
     each = (recording.messages(topic, start, end) for topic in topics)
@@ -331,21 +332,21 @@ def moments_of(
 
 
 def moment_at(recording: RecordingData, choice: WidgetChoice, topic: str, seconds: float) -> Moment | None:
-    """The last of these at a time or before it; None if there is none yet."""
+    """Return the last of these at a time or before it, or None before the first."""
     return recording.message_at(topic, seconds) if choice.takes_messages else recording.at(topic, seconds)
 
 
 def silent_after(first: Iterable[Moment]) -> float:
-    """Seconds after which a sample is stale, by the first moments of its topic; 0: nobody knows.
+    """Return the seconds after which a sample is stale, from the first moments of its topic; 0 if unknown.
 
-    Silences distort the rate of a whole topic.
+    Silences would distort the mean rate of the whole topic.
     """
     times = [moment.time_ns for moment in first]
     return RECORDED.after(usual_step(np.array(times, np.int64)), 1e9) / 1e9 if len(times) > 1 else 0.0
 
 
 def _static_transforms(recording: RecordingData) -> Iterator[Transform]:
-    """The transforms of tf that are valid at all times; none from messages that contain no pose."""
+    """Yield the static transforms of tf, without messages that contain no pose."""
     for topic in recording.topics:
         if topic.type in TRANSFORMS and topic.name.rpartition("/")[2] == STATIC and not topic.problem:
             for moment in recording.messages(topic.name):
@@ -354,13 +355,13 @@ def _static_transforms(recording: RecordingData) -> Iterator[Transform]:
 
 
 def _path_of(recording: RecordingData, topic: str) -> Path:
-    """Return the path of a topic of odometry, by all of its poses or, of very many, by evenly chosen ones."""
+    """Return the path of a topic of odometry, from all of its poses, or from evenly chosen ones if there are many."""
     path, start_ns = Path(), recording.start_ns or 0
     speeds = recording.speeds(topic)
     step = -(-len(speeds) // MOST_POSES) or 1
     for chunk in speeds.chunks():
         times, poses = chunk.times_ns, chunk.poses
-        # Of each chunk the last pose, too: the way ends where the robot does.
+        # The last pose of each chunk, too: the path must end at the robot.
         chosen = np.unique(np.append(np.arange(0, len(times), step), np.arange(len(times))[-1:]))
         for time_ns, pose in zip(times[chosen].tolist(), poses[chosen].tolist(), strict=True):
             path.add((time_ns - start_ns) / 1e9, Pose(*pose), clock=time_ns / 1e9)
@@ -368,5 +369,5 @@ def _path_of(recording: RecordingData, topic: str) -> Path:
 
 
 def _header(sample: Any) -> bytes:
-    """The header of a frame without a sequence number and a rate: the page numbers the frames of a player."""
+    """Return the header of a frame without sequence number and rate: the page numbers the frames of a player."""
     return FRAME_HEADER.pack(0.0, nan, sample.stamp_ns or 0, arrival_of(sample))

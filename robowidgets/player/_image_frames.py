@@ -1,4 +1,4 @@
-"""The pictures of a recording, as small as a player can send them ahead, and the scans that are made of them."""
+"""The pictures of a recording, small enough to be sent ahead, and the scans that are made of pictures."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from ._beside_pictures import BesidePicturesOf
 from ._frames import MessageFrames
 
 BYTES_PER_SECOND = 2_000_000
-"""Of one topic. A page plays as much beside its other widgets."""
+"""The maximum for one topic. A page can play this in addition to its other widgets."""
 
 _LEAST, _MOST = 20_000, 1_000_000
 
@@ -42,7 +42,7 @@ class ImageFrames(MessageFrames):
         timed, moment = super()._shown(seconds, now), now[self._choice.topic]
         about = timed.about
         if moment is not None and "nothing" not in about:
-            with suppress(TypeError, ValueError):  # its note says so
+            with suppress(TypeError, ValueError):  # the note of the widget shows the error
                 about = about | self._beside.about(seconds, to_image(moment.sample))
         return timed._replace(about=about)
 
@@ -58,10 +58,10 @@ class MadeScanFrames(MessageFrames):
         self._laser = widget
 
     def _content(self, message: Any) -> Any:
-        """Return the scan that is made of a message, with the angles of the robot; the message if none can be made.
+        """Return the scan that is made of a message, in the angles of the robot, or the message if that fails.
 
-        The mount is that of this track's recording: a page in a file, and each thread, has one of its own.
+        The mount is taken from this track's recording: each thread, and a page in a file, opens a separate one.
         """
-        with suppress(TypeError, ValueError):  # the widget says so
+        with suppress(TypeError, ValueError):  # the widget shows the error
             return self._recording.mounted(self._laser.scan_in(message))
         return message

@@ -14,7 +14,7 @@ from ._parts import LeadingPlayer
 
 
 class Leader:
-    """A player, and when the robot of a follower was where the robot of that player is: see `Player.follow`."""
+    """A player that another one follows, and the times at which the follower's robot was nearest to its places."""
 
     def __init__(self, follower: LeadingPlayer, player: LeadingPlayer, origin: Any, within: float) -> None:
         one: LeadingPlayer | None = player
@@ -29,13 +29,13 @@ class Leader:
         if not np.isfinite(apart).any():
             raise ValueError(
                 f"follow: in {follower.recording.path.name} or in {name}, no scan was made within {FARTHEST:g} s of a "
-                "pose of odometry, so nobody knows where the robot was"
+                "pose of odometry, so the place of the robot is unknown"
             )
         if not (apart <= within).any():
             raise ValueError(
-                f"follow: {follower.recording.path.name} has no place within {within:g} m of one of {name}, only of "
-                f"{np.nanmin(apart):.2f} m. Odometry starts where a robot is switched on: give "
-                "origin=(x, y, yaw), the place in the other's odometry where this one's starts"
+                f"follow: {follower.recording.path.name} never comes within {within:g} m of a place of {name}, only "
+                f"within {np.nanmin(apart):.2f} m. Odometry starts at the place where a robot is switched on: give "
+                "origin=(x, y, yaw), the start of this odometry in the other's"
             )
         self.player, self._follower = player, follower
         self._times, self._seconds = theirs.seconds, np.where(apart <= within, seconds, nan)
@@ -45,16 +45,16 @@ class Leader:
             "seconds": self._seconds.tobytes(),
             "lost": f"no place within {within:g} m of {name}",
         }
-        """For the page, which moves the follower by itself."""
+        """The state for the page, which moves the follower without the kernel."""
         player.observe(self._on_time, "time")
         self._on_time()
 
     def leave(self) -> None:
-        """Follow it no longer."""
+        """Stop following."""
         self.player.unobserve(self._on_time, "time")
 
     def _on_time(self, _change: Any = None) -> None:
-        # A page in which somebody moves the leader moves the follower itself.
+        # If the user moves the leader on the page, the page moves the follower itself.
         if "time" in self.player.bar._property_lock:
             return
         row = int(np.searchsorted(self._times, self.player.time, "right")) - 1

@@ -30,48 +30,48 @@ from ..samples.map_item import SENSED, MapItem
 from ._frames import BEFORE, NEW, PathFrames, Track
 
 MOST_POSES = 30_000
-"""Messages of a layer with a way that are read about at most: of more, evenly chosen ones."""
+"""The approximate maximum number of messages that are read of a layer with a path; of more, evenly chosen ones."""
 
 MOST_TRANSFORMS = 100_000
-"""Messages with transforms that are read about at most."""
+"""The approximate maximum number of messages with transforms that are read."""
 
 MOST_GRIDS = 20
-"""Large grids of a layer that a page gets; of more, every second, every third, and so on."""
+"""The maximum number of large grids of a layer that a page gets; of more, every second, every third, and so on."""
 
 TOGETHER = 0.02
-"""Seconds within which what the layers show is shown in one frame."""
+"""Seconds within which updates of the layers are shown in one frame."""
 
 
 def path_track(recording: RecordingData, choice: WidgetChoice, widget: PathWidget) -> Track:
-    """The `Track` of a path widget: of one topic of odometry its path, else a map."""
+    """Return the `Track` of a path widget: a path for one topic of odometry, otherwise a map."""
     return MapFrames(recording, choice, widget) if choice.takes_messages else PathFrames(recording, choice, widget)
 
 
 class _Told(NamedTuple):
-    """What a layer last told, and when."""
+    """The last item of a layer, and its time."""
 
     item: MapItem
     seconds: float
     time_ns: int
     version: int = 0
-    """That of a large grid."""
+    """The version of a large grid."""
 
 
 class _LargeGrid(NamedTuple):
-    """A large grid that the page has: without its cells."""
+    """A large grid that the page already has, without its cells."""
 
     told: _Told
     packed: PackedGrid
 
 
 class WholeMap:
-    """What is read of a recording once: its transforms, the ways and the large grids of its layers.
+    """The parts of a recording that are read once: its transforms, and the paths and the large grids of its layers.
 
     Args:
         recording: the recording.
         names: the topics of the layers.
-        frames: whether the robot's own frame is a layer, as tf tells it.
-        asked: the frame of the map; empty: the one that is found.
+        frames: True if the robot's frame, from tf, is a layer.
+        asked: the frame of the map, or empty to find one.
     """
 
     def __init__(self, recording: RecordingData, names: list[str], frames: bool, asked: str) -> None:
@@ -79,7 +79,7 @@ class WholeMap:
         self._start_ns = recording.start_ns or 0
         self.notes: list[str] = []
         self.plane: LocalPlane | None = None
-        """That of the first fix, for all layers."""
+        """The local plane of the first fix, for all layers."""
         self.errors: dict[str, str] = {}
         self.grids: dict[str, list[_LargeGrid]] = {}
         every = -(-recording.transform_count // MOST_TRANSFORMS) or 1
@@ -94,7 +94,7 @@ class WholeMap:
         worlds[0] = self.frame
         first_frames = {name: item.frame_id for name, item in self._firsts.items()}
         self.frame_of = {name: world_of(self.tree, worlds, frame) for name, frame in first_frames.items()}
-        """The frame of the map that each layer is on; None: nothing joins it to one."""
+        """The map frame of each layer, or None if no transform joins the layer to one."""
         self.layers = [*names]
         if self.base:
             world = world_of(self.tree, worlds, self.base) or self.tree.chain(self.base)[-1]
@@ -103,7 +103,7 @@ class WholeMap:
                 self.frame_of[self.layers[-1]] = world
 
     def about(self) -> dict[str, Any]:
-        """What the page is told of the layers."""
+        """Return the data for the page on the layers."""
         layers = []
         for number, name in enumerate(self.layers):
             item = self._firsts.get(name)
@@ -117,7 +117,7 @@ class WholeMap:
             if updates := self._updates.get(name):
                 about["note"] = f"{many(updates, 'update')} on {name}{UPDATES} not drawn"
             if every := self._thinned.get(name):
-                about["note"] = f"its way by about 1 of {every} of {many(self._counts[name], 'message')}"
+                about["note"] = f"path from about 1 of {every} of {many(self._counts[name], 'message')}"
             if (large := self.grids.get(name)) and self._counts[name] > len(large):
                 about["note"] = f"{len(large)} of {many(self._counts[name], 'map')} shown"
             layers.append(about)
@@ -128,7 +128,7 @@ class WholeMap:
         return {"layers": layers, "frames": list(frames)}
 
     def tracks(self) -> list[tuple[int, Floats]]:
-        """The ways of the layers, in the frame of the map."""
+        """Return the paths of the layers, in the frame of the map."""
         found = []
         for number, name in enumerate(self.layers):
             rows = self._rows.get(name, [])
@@ -146,18 +146,18 @@ class WholeMap:
         return found
 
     def _of_base(self) -> list[tuple[float, float, float, float, int, int]]:
-        """The times of the frame of the robot: those of all that moves it."""
+        """Return the times of the robot's frame: the times of all transforms that move it."""
         moving = [self.tree.history(name) for name in self.tree.chain(self.base)]
         all_times = [(h.times_ns, h.stamps_ns) for h in moving if h is not None and not h.static]
         rows = {int(t): int(s) for times, stamps in all_times for t, s in zip(times, stamps, strict=True)}
         return [((t - self._start_ns) / 1e9, 0.0, 0.0, 0.0, t, rows[t]) for t in sorted(rows)]
 
     def moves(self, start: float, end: float) -> list[tuple[float, float, float, float, int, int]]:
-        """The times at which the frame of the robot moved in a stretch."""
+        """Return the times at which the frame of the robot moved in a span."""
         return [row for row in self._of_base() if start <= row[0] < end]
 
     def told_by(self, name: str, moment: Moment | TimedMessage | None) -> _Told | None:
-        """What a message of a topic tells; None for one that has no place on a map."""
+        """Return the item in a message of a topic, or None if it has no place on a map."""
         if moment is None:
             return None
         large = self.grids.get(name)
@@ -173,7 +173,7 @@ class WholeMap:
     def place(
         self, now: dict[str, _Told | None], seconds: float, time_ns: int
     ) -> tuple[list[Placed], dict[str, str], list[str]]:
-        """What each layer shows at a time, why some show nothing, and notes on the transforms that are old."""
+        """Return the placed items at a time, the reasons why layers are missing, and notes on old transforms."""
         shown, missing, held = [], {}, []
         for number, name in enumerate(self.layers):
             told = now.get(name)
@@ -187,7 +187,7 @@ class WholeMap:
             world = self.frame_of.get(name) or self.frame
             placed = place(self.tree, world, told.item, told.time_ns, number, told.seconds)
             if name in self._firsts and self._firsts[name].is_nowhere:
-                missing[name] = "not drawn: none of its messages has a place"
+                missing[name] = "not drawn: no message has a place"
             elif placed is None:
                 missing[name] = f"not drawn: no transform to {world}"
             else:
@@ -197,7 +197,7 @@ class WholeMap:
         return shown, missing, notes_on(held)
 
     def _read(self, recording: RecordingData) -> None:
-        """Read the first item of each layer, and of those with a way all poses; of large grids all of them."""
+        """Read the first item of each layer, all poses of layers with a path, and all large grids."""
         self._firsts: dict[str, MapItem] = {}
         self._thinned: dict[str, int] = {}
         self._rows: dict[str, list[tuple[float, float, float, float, int, int]]] = {}
@@ -225,7 +225,7 @@ class WholeMap:
                     if isfinite(item.pose.x):
                         rows.append((moment.seconds, *item.pose, moment.time_ns, item.stamp_ns or 0))
                 else:
-                    break  # what it shows is read with each moment
+                    break  # its items are read at each moment
 
     def _keep(self, name: str, moment: TimedMessage, item: MapItem) -> None:
         assert item.grid is not None
@@ -236,14 +236,14 @@ class WholeMap:
 
 
 class MapFrames:
-    """A `Track` of the layers of a map: what each of its topics told last, in one frame.
+    """A `Track` of the layers of a map: the last item of each of its topics, in one frame.
 
-    The newest scans of the recording are on it, and its transforms join the frames.
+    It includes the newest scans of the recording. The transforms of the recording join the frames.
 
     Args:
         recording: the recording.
         choice: the topics.
-        widget: the map, which gets the ways and the large grids of the whole recording.
+        widget: the map, which gets the paths and the large grids of the whole recording.
     """
 
     def __init__(self, recording: RecordingData, choice: WidgetChoice, widget: PathWidget) -> None:
@@ -272,7 +272,7 @@ class MapFrames:
         seconds, time_ns = max(((one.seconds, one.time_ns) for one in now.values() if one), default=nothing)
         if whole.base:
             seconds, time_ns = start, self._time_ns(start)
-        # That of the start has the place of the robot by then, though no message came.
+        # The first frame shows the place of the robot at that time, even without a message.
         began, came = seconds, not whole.base
         each = [self._recording.messages(name, start, end) for name in self._topics]
         if whole.base:
@@ -300,7 +300,7 @@ class MapFrames:
         return {name: self._whole.told_by(name, self._recording.message_at(name, seconds)) for name in self._topics}
 
     def _ticks(self, start: float, end: float) -> Iterator[TimedMessage]:
-        """Times at which the robot's frame moved."""
+        """Yield the times at which the robot's frame moved."""
         for seconds, *_, time_ns, _ in self._whole.moves(start, end):
             yield TimedMessage("", time_ns, None, seconds)
 
@@ -324,7 +324,7 @@ class MapFrames:
 
 
 def _way(seconds: Floats, poses: Floats, times_ns: Any) -> Floats:
-    """A way in as many points as a page needs."""
+    """Reduce a path to as many points as a page needs."""
     path = Path()
     for at, pose, time_ns in zip(seconds.tolist(), poses.tolist(), times_ns.tolist(), strict=True):
         path.add(at, Pose(*pose), clock=time_ns / 1e9)

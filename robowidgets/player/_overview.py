@@ -1,4 +1,4 @@
-"""What a player shows of a whole recording: the scanogram, unless it takes long to make, and which axes are used."""
+"""The parts of a player on the whole recording: the scanogram, unless making it takes long, and the axes of speeds."""
 
 from __future__ import annotations
 
@@ -20,15 +20,15 @@ from ..speed_widget import OUT_OF_PLANE
 from .scanogram import MEMORY_BYTES, OpenSpan, scanogram
 
 LONGEST = 10.0
-"""Seconds for which a scanogram is made without a request: making it reads all scans."""
+"""The maximum number of seconds for a scanogram that the user did not request: making it reads all scans."""
 
 FEW = 5_000_000
-"""Readings that take no time worth measuring."""
+"""A number of readings that takes no noticeable time."""
 
 _LOOKED_AT = 20
 
 _MEASURED = 0.2
-"""Seconds for which scans are read to measure how many fit into a second."""
+"""Seconds for which scans are read to measure the reading speed."""
 
 
 def whole_drive(
@@ -38,14 +38,14 @@ def whole_drive(
     wanted: bool | None,
     span: OpenSpan = (None, None),
 ) -> tuple[ScanogramWidget | None, str]:
-    """The scanogram of a topic, or None and a line that says why there is none.
+    """Return the scanogram of a topic, or None and a line with the reason.
 
     Args:
         recording: the recording.
-        topic: the topic with the scans; empty: no scanogram.
+        topic: the topic with the scans, or empty for no scanogram.
         beside: topics whose speed and touches may be shown under the scans.
-        wanted: whether to make it; None: only if that does not take long.
-        span: of the recording.
+        wanted: True to make it, or None to make it only if that is quick.
+        span: the span of the recording.
 
     Raises:
         RecordingError: ``wanted`` is True, and the topic contains no scan with rays.
@@ -64,31 +64,31 @@ def whole_drive(
 
 
 def is_planar(recording: RecordingData, topics: Iterable[str]) -> bool:
-    """Whether the speeds of topics use no other axes than a planar widget shows. It reads all of them."""
+    """Return True if the speeds of topics use only the axes that a planar widget shows. It reads all of them."""
     return not any(np.nan_to_num(recording.speeds(topic).values[:, OUT_OF_PLANE]).any() for topic in topics)
 
 
 def _too_long(recording: RecordingData, topic: str, span: OpenSpan) -> str:
-    """A line that says why a scanogram would take long and how to get it; empty if it would not."""
+    """Return a line if a scanogram would take long, with the way to get it, or an empty text."""
     start, end = span[0] or 0.0, recording.duration if span[1] is None else span[1]
     share = (end - start) / recording.duration if recording.duration else 1.0
     count = round(share * sum(t.count for t in recording.topics if t.name == topic))
-    # The most rays of several scans: the first may be empty.
+    # The maximum number of rays of several scans: the first may be empty.
     firsts = islice(recording.samples(topic), _LOOKED_AT)
     rays = max((len(moment.sample) for moment in firsts if isinstance(moment.sample, Scan)), default=0)
     if count * rays <= FEW:
         return ""
-    # What does not fit into memory is read once more.
+    # Scans that do not fit into memory are read twice.
     times = 2 if 4 * count * rays > MEMORY_BYTES else 1
     seconds = times * count * rays / readings_per_second(recording, topic)
     if seconds <= LONGEST:
         return ""
     size = f"{many(count, 'scan')} of {many(rays, 'ray')}"
-    return f"no scanogram: {size} take about {seconds:.0f} s; recording.show(scanogram=True) has it made"
+    return f"no scanogram: {size} take about {seconds:.0f} s; recording.show(scanogram=True) makes it"
 
 
 def readings_per_second(recording: RecordingData, topic: str) -> float:
-    """How many readings of a topic are read and put into levels in a second, measured for `_MEASURED` seconds."""
+    """Measure for `_MEASURED` seconds how many readings of a topic are read and put into levels in a second."""
     done, passed, began = 0, 0.0, time.perf_counter()
     with without_bars():
         for chunk in recording.scans(topic).chunks():

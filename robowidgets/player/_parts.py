@@ -1,4 +1,4 @@
-"""A player, as its followers and its pages in files know it."""
+"""Protocols of a player for its followers and its pages in files."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ class PlayerView(NamedTuple):
 
 
 def followers(views: Sequence[PlayerView], scanogram: ScanogramWidget | None) -> list[str]:
-    """The names of the models that show the time itself, and let a person choose it."""
+    """Return the models of the widgets that show the time themselves and let the user choose it."""
     own = [view.widget.model_id for view in views if view.widget.has_trait("time")]
     return [*([scanogram.model_id] if scanogram else []), *own]
 
@@ -40,20 +40,20 @@ class LeadingPlayer(Protocol):
 
     @property
     def followed(self) -> LeadingPlayer | None:
-        """The player that it follows itself; None: none."""
+        """The player that this one follows, or None."""
 
     def places(self) -> Places:
-        """Where the robot was at each of its scans."""
+        """Return the places of the robot at its scans."""
 
     def observe(self, handler: Callable[[Any], None], names: str) -> None:
-        """Have a function called when a trait changes."""
+        """Call a function when a trait changes."""
 
     def unobserve(self, handler: Callable[[Any], None], names: str) -> None:
-        """End that."""
+        """Stop calling a function when a trait changes."""
 
 
 class PagedPlayer(Protocol):
-    """A player of which a page in a file is made."""
+    """A player from which a page in a file is made."""
 
     recording: RecordingData
     views: Sequence[PlayerView]
@@ -61,7 +61,7 @@ class PagedPlayer(Protocol):
     scanogram: ScanogramWidget | None
     rerun: Any
     _dom_classes: Sequence[str]
-    """As ipywidgets names them."""
+    """The CSS classes, under the name that ipywidgets uses."""
 
     @property
     def duration(self) -> float:
@@ -69,10 +69,10 @@ class PagedPlayer(Protocol):
 
     @property
     def left_out(self) -> tuple[Any, ...]:
-        """What the page has in another way, or cannot have."""
+        """The widgets that the page replaces or cannot contain."""
 
     def tracks_of(self, recording: RecordingData) -> list[tuple[SampleWidget, Track]]:
-        """Its widgets, with their tracks in its recording, opened anew."""
+        """Return its widgets, each with a track that reads the given recording."""
 
     def arranged(self, scanogram: ScanogramWidget | None, screen: OneScreen) -> Sequence[Widget]:
-        """All that it shows, from top to bottom, with a scanogram of its own or another, in its screen or another."""
+        """Return all widgets from top to bottom, with the given scanogram in the given screen."""

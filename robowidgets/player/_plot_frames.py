@@ -19,12 +19,12 @@ _FRAME = FRAME_HEADER.pack(0.0, nan, 0, 0.0)
 
 
 class PlotFrames:
-    """A `Track` that says when there are values; the lines themselves are in the widget.
+    """A `Track` of the times of a plot's values. The widget has the lines themselves.
 
     Args:
         recording: the recording.
-        choice: its fields.
-        widget: gets their lines, unless it has them.
+        choice: the fields of the plot.
+        widget: the plot, which gets the lines unless it has them already.
     """
 
     def __init__(self, recording: RecordingData, choice: WidgetChoice, widget: PlotWidget) -> None:

@@ -1,4 +1,4 @@
-"""Sends a recording to the page ahead of the time on show, so that it plays there without the kernel."""
+"""Sending a recording to the page ahead of the shown time, so that it plays without the kernel."""
 
 from __future__ import annotations
 
@@ -23,47 +23,48 @@ SEGMENT = 1.0
 """Seconds of a recording that are sent in one message."""
 
 AHEAD = 10.0
-"""Seconds of playing, by the wall clock, for which the page has segments ahead of the time on show."""
+"""Seconds of wall-clock time for which the page has segments ahead of the shown time."""
 
 KEPT_BYTES = 64_000_000
-"""Most bytes that the page keeps; segments farthest from the time on show are dropped first."""
+"""The maximum size of the segments that the page keeps; the segments farthest from the shown time are dropped first."""
 
 KEPT_SEGMENTS = 7200
-"""Most segments that the page keeps: a recording that is silent for weeks has millions of empty ones."""
+"""The maximum number of segments that the page keeps: a recording that is silent for weeks has millions of empty ones.
+"""
 
 BYTES_PER_SECOND = 10_000_000
-"""Half of the bytes that a page can process; the other half is left to all other messages."""
+"""Half of the bytes per second that a page can process; the other half is left to all other messages."""
 
 PATIENCE = 3.0
-"""Seconds to wait for the page to ask for segments; a busy kernel does not hear it, so then they are sent unasked."""
+"""Seconds to wait for the page's request. A busy kernel does not receive it, so then segments are sent without one."""
 
 LINGER = 600.0
-"""Seconds of idleness after which the thread ends and closes its file; a new thread starts when it is needed. Once all
-segments are sent the thread ends at once."""
+"""Seconds of idleness after which the thread ends and closes its file. A new thread starts when it is needed. Once all
+segments are sent, the thread ends at once."""
 
 POINTED = 8
-"""Segments under the pointer, the last ones, that the page keeps however far they are."""
+"""The number of segments that the pointer visited last and that the page keeps, however far they are."""
 
 CLOSE_TIMEOUT = 2.0
-"""Most seconds for which `Prefetcher.close` waits for the thread, which may read a slow file."""
+"""The maximum number of seconds that `Prefetcher.close` waits for the thread, which may read a slow file."""
 
 ANSWER = 0.03
-"""Most seconds for which `Prefetcher.point` waits for the segment to be sent, which leaves the GIL to the thread."""
+"""The maximum number of seconds that `Prefetcher.point` waits for a segment, which leaves the GIL to the thread."""
 
 _AT_EASE = 4
-"""Idle time of the thread per working time, while nothing is urgent."""
+"""Idle time of the thread per working time, if nothing is urgent."""
 
 _BEHIND = 3
-"""Factor on the distance of segments that lie before the time on show: playing moves away from them."""
+"""The factor on the distance of segments before the shown time: playing moves away from them."""
 
 Send = Callable[[dict[str, Any], list[bytes]], None]
 
 
 class Cursor:
-    """The time on show: set now and then, and extrapolated in between, because a busy kernel gets no messages.
+    """The shown time, extrapolated between updates, because a busy kernel gets no messages.
 
     Args:
-        clock: gives seconds of a clock that is never set.
+        clock: returns the seconds of a monotonic clock.
     """
 
     def __init__(self, clock: Callable[[], float] = time.monotonic) -> None:
@@ -75,13 +76,13 @@ class Cursor:
         self.loops = False
 
     def set_time(self, seconds: float, rate: float, span: tuple[float, float], *, loops: bool = False) -> None:
-        """Set the time on show, its rate (0: it stands still), the span that is played, and whether that loops."""
+        """Set the shown time, its rate (0 if it stands still), the span that is played, and True if the span loops."""
         self.set_to, self._set_at = seconds, self._clock()
         self.rate, self.span, self.loops = rate, span, loops
 
     @property
     def seconds(self) -> float:
-        """The time on show now, if the page never had to wait for a segment."""
+        """The shown time now, if the page never had to wait for a segment."""
         seconds = self.set_to + (self._clock() - self._set_at) * self.rate
         start, end = self.span
         if not self.rate or seconds <= end:
@@ -90,17 +91,17 @@ class Cursor:
 
 
 class Prefetcher:
-    """Sends segments to the page, from a thread that runs while there are some to send.
+    """A sender of segments to the page, with a thread that runs while segments are to be sent.
 
-    The segments that are shown soon come first. To a page that asked, all others follow as far as it keeps them,
-    because the kernel does not hear a page that plays while a cell runs.
+    The segments that are shown soon come first. If the page requested any, all others that it can keep follow, because
+    the kernel does not receive requests while a cell runs.
 
     Args:
         tracks: opens the track of each widget; called once in each thread.
         send: sends a message to the page.
         duration: seconds of the recording.
-        complain: called with one line of text if the recording can be read no further.
-        clock: the time by which the page plays.
+        complain: called with a line of text if the recording can be read no further.
+        clock: the clock by which the page plays.
     """
 
     def __init__(
@@ -129,7 +130,7 @@ class Prefetcher:
         self._closed = False
         self._patience = PATIENCE
         self._thread: threading.Thread | None = None
-        """The thread that sends segments; None while none is wanted."""
+        """The thread that sends segments, or None while no segment is wanted."""
         self._running: threading.Thread | None = None
         """The same thread, until it has closed its file."""
         self._over = clock.condition(self._lock)
@@ -137,13 +138,13 @@ class Prefetcher:
             self._wake()
 
     def set_time(self, seconds: float | None, rate: float, span: tuple[float, float], *, loops: bool = False) -> None:
-        """Set the time on show; None: leave it where it is by now. See `Cursor`."""
+        """Set the shown time, or keep its current value if None. See `Cursor`."""
         with self._lock:
             self.cursor.set_time(self._here() if seconds is None else seconds, rate, span, loops=loops)
             self._wake()
 
     def point(self, seconds: float) -> None:
-        """Send the segment at a time to which the page may go next or has gone, and keep it there for a while.
+        """Send the segment at a time that the page may show next, or shows now, and keep it there for a while.
 
         Segments that are played come first. While nothing is played, this returns once the segment is sent, or after
         `ANSWER` seconds.
@@ -156,7 +157,7 @@ class Prefetcher:
                 self._wait(self._answer, lambda: index in self._sent or self._closed, ANSWER)
 
     def start(self) -> None:
-        """Send everything again: to a page that has nothing, or whose frames are out of date."""
+        """Send everything again, because the page has nothing, or its frames are out of date."""
         with self._lock:
             self._edition += 1
             self._outdated.update(self._sent)
@@ -166,7 +167,7 @@ class Prefetcher:
             self._wake()
 
     def close(self) -> None:
-        """Send nothing more, and end the thread; again does nothing. It waits for a moment at most."""
+        """Send nothing more, and end the thread; closing it again does nothing. It waits for a moment at most."""
         with self._lock:
             self._closed = True
             thread = self._running
@@ -189,7 +190,7 @@ class Prefetcher:
             thread.start()
 
     def _wait(self, changed: ConditionVariable, is_over: Callable[[], bool], seconds: float) -> None:
-        """Wait until something is over, for some seconds at most. Called with the lock held."""
+        """Wait for some seconds at most until a condition is true. Called with the lock held."""
         until = self._clock.now() + seconds
         while not is_over() and changed.wait_until(until):
             pass
@@ -199,7 +200,7 @@ class Prefetcher:
             with self._lock:
                 self._wait(self._change, lambda: self._asked or self._closed, self._patience)
                 self._patience = 0.0
-            # Without progress bars: those of a background thread would appear below any cell.
+            # Without progress bars: bars of a background thread would appear below any cell.
             with without_bars(), self._open() as tracks:
                 while (index := self._await()) is not None:
                     began = time.thread_time()
@@ -220,7 +221,7 @@ class Prefetcher:
                 self._over.notify_all()
 
     def _await(self) -> int | None:
-        """Wait for the next segment to send; None when this thread is not needed any more."""
+        """Wait for the next segment to send; return None if this thread is not needed any more."""
         with self._lock:
             while not self._closed:
                 index = self._wanted()
@@ -236,7 +237,7 @@ class Prefetcher:
             return None
 
     def _wanted(self) -> int | None:
-        """The most urgent segment that the page lacks, if there is one."""
+        """Return the most urgent segment that the page lacks, or None."""
         wanted = chain(self._at_once(), self._soon(), self._pointed_kept(), self._rest())
         return next((index for index in wanted if index not in self._sent), None)
 
@@ -247,7 +248,7 @@ class Prefetcher:
             self._complain(problem)
 
     def _here(self) -> float:
-        """The time on show now: the page stops at the first segment that it lacks."""
+        """Return the shown time: the page stops at the first segment that it lacks."""
         cursor = self.cursor
         seconds = cursor.seconds
         passed = range(floor(cursor.set_to / SEGMENT), floor(seconds / SEGMENT) + 1)
@@ -255,16 +256,16 @@ class Prefetcher:
         return seconds if missing is None else max(cursor.set_to, missing * SEGMENT)
 
     def _lacks(self) -> bool:
-        """Whether the page lacks a segment that it shows now, or may show at any moment."""
+        """Return True if the page lacks a segment that it shows now, or may show at any moment."""
         return any(index not in self._sent for index in self._at_once())
 
     def _at_once(self) -> list[int]:
-        """The segments on show and next: the following one while it plays, else those under the pointer."""
+        """Return the shown segment, and the next one while it plays, otherwise the segments under the pointer."""
         soon = self._soon()
         return soon[:2] if self.cursor.rate else [*soon[:1], *self._pointed_kept()]
 
     def _pointed_kept(self) -> list[int]:
-        """The segments last pointed at; an eighth of what the page keeps, at most."""
+        """Return the segments under the pointer that are kept; at most an eighth of the page's memory."""
         each = self._usual_size
         return self._pointed[: floor(KEPT_BYTES / 8 / each)] if each else self._pointed
 
@@ -274,7 +275,7 @@ class Prefetcher:
         return sum(self._sent.values()) / max(1, len(self._sent))
 
     def _soon(self) -> list[int]:
-        """The segments that the page is about to show, the most urgent first; half of what it keeps, at most."""
+        """Return the segments that the page shows soon, the most urgent first; at most half of its memory."""
         cursor = self.cursor
         here, (first, last) = floor(self._here() / SEGMENT), (floor(s / SEGMENT) for s in cursor.span)
         each = self._usual_size
@@ -282,12 +283,12 @@ class Prefetcher:
         if each:
             count = max(2, min(count, floor(KEPT_BYTES / 2 / each)))
         ahead = list(range(here, min(here + count, self._last + 1)))
-        # After the end of a loop comes its start.
+        # The start of a loop follows its end.
         again = range(first, min(first + max(0, here + count - 1 - last), last + 1)) if cursor.loops else ()
         return list(dict.fromkeys([*ahead[:2], here - 1, *ahead[2:], *again] if here else [*ahead, *again]))
 
     def _rest(self) -> Iterator[int]:
-        """All other segments that the page can keep, the nearest first; farther ones are dropped for them."""
+        """Yield all other segments that the page can keep, the nearest first; farther ones are dropped for them."""
         if not self._asked or not self._sent:
             return
         usual = self._usual_size
@@ -303,7 +304,7 @@ class Prefetcher:
             yield index
 
     def _distance(self) -> Callable[[int], float]:
-        """The distance of a segment from the time on show, `_BEHIND` times as much before it."""
+        """Return a function for the distance of a segment from the shown time, `_BEHIND` times as large before it."""
         here = self._here() / SEGMENT
         return lambda index: index - here if index > here else _BEHIND * (here - index)
 
@@ -323,7 +324,7 @@ class Prefetcher:
         return size
 
     def _dropped(self) -> list[int]:
-        """Forget the segments that are more than the page keeps, and return them with the out-of-date ones."""
+        """Forget the segments that the page cannot keep, and return them with the out-of-date ones."""
         spare = sorted(self._sent.keys() - {*self._soon(), *self._pointed_kept()}, key=self._distance())
         dropped = sorted(self._outdated - self._sent.keys())
         self._outdated.clear()
@@ -334,7 +335,7 @@ class Prefetcher:
 
 
 def segment(tracks: Sequence[Track], index: int) -> tuple[list[list[dict[str, Any]]], list[bytes]]:
-    """One segment, packed for the page: of every track the texts on its frames, and the frames."""
+    """Pack one segment for the page: the texts on the frames of every track, and the frames."""
     start = index * SEGMENT
     packed = [pack(list(track.frames(start, start + SEGMENT))) for track in tracks]
     return [abouts for abouts, _ in packed], [frames for _, frames in packed]

@@ -1,4 +1,4 @@
-"""What a page in a file takes from a player and its recording."""
+"""The content of a page in a file, from a player and its recording."""
 
 from __future__ import annotations
 
@@ -30,25 +30,25 @@ from ._overview import is_planar, whole_drive
 from ._parts import PagedPlayer, followers
 
 SEGMENT_BYTES = 400_000
-"""About as many bytes of frames make a segment of a page: few enough to unpack between two pictures."""
+"""The approximate size of the frames in a segment of a page, small enough to be unpacked between two pictures."""
 
 LONGEST_SEGMENT = 60.0
-"""Seconds; so that the first picture of a recording with few samples needs no more of it."""
+"""The maximum length of a segment in seconds, so that the first picture needs little of a sparse recording."""
 
 ROUNDING = 0.01
-"""Seconds by which an end may lie behind that of the recording: times are displayed with two decimals."""
+"""Seconds by which an end may lie after the end of the recording: times are displayed with two decimals."""
 
 _LINES = 12
 _NUMBERS = 8
-_ADVICE = "take a stretch of it (start=, end=), fewer topics, or every second scan (every=2)"
+_ADVICE = "select a span (start=, end=), fewer topics, or every second scan (every=2)"
 
 
 @dataclass(frozen=True)
 class Wanted:
-    """A page that is asked for: seconds from the start of the recording, texts, and every how many scans.
+    """The request for a page: seconds from the start of the recording, texts, and the step of scans.
 
-    ``time`` is what it shows first; None: what the player shows. ``segment`` is the length of its segments in seconds;
-    None: by the bytes of a second.
+    ``time`` is the time that it shows first, or None for the player's time. ``segment`` is the length of its segments
+    in seconds, or None to choose it by the bytes of a second.
     """
 
     start: float | None = None
@@ -62,18 +62,18 @@ class Wanted:
 
 @contextmanager
 def page_of(player: PagedPlayer, wanted: Wanted, scanogram: bool | None = None) -> Iterator[Page]:
-    """The page of what a player shows.
+    """Make the page of a player.
 
-    It reads the recording by itself, so that the player may read on.
+    It opens the recording again, so that the player can keep reading.
 
     Args:
         player: the player.
-        wanted: stretch and texts.
-        scanogram: whether to make a scanogram where the player has none; None: only if that does not take long.
+        wanted: the span and the texts.
+        scanogram: True to make a scanogram if the player has none, or None to make it only if that is quick.
 
     Raises:
-        ValueError: a stretch that is not in the recording. TypeError: no number. RecordingError: it holds nothing that
-            a widget shows, or the player is closed.
+        ValueError: the span is not in the recording. TypeError: a time is not a number. RecordingError: no widget shows
+            any topic of the recording, or the player is closed.
     """
     if player.bar.comm is None:
         raise RecordingError(f"{player.recording.path.name}: this player is closed; show the recording again")
@@ -112,7 +112,7 @@ def page_of(player: PagedPlayer, wanted: Wanted, scanogram: bool | None = None) 
 
 
 def _stretch(recording: RecordingData, wanted: Wanted) -> tuple[float, float]:
-    """The start and the end of the page.
+    """Return the start and the end of the page.
 
     Raises: as `page_of`.
     """
@@ -135,13 +135,13 @@ def _stretch(recording: RecordingData, wanted: Wanted) -> tuple[float, float]:
 def _scanogram(
     player: PagedPlayer, recording: RecordingData, span: tuple[float, float], wanted: bool | None
 ) -> ScanogramWidget | None:
-    """The scanogram of the stretch, with the settings of the player's own."""
+    """Make the scanogram of the span, with the settings of the player's scanogram."""
     choices = [view.choice for view in player.views]
     scanned = next((choice.topic for choice in choices if choice.kind.name == LASER.name), "")
     own = player.scanogram
     if not recording.duration or not scanned:
         return None
-    # Left open where the recording ends: its last sample belongs to it.
+    # Open at the end of the recording, so that its last sample is included.
     ends = (span[0], None if span[1] == recording.duration else span[1])
     beside = [name for choice in choices if not choice.takes_messages for name in choice.topics]
     picture, _ = whole_drive(recording, scanned, beside, True if own else wanted, ends)
@@ -153,7 +153,7 @@ def _scanogram(
 
 
 def _drawn_here(player: PagedPlayer, picture: ScanogramWidget | None) -> dict[str, Any] | None:
-    """The scanogram that the page draws from scans, and the number of the widget that shows them."""
+    """Return the scanogram that the page draws from scans, and the number of the widget that shows them."""
     if picture is None:
         return None
     lasers = (i for i, view in enumerate(player.views) if view.choice.kind.name == LASER.name)
@@ -208,7 +208,7 @@ def _models(
 
 
 def _clipped(chosen: Any, span: tuple[float, float]) -> tuple[float, float] | None:
-    """What of a chosen span lies in the page; None where nothing does."""
+    """Return the part of a chosen span in the page, or None if they do not overlap."""
     if not chosen:
         return None
     start, end = max(chosen[0], span[0]), min(chosen[1], span[1])
@@ -216,7 +216,7 @@ def _clipped(chosen: Any, span: tuple[float, float]) -> tuple[float, float] | No
 
 
 def _segment_seconds(tracks: Sequence[tuple[Any, Track]], start: float, end: float) -> float:
-    """The length of the segments of a page, in whole seconds, from the bytes of one second in its midst."""
+    """Return the length of the segments of a page in whole seconds, from the bytes of one second in its middle."""
     middle = (start + end) / 2
     size = sum(len(timed.frame) for _, track in tracks for timed in track.frames(middle, middle + 1.0))
     return float(min(LONGEST_SEGMENT, max(1, SEGMENT_BYTES // max(1, size))))
@@ -240,9 +240,9 @@ def _segment(
 
 
 def _without_arrival(timed: TimedFrame) -> TimedFrame:
-    """A frame without the time at which its sample was read here, which tells a page nothing.
+    """Return a frame without the time at which its sample was read, which is of no use on a page.
 
-    The fields of a message keep theirs, which are seconds from the start of the recording.
+    Fields of messages keep this time, which is in seconds from the start of the recording.
     """
     if OF_TOPIC in timed.about:
         return timed
@@ -252,7 +252,7 @@ def _without_arrival(timed: TimedFrame) -> TimedFrame:
 
 
 def _thinned(frames: list[TimedFrame], every: int) -> list[TimedFrame]:
-    """The frame with which a segment begins, and every so many of the others."""
+    """Return the first frame of a segment, and every so many of the others."""
     return frames if every == 1 else [*frames[:1], *frames[1::every]]
 
 
@@ -289,7 +289,7 @@ def _line(seconds: float, topic: str, sample: Any) -> str:
 
 
 def _close_boxes(box: ipywidgets.Box, left_out: Sequence[Any]) -> None:
-    """Close boxes, and leave the widgets in them, of which those that the page leaves out may be boxes, too."""
+    """Close boxes, but not the widgets in them. Widgets that the page leaves out may be boxes, too."""
     for child in box.children:
         if hasattr(child, "children") and child not in left_out:
             _close_boxes(child, left_out)

@@ -14,28 +14,28 @@ _KEPT_EVERY = 200
 
 
 class TouchHistory:
-    """Tracks the touches of a topic, with checkpoints on the way, so that going back is quick.
+    """A tracker of the touches of a topic, with checkpoints, so that going back is quick.
 
     Args:
         recording: the recording.
-        topic: a topic of touches in it.
+        topic: a topic of touches in the recording.
     """
 
     def __init__(self, recording: RecordingData, topic: str) -> None:
         self._recording = recording
         self._topic = topic
         self._start_ns = recording.start_ns or 0
-        # Checkpoints: the tracker's state just before each time. `_here` caches where the last query ended.
+        # The tracker's state just before each of these times. `_here` caches the end of the last query.
         self._times = [self._start_ns]
         self._trackers = [TouchTracker()]
         first = next(recording.samples(topic), None)
         if first and isinstance(first.sample, Touch) and first.sample.mode is not TouchMode.PRESENCE:
-            # So that all sensors of the topic are listed before their first messages.
+            # Lists all sensors of the topic before their first messages.
             self._trackers[0].apply(replace(first.sample, touched={}), self._start_ns)
         self._here = (self._start_ns, self._trackers[0])
 
     def at(self, time_ns: int) -> TouchTracker:
-        """A tracker that has applied all touches up to a time of the recording, included."""
+        """Return a tracker that has applied all touches up to and including a time of the recording."""
         kept = max(bisect_right(self._times, time_ns) - 1, 0)
         since_ns, tracker = self._times[kept], self._trackers[kept]
         if since_ns < self._here[0] <= time_ns:

@@ -1,4 +1,4 @@
-"""What touched the robot, as the marks with which a player begins."""
+"""The touches of the robot, as the marks with which a player begins."""
 
 from __future__ import annotations
 
@@ -9,26 +9,27 @@ from ..recordings import RecordingData
 from .scanogram import touched
 
 MOST_READ = 20_000
-"""Messages of touches that are read at most: they take a moment. With more, a player begins without marks."""
+"""The maximum number of touch messages that are read, because that takes time. With more, a player has no such marks.
+"""
 
 MOST = 200
-"""Marks at most; of more, the closest are joined."""
+"""The maximum number of marks; of more, the closest are joined."""
 
 _MOST_NAMES = 6
-"""Names in the text of a mark; of more their number is told."""
+"""The maximum number of names in the text of a mark; of more, the number is given."""
 
 _APART = 0.5
-"""Seconds between two marks: what touches again sooner is the same bump."""
+"""Seconds between two marks: a touch that follows sooner is part of the same bump."""
 
 Mark = tuple[float, float, str]
 
 
 def touch_marks(recording: RecordingData, topics: Sequence[str]) -> list[Mark]:
-    """Start, end, and the names of the sensors of each bump, in seconds from the start.
+    """Return start, end, and the names of the sensors of each bump, in seconds from the start.
 
     Args:
         recording: the recording.
-        topics: its topics of touches.
+        topics: its topics with touches.
     """
     if sum(topic.count for topic in recording.topics if topic.name in topics) > MOST_READ:
         return []
@@ -36,7 +37,7 @@ def touch_marks(recording: RecordingData, topics: Sequence[str]) -> list[Mark]:
 
 
 def joined(marks: Iterable[Mark]) -> list[Mark]:
-    """Marks of which those are one that follow each other closely."""
+    """Return marks in which marks that follow each other closely are joined."""
     spans, apart = sorted(marks), _APART
     while len(found := list(_bumps(spans, apart))) > MOST:
         apart *= 2
@@ -44,7 +45,7 @@ def joined(marks: Iterable[Mark]) -> list[Mark]:
 
 
 def _bumps(spans: Sequence[Mark], apart: float) -> Iterator[Mark]:
-    """The spans, those joined that overlap or follow each other within so many seconds."""
+    """Yield the spans; spans that overlap or follow each other within so many seconds are joined."""
     start = end = 0.0
     names: dict[str, None] = {}
     for first, last, name in spans:

@@ -1,4 +1,4 @@
-"""A recording on the page: one widget per topic it knows how to show, and a player for its time."""
+"""A recording on the page: one widget for each topic that has one, and a player for its time."""
 
 from __future__ import annotations
 
@@ -64,46 +64,46 @@ from ._touch_marks import touch_marks
 from .wires import RecordedWires
 
 LONGEST_LOOK = 0.1
-"""Seconds for which values of topics are read for the list, each time that the time on show changes."""
+"""The maximum time in seconds for reading values for the list of topics whenever the shown time changes."""
 
 _EARLY = 0.1
 _TINY = 1e-7
 
 _BESIDE = {"min_width": "min(100% - 8px, 300px)", "margin": "0 4px"}
 HELD_BYTES, HELD_SEGMENTS = 200_000, 30
-"""About the bytes, and the most segments, of a recording in the state of a player, which a saved notebook holds. The
-page gets them at once, and the others from a thread."""
+"""The approximate bytes, and the maximum number of segments, in the state of a player, which a saved notebook contains.
+The page gets them at once, and the others from a thread."""
 
 _VIEWER = "660px"
-"""Minimum width: Rerun hides its time in less."""
+"""The minimum width: in less, Rerun hides its time."""
 
 
 class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
-    """Widgets for the topics of a recording, and one time that all of them show; `Recording.show` returns it.
+    """Widgets for the topics of a recording, which all show the same time; `Recording.show` returns it.
 
     Each widget shows the last sample at that time or before it. A commanded speed is a tick on the bars of the measured
-    speed, and has bars of its own if no speed was measured. The page plays, steps and drags by itself, from segments of
-    the recording that Python sends in advance, so it goes on while a cell runs. `close` removes everything from the
-    page and closes the recording; running the cell again does the same.
+    speed, or has its own bars if no speed was measured. The page plays, steps and drags without the kernel, from
+    segments of the recording that Python sends in advance, so it continues while a cell runs. `close` removes
+    everything from the page and closes the recording; running the cell again does the same.
 
     Args:
-        recording: the recording. Nothing else may read it meanwhile.
-        topics: names of topics in it, or of fields, ``"/odom.twist.twist.linear.x"``; none: all that have a widget and
-            a message, or, without any, a few widgets that show what there is.
-        scanogram: whether to show a scanogram of the first topic with scans above the widgets. None: show it if it
-            takes a few seconds at most, else a line that says that it is left out.
-        rerun: whether to show the Rerun viewer beside the widgets, at the same time.
+        recording: the recording. No other code may read it meanwhile.
+        topics: names of topics in it, or of fields, ``"/odom.twist.twist.linear.x"``. Without names, all topics with a
+            widget and a message; without such topics, a few general widgets.
+        scanogram: True to show a scanogram of the first topic with scans above the widgets, or None to show it if it
+            takes a few seconds at most, and otherwise a line with the reason.
+        rerun: True to show the Rerun viewer next to the widgets, at the same time.
 
     Raises:
-        UnknownTopicError: no such topic, or no widget shows it. KeyError: no such field.
+        UnknownTopicError: the topic does not exist, or no widget shows it. KeyError: the field does not exist.
         ImportError: ``rerun`` is set, and Rerun is not installed.
     """
 
-    time = Seconds(help="Seconds from the start of the recording, on show now. Settable.")
-    playing = Flag(False, help="Whether it plays. Settable.")
+    time = Seconds(help="The shown time in seconds from the start of the recording. Settable.")
+    playing = Flag(False, help="True while it plays. Settable.")
     speed = PlaybackSpeed(1.0, help="Seconds of the recording per second. Settable.")
-    loop = Flag(False, help="Whether it starts again at the end, or at the end of the selection. Settable.")
-    selection = TimeSpan(help="The span that is looped: (start, end) in seconds from the start, or None. Settable.")
+    loop = Flag(False, help="True to start again at the end, or at the end of the selection. Settable.")
+    selection = TimeSpan(help="The span that loops: (start, end) in seconds from the start, or None. Settable.")
     marks = Marks(help="Marks on slider and scanogram: (start, end, text), in seconds. Touches, errors; settable.")
 
     _prefetcher: Prefetcher | None = None
@@ -114,7 +114,7 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
     _screen: OneScreen | None = None
 
     def _display_(self) -> Any:
-        from marimo import md  # only marimo asks: it shows no box of ipywidgets, and a player leads those in its box
+        from marimo import md  # only marimo calls this: it cannot show a box of ipywidgets
 
         return md(
             "marimo cannot show a player of several widgets. Show the recording as a page that plays:\n"
@@ -157,7 +157,7 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
             self.topic_list.observe(self._on_wires, "wires")
         super().__init__()
         self._arrange()
-        self.add_class("rw-recording")  # the bar takes the keys of this element
+        self.add_class("rw-recording")  # the bar handles the keys of this element
         self.add_class("rw-one-screen")
         if self.topic_list:
             self.add_class("rw-has-topics")
@@ -191,11 +191,11 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
 
     @property
     def followed(self) -> LeadingPlayer | None:
-        """The player that this one follows; None: none."""
+        """The player that this one follows, or None."""
         return self._leader.player if self._leader else None
 
     def places(self) -> Places:
-        """Where the robot was at each of its scans, by odometry; without scans, at each message of odometry.
+        """Return the places of the robot at each of its scans, by odometry; without scans, at each odometry message.
 
         Raises:
             UnknownTopicError: the recording has no odometry.
@@ -207,26 +207,26 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
         """Show a time, in seconds from the start of the recording.
 
         Raises:
-            traitlets.TraitError: the value is no time.
+            traitlets.TraitError: the value is not a time.
         """
         self.time = seconds
 
     def follow(self, other: Player | None, origin: Sequence[Any] = (0, 0, 0), within: float = WITHIN) -> None:
-        """Go to the same place whenever another player moves, in the page and from Python; None: no longer.
+        """Go to the same place whenever another player moves, on the page and from Python; None to stop following.
 
-        The same place is the scan that was made nearest to where the other robot made its scan on show, by the odometry
-        of both. Where none was made near, this player stays where it is, and its bar says so.
+        The same place is the scan nearest to the place of the other robot's shown scan, by the odometry of both. If no
+        scan is near enough, this player keeps its time, and its bar shows a note.
 
         Args:
             other: the player of another run, or of the same recording.
             origin: x and y in metres and yaw in radians, or as "20deg", at which the odometry of this recording starts
-                in that of the other. As it is, both started at the same place.
-            within: most metres between both; a radian of heading counts as a metre.
+                in the odometry frame of the other. By default both start at the same place.
+            within: the maximum distance in metres; a radian of heading counts as a metre.
 
         Raises:
             UnknownTopicError: one of the recordings has no odometry.
             ValueError: the robots were never near each other; or the other player follows this one.
-            TypeError: ``other`` is no player.
+            TypeError: ``other`` is not a player.
         """
         if not isinstance(other, Player | None):
             raise TypeError(f"follow: expected another player or None, got {type(other).__name__}")
@@ -248,10 +248,10 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
         scanogram: bool | None = None,
         max_size: int | None = MAX_SIZE,
     ) -> Path:
-        """Write a page that plays, of what is on show: one file, without a kernel, a server or the web.
+        """Write a page that plays the shown widgets: one file, without a kernel, a server or the web.
 
-        Its selection, its marks and the settings of its widgets come along; without a scanogram it gets one if that
-        takes a moment. Arguments and errors are those of `Recording.to_html`.
+        It includes the selection, the marks and the settings of the widgets. If the player has no scanogram, the page
+        gets one if that is quick. Arguments and errors are as for `Recording.to_html`.
         """
         target = checked_output("to_html", path, SUFFIXES)
         check_texts(title, note, max_size)
@@ -259,9 +259,9 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
             return page.write(target, max_size)
 
     def pages(self, moments: Iterable[tuple[float, float, float]]) -> Iterator[Page]:
-        """The page of each start, end and time on show, in seconds, as `to_html` writes it, one after the other.
+        """Yield the page for each start, end and shown time in seconds, as `to_html` writes it.
 
-        Each has as few segments as may be: every one of them has a piece of the file read anew.
+        Each has as few segments as possible, because each segment reads a part of the file again.
         """
         for start, end, shown_at in moments:
             with page_of(self, Wanted(start, end, time=shown_at, segment=LONGEST_SEGMENT), False) as page:
@@ -275,7 +275,7 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
         every: int = 1,
         scanogram: bool | None = None,
     ) -> int:
-        """About how many bytes `to_html` would write. See `Recording.html_size`."""
+        """Return about how many bytes `to_html` would write. See `Recording.html_size`."""
         with page_of(self, Wanted(start, end, every=every), scanogram) as page:
             return page.size()
 
@@ -294,7 +294,7 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
         self.recording.close()
 
     def _make_bar(self, note: str) -> PlayerWidget:
-        """The bar. Its state contains the first segments, so that they play without a kernel in a saved notebook."""
+        """Make the bar. Its state contains the first segments, which play in a saved notebook without a kernel."""
         seconds = _first_look(self.recording, self.views)
         touching = [view.choice.topic for view in self.views if view.choice.kind.name == TOUCH.name]
         start_ns = self.recording.start_ns or 0
@@ -312,7 +312,7 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
         )
 
     def _of_views(self, seconds: float) -> dict[str, Any]:
-        """The traits of the bar that go by what is on show, with the first segments from a time on."""
+        """Return the traits of the bar that depend on the shown widgets, with the first segments from a time on."""
         return {
             "_targets": [view.widget.model_id for view in self.views],
             "_pauses": [self._pause(view.choice) for view in self.views],
@@ -321,7 +321,7 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
         }
 
     def _pause(self, choice: WidgetChoice) -> float:
-        """The seconds of silence after which what a widget shows is stale, for which some of the file is read once."""
+        """Return the seconds of silence after which a widget's content is stale. The first call reads the file."""
         if choice not in self._silences:
             self._silences[choice] = _pause(self.recording, choice)
         return self._silences[choice]
@@ -330,7 +330,7 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
         return Prefetcher(self._open_tracks, self._send_ahead, self.recording.duration, self._complain)
 
     def _first_segments(self, first: int) -> Iterator[dict[str, Any]]:
-        """The segments from a number on, as many as a notebook holds, in the form of the page."""
+        """Yield the segments from a number on, as many as a notebook contains, in the form of the page."""
         tracks, size = [view.track for view in self.views], 0
         last = int(self.recording.duration // SEGMENT)
         for index in range(first, min(last + 1, first + HELD_SEGMENTS)):
@@ -342,11 +342,11 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
 
     @property
     def left_out(self) -> tuple[Any, ...]:
-        """What a page in a file has in another way, or cannot have."""
+        """The widgets that a page in a file replaces or cannot contain."""
         return tuple(widget for widget in (self._problems, self.rerun, self.topic_list) if widget is not None)
 
     def tracks_of(self, recording: RecordingData) -> list[tuple[SampleWidget, Track]]:
-        """Its widgets, and the track of each in its recording, opened anew: one thread at a time may read one."""
+        """Return its widgets, each with a track that reads the given recording, in one thread at a time."""
         return [(view.widget, _track(recording, view.choice, view.widget)) for view in self.views]
 
     @contextmanager
@@ -361,17 +361,17 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
         self.bar.complain(problem)
 
     def arranged(self, scanogram: ScanogramWidget | None, screen: OneScreen) -> Sequence[ipywidgets.Widget]:
-        """All that it shows, from top to bottom, with a scanogram of its own or another, in its screen or another."""
+        """Return all widgets from top to bottom, with the given scanogram in the given screen."""
         moves = self.recording.duration and self.views
         widgets = [view.widget for view in self.views]
         if self.topic_list is not None:
             added = [view.widget for view in self.views if view.choice.takes_messages]
             others = [widget for widget in widgets if widget not in added]
             wide = [widget for widget in others if widget.column == "wide"]
-            if not wide and not scanogram:  # nothing else needs the room
+            if not wide and not scanogram:  # nothing else needs the space
                 wide = [widget for widget in widgets if widget.column == "map"]
             small, added = ([widget for widget in some if widget not in wide] for some in (others, added))
-            # A picture that is named first has the first place.
+            # A picture that the user names first gets the first place.
             named = next(iter(self._entries()), "")
             first = next((view.widget for view in self.views if view.choice.topic == named), None)
             if first in added and first.column == "wide":
@@ -388,9 +388,9 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
 
     @property
     def arrangement(self) -> Sequence[Any]:
-        """What is on show: topics and fields, as `Recording.show` takes them; a list is fields that share a plot.
+        """The shown topics and fields, as `Recording.show` takes them; a list contains fields that share a plot.
 
-        It can be stored as JSON, and set again, or given to `Recording.show`.
+        It can be stored as JSON, set again, or passed to `Recording.show`.
         """
         return [entry if isinstance(entry, str) else [*entry] for entry in self._entries()]
 
@@ -406,11 +406,11 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
         return self.on_show.entries(wanted(recording.topics, ()), lambda name: not recording.why_unreadable(name))
 
     def _choose(self) -> tuple[WidgetChoice, ...]:
-        """The widgets of what is to be shown."""
+        """Choose the widgets to show."""
         return choose_widgets(self.recording.topics, self._entries())
 
     def _set_views(self, shown: Sequence[WidgetChoice]) -> tuple[PlayerView, ...]:
-        """Have a view for each choice, and keep those that are there; returns the new ones."""
+        """Make a view for each choice, keep views that exist, and return the new ones."""
         there = {view.choice: view for view in self.views}
         self.views = tuple(there.get(choice) or _view(self.recording, choice) for choice in shown)
         new = tuple(view for view in self.views if view.choice not in there)
@@ -427,7 +427,7 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
         return new
 
     def _show_used_axes(self, views: Iterable[PlayerView]) -> None:
-        if self.scanogram:  # which has read the measured speeds
+        if self.scanogram:  # making it has read the measured speeds
             for view in views:
                 if isinstance(view.widget, SpeedWidget):
                     view.widget.planar = is_planar(self.recording, view.choice.topics)
@@ -437,11 +437,11 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
             self._prefetcher.start()
 
     def _plot_field(self, topic: str, path: str) -> None:
-        """Show a plot of a field: a person wants it."""
+        """Show a plot of a field, at the user's request."""
         self._on_toggle(f"{topic}.{path}", True)
 
     def _on_toggle(self, topic: str, on: bool) -> None:
-        """Show a topic, or take it off with its fields: a person wants it."""
+        """Show a topic, or remove it with its fields, at the user's request."""
         known = {one.name: one for one in self.recording.topics}
         if on:
             _check(self.recording, [topic])
@@ -451,7 +451,7 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
         self._show_chosen()
 
     def _on_wires(self, change: Any) -> None:
-        """Show the wires below the rest, or show them no longer: a person wants it."""
+        """Show the wires below the rest, or hide them, at the user's request."""
         with self._seeking:
             before, self.wires = self.wires, None
             if change["new"]:
@@ -462,12 +462,12 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
             before.close()
 
     def _toggle_messages(self, topic: str) -> None:
-        """Show the messages of a topic field by field, or show them no longer: a person wants it."""
+        """Show the messages of a topic field by field, or hide them, at the user's request."""
         self.on_show.toggle(f"{topic} as message")
         self._show_chosen()
 
     def _values_of(self, names: Sequence[str]) -> dict[str, str]:
-        """What topics say at the time on show, of as many as can be read in a moment."""
+        """Return the values of topics at the shown time, of as many topics as can be read quickly."""
         values: dict[str, str] = {}
         began = time.monotonic()
         of_kind = shown(self.recording.topics)
@@ -478,14 +478,14 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
                 try:
                     at = self.recording.at if name in of_kind else self.recording.message_at
                     moment = at(name, self.bar.time)
-                except RecordingError:  # it cannot be read, as its row says, or the recording is closed
+                except RecordingError:  # its row shows why it cannot be read; or the recording is closed
                     values[name] = ""
                     continue
                 values[name] = brief(moment.sample) if moment else "nothing yet"
         return values
 
     def _show_chosen(self) -> None:
-        """Show what is to be shown by now. In the main thread or a subshell's."""
+        """Show the current choice of widgets. Runs in the main thread or a subshell's."""
         with self._seeking:
             before = self.views
             new = self._set_views(self._choose())
@@ -504,7 +504,7 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
             self._on_time(None)
 
     def _arrange(self) -> None:
-        """Put all that is shown into its place."""
+        """Put all shown widgets into their places."""
         below = [self.wires] if self.wires is not None else []
         self.children = [*self.arranged(self.scanogram, self._screen or OneScreen()), *below]
         if self.topic_list is not None:
@@ -514,7 +514,7 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
         setattr(self, change["name"], change["new"])
 
     def _on_time_of(self, change: Any) -> None:
-        """Go where a program moved another widget; a page in which a person does so moves the player itself."""
+        """Go to the time to which a program moved another widget. For the user, the page moves the player itself."""
         if change["new"] is not None and "time" not in change["owner"]._property_lock:
             self.time = change["new"]
 
@@ -527,7 +527,7 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
                 self.bar.send({"seek": value})
 
     def _on_page(self, _bar: PlayerWidget, content: dict[str, Any], _buffers: Any) -> None:
-        """What a page says: that it has no segment, or lacks that of a time, or that to which a step leads."""
+        """Handle a message of the page: it lacks all segments or the one at a time, or asks for a step or a label."""
         ahead = self._prefetcher
         if ahead is None:
             return
@@ -541,7 +541,7 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
             self._label(content["label"])
 
     def _label(self, asked: Any) -> None:
-        """Give a span a name, take one away, or both: the new one and the old, of which one may be None."""
+        """Add a label, remove one, or both: the new one and the old one, either may be None."""
         problem = ""
         try:
             new, old = asked
@@ -559,7 +559,7 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
         self.bar.send({"labelled": asked, "problem": problem})
 
     def read_labels(self) -> None:
-        """Show the labels as they are beside the recording by now."""
+        """Show the current labels of the recording."""
         with self._seeking:
             labels = _labels(self.recording)
         self.bar.labels = labels
@@ -596,8 +596,8 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
             self.topic_list.tell_values(bar.time)
 
     def _tell_problems(self) -> None:
-        """Show the problems of the recording, some of which are found only when it is read."""
-        # What is shown all the same is no problem of somebody who looks at it.
+        """Show the problems of the recording. Some are found only when it is read."""
+        # If widgets are shown nevertheless, a recording without known sensors is not a problem for the user.
         there = [line for line in self.recording.problems if line != NO_SENSOR or not self.views]
         lines = [f"⚠ {escape(line)}" for line in there]
         self._problems.value = "<br>".join(lines)
@@ -605,14 +605,14 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
 
 
 def _select(scanogram: ScanogramWidget, change: Any) -> None:
-    """Select the span of the bar in the scanogram, whose own selection may contain rays, too."""
+    """Select the span of the bar in the scanogram, whose selection may contain rays, too."""
     selected = scanogram.selection
     if change["new"] != (selected and selected[:2]):
         scanogram.selection = change["new"]
 
 
 def _labels(recording: RecordingData) -> list[tuple[float, float, str]]:
-    """The labels of a recording as marks."""
+    """Return the labels of a recording as marks."""
     return [(one.start, one.end, one.label) for one in recording.labels]
 
 
@@ -627,7 +627,7 @@ def _check(recording: RecordingData, entries: Sequence[Entry]) -> None:
 
 
 def _rows(recording: RecordingData) -> Iterator[TopicRow]:
-    """The topics of a recording, for the list."""
+    """Yield the topics of a recording for the list."""
     for topic in recording.topics:
         why = topic.problem or ("" if topic.widget else recording.why_unreadable(topic.name))
         asked = None if why else asked_of_type(topic.type)
@@ -637,10 +637,10 @@ def _rows(recording: RecordingData) -> Iterator[TopicRow]:
 
 
 def _check_entry(recording: RecordingData, wish: AskedFor) -> None:
-    """Check that a topic or a field is there, and that a widget can show it."""
+    """Check that a topic or a field exists, and that a widget can show it."""
     topic = next((one for one in recording.topics if one.name == wish.topic), None)
     if wish.field and topic is not None and asked_of_fields():
-        recording.fields(wish.topic)[[wish.field]]  # raises for one that is not there
+        recording.fields(wish.topic)[[wish.field]]  # raises if the field does not exist
     elif topic is None or wish.field or not (topic.widget or wish.row or asked_of_type(topic.type)):
         recording.check(wish.topic)
     elif why := why_no_plot(wish, topic.type):
@@ -660,14 +660,14 @@ def _track(recording: RecordingData, choice: WidgetChoice, widget: SampleWidget)
 
 
 def _pause(recording: RecordingData, choice: WidgetChoice) -> float:
-    """Seconds after which a sample on show is stale; 0: never."""
+    """Return the seconds after which a shown sample is stale, or 0 for never."""
     if not choice.kind.goes_stale:
         return 0.0
     return silent_after(islice(moments_of(recording, choice, (choice.topic,)), LOOKED_AT))
 
 
 def _first_look(recording: RecordingData, views: Iterable[PlayerView]) -> float:
-    """The earliest time at which every topic that starts early has a sample."""
+    """Return the earliest time at which every topic that starts early has a sample."""
     firsts = (
         next(moments_of(recording, view.choice, (topic,)), None) for view in views for topic in view.choice.topics
     )

@@ -26,22 +26,22 @@ from ..scanogram.scans import ScanRanges, ScansInMemory, Sweep, cut
 from ..scanogram_widget import ScanogramWidget
 
 MEMORY_BYTES = 256 << 20
-"""Most bytes of scans that are kept in memory. Larger topics are read from the file again when they are drawn."""
+"""The maximum size of scans that are kept in memory. Larger topics are read from the file again when they are drawn."""
 
 CACHE_BYTES = 32 << 20
-"""Most bytes in the cache of scans that are read again."""
+"""The maximum size of the cache of scans that are read again."""
 
 _FINER = 2
-"""Most rays of a scan in the picture, relative to the usual number."""
+"""The maximum number of rays of a scan in the picture, relative to the usual number."""
 
 _KNOWN = 1000
 
 _SURELY = 1.1
-"""Size of all scans, as the first ones foretell it, from which they surely take more than a limit."""
+"""A predicted size above the limit by this factor means that the scans will surely exceed it."""
 
 
 class RayMapper:
-    """Maps scans to the rays of one sweep. Scans with more rays than the sweep are left out: all their ranges are NaN.
+    """A mapping of scans to the rays of one sweep. Scans with more rays are left out: all their ranges are NaN.
 
     Args:
         sweep: the rays of the picture.
@@ -52,15 +52,15 @@ class RayMapper:
         self._rays = lru_cache(_KNOWN)(lambda of: rays_at(of, sweep))
 
     def fits(self, like: Scan) -> bool:
-        """Whether the picture includes scans with this geometry."""
+        """Return True if the picture includes scans with this geometry."""
         return 0 < len(like) <= self.sweep.ray_count
 
     def keeps_indices(self, like: Scan) -> bool:
-        """Whether the rays of scans with this geometry keep their indices."""
+        """Return True if the rays of scans with this geometry keep their indices."""
         return not self.fits(like) or self.is_same(like) or keeps_indices(self._rays(Sweep.of(like)))
 
     def __call__(self, chunk: ScanChunk) -> Iterator[NDArray[np.float32]]:
-        """The ranges of a chunk, as arrays of shape (n, rays of the sweep)."""
+        """Yield the ranges of a chunk, as arrays of shape (n, rays of the sweep)."""
         if self.is_same(chunk.like):
             yield chunk.ranges
             return
@@ -70,7 +70,7 @@ class RayMapper:
             yield on_rays(ranges, rays)
 
     def is_same(self, like: Scan) -> bool:
-        """Whether scans have the rays of the sweep."""
+        """Return True if scans have the rays of the sweep."""
         sweep = self.sweep
         return (len(like), like.angle_min, like.angle_increment) == (
             sweep.ray_count, sweep.angle_min, sweep.angle_increment
@@ -82,7 +82,7 @@ class ScansInFile:
 
     Args:
         series: the scans.
-        mapper: maps the scans of a chunk to the rays of the picture.
+        mapper: the mapping of scans to the rays of the picture.
     """
 
     def __init__(self, series: ScanSeries, mapper: RayMapper) -> None:
@@ -99,7 +99,7 @@ class ScansInFile:
 
 
 OpenSpan = tuple[float | None, float | None]
-"""Start and end in seconds from the start of the recording; None: its own."""
+"""Start and end in seconds from the start of the recording, or None for its start or end."""
 
 
 def scanogram(
@@ -109,7 +109,7 @@ def scanogram(
     span: OpenSpan = (None, None),
     **options: Any,
 ) -> ScanogramWidget:
-    """See `ScanogramWidget.of`; of a span of the recording."""
+    """See `ScanogramWidget.of`; for a span of the recording."""
     there = wanted(recording.topics, ())
     lasers = named(there, LASER.name)
     scans = recording.scans(lasers[0] if topic is None and lasers else topic).between(*span)
@@ -136,9 +136,9 @@ def _put_scans(widget: ScanogramWidget, recording: RecordingData, scans: ScanSer
     loaded = _loaded(scans, most)
     counts = {rays: count for rays, count in scans.ray_counts.items() if rays}
     if not counts:
-        raise RecordingError(f"{recording.path.name}: topic {scans.topic!r} holds no scan with rays")
+        raise RecordingError(f"{recording.path.name}: topic {scans.topic!r} has no scan with rays")
     usual = max(counts, key=lambda rays: counts[rays])
-    # As many rays as the finest scan has, so that none is left out: on some scanners the number varies.
+    # As many rays as the finest scan, so that no scan is left out: on some scanners the number varies.
     rays = max(count for count in counts if count <= _FINER * usual)
     if 4 * rays * len(scans) > most:
         loaded = None
@@ -174,7 +174,7 @@ def _put_scans(widget: ScanogramWidget, recording: RecordingData, scans: ScanSer
 
 
 def _about(likes: list[tuple[Scan, int]], mapper: RayMapper, by_angle: bool) -> Iterator[str]:
-    """Notes on scans whose rays differ."""
+    """Yield notes on scans whose rays differ."""
     left_out = sum(count for like, count in likes if not mapper.fits(like))
     if left_out:
         of = sum(count for _, count in likes)
@@ -185,16 +185,16 @@ def _about(likes: list[tuple[Scan, int]], mapper: RayMapper, by_angle: bool) -> 
         yield f"the scans have {some}: drawn by angle, without indices"
     limits = {(like.range_min, like.range_max) for like, _ in likes if mapper.fits(like)}
     if len(limits) > 1:
-        yield "range_min and range_max change: those of the first scan count"
+        yield "range_min and range_max change: the values of the first scan are used"
 
 
 def _loaded(scans: ScanSeries, most: int) -> list[ScanChunk] | None:
-    """All chunks, read once; None if their ranges take more than ``most`` bytes."""
+    """Return all chunks, read once, or None if their ranges take more than ``most`` bytes."""
     chunks, size, count = [], 0, 0
     for chunk in scans.chunks():
         size += chunk.ranges.nbytes
         count += len(chunk)
-        # As soon as that is foreseen, so that they are not read in vain.
+        # As soon as that is predictable, so that the rest is not read in vain.
         if size > most or size / count * len(scans) > _SURELY * most:
             return None
         chunks.append(chunk)
@@ -202,7 +202,7 @@ def _loaded(scans: ScanSeries, most: int) -> list[ScanChunk] | None:
 
 
 def _put_speeds(widget: ScanogramWidget, recording: RecordingData, topics: list[Topic], span: OpenSpan) -> None:
-    """Put the first measured speed under the scans, or a commanded one if none was measured."""
+    """Put the first measured speed under the scans, or a commanded one without a measured one."""
     for topic in sorted(topics, key=lambda topic: topic.commanded):
         speeds = recording.speeds(topic.name).between(*span)
         if len(speeds):
@@ -219,7 +219,7 @@ def _put_touches(widget: ScanogramWidget, recording: RecordingData, topics: list
 
 
 def touched(touches: Touches, end: float) -> Iterator[tuple[float, float, str]]:
-    """The spans in which each sensor was touched: start and end in seconds from the start, and its name."""
+    """Yield the spans in which each sensor was touched: start and end in seconds from the start, and its name."""
     times = np.append(np.maximum.accumulate(touches.seconds), max([end, *touches.seconds[-1:]]))
     for label, states in zip(touches.labels, touches.states.T, strict=True):
         edges = np.diff(np.concatenate(([False], states == TouchState.TOUCHED, [False])).astype(np.int8))

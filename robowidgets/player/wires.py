@@ -1,4 +1,4 @@
-"""The wires of a recording: its topics, and the nodes that published them, as far as it tells."""
+"""The wires of a recording: its topics, and the nodes that published them, if their names are known."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ from ..wires_widget import Wire, Wiring
 
 _LOGS = ("rcl_interfaces/msg/Log", "rosgraph_msgs/msg/Log")
 _MOST_LINES = 2000
-"""Lines of a log in which names of nodes are looked for."""
+"""Lines of a log that are searched for names of nodes."""
 
 
 class RecordedWires:
-    """The wires of a recording, for its widget: see `robowidgets.wires_widget.WiresSource`. They never change.
+    """The wires of a recording for its widget: see `robowidgets.wires_widget.WiresSource`. They never change.
 
     Args:
         recording: the recording, which is read once.
@@ -38,7 +38,7 @@ class RecordedWires:
         publishers = self._recording.publishers
         wires = tuple(self._wire(topic, publishers.get(topic.name, ())) for topic in self._recording.topics)
         tells = any(wire.publishers for wire in wires)
-        note = "the recording holds no names of nodes: topics alone" if not tells else ""
+        note = "the recording has no names of nodes: it shows only topics" if not tells else ""
         return Wiring(wires, (), tells, note)
 
     def look(self, is_seen: bool) -> None:
@@ -73,7 +73,7 @@ class RecordedWires:
         )
 
     def _writers(self, topic: Topic) -> set[str]:
-        """The nodes whose lines a log has: their names, which are those of their loggers in ROS 2."""
+        """Return the nodes that wrote the lines of a log. Their names are the names of their loggers in ROS 2."""
         if topic.type not in _LOGS:
             return set()
         try:
@@ -84,7 +84,7 @@ class RecordedWires:
         return {f"/{name.replace('.', '/')}" for name in names if name}
 
     def _last(self, topic: Topic) -> str:
-        """The last message, or the sample in it, in a few words; empty for large ones."""
+        """Return the last message, or the sample in it, in a few words, or an empty text for large ones."""
         if not topic.count or topic.problem or is_large(topic.type):
             return ""
         try:

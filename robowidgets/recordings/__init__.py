@@ -1,4 +1,4 @@
-"""The data of recordings: files of messages, opened for reading as samples. No widget is imported."""
+"""The data of recordings: files of messages, opened for reading as samples. This part imports no widgets."""
 
 from .._core import in_browser
 

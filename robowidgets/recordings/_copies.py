@@ -1,4 +1,4 @@
-"""Local copies of recordings that lie elsewhere, in a folder of limited size."""
+"""Local copies of remote recordings, in a folder of limited size."""
 
 from __future__ import annotations
 
@@ -17,33 +17,35 @@ from ..repair import RecordingError
 
 try:
     import fcntl
-except ImportError:  # Windows moves and removes no file that is open
+except ImportError:  # Windows does not move or remove open files
     fcntl = None  # type: ignore[assignment]
 
 SIZE = "ROBOWIDGETS_CACHE_SIZE"
-"""The environment variable with the most bytes that the copies take."""
+"""The environment variable with the maximum size of all copies."""
 
 _USUAL = "10 GB"
 _UNITS = {"": 1, "k": 10**3, "m": 10**6, "g": 10**9, "t": 10**12}
 _LOCK = ".lock"
 _PART = ".part-"
 _LEFT_BEHIND = 60.0 if fcntl else 86_400.0
-"""Seconds after which a part that nobody holds is one whose process ended: by then, whoever made it holds it."""
+"""Seconds after which an unlocked partial copy is left over from a process that ended: a live one locks its copy at
+once."""
 
 
 class Copy:
-    """A copy that stays while this is not closed.
+    """A copy that is not removed before this object is closed.
 
     Args:
-        folder: what holds it.
-        lock: a descriptor of the file that is locked as long as the copy is used; None where there are no locks.
+        folder: the folder of the copy.
+        lock: a descriptor of the lock file, which stays locked while the copy is used, or None if the system has no
+            locks.
     """
 
     def __init__(self, folder: Path, lock: int | None) -> None:
         self.folder, self._lock = folder, lock
 
     def close(self) -> None:
-        """Let it be removed when room is needed; doing it again does nothing."""
+        """Allow the copy to be removed when room is needed; closing it again does nothing."""
         lock, self._lock = self._lock, None
         if lock is not None:
             os.close(lock)
@@ -53,10 +55,10 @@ class Copy:
 
 
 def most_bytes() -> int:
-    """The most bytes that the copies take.
+    """Return the maximum size of all copies in bytes.
 
     Raises:
-        RecordingError: the environment variable is no size.
+        RecordingError: the environment variable is not a size.
     """
     text = os.environ.get(SIZE) or _USUAL
     found = re.fullmatch(r"\s*(\d+(?:\.\d+)?)\s*([kmgt]?)b?\s*", text, re.IGNORECASE)
@@ -66,38 +68,38 @@ def most_bytes() -> int:
 
 
 def copies_folder() -> Path:
-    """Where the copies are."""
+    """Return the folder of the copies."""
     return cache_folder() / "remote"
 
 
 def holding(path: Path) -> Copy | None:
-    """The copy that a path lies in, which stays until it is closed; None for any other path."""
+    """Return the copy that a path lies in, which stays until it is closed, or None for any other path."""
     with suppress(ValueError):
         return find(path.relative_to(copies_folder()).parts[0])
     return None
 
 
 def find(key: str) -> Copy | None:
-    """The copy of this name, which is now the last that was used; None without one."""
+    """Return the copy of this name and note its use, or None if it does not exist."""
     folder = copies_folder() / key
     try:
         lock = _locked(folder)
         os.utime(folder / _LOCK)
-    except OSError:  # not there, or just removed
+    except OSError:  # missing, or just removed
         return None
     return Copy(folder, lock)
 
 
 def make(key: str, size: int, write: Callable[[Path], None]) -> Copy:
-    """A new copy, there under its name when it is complete. After an error nothing of it is left.
+    """Make a new copy. It appears under its name when it is complete; after an error nothing is left.
 
     Args:
-        key: its name.
-        size: about how many bytes it takes: for these, those go that were used longest ago, but for open ones.
-        write: writes it into a folder.
+        key: the name of the copy.
+        size: the approximate size in bytes; the least recently used copies that are not open are removed to make room.
+        write: writes the recording into a folder.
 
     Raises:
-        RecordingError: it is larger than all copies may be, or the disk is full.
+        RecordingError: the copy is larger than the limit for all copies, or the disk is full.
         OSError: the folder cannot be written.
     """
     limit, root = most_bytes(), copies_folder()
@@ -134,10 +136,10 @@ def make(key: str, size: int, write: Callable[[Path], None]) -> Copy:
 
 
 def _locked(folder: Path, alone: bool = False) -> int | None:
-    """A lock on a copy, which many hold who read it, and one alone who removes it.
+    """Lock a copy: shared by its readers, or alone to remove it.
 
     Raises:
-        OSError: there is no such copy, or others hold it.
+        OSError: the copy does not exist, or another process has locked it.
     """
     if fcntl is None:
         (folder / _LOCK).stat()
@@ -154,13 +156,13 @@ def _locked(folder: Path, alone: bool = False) -> int | None:
 
 
 def _make_room(root: Path, most: int) -> None:
-    """Remove those used longest ago until the others take no more than some bytes."""
+    """Remove the least recently used copies until the others take no more than some bytes."""
     found = sorted(_ages_and_sizes(root))
     total = sum(size for _, size, _ in found)
     for used, size, folder in found:
         is_left_behind = folder.name.startswith(_PART) and used < time.time() - _LEFT_BEHIND
         if is_left_behind or (total > most and not folder.name.startswith(_PART)):
-            with suppress(OSError):  # somebody reads it
+            with suppress(OSError):  # another process reads it
                 _remove(folder)
                 total -= size
 

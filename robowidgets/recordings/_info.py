@@ -17,7 +17,7 @@ _SLOWEST = 0.1
 
 
 def heading(path: str, topics: Sequence[Topic], duration: float, start_ns: int | None) -> str:
-    """One line: the path of the recording, its length, its start and its contents."""
+    """Return one line: the path of the recording, its length, its start and its contents."""
     count = sum(topic.count for topic in topics)
     parts = [f"{duration:.1f} s", many(len(topics), "topic"), many(count, "message")]
     versions = sum(topic.count for topic in topics if topic.name == PROGRAM)
@@ -29,7 +29,7 @@ def heading(path: str, topics: Sequence[Topic], duration: float, start_ns: int |
 
 
 def table_of(head: str, topics: Sequence[Topic], problems: Sequence[str]) -> Table:
-    """The topics of a recording, a row for each, with what is wrong with it."""
+    """Return a table with a row for each topic, and the problems of the recording."""
     return Table(head, _HEADS, [_cells(topic) for topic in topics], right=_RIGHT, problems=problems)
 
 

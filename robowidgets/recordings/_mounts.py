@@ -14,10 +14,10 @@ from ..poses.transforms import STATIC, TRANSFORMS, Transform
 from ..samples import Mount, Scan
 
 MOST_READ = 500
-"""Transforms of tf that are read in search of a scanner: all publishers have sent some by then."""
+"""Transforms of tf that are read to find a scanner: by then all publishers have sent some."""
 
 LOOK_NS = 2_000_000_000
-"""Nanoseconds of tf that are read in the middle and at the end, to see if a scanner moves on its robot."""
+"""Nanoseconds of tf that are read in the middle and at the end, to see if the scanner moves on its robot."""
 
 MOVED = radians(1)
 
@@ -25,10 +25,10 @@ ReadTransforms = Callable[["Sequence[Channel]", "int | None", "int | None"], "It
 
 
 class RecordedMounts:
-    """The mounts of scanners by their frames: given by hand, else found in tf when the first scan is read.
+    """The mounts of scanners by their frames: given by hand, or found in tf when the first scan is read.
 
-    Transforms that are not static are read at the beginning, in the middle and at the end; if the mount differs there,
-    the scanner moves on its robot, and all are read.
+    Transforms that are not static are read at the beginning, in the middle and at the end; if the mount differs between
+    them, the scanner moves on its robot, and all are read.
 
     Args:
         channels: all channels of the recording.
@@ -55,7 +55,7 @@ class RecordedMounts:
             self.by_hand[frame_id.lstrip("/")] = mount
 
     def of(self, frame_id: str, time_ns: int | None = None, stamp_ns: int | None = None) -> Mount | None:
-        """The mount of a scanner, at a time if it moves on its robot; None if neither a user nor tf tells it."""
+        """Return the mount of a scanner, at a time if it moves on its robot, or None if it is unknown."""
         frame = frame_id.lstrip("/")
         if frame in self.by_hand:
             return self.by_hand[frame]
@@ -66,12 +66,12 @@ class RecordedMounts:
         return self._found[frame]
 
     def moves(self, frame_id: str) -> bool:
-        """Return True if the scanner moves on its robot. `of` has been asked before."""
+        """Return True if the scanner moves on its robot. Call `of` before."""
         frame = frame_id.lstrip("/")
         return frame in self._trees and frame not in self.by_hand
 
     def mounted(self, scan: Scan, time_ns: int | None = None) -> Scan:
-        """A scan of the recording with the angles of the robot, if its mount is known."""
+        """Return a scan of the recording with its angles in the frame of the robot, if its mount is known."""
         mount = self.of(scan.frame_id, time_ns, scan.stamp_ns)
         return scan if mount is None else scan.mounted(mount)
 
@@ -93,7 +93,7 @@ class RecordedMounts:
         return first
 
     def _look(self, frame: str, start_ns: int | None, stop_ns: int | None) -> Mount | None:
-        """The mount by the first transforms between two times that tell it."""
+        """Return the mount from the first sufficient transforms between two times."""
         frames = LiveFrames()
         for one in self._known or ():
             frames.add(one)
@@ -107,7 +107,7 @@ class RecordedMounts:
 
 
 def _apart(one: Mount, other: Mount) -> bool:
-    """Return True if two mounts differ by more than tf's noise."""
+    """Return True if two mounts differ by more than the noise of tf."""
     turned = abs(one.yaw - other.yaw)
     return (
         one.upside_down != other.upside_down

@@ -1,4 +1,4 @@
-"""A recording, for what reads it within this part: `RecordingData`, before that class is there."""
+"""The interface of a recording for readers in this part, which `RecordingData` imports."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from .topics import Moment, TimedMessage, Topic
 
 
 class ReadableRecording(Protocol):
-    """See `RecordingData`, which describes each of these."""
+    """The part of `RecordingData` that other modules of this part read; see there for each member."""
 
     @property
     def path(self) -> Path:
@@ -36,10 +36,10 @@ class ReadableRecording(Protocol):
     def samples(
         self, topics: str | Iterable[str] | None = None, start: float | None = None, end: float | None = None
     ) -> Iterator[Moment]:
-        """The samples, one by one."""
+        """Yield the samples, one by one."""
 
     def messages(self, topic: str, start: float | None = None, end: float | None = None) -> Iterator[TimedMessage]:
-        """The messages of a topic, one by one."""
+        """Yield the messages of a topic, one by one."""
 
     def events(
         self,
@@ -49,16 +49,16 @@ class ReadableRecording(Protocol):
         start: float | None = None,
         end: float | None = None,
     ) -> Events:
-        """What happened, as a table."""
+        """Return the events as a table."""
 
     def scans(self, topic: str | None = None) -> Scans:
-        """The scans of a topic as columns."""
+        """Return the scans of a topic as columns."""
 
     def speeds(self, topic: str | None = None) -> Speeds:
-        """The speeds of a topic as columns."""
+        """Return the speeds of a topic as columns."""
 
     def touches(self, topic: str | None = None) -> Touches:
-        """The touches of a topic as columns."""
+        """Return the touches of a topic as columns."""
 
     def fields(self, topic: str) -> Fields:
-        """The fields of the messages of a topic as columns."""
+        """Return the fields of the messages of a topic as columns."""

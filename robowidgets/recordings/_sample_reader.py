@@ -32,16 +32,16 @@ from .topics import Moment, TimedMessage, Topic
 
 _SHORTEST = 1e-3
 _BURST, _BURST_OF_MANY = 1.0, 0.1
-"""Seconds within which a few messages are a burst, such as those when a node starts, and within which many are: it has
-no rate."""
+"""Seconds within which a few messages, such as those when a node starts, are a burst, and within which many messages
+are. A burst has no rate."""
 _BURST_SHARE = 0.1
-"""Share of the recording in which messages are no burst, however short it is."""
+"""A topic whose messages span more than this share of the recording is not a burst, however short the recording is."""
 _SHORTEST_LOOK_NS = 1_000_000
 _MOST_AT_ONCE = 64
 """Messages that are decoded together while samples are iterated over."""
 
 _FIRST_ONES = 100
-"""Messages at the start of a topic that are read in any case: what is said once is said there."""
+"""Messages at the start of a topic that are always read: a value that is published only once is among them."""
 
 _LEAST = 20
 """Messages that a topic needs for a usual step: with fewer, a long pause or a short burst means little."""
@@ -50,7 +50,7 @@ _REPAIR = "robowidgets repair writes all that can be read to a file that every t
 _SILENT = "did its node or its sensor start late, or stop early?"
 _LEFT_OUT = "see what publishes them"
 _OTHER_VERSION = "if another version of {} wrote them, add its files with robowidgets.messages.add_definitions"
-"""Definitions from outside the file need not be of the version that the robot had."""
+"""Definitions from outside the file may be of another version than the one on the robot."""
 _LEFT_OVER = "nodes of ROS ignore them, too; if a field is missing, record with the definitions that its publisher has"
 _SEVERAL = "do two sensors publish to one topic? Give each its own"
 
@@ -61,7 +61,7 @@ class Messages:
     """The samples of a recording in the order of their times. A message is decoded when its sample is read.
 
     Args:
-        source: the messages; closed with this object.
+        source: the messages. It is closed with this object.
     """
 
     def __init__(self, source: Source) -> None:
@@ -70,21 +70,21 @@ class Messages:
         self._decoders: dict[int, Decoder] = {}
         self._shown: defaultdict[str, list[Channel]] = defaultdict(list)
         self._kinds: dict[str, tuple[Kind, str]] = {}
-        """For each topic its kind, and the message type that decided it."""
+        """The kind of each topic, and the message type that decided it."""
         self._left_out: dict[str, Problem] = {}
         self._stopped: list[str] = []
         self._left_over: defaultdict[int, list[str]] = defaultdict(list)
         """Topics by the number of bytes that follow the last field of their messages."""
         self._has_looked = False
-        # Of each topic the sample that `last` found last, and the time before which none follows: in a long silence the
-        # same one is wanted again and again.
+        # For each topic, the sample that `last` found last, and a time before which no other one follows: during a long
+        # silence the same sample is requested repeatedly.
         self._last: dict[tuple[str, bool], tuple[Moment, int]] = {}
         self._readers: dict[int, MessageDecoder | str] = {}
-        """By channel what reads its messages as they are, or why they cannot be read."""
+        """By channel, the reader of its raw messages, or the reason why they cannot be read."""
         self._closed = False
         span_ns = self.start_ns or 0, self.end_ns or 0
         self.mounts = RecordedMounts(source.channels, self._transforms_between, span_ns)
-        # Channels without a message last: of several types of a topic, the type of the first message is shown.
+        # Channels without a message last: if a topic has several types, the type of the first message is shown.
         by_count = sorted(source.channels, key=lambda channel: not channel.count)
         found = {channel.id: self._understand(channel) for channel in by_count}
         self.topics = self._list([(channel, *found[channel.id]) for channel in source.channels])
@@ -113,7 +113,7 @@ class Messages:
         return (*(Problem(line, remedy) for lines, remedy in found for line in lines), *self._left_out.values())
 
     def moments(self, topics: Collection[str], start_ns: int | None, stop_ns: int | None) -> Iterator[Moment]:
-        """The samples of these topics from ``start_ns`` up to, not including, ``stop_ns``; None means no limit."""
+        """Yield the samples of these topics from ``start_ns`` up to, not including, ``stop_ns``; None is no limit."""
         channels = [channel for topic in topics for channel in self._shown[topic]]
         batch: list[Message] = []
         most = 1
@@ -136,14 +136,14 @@ class Messages:
         every: int = 1,
         is_wanted: Callable[[Message], bool] | None = None,
     ) -> Iterator[TimedMessage]:
-        """The messages of topics, of any type, from ``start_ns`` up to, not including, ``stop_ns``.
+        """Yield the messages of topics of any type from ``start_ns`` up to, not including, ``stop_ns``.
 
         Args:
             topics: names of topics.
             start_ns: the start in nanoseconds, or None.
             stop_ns: the end in nanoseconds, or None.
-            every: about every second, third and so on is read; see `Thinning`.
-            is_wanted: returns True for a message that is to be read; None: all are.
+            every: 2 to read about every second message, and so on; see `Thinning`.
+            is_wanted: returns True for a message that is to be read, or None to read all.
         """
         channels = [channel for topic in topics for channel in self._readable(topic)]
         thinning = Thinning(every)
@@ -155,9 +155,9 @@ class Messages:
             self._stop(error)
 
     def events(self, topics: Collection[str], stop_ns: int | None, every_line: int = 1) -> Iterator[tuple[int, Event]]:
-        """The events on topics up to, not including, a time, about in the order of their times, which each has.
+        """Return the events of topics up to, not including, a time, each with its time and roughly in order.
 
-        Of lines of logs below a warning only every ``every_line``-th is read; 0: none.
+        Of log lines below a warning, only every ``every_line``-th is read, or none if it is 0.
         """
         lines: defaultdict[int, int] = defaultdict(int)
 
@@ -172,9 +172,10 @@ class Messages:
         return read_events(self.messages(topics, None, stop_ns, is_wanted=wanted), self._note_left_out)
 
     def fields(self, topic: str, memory: Memory) -> Fields:
-        """The messages of a topic as columns of their fields.
+        """Return the messages of a topic as columns of their fields.
 
-        Of several types, that of the kind of the topic is read, else that of the first channel with a message.
+        If the topic has several types, the type that decided its kind is read, or else the type of the first channel
+        with a message.
         """
         channels = sorted(self._readable(topic), key=lambda channel: not channel.count)
         of_kind = self._kinds[topic][1] if topic in self._kinds else channels[0].type
@@ -184,28 +185,28 @@ class Messages:
         for other in channels:
             if other not in alike and other.count:
                 another = "another definition of it" if other.type == first.type else other.type
-                line = f"{topic}: the fields are those of {first.type}, messages of {another} are left out of them"
+                line = f"{topic}: the columns have the fields of {first.type}; messages of {another} are left out"
                 self._left_out.setdefault(f"{topic} as {other.type}", Problem(line, _LEFT_OUT))
         own = {channel.id: decoders[channel.id] for channel in alike if not isinstance(decoders[channel.id], str)}
         return Fields(Store(self._source, alike, own, memory, self._note, self._stop), self.start_ns or 0)  # type: ignore[arg-type]
 
     @property
     def publishers(self) -> dict[str, tuple[str, ...]]:
-        """The names of the nodes that published each topic, as far as the file holds any."""
+        """The names of the nodes that published each topic, if the file has them."""
         found: defaultdict[str, dict[str, None]] = defaultdict(dict)
         for channel in self._source.channels:
             found[channel.topic].update(dict.fromkeys(channel.callers))
         return {topic: tuple(sorted(names)) for topic, names in found.items()}
 
     def why_unreadable(self, topic: str) -> str:
-        """Why no message of a topic can be read, whether it has a widget or not; empty if they can."""
+        """Return the reason why no message of a topic can be read, or an empty text if they can be read."""
         channels = [channel for channel in self._source.channels if channel.topic == topic]
         if self._readable(topic):
             return ""
         return next((why for channel in channels if isinstance(why := self._reader(channel), str)), "")
 
     def last(self, topic: str, time_ns: int, *, as_messages: bool = False) -> Moment | None:
-        """The last sample of a topic at or before a time, or its last message; None if there is none."""
+        """Return the last sample or message of a topic at or before a time, or None before the first."""
         channels = self._readable(topic) if as_messages else self._shown[topic]
         read, key = (self._as_messages if as_messages else self._moments), (topic, as_messages)
         count = sum(channel.count for channel in channels)
@@ -234,14 +235,14 @@ class Messages:
         return before
 
     def series(self, topic: str, memory: Memory) -> Series[Any]:
-        """The samples of a topic as columns."""
+        """Return the samples of a topic as columns."""
         channels = self._shown[topic]
         store: Store = Store(self._source, channels, self._decoders, memory, self._note, self._stop)
         series: Series[Any] = load(self._kinds[topic][0].columns)(store, self.start_ns or 0)
         return series
 
     def transforms(self, every: int = 1, odometry: bool = True) -> Iterator[Transform]:
-        """The transforms of tf, and of odometry, in the order of time; of many, of about every ``every``-th message."""
+        """Yield the transforms of tf and odometry in the order of time, from about every ``every``-th message."""
         channels = [channel for channel in self._transforming if odometry or channel.type != ODOMETRY]
         return self._read(channels, transforms_of, "Reading where the robot was", every)
 
@@ -255,7 +256,7 @@ class Messages:
         return [channel for channel in self._source.channels if channel.type in (ODOMETRY, *TRANSFORMS)]
 
     def forget_scans(self) -> None:
-        """Read scans again whose mount has changed."""
+        """Make the next scans be read again with their new mount."""
         self._last.clear()
         for decoder in self._decoders.values():
             if isinstance(decoder, ScanDecoder):
@@ -264,32 +265,32 @@ class Messages:
     def _transforms_between(
         self, channels: Sequence[Channel], start_ns: int | None, stop_ns: int | None
     ) -> Iterator[Transform]:
-        """The transforms of tf between two times; a message without a pose is left out and noted."""
+        """Yield the transforms of tf between two times; a message without a pose is left out and noted."""
         channels = [channel for channel in channels if channel.encoding in ENCODINGS]
         try:
             decoders = {channel.id: decoder_of(channel) for channel in channels}
             for channel, time_ns, raw in self._source.messages(channels, start_ns, stop_ns):
                 try:
                     yield from transforms_of(decoders[channel.id](raw), channel.topic, time_ns)
-                except ValueError as error:  # noqa: PERF203  # the others count
+                except ValueError as error:  # noqa: PERF203  # the other messages still count
                     self._note(channel, time_ns, error)
         except (RecordingError, ValueError) as error:
             self._stop(error)
 
     def texts(self, is_wanted: Callable[[str], bool]) -> Iterator[tuple[str, float, str]]:
-        """Topic, seconds and text of the ``std_msgs/String`` on some topics, in the order of time."""
+        """Yield topic, seconds and text of the ``std_msgs/String`` messages on some topics, in the order of time."""
         channels = [channel for channel in self._source.channels if channel.type == TEXT and is_wanted(channel.topic)]
         return self._read(
             channels, lambda message, topic, time_ns: [(topic, self._seconds(time_ns), message.data)], "Reading texts"
         )
 
     def close(self) -> None:
-        """Close the file; doing it again does nothing."""
+        """Close the file; closing it again does nothing."""
         self._closed = True
         self._source.close()
 
     def check_topics(self) -> None:
-        """Read the first message of each topic, once: what makes a topic unreadable is among the problems then."""
+        """Read the first message of each topic once, so that `problems` has the reasons for unreadable topics."""
         if self._has_looked or self._closed:
             return
         self._has_looked = True
@@ -311,7 +312,7 @@ class Messages:
         )
 
     def _check(self, reader: MessageDecoder, message: Message) -> None:
-        """Note what is wrong with a message of a channel, and what its definition does not describe."""
+        """Note a problem of a message of a channel, and bytes that its definition does not describe."""
         channel, time_ns, raw = message
         try:
             left = reader.left_over(raw)
@@ -324,7 +325,7 @@ class Messages:
             list(self._moments([message]))
 
     def _understand(self, channel: Channel) -> tuple[Kind | None, str]:
-        """Make the decoder of a channel; returns its kind, and the reason if it cannot be read."""
+        """Make the decoder of a channel; return its kind, and the reason if it cannot be read."""
         if why := self._why_encoding(channel):
             return None, why
         kinds = kinds_of_type(channel.type)
@@ -345,12 +346,12 @@ class Messages:
             return None, str(error)
         first, type_name = self._kinds.setdefault(channel.topic, (kind, channel.type))
         if first is not kind:
-            return None, f"its messages of {type_name} are shown, those of {channel.type} are left out"
+            return None, f"its messages of {type_name} are shown, messages of {channel.type} are left out"
         self._shown[channel.topic].append(channel)
         return kind, ""
 
     def _decided(self, channel: Channel) -> Kind | None:
-        """The kind of a channel whose type has several kinds: its first messages decide."""
+        """Return the kind of a channel whose type has several kinds, from its first message."""
         decode = decoder_of(channel)
         try:
             first = next(self._source.messages([channel]), None)
@@ -361,7 +362,7 @@ class Messages:
     def _read(
         self, channels: Sequence[Channel], read: Callable[[Any, str, int], Iterable[Found]], what: str, every: int = 1
     ) -> Iterator[Found]:
-        """What a function finds in messages that are no samples: it takes a message, its topic and its time."""
+        """Yield the results of a function that takes a message that is not a sample, its topic and its time."""
         channels = [channel for channel in channels if channel.encoding in ENCODINGS]
         thinning = Thinning(every)
         try:
@@ -379,7 +380,7 @@ class Messages:
             self._stop(error)
 
     def _list(self, found: list[tuple[Channel, Kind | None, str]]) -> tuple[Topic, ...]:
-        """The topics of channels with their kinds and the reasons why they cannot be read."""
+        """Return the topics of channels, with their kinds and the reasons why they cannot be read."""
         by_topic: defaultdict[tuple[str, str], list[tuple[Channel, Kind | None, str]]] = defaultdict(list)
         for one in found:
             by_topic[one[0].topic, one[0].type].append(one)
@@ -401,7 +402,7 @@ class Messages:
         return tuple(topics)
 
     def _rate(self, channels: Sequence[Channel]) -> float | None:
-        """The mean rate of the messages of these channels in the time from the first to the last of them."""
+        """Return the mean rate of the messages of these channels, from the first to the last, or None for a burst."""
         count = sum(channel.count for channel in channels)
         if count < 2:
             return None
@@ -411,7 +412,7 @@ class Messages:
         return (count - 1) / (last - first) if last - first >= burst else None
 
     def _about_silences(self) -> list[str]:
-        """Lines on topics that begin late or end early, except touches and commands, which may be silent for long."""
+        """Return lines on topics that begin late or end early, but not on touches and commands, which may be silent."""
         lines: list[str] = []
         for topic, channels in self._shown.items():
             kind, type_name = self._kinds[topic]
@@ -421,7 +422,7 @@ class Messages:
         return lines
 
     def _about_frames(self) -> Iterator[str]:
-        """Lines on topics whose messages, as far as they were read, are of several coordinate frames."""
+        """Yield lines on topics whose messages, of those read so far, have several coordinate frames."""
         for topic, channels in self._shown.items():
             kind, type_name = self._kinds[topic]
             # Copied, because another thread may be reading messages of a further frame.
@@ -431,14 +432,14 @@ class Messages:
                 yield f"{topic}: {kind.noun} of {many(len(names), 'frame')}: {listed(names)}"
 
     def _span(self, channels: Sequence[Channel]) -> tuple[float, float]:
-        """Seconds of the first and the last message of these channels; those of the recording if no index tells."""
+        """Return seconds of the first and the last message of these channels, or of the recording without an index."""
         known = [span for channel in channels if channel.count and (span := self._source.span_ns(channel))]
         first = min((span[0] for span in known), default=self.start_ns or 0)
         last = max((span[1] for span in known), default=self.end_ns or 0)
         return self._seconds(first), self._seconds(last)
 
     def _moments(self, messages: Sequence[Message]) -> Iterator[Moment]:
-        """The samples in some messages, in their order."""
+        """Yield the samples in some messages, in their order."""
         by_channel: defaultdict[int, list[int]] = defaultdict(list)
         for place, message in enumerate(messages):
             by_channel[message[0].id].append(place)
@@ -459,7 +460,7 @@ class Messages:
             yield Moment(channel.topic, time_ns, sample, self._seconds(time_ns))
 
     def _as_messages(self, messages: Sequence[Message]) -> Iterator[TimedMessage]:
-        """Some messages as they are, without those that are no messages of their type."""
+        """Yield some messages as they are, without those that do not match their type."""
         for channel, time_ns, raw in messages:
             reader = self._reader(channel)
             assert not isinstance(reader, str)
@@ -471,7 +472,7 @@ class Messages:
             yield TimedMessage(channel.topic, time_ns, message, self._seconds(time_ns))
 
     def _readable(self, topic: str) -> list[Channel]:
-        """The channels of a topic whose messages can be read."""
+        """Return the channels of a topic whose messages can be read."""
         channels = [channel for channel in self._source.channels if channel.topic == topic]
         return [channel for channel in channels if not isinstance(self._reader(channel), str)]
 
@@ -484,7 +485,7 @@ class Messages:
         return self._readers[channel.id]
 
     def _why_encoding(self, channel: Channel) -> str:
-        """Why messages in the encoding of a channel cannot be read; empty if they can."""
+        """Return the reason why the encoding of a channel cannot be read, or an empty text if it can be read."""
         if channel.encoding in ENCODINGS:
             return ""
         if channel.encoding == "protobuf" and not has_protobuf():
@@ -508,7 +509,7 @@ class Messages:
         return (time_ns - (self.start_ns or 0)) / 1e9
 
     def _stop(self, error: Exception) -> None:
-        """Note that the file can be read no further; raise the error where that is no damage, but it was closed."""
+        """Note that the file can be read no further; raise the error instead if the file was closed."""
         if self._closed:
             raise error
         line = f"the file can be read no further: {one_line(error)}"
@@ -519,11 +520,11 @@ class Messages:
 class Thinning:
     """Chooses messages of each channel: the first hundred, the last one, and about every second, third and so on.
 
-    The rest are chosen by no rhythm: messages of several publishers may alternate on a topic. Each time the same ones
-    are.
+    The others are chosen without a rhythm, because messages of several publishers may alternate on a topic. The choice
+    is always the same.
 
     Args:
-        every: of how many messages one is chosen.
+        every: one message is chosen of this many.
     """
 
     def __init__(self, every: int) -> None:
@@ -536,20 +537,20 @@ class Thinning:
             return True
         number = self._numbers[channel.id]
         self._numbers[channel.id] = number + 1
-        # By the golden ratio, the bits of which follow no rhythm of a robot.
+        # Multiples of the golden ratio: their bits have no rhythm that a robot could have, too.
         scattered = (number * 0x9E3779B1 & 0xFFFFFFFF) >> 8
         return number < _FIRST_ONES or number + 1 == channel.count or scattered % self._every == 0
 
 
 def _is_alike(one: MessageDecoder | str, other: MessageDecoder | str) -> bool:
-    """Whether two channels have messages with the same fields."""
+    """Return True if two channels have messages with the same fields."""
     if isinstance(one, str) or isinstance(other, str):
         return False
     return one.type == other.type and one.leaves == other.leaves
 
 
 def silences(topic: str, count: int, first: float, last: float, end: float) -> list[str]:
-    """Lines on a topic that begins long after its recording, or ends long before it.
+    """Return lines on a topic that begins long after its recording does, or ends long before it.
 
     Long is more than 5 s, and more than ten times the mean time between two messages of the topic.
 

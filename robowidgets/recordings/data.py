@@ -46,11 +46,11 @@ if TYPE_CHECKING:
     from ..poses.transforms import Transform
 
 _EVENT_BYTES = 500
-"""About what an event takes in memory, without its text."""
+"""Approximate bytes of an event in memory, without its text."""
 
 _NOTHING = "record again; did any node publish, in the same ROS domain?"
 NO_SENSOR = "none of its topics has a widget for its kind of sensor"
-"""What a recording says of which no widget shows anything unless it is asked for it."""
+"""The problem of a recording that no widget shows unless the user names a topic."""
 
 _NO_WIDGET = "its messages are shown as they are; record laser scans, odometry, speeds or bumpers too"
 _CLOCKS = "check sensor, cable and network; set the clock before recording starts, and not during a drive"
@@ -67,8 +67,8 @@ class RecordingData:
         path: the file, the folder or the URL, as for `robowidgets.open`.
 
     Raises:
-        RecordingError: nothing of it can be read. The text gives the reason.
-        TypeError: ``path`` is no path.
+        RecordingError: no part of it can be read. The text gives the reason.
+        TypeError: ``path`` is not a path.
     """
 
     def __init__(self, path: str | os.PathLike[str]) -> None:
@@ -83,24 +83,24 @@ class RecordingData:
             raise
         self._closed = False
         self.preferred: frozenset[str] = frozenset()
-        """Names of topics that are meant where a kind has several and none is named."""
+        """Names of topics that are preferred if a kind has several topics and the user names none."""
         self._memory = Memory()
         self._series: dict[str, Series[Any]] = {}
         self._clocks: dict[str, TopicClock] = {}
+        """The clocks of topics that were read from start to end, except topics that may be silent for long."""
         self._label_problems: list[Problem] = []
         self._fields: dict[str, Fields] = {}
-        """Of the topics that were read from start to end, and are not silent for long in a sound recording."""
 
     @property
     def path(self) -> Path:
-        """The file or folder of the recording; of one behind a URL, its copy."""
+        """The file or folder of the recording, or the local copy of a remote one."""
         return self._path
 
     @property
     def url(self) -> str | None:
-        """The URL that it was fetched from; None for a file of this machine.
+        """The URL that the recording was fetched from, or None for a local file.
 
-        It has no password, signature or token. While this process runs, it opens what was opened with them.
+        It has no password, signature or token. While this process runs, it opens the same recording as the full URL.
         """
         return self._url
 
@@ -111,45 +111,44 @@ class RecordingData:
 
     @property
     def publishers(self) -> dict[str, tuple[str, ...]]:
-        """The names of the nodes that published each topic: bags of ROS 1 hold them, other files do not."""
+        """The names of the nodes that published each topic: ROS 1 bags contain them, other files do not."""
         return self._messages.publishers
 
     @property
     def start_ns(self) -> int | None:
-        """Time of the first message in nanoseconds since the epoch; None if there is no message."""
+        """Time of the first message in nanoseconds since the epoch, or None without messages."""
         return self._messages.start_ns
 
     @property
     def end_ns(self) -> int | None:
-        """Time of the last message in nanoseconds since the epoch; None if there is no message."""
+        """Time of the last message in nanoseconds since the epoch, or None without messages."""
         return self._messages.end_ns
 
     @property
     def duration(self) -> float:
-        """Seconds from the first message to the last; 0 if there is no message."""
+        """Seconds from the first message to the last, or 0 without messages."""
         return 0.0 if self.start_ns is None or self.end_ns is None else (self.end_ns - self.start_ns) / 1e9
 
     @property
     def problems(self) -> tuple[str, ...]:
-        """The problems found so far: of the file, of topics, of messages that could not be shown.
+        """The problems found so far: of the file, of topics, and of messages that could not be shown.
 
-        Each is a line of at most 200 characters.
-        Problems of the clock of a topic are found when its `scans` or measured `speeds` are read, and several frames on
-        one topic when its messages are.
+        Each is one line of at most 200 characters. Problems of a topic's clock are found when its `scans` or measured
+        `speeds` are read, and several frames on one topic when its messages are read.
         """
         return tuple(str(problem._replace(remedy="")) for problem in self._with_remedies())
 
     def samples(
         self, topics: str | Iterable[str] | None = None, start: float | None = None, end: float | None = None
     ) -> Iterator[Moment]:
-        """The samples in the order of their times, read one by one.
+        """Yield the samples in the order of their times, read one by one.
 
-        A message that cannot be shown is left out and named in `problems`.
+        A message that cannot be shown is left out and listed in `problems`.
 
         Args:
-            topics: one topic or several; None: all that a widget shows.
-            start: seconds from the start of the recording; None: its start.
-            end: seconds from the start, not included; None: the end of the recording, included.
+            topics: one topic or several, or None for all topics with a widget.
+            start: seconds from the start of the recording, or None for its start.
+            end: seconds from the start, not included, or None for the end of the recording, included.
 
         Raises:
             UnknownTopicError: the recording has no such topic, or no widget shows it.
@@ -163,7 +162,7 @@ class RecordingData:
         return self._messages.moments(list(dict.fromkeys(names)), *times)
 
     def at(self, topic: str, seconds: float) -> Moment | None:
-        """The last sample of a topic at a time or before it; None if there is none yet.
+        """Return the last sample of a topic at a time or before it, or None before the first.
 
         Args:
             topic: the name of the topic.
@@ -178,18 +177,19 @@ class RecordingData:
         return self._messages.last(topic, to_ns(self.start_ns, "seconds", seconds))
 
     def messages(self, topic: str, start: float | None = None, end: float | None = None) -> Iterator[TimedMessage]:
-        """The messages of a topic of any type, in the order of their times, read one by one.
+        """Yield the messages of a topic of any type, in the order of their times, read one by one.
 
-        Each has the fields of its definition in ``message``, beside ``seconds`` and ``time_ns``. A message that cannot
-        be read is left out and named in `problems`.
+        Each has ``seconds``, ``time_ns``, and the fields of its definition in ``message``. A message that cannot be
+        read is left out and listed in `problems`.
 
         Args:
-            topic: the name of the topic, whether a widget shows it or not.
-            start: seconds from the start of the recording; None: its start.
-            end: seconds from the start, not included; None: the end of the recording, included.
+            topic: the name of the topic, with or without a widget.
+            start: seconds from the start of the recording, or None for its start.
+            end: seconds from the start, not included, or None for the end of the recording, included.
 
         Raises:
-            UnknownTopicError: the recording has no such topic, or its messages cannot be read; the text says why.
+            UnknownTopicError: the recording has no such topic, or its messages cannot be read; the text gives the
+                reason.
             RecordingError: the recording is closed.
 
         Examples:
@@ -200,7 +200,7 @@ class RecordingData:
         return self._messages.messages([topic], *span_ns(self.start_ns, start, end))
 
     def thinned_messages(self, topic: str, every: int) -> Iterator[TimedMessage]:
-        """The messages of a topic of which about every second, third and so on is read, with the first and the last.
+        """Yield about every second, third and so on of the messages of a topic, with the first and the last.
 
         Raises:
             UnknownTopicError, RecordingError: as `messages`.
@@ -209,7 +209,7 @@ class RecordingData:
         return self._messages.messages([topic], None, None, every=every)
 
     def message_at(self, topic: str, seconds: float) -> TimedMessage | None:
-        """The last message of a topic of any type, at a time or before it; None if there is none yet.
+        """Return the last message of a topic of any type at a time or before it, or None before the first.
 
         Args:
             topic: the name of the topic.
@@ -230,21 +230,23 @@ class RecordingData:
         start: float | None = None,
         end: float | None = None,
     ) -> Events:
-        """What happened, as a table: lines of logs, changes of status, texts, buttons, touches, states of programs.
+        """Return the events as a table: log lines, changes of status, texts, buttons, touches, states of programs.
 
-        Of DiagnosticArray, Joy and touch sensors each change is an event, of rosout and String each message. States and
-        versions of programs are in recordings that `Feed.record` wrote.
+        Each change in a DiagnosticArray, a Joy or a touch sensor is an event, and each message of rosout and String.
+        Recordings that `Feed.record` wrote contain states and versions of programs, too.
 
         Args:
-            *topics: names of topics; none: all that tell of events.
-            level: only those of a level or a higher one: ``"DEBUG"``, ``"INFO"``, ``"WARN"``, ``"ERROR"``, ``"FATAL"``.
-            text: only those with these words in their text or their source, in any case.
-            start: seconds from the start of the recording; None: its start.
-            end: seconds from the start, not included; None: the end of the recording, included.
+            *topics: names of topics; without names, all topics with events.
+            level: only events of this level or a higher one: ``"DEBUG"``, ``"INFO"``, ``"WARN"``, ``"ERROR"``,
+                ``"FATAL"``.
+            text: only events with this text in their text or their source, in any case.
+            start: seconds from the start of the recording, or None for its start.
+            end: seconds from the start, not included, or None for the end of the recording, included.
 
         Raises:
-            UnknownTopicError: the recording has no such topic, or it tells of no events; the text says which do.
-            TypeError, ValueError: no level, no text, or no time.
+            UnknownTopicError: the recording has no such topic, or it has no events; the text names the topics that
+                have.
+            TypeError, ValueError: an argument is not a level, a text, or a time.
             RecordingError: the recording is closed, or the events would take more than `memory`.
 
         Examples:
@@ -260,8 +262,8 @@ class RecordingData:
             if size > self.memory:
                 raise RecordingError(
                     f"{self.path.name}: its events up to {self._seconds(time_ns):.1f} s take more than the "
-                    f"{megabytes(self.memory)} of recording.memory: take a span of them (start=, end=), those of a "
-                    "level, or those with some words; or set it higher, in bytes"
+                    f"{megabytes(self.memory)} of recording.memory: select a span (start=, end=), a "
+                    "level or some text, or set it higher, in bytes"
                 )
             found.append(
                 RecordedEvent(
@@ -280,12 +282,12 @@ class RecordingData:
     def timed_events(
         self, topics: Collection[str] = (), stop_ns: int | None = None, *, every_line: int = 1
     ) -> Iterator[tuple[int, Event]]:
-        """The events on topics, or on all that tell of any, about in the order of their times in nanoseconds.
+        """Yield the events of topics, or of all topics with events, roughly in the order of their times in nanoseconds.
 
         Args:
             topics: names of topics.
-            stop_ns: the time at which to stop, not included; None: the end.
-            every_line: of lines of logs below a warning only every second, third and so on; 0: none of them.
+            stop_ns: the time at which to stop, not included, or None for the end.
+            every_line: 2 for only every second log line below a warning, and so on; 0 for none of them.
         """
         self._check_open()
         telling = [topic.name for topic in self.topics if has_events(topic)]
@@ -294,7 +296,7 @@ class RecordingData:
             self._check_readable(name)
             if name not in by_name:
                 there = ", ".join(by_name) or "none"
-                raise UnknownTopicError(f"{self.path.name}: {name!r} tells of no events: those that do are {there}")
+                raise UnknownTopicError(f"{self.path.name}: {name!r} has no events; topics with events: {there}")
         end_ns = stop_ns if stop_ns is not None else (self.end_ns or 0) + 1
         found = self._messages.events(list(topics) or telling, stop_ns, every_line)
         return ((time_ns, event) for time_ns, event in found if time_ns < end_ns)
@@ -303,31 +305,31 @@ class RecordingData:
         return (time_ns - (self.start_ns or 0)) / 1e9
 
     def seconds_at(self, when: datetime | str) -> float:
-        """Seconds from the start of the recording at a date and time of day, as `at` and a player's `seek` take them.
+        """Return the seconds from the start at a date and time of day, for `at` and a player's `seek`.
 
         Args:
             when: a datetime, or a text such as ``"2024-05-03T14:32:05"``; in UTC unless it has a time zone.
 
         Raises:
-            ValueError: the recording does not contain that time, or the text is no date and time.
+            ValueError: the recording does not contain that time, or the text is not a date and time.
             TypeError: ``when`` is neither a datetime nor a text.
-            RecordingError: the recording has no date, for example because its clock is that of a simulation.
+            RecordingError: the recording has no date, for example because its clock is simulated.
         """
         return seconds_at(when, self.path.name, self.start_ns, self.end_ns)
 
     def seconds_near(self, pose: Sequence[float], within: float = WITHIN) -> float | None:
-        """Seconds from the start at which the robot was nearest to a pose when it scanned; None if it never came near.
+        """Return the seconds from the start at which the robot scanned nearest to a pose, or None if never near.
 
-        ``run_b.seconds_near(run_a.at("/odom", 12.0).sample.pose)`` is the same place in another run, if the odometry of
-        both began at the same place. Of several topics of odometry the first by name counts.
+        ``run_b.seconds_near(run_a.at("/odom", 12.0).sample.pose)`` finds the same place in another run, if the odometry
+        of both began at the same place. If there are several topics of odometry, the first by name counts.
 
         Args:
             pose: x and y in metres and yaw in radians, in the frame of the odometry.
-            within: most metres between both; a radian of heading counts as a metre.
+            within: the maximum distance in metres; a radian of heading counts as a metre.
 
         Raises:
             UnknownTopicError: the recording has no odometry.
-            TypeError: ``pose`` is no pose. ValueError: it is not finite, or ``within`` is below 0 or not finite.
+            TypeError: ``pose`` is not a pose. ValueError: it is not finite, or ``within`` is below 0 or not finite.
         """
         within = not_negative("within", within, "metres")
         place = Places(np.zeros(1), np.array([to_place("pose", pose)]))
@@ -336,12 +338,12 @@ class RecordingData:
 
     @property
     def memory(self) -> int:
-        """Most bytes of decoded samples that `scans`, `speeds` and `touches` keep; 1 GiB, settable.
+        """The maximum bytes of decoded samples that `scans`, `speeds` and `touches` keep; 1 GiB, settable.
 
-        A larger array is refused, with an error that gives the next step.
+        A larger array raises an error that says what to do instead.
 
         Raises:
-            TypeError: the new value is no whole number.
+            TypeError: the new value is not a whole number.
             ValueError: the new value is 0 or less.
         """
         return self._memory.limit
@@ -351,12 +353,13 @@ class RecordingData:
         self._memory.limit = limit
 
     def series(self, topic: str) -> Series[Any]:
-        """A topic of any type as columns.
+        """Return a topic of any type as columns.
 
-        Topics of scans, speeds and touches are as `scans`, `speeds` and `touches` return them, all others as `fields`.
+        Scans, speeds and touches are returned as `scans`, `speeds` and `touches` do, all others as `fields` does.
 
         Raises:
-            UnknownTopicError: the recording has no such topic, or its messages cannot be read; the text says why.
+            UnknownTopicError: the recording has no such topic, or its messages cannot be read; the text gives the
+                reason.
             RecordingError: the recording is closed.
         """
         if check_known(topic, self.topics, self.path.name).name not in shown(self.topics):
@@ -367,10 +370,11 @@ class RecordingData:
         return self._series[topic]
 
     def fields(self, topic: str) -> Fields:
-        """The messages of a topic of any type with each of their fields as a column, also of scans and speeds.
+        """Return the messages of a topic of any type, also of scans and speeds, with each of their fields as a column.
 
         Raises:
-            UnknownTopicError: the recording has no such topic, or its messages cannot be read; the text says why.
+            UnknownTopicError: the recording has no such topic, or its messages cannot be read; the text gives the
+                reason.
             RecordingError: the recording is closed.
 
         Examples:
@@ -385,19 +389,19 @@ class RecordingData:
         return self._fields[topic]
 
     def scans(self, topic: str | None = None) -> Scans:
-        """The scans of a topic as columns: times, ranges (N, R), intensities, geometry.
+        """Return the scans of a topic as columns: times, ranges (N, R), intensities, geometry.
 
         Args:
             topic: may be omitted if only one topic has this kind.
 
         Raises:
-            UnknownTopicError: no such topic has scans, or no topic was named and there is not exactly one.
+            UnknownTopicError: the topic has no scans, or no topic was named and there is not exactly one.
             RecordingError: the recording is closed.
         """
         return self._of_kind(topic, LASER, Scans)
 
     def speeds(self, topic: str | None = None) -> Speeds:
-        """The speeds of a topic as columns: times, linear (N, 3), angular (N, 3).
+        """Return the speeds of a topic as columns: times, linear (N, 3), angular (N, 3).
 
         Args:
             topic: may be omitted if only one topic has measured speeds, or any speeds.
@@ -409,7 +413,7 @@ class RecordingData:
         return self._of_kind(topic, SPEED, Speeds)
 
     def touches(self, topic: str | None = None) -> Touches:
-        """The touches of a topic as columns: times, and the state of each sensor (N, L).
+        """Return the touches of a topic as columns: times, and the state of each sensor (N, L).
 
         Args:
             topic: may be omitted if only one topic has this kind.
@@ -421,11 +425,11 @@ class RecordingData:
         return self._of_kind(topic, TOUCH, Touches)
 
     def transforms(self, every: int = 1, *, odometry: bool = True) -> Iterator[Transform]:
-        """The transforms of odometry and tf, in the order of time.
+        """Return the transforms of odometry and tf, in the order of time.
 
         Args:
-            every: about every second, third and so on of the messages of each topic is read, and its first ones.
-            odometry: whether those of odometry are among them.
+            every: 2 to read about every second message of each topic, and so on; its first ones are always read.
+            odometry: True to include transforms of odometry.
         """
         self._check_open()
         return self._messages.transforms(every, odometry)
@@ -436,11 +440,11 @@ class RecordingData:
         return self._messages.transform_count
 
     def mount_of(self, frame_id: str, seconds: float | None = None) -> Mount | None:
-        """How a scanner stands on the robot: as `mount` says, else by tf; None if neither tells it.
+        """Return the mount of a scanner on the robot: as set with `mount`, else from tf, or None if neither gives it.
 
         Args:
             frame_id: the coordinate frame of its scans.
-            seconds: when, for a scanner that moves on its robot; None: at the start.
+            seconds: the time, for a scanner that moves on its robot, or None for the start.
 
         Raises:
             TypeError: frame_id is not a text. RecordingError: the recording is closed.
@@ -451,19 +455,19 @@ class RecordingData:
         return self._messages.mounts.of(frame_id, None if seconds is None else to_ns(self.start_ns, "seconds", seconds))
 
     def mounted(self, scan: Scan) -> Scan:
-        """A scan that was made of a message of this recording, with the angles of the robot if its mount is known."""
+        """Return a scan from a message of this recording with the angles of the robot, if its mount is known."""
         return self._messages.mounts.mounted(scan)
 
     def mount(self, frame_id: str, yaw: float | str | None, *, upside_down: bool = False) -> None:
-        """Say how a scanner stands on the robot, in place of tf: angles of its scans are the robot's from now on.
+        """Set the mount of a scanner on the robot instead of tf. From now on its scans have the angles of the robot.
 
-        Columns that were taken before keep their angles, and so do pictures on show.
+        Columns that were read before keep their angles, and so do pictures that are already shown.
 
         Args:
             frame_id: the coordinate frame of its scans.
             yaw: radians, or degrees as text (``"90deg"``), by which its forward is turned from the robot's,
                 counter-clockwise, or None to use tf again.
-            upside_down: True if it stands on its head.
+            upside_down: True if it is mounted upside down.
 
         Raises:
             TypeError: frame_id is not a text, or yaw is not an angle. ValueError: yaw is beyond ±2 pi.
@@ -480,15 +484,15 @@ class RecordingData:
 
     @property
     def labels(self) -> tuple[Label, ...]:
-        """The spans that people gave a name, by `label` or on a contact sheet: label, start and end in seconds."""
+        """The named spans, set with `label` or on a contact sheet: label, start and end in seconds."""
         found, problems = LabelFile(self.path.parent).read()
         self._label_problems = [
-            Problem(line, "the others are read; mend the line, or take it out") for line in problems
+            Problem(line, "the other labels are read; correct the line, or delete it") for line in problems
         ]
         return tuple(with_clock(one, self.start_ns or 0) for one in found.get(self.path.name, ()))
 
     def label(self, name: str, start: float, end: float) -> Label:
-        """Give a span a name. It is kept in ``labels.jsonl`` beside the recording, a line of JSON for each.
+        """Give a span a name. It is stored in ``labels.jsonl`` next to the recording, one line of JSON for each.
 
         Args:
             name: such as ``"door"``.
@@ -496,40 +500,41 @@ class RecordingData:
             end: seconds from its start.
 
         Raises:
-            TypeError, ValueError: no name, or no span. RecordingError: the labels cannot be written there.
+            TypeError, ValueError: the name is not a name, or the span is not a span. RecordingError: the labels cannot
+                be written.
         """
         span = labelled_span(name, start, end)
-        with self._writing_labels("kept") as file:
+        with self._writing_labels("saved") as file:
             file.add(self.path.name, span)
         return with_clock(span, self.start_ns or 0)
 
     def remove_label(self, label: Label) -> None:
-        """Take a name from a span. The file says so in a line of its own, so that the earlier line is not lost.
+        """Remove the name of a span. This adds a line to the file, so that the earlier line is not lost.
 
         Args:
             label: one of `labels`.
 
         Raises:
-            ValueError: the recording has no such label. RecordingError: the labels cannot be written there.
+            ValueError: the recording has no such label. RecordingError: the labels cannot be written.
         """
         if label not in self.labels:
             raise ValueError(f"label: {self.path.name} has no {label!r}")
-        with self._writing_labels("taken away") as file:
+        with self._writing_labels("removed") as file:
             file.remove(self.path.name, LabelledSpan(*label[:3]))
 
     @contextmanager
     def _writing_labels(self, done: str) -> Iterator[LabelFile]:
-        """The file of the labels; what keeps it from being written becomes a RecordingError."""
+        """Give the file of the labels; an OSError while writing becomes a RecordingError."""
         if self.url is not None:
-            raise RecordingError(f"{self.path.name} is a copy of {self.url}, which has no place for labels beside it")
+            raise RecordingError(f"{self.path.name} is a copy of {self.url}, and labels cannot be stored with a copy")
         try:
             yield LabelFile(self.path.parent)
         except OSError as error:
-            raise RecordingError(f"{self.path.name}: the label is not {done}: {error.strerror or error}") from None
+            raise RecordingError(f"{self.path.name}: the label cannot be {done}: {error.strerror or error}") from None
 
     @property
     def states(self) -> tuple[StateSpan, ...]:
-        """The spans in which states of a program were active, by start; none unless `Feed.record` wrote the file.
+        """The spans in which states of a program were active, by start, if `Feed.record` wrote the recording.
 
         Raises:
             RecordingError: the recording is closed.
@@ -539,7 +544,7 @@ class RecordingData:
 
     @property
     def programs(self) -> tuple[ProgramVersion, ...]:
-        """The versions of the programs that drove, with their text; none unless `Feed.record` wrote the file.
+        """The versions of the programs that drove, with their text. Only recordings that `Feed.record` wrote have them.
 
         Raises:
             RecordingError: the recording is closed.
@@ -549,11 +554,11 @@ class RecordingData:
         return tuple(version_of(seconds, text) for _, seconds, text in said)
 
     def info(self) -> str:
-        """The table of the topics, as text."""
+        """Return the table of the topics as text."""
         return self._table().to_text()
 
     def reopened(self) -> Self:
-        """Return the same recording, opened again, for example in another thread: with its mounts by hand and memory.
+        """Open the same recording again, for example in another thread, with its memory limit and mounts set by hand.
 
         Raises:
             RecordingError: the file does not exist any more.
@@ -565,7 +570,7 @@ class RecordingData:
         return other
 
     def close(self) -> None:
-        """Close the file; doing it again does nothing."""
+        """Close the file; closing it again does nothing."""
         self._closed = True
         self._note_clocks()
         self._series.clear()
@@ -582,7 +587,7 @@ class RecordingData:
         self.close()
 
     def __getitem__(self, which: slice | Sequence[float]) -> TimeSlice:
-        """The slice of a span: ``recording[2:5]`` in seconds, a selection, or a span of `find`."""
+        """Return the slice of a span: ``recording[2:5]`` in seconds, a selection, or a span of `find`."""
         return TimeSlice(self, which)
 
     def __iter__(self) -> Iterator[Moment]:
@@ -605,21 +610,21 @@ class RecordingData:
         """Check that the recording has a topic of this name that a widget shows.
 
         Raises:
-            UnknownTopicError: it has none.
-            TypeError: the name is no text.
+            UnknownTopicError: the recording has no such topic.
+            TypeError: the name is not a text.
         """
         check(name, self.topics, self.path.name)
 
     def only(self, widget: str) -> str:
-        """The topic that is meant where none of a kind is named: the only one, or the one in `preferred`.
+        """Return the topic of a kind if the user names none: the only one, or the one in `preferred`.
 
         Raises:
-            UnknownTopicError: there is none; or there are several, as `UnnamedTopicError`.
+            UnknownTopicError: the recording has no such topic. `UnnamedTopicError`: there are several.
         """
         return only(self.path.name, self.topics, widget, self.preferred)
 
     def check_topics(self) -> None:
-        """Read the first message of each topic, once: what makes a topic unreadable is in `problems` then.
+        """Read the first message of each topic once, so that `problems` has the reasons for unreadable topics.
 
         `info` and `doctor` begin with it.
         """
@@ -627,7 +632,7 @@ class RecordingData:
             self._messages.check_topics()
 
     def why_unreadable(self, name: str) -> str:
-        """Why no message of a topic can be read; empty if they can be, whether a widget shows them or not."""
+        """Return the reason why no message of a topic can be read, or an empty text if they can be read."""
         return self._messages.why_unreadable(name)
 
     def _with_remedies(self) -> tuple[Problem, ...]:
@@ -657,13 +662,11 @@ class RecordingData:
         if not isinstance(found, series):
             there = ", ".join(named(self.topics, kind.name)) or "none"
             noun = KINDS[shown(self.topics)[name].widget or ""].noun
-            raise UnknownTopicError(
-                f"{self.path.name}: {name!r} is a topic of {noun}: those of {kind.noun} are {there}"
-            )
+            raise UnknownTopicError(f"{self.path.name}: {name!r} is a topic of {noun}; topics of {kind.noun}: {there}")
         return found
 
     def _note_clocks(self) -> dict[str, TopicClock]:
-        """Store the clocks of topics that were read from start to end, so that they outlive `close`; returns them."""
+        """Store the clocks of topics that were read from start to end, so that they outlive `close`; return them."""
         for name, series in self._series.items():
             topic = shown(self.topics)[name]
             grows_stale = KINDS[topic.widget or ""].goes_stale and not topic.commanded

@@ -1,4 +1,4 @@
-"""The events of a recording as a table: what was logged, which statuses changed, what was pressed and touched."""
+"""The events of a recording as a table: log lines, changes of status, pressed buttons, and touches."""
 
 from __future__ import annotations
 
@@ -24,9 +24,9 @@ _LONGEST = 100
 
 
 class RecordedEvent(NamedTuple):
-    """An event of a recording: when it was recorded, in seconds from the start and by the clock, and what it says.
+    """An event of a recording: its time in seconds from the start and by the clock, its source and its text.
 
-    ``stamp_ns`` is the time in the message in nanoseconds; 0 without one.
+    ``stamp_ns`` is the time in the message in nanoseconds, or 0 if it has none.
     """
 
     seconds: float
@@ -39,11 +39,11 @@ class RecordedEvent(NamedTuple):
 
 
 class Events(Columns, Sequence[RecordedEvent]):
-    """A table of events; printed, it shows the first of them.
+    """A table of events. Printed, it shows the first ones.
 
     Args:
         events: the events in the order of time.
-        about: what was asked for, for the heading.
+        about: the filters, for the heading.
     """
 
     def __init__(self, events: Sequence[RecordedEvent], about: str = "") -> None:
@@ -52,11 +52,11 @@ class Events(Columns, Sequence[RecordedEvent]):
 
     @property
     def marks(self) -> list[tuple[float, float, str]]:
-        """Start, end and text of a mark for each of them, for ``player.marks``."""
+        """Start, end and text of a mark for each event, for ``player.marks``."""
         return [(one.seconds, one.seconds, mark_text(one.level, one.source, one.text)) for one in self]
 
     def to_numpy(self) -> dict[str, NDArray[Any]]:
-        """The columns by name; times as ``times_ns``, ``seconds`` and ``stamps_ns``, levels as words."""
+        """Return the columns by name; times as ``times_ns``, ``seconds`` and ``stamps_ns``, levels as words."""
         texts = {
             "level": [one.level.name for one in self],
             "source": [one.source for one in self],
@@ -103,29 +103,30 @@ class Events(Columns, Sequence[RecordedEvent]):
 
 
 def one_line(text: str, most: int) -> str:
-    """A text as one line, cut after so many characters."""
+    """Return a text as one line, cut after so many characters."""
     line = " ".join(text[: 4 * most].split())
     return line if len(line) <= most and len(text) <= 4 * most else f"{line[: most - 1]}…"
 
 
 def mark_text(level: Level, source: str, text: str) -> str:
-    """What a mark says of an event."""
+    """Return the text of the mark of an event."""
     return ": ".join(filter(None, (level.name if level >= Level.WARN else "", source, one_line(text, 80))))
 
 
 def has_events(topic: Topic, *, by_name: bool = False) -> bool:
-    """Return True if a topic has events; one that repeats itself only if it is asked for by name."""
+    """Return True if a topic has events. A topic that repeats itself counts only if the user names it."""
     types = SAID_TYPES if by_name else SAID_TYPES - REPEATED_TYPES
     return not topic.problem and (topic.type in types or topic.widget == TOUCH.name)
 
 
 def read_events(messages: Iterable[TimedMessage], note: Any = None, ends: bool = True) -> Iterator[tuple[int, Event]]:
-    """The events in messages of several topics, each with its time; those of a touch that ended come a moment late.
+    """Yield the events in messages of several topics, each with its time; the end of a touch comes a moment late.
 
     Args:
         messages: in the order of time.
-        note: called with the topic, the time and the error of a message that cannot be understood; None: it is raised.
-        ends: whether touches end after the last message, where nothing says so.
+        note: called with the topic, the time and the error of a message that cannot be understood, or None to raise the
+            error.
+        ends: True if touches that have not ended end after the last message.
     """
     readers: dict[str, EventReader] = {}
     states: dict[str, str] = {}

@@ -17,7 +17,7 @@ from .columns._fields import Fields
 from .topics import Topic
 
 _MOST = 2000
-"""Names of fields among which a person chooses."""
+"""The maximum number of field names from which the user can choose."""
 
 _NUMBERS = ("int", "uint", "float", "bool")
 
@@ -30,7 +30,7 @@ class Fielded(Protocol):
         """Its topics."""
 
     def fields(self, topic: str) -> Fields:
-        """The messages of a topic with each field as a column."""
+        """Return the messages of a topic with each field as a column."""
 
 
 class FieldLine(NamedTuple):
@@ -43,16 +43,17 @@ class FieldLine(NamedTuple):
 
 
 def field_lines(source: Fielded, field: str, most: int) -> list[FieldLine]:
-    """Each number in a field of a topic, or in a message within it.
+    """Return each number in a field of a topic, or in a message within the field.
 
     Args:
         source: the recording.
         field: the topic with the field: ``"/odom.twist.twist.linear"``.
-        most: numbers of a topic that is named without a field, at most.
+        most: the maximum number of values for a topic that is named without a field.
 
     Raises:
-        UnknownTopicError: there is no such topic, or its messages cannot be read.
-        KeyError: the messages have no such field. TypeError: it holds no single numbers, or a topic more than `most`.
+        UnknownTopicError: the topic does not exist, or its messages cannot be read.
+        KeyError: the messages have no such field. TypeError: the field has no single numbers, or the topic has more
+            than `most`.
     """
     topic, inner = topic_and_field(field, [one.name for one in source.topics])
     part = source.fields(topic)
@@ -75,14 +76,14 @@ def field_lines(source: Fielded, field: str, most: int) -> list[FieldLine]:
 
 
 def numbers_in(fields: Fields) -> Iterator[str]:
-    """The names of the fields that hold one number each."""
+    """Yield the names of the fields that hold one number each."""
     for name, type_name in fields.types.items():
         if type_name.startswith(_NUMBERS) and (name.endswith("]") or not type_name.endswith("]")) and "[]" not in name:
             yield name
 
 
 def choices(source: Fielded) -> list[str]:
-    """The names of all fields that hold one number each, of all topics that can be read; 2,000 at most."""
+    """Return the names of all fields that hold one number each, of all readable topics; 2,000 at most."""
     found: list[str] = []
     for topic in source.topics:
         with suppress(RecordingError):  # its messages cannot be read

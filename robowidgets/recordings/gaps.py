@@ -11,19 +11,19 @@ from ..messages.fields import get, stamp_ns
 from ..samples.staleness import PAUSE, STEPS, is_steady, usual_step
 
 _LONG, _NEAR, _SHORT = 1.5, 1.25, 0.5
-"""Shares of the usual step: from the first on, a step is a gap; up to the second, the topic goes on at its pace; below
+"""Shares of the usual step. A step above the first is a gap. Up to the second, the topic continues at its pace. Below
 the third, a message was only late."""
 
 
 class Gaps:
-    """Counts the messages that a topic lacks: by ``header.seq`` of ROS 1, else by the pace of a steady topic's stamps.
+    """A counter of the messages that a topic lacks: by ``header.seq`` of ROS 1, else by the stamps of a steady topic.
 
-    A gap counts once the topic goes on at its usual pace, so a topic that becomes slower has none. In a gap that is
-    long for its pace (`PAUSE`) nothing was sent.
+    A gap counts once the topic continues at its usual pace, so a topic that becomes slower has no gap. A gap that is
+    long for the pace (`PAUSE`) does not count: nothing was sent.
 
     Attributes:
         missing: the number of missing messages.
-        by_number: True if it is counted by ``header.seq``.
+        by_number: True if the count is by ``header.seq``.
     """
 
     def __init__(self) -> None:
@@ -32,12 +32,12 @@ class Gaps:
         self._pending = 0
         self._number: int | None = None
         self._are_numbered = True
-        """True until a number is lower than the one before: of several publishers, or of one that began again."""
+        """True until a number is lower than the one before, because of several publishers or a restarted one."""
         self._stamps: deque[int] = deque(maxlen=STEPS)
         self._count, self._usual = 0, 0.0
 
     def see(self, message: Any) -> None:
-        """Take the next message into account."""
+        """Count the next message."""
         number = get(message, "header.seq", None)
         if self._are_numbered and isinstance(number, int) and number > 0:
             self._see_number(number)

@@ -1,4 +1,4 @@
-"""The names that people gave to spans of recordings, in one file of lines beside them."""
+"""Named spans of recordings, in one file of lines in the same folder."""
 
 from __future__ import annotations
 
@@ -14,16 +14,16 @@ FILE = "labels.jsonl"
 MOST_TEXT = 200
 
 SHORTEST = 1e-3
-"""Seconds of a span with a name, at least, where a person names a moment."""
+"""The minimum length of a named span in seconds, used if the user names a moment."""
 
 LONGEST = 1e9
-"""Seconds from the start of a recording, at most: a time beyond has no nanoseconds by its clock."""
+"""The latest time of a label in seconds from the start of a recording: a later time has no nanoseconds by its clock."""
 
 _REMOVED = "removed"
 
 
 class LabelledSpan(NamedTuple):
-    """A name, and start and end in seconds from the start of the recording: what a line of the file holds."""
+    """A name, and start and end in seconds from the start of the recording: the contents of a line of the file."""
 
     label: str
     start: float
@@ -31,7 +31,7 @@ class LabelledSpan(NamedTuple):
 
 
 class Label(NamedTuple):
-    """A span with a name: start and end in seconds from the start of the recording, and by its clock."""
+    """A named span: start and end in seconds from the start of the recording, and by its clock."""
 
     label: str
     start: float
@@ -41,7 +41,7 @@ class Label(NamedTuple):
 
 
 def labelled_span(name: Any, start: Any, end: Any) -> LabelledSpan:
-    """A span with a name; TypeError or ValueError if it is none."""
+    """Return a named span; raise TypeError or ValueError if an argument is wrong."""
     named = to_name(name)
     first, last = time_span("label", (start, end))
     if last > LONGEST:
@@ -50,12 +50,12 @@ def labelled_span(name: Any, start: Any, end: Any) -> LabelledSpan:
 
 
 def with_clock(span: LabelledSpan, start_ns: int) -> Label:
-    """A label of a recording that starts at a time by its clock."""
+    """Return a label with the times by the clock of its recording."""
     return Label(*span, start_ns + round(span.start * 1e9), start_ns + round(span.end * 1e9))
 
 
 class LabelFile:
-    """The labels of the recordings of a folder. A line that was cut, or is of no use, stays, and is told.
+    """The labels of the recordings in a folder. A damaged or useless line stays in the file, and is reported.
 
     Args:
         folder: the folder.
@@ -65,7 +65,7 @@ class LabelFile:
         self.path = folder / FILE
 
     def read(self) -> tuple[dict[str, list[LabelledSpan]], list[str]]:
-        """The labels of each recording by time, those of equal spans and names once, and lines on what is wrong."""
+        """Return the labels of each recording by time, without duplicates, and lines on problems."""
         found: dict[str, dict[LabelledSpan, None]] = {}
         problems = []
         try:
@@ -85,26 +85,27 @@ class LabelFile:
                 if not one.get(_REMOVED):
                     there[label] = None
             except (ValueError, KeyError, TypeError, AttributeError, OverflowError):
-                problems.append(f"labels: line {number} of {self.path.name} is no label")
+                problems.append(f"labels: line {number} of {self.path.name} is not a label")
         return {name: sorted(labels, key=lambda one: one.start) for name, labels in found.items()}, problems
 
     def add(self, file: str, label: LabelledSpan) -> None:
-        """Add a label of a recording; OSError if the file cannot be written."""
+        """Add a label of a recording; raise OSError if the file cannot be written."""
         self._write({"file": file, **label._asdict()})
 
     def remove(self, file: str, label: LabelledSpan) -> None:
-        """Take a label of a recording away; OSError if the file cannot be written."""
+        """Remove a label of a recording; raise OSError if the file cannot be written."""
         self._write({"file": file, **label._asdict(), _REMOVED: True})
 
     def _write(self, line: dict[str, Any]) -> None:
-        # One write at the end of the file: another program may write to it, too, or have been cut off in a line.
+        # One write at the end of the file: another program may write to it, too, or may have been interrupted within a
+        # line.
         with self.path.open("ab", buffering=0) as file:
-            # A name that is no UTF-8 is written as JSON escapes it.
+            # A name that is not UTF-8 is written with JSON escapes.
             file.write(f"\n{json.dumps(line, ensure_ascii=False)}\n".encode("utf-8", "backslashreplace"))
 
 
 def to_name(value: Any) -> str:
-    """The name of a label; TypeError or ValueError if it is none."""
+    """Return the name of a label; raise TypeError or ValueError if it is not a name."""
     if not isinstance(value, str):
         raise TypeError(f"label: expected a name, got {value!r}")
     name = " ".join(value.split())

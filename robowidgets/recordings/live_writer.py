@@ -1,4 +1,4 @@
-"""Writing an MCAP file while its messages come, in a thread of its own."""
+"""Writing an MCAP file while its messages come, in a separate thread."""
 
 from __future__ import annotations
 
@@ -24,31 +24,31 @@ from ..repair.write import McapWriter
 log = logging.getLogger("robowidgets")
 
 MOST_WAITING = 1000
-"""Messages of one topic that wait to be written; if writing does not keep up, further ones are dropped."""
+"""The maximum number of messages of one topic that wait to be written; further ones are dropped."""
 
 FLUSH = 1.0
-"""Seconds after which messages are in the file, where they are not lost when the process dies."""
+"""Seconds after which messages are in the file, so that they are not lost if the process dies."""
 
 TF_STATIC = "/tf_static"
-"""The topic of what does not move on a robot, such as the places of its sensors."""
+"""The topic for fixed transforms on a robot, such as the poses of its sensors."""
 
 CLOSE_TIMEOUT = 2.0
-"""Seconds for which closing waits for what is still to be written."""
+"""The maximum time in seconds that closing waits for the remaining messages to be written."""
 
 
 class LiveWriter:
-    """An MCAP file to which any thread adds messages and samples, none of which waits for the disk.
+    """An MCAP file to which any thread adds messages and samples without waiting for the disk.
 
     They are written as messages of ROS 2, with their definitions.
 
     Args:
         path: the file, which must not exist yet.
-        on_failed: called when it cannot be written any more, in the thread that writes.
-        clock: the time of messages, and that by which they are in the file.
+        on_failed: called in the writing thread when the file cannot be written any more.
+        clock: the clock for the times of messages and for flushing.
 
     Attributes:
         written: by topic, the number of messages that were written.
-        is_complete: True once the file has its end, and with it everything that was added and not dropped.
+        is_complete: True once the file is finished, and contains everything that was added and not dropped.
 
     Raises:
         OSError: the file exists, or cannot be written.
@@ -64,29 +64,29 @@ class LiveWriter:
         self._channels: dict[tuple[str, str], Channel] = {}
         self._to_message: dict[str, ToMessage] = {}
         self._mounted: set[str] = set()
-        """The frames of sensors whose places are written."""
-        # A clock that is set meanwhile moves no message.
+        """The frames of sensors whose poses are written."""
+        # If the system clock is set meanwhile, the times of messages stay consistent.
         self._epoch_ns = time.time_ns() - int(self._clock.now() * 1e9)
         self._queue: deque[str] = deque()
-        """The topics of the messages that wait, in their order."""
+        """The topics of the waiting messages, in their order."""
         self._waiting: dict[str, deque[tuple[str, int, Any]]] = {}
-        """The messages that wait, by topic."""
+        """The waiting messages by topic."""
         self._file = path.open("xb")
         self._writer = McapWriter(self._file, {"cdr"})
         self._flush_at: float | None = None
-        """When what was written is to be in the file; None while all of it is."""
+        """The time at which written messages must be flushed to the file, or None if all are."""
         self._is_closed = self._has_ended = self.is_complete = False
         self._ending = threading.RLock()
         self._waiters = Waiters(self._ending, self._clock)
         self._ticket: Ticket | None = None
 
     def start(self) -> None:
-        """Begin to write."""
+        """Start the writing thread."""
         self._ticket = Threads(self._clock).start(self._run, "robowidgets-recorder")
 
     @property
     def problems(self) -> tuple[str, ...]:
-        """What is missing in the file, one line each."""
+        """One line for each problem that leaves messages out of the file."""
         dropped = (
             f"{topic}: {many(count, 'message')} dropped, because writing did not keep up"
             for topic, count in list(self._dropped.items())
@@ -99,7 +99,7 @@ class LiveWriter:
         return bool(self._failed)
 
     def now_ns(self) -> int:
-        """The time of a message that comes now, in nanoseconds since 1970."""
+        """Return the time of a message that comes now, in nanoseconds since 1970."""
         return self._epoch_ns + int(self._clock.now() * 1e9)
 
     def add(self, topic: str, type_name: str, time_ns: int, message: Any, *, can_be_dropped: bool = True) -> None:
@@ -114,7 +114,7 @@ class LiveWriter:
             self._ticket.wake()
 
     def close(self) -> None:
-        """Complete the file, to which nothing may be added any more. It waits for the disk for two seconds at most."""
+        """Complete the file; nothing may be added afterwards. This waits for the disk for two seconds at most."""
         self._is_closed = True
         if self._ticket is None or self._has_ended:
             return
@@ -125,9 +125,9 @@ class LiveWriter:
     # -- in the thread that writes -------------------------------------------------------------------------------------
 
     def _run(self) -> float | None:
-        """Write what waits; returns when that is to be in the file."""
+        """Write the waiting messages; return the time of the next flush."""
         try:
-            is_closed = self._is_closed  # nothing is added after that
+            is_closed = self._is_closed  # nothing is added after closing
             while self._queue:
                 topic = self._queue.popleft()
                 self._write(self._writer, topic, *self._waiting[topic].popleft())
@@ -140,9 +140,9 @@ class LiveWriter:
             self._writer.finish()
             self._file.close()
             self.is_complete = True
-        except Exception as error:  # a full disk, above all
+        except Exception as error:  # most likely a full disk
             self._failed = f"recording has ended: {getattr(error, 'strerror', None) or error}"
-            log.error("%s: %s; the robot and its program go on", self._path, self._failed)
+            log.error("%s: %s; the robot and its program continue", self._path, self._failed)
             with suppress(OSError):
                 self._file.close()
             self._end()
@@ -158,7 +158,7 @@ class LiveWriter:
             self._flush_at = None
 
     def _end(self) -> None:
-        """Wake whoever closes it."""
+        """Wake the threads that wait in `close`."""
         with self._ending:
             self._has_ended = True
             self._waiters.wake()
@@ -188,7 +188,7 @@ class LiveWriter:
         self.written[topic] += 1
 
     def _standard(self, topic: str, topic_type: str, time_ns: int, message: Any) -> tuple[str, Any]:
-        """The type and the fields of a message; those of a standard type for a sample."""
+        """Return the type and the fields of a message, or of a standard message for a sample."""
         kind = kind_of_sample(message)
         if kind is None or kind.to_message is None:
             return topic_type, message
@@ -198,7 +198,7 @@ class LiveWriter:
 
 
 def _definition(type_name: str, message: Any) -> str:
-    """The definition by which a message was read, as ROS 2 writes it; empty for one that its robot did not define."""
+    """Return the definition by which a message was read, as ROS 2 writes it, or an empty text if it has none."""
     source = channel_of(message)
     if source is None or source.type != type_name or not source.definition.strip():
         return ""

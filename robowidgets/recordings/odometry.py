@@ -1,4 +1,4 @@
-"""Where the robot of a recording was, by odometry."""
+"""The poses of the robot of a recording, by odometry."""
 
 from __future__ import annotations
 
@@ -14,14 +14,14 @@ from .topics import Topic, UnknownTopicError, named
 
 
 def odometry(topics: Iterable[Topic]) -> str | None:
-    """The topic of odometry, of several with messages the first by name; None without one."""
+    """Return the topic of odometry, or None without one; of several topics with messages, the first by name."""
     there = (topic for topic in topics if topic.widget and topic.type in ODOMETRY_TYPES)
     first = min(there, key=lambda topic: (not topic.count, topic.name), default=None)
     return first.name if first else None
 
 
 def places_of(recording: ReadableRecording) -> Places:
-    """Where the robot was at each of its scans, by odometry; without scans, at each message of odometry.
+    """Return the places of the robot at each of its scans, by odometry; without scans, at each odometry message.
 
     Raises:
         UnknownTopicError: the recording has no odometry.
@@ -32,7 +32,7 @@ def places_of(recording: ReadableRecording) -> Places:
     known = np.isfinite(poses).all(axis=1)
     if not speeds or not known.any():
         raise UnknownTopicError(
-            f"{recording.path.name} has no odometry, which says where the robot was: record nav_msgs/Odometry, too"
+            f"{recording.path.name} has no odometry, so its places are unknown: record nav_msgs/Odometry, too"
         )
     times, (x, y, yaw) = speeds.seconds[known], poses[known].T
     scanned = named(recording.topics, LASER.name)

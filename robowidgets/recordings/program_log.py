@@ -1,7 +1,7 @@
-"""What a recording holds of the program that drove: its versions, and the states of its machines.
+"""The programs in a recording: their versions, and the states of their state machines.
 
 `Feed.record` writes them as ``std_msgs/String``: the text of each version on one topic, and the active state of each
-machine on a topic of its own, which tools that show changes of text over time show as a band.
+machine on a separate topic. Tools that plot text over time show these topics as bands.
 """
 
 from __future__ import annotations
@@ -15,13 +15,14 @@ from ..samples.state_span import StateSpan
 TEXT = "std_msgs/msg/String"
 PROGRAM = "/robowidgets/program"
 STATES = "/robowidgets/states/"
-"""With the path of a machine, such as ``Walker/avoid``; an empty text says that the machine is not active."""
+"""The start of the topic names, followed by the path of a machine such as ``Walker/avoid``; an empty text means not
+active."""
 
 _HEAD = re.compile(r"# (.*), version (\d+)\n")
 
 
 class ProgramVersion(NamedTuple):
-    """A version of a program: from when it was in force, in seconds from the start of the recording, and its text."""
+    """A version of a program: its first time in seconds from the start of the recording, and its text."""
 
     seconds: float
     name: str
@@ -30,17 +31,17 @@ class ProgramVersion(NamedTuple):
 
 
 def program_text(name: str, number: int, text: str) -> str:
-    """The message for a version of a program."""
+    """Return the message for a version of a program."""
     return f"# {name}, version {number}\n{text}"
 
 
 def state_topic(machine: str) -> str:
-    """The topic with the states of a machine."""
+    """Return the topic with the states of a machine."""
     return STATES + machine.replace(".", "/")
 
 
 def version_of(seconds: float, message: str) -> ProgramVersion:
-    """The version in a message of `program_text`."""
+    """Return the version in a message of `program_text`."""
     head = _HEAD.match(message)
     if head is None:
         return ProgramVersion(seconds, "", 0, message)
@@ -48,7 +49,7 @@ def version_of(seconds: float, message: str) -> ProgramVersion:
 
 
 def spans_of(said: Iterable[tuple[str, float, str]], end: float) -> tuple[StateSpan, ...]:
-    """The spans of states in messages: topic, seconds and text of each, in the order of time."""
+    """Return the spans of states in messages: topic, seconds and text of each, in the order of time."""
     spans: list[StateSpan] = []
     active: dict[str, tuple[float, str]] = {}
 

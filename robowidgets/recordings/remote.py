@@ -1,4 +1,4 @@
-"""Recordings behind a URL: in object storage, on a web server, or wherever fsspec reads from."""
+"""Remote recordings: in object storage, on a web server, or anywhere that fsspec can read."""
 
 from __future__ import annotations
 
@@ -29,22 +29,20 @@ _QUERY = re.compile(r"(?<=.)\?.*")
 _OTHER = re.compile(r"\.(log|clf)(\.gz)?$")
 _UNSAFE = re.compile(r"[^\w.+ -]")
 _FROM = ".url"
-"""The file beside a copy that says where it is from."""
+"""The file next to a copy that contains its URL."""
 _BLOCK = 8 << 20
 _STATE = (
     "etag", "content-md5", "md5hash", "md5", "generation", "versionid", "lastmodified", "last-modified",
     "last_modified", "mtime", "modified", "updated", "created",
 )  # fmt: skip
-"""What drivers call the things that change with an object, beside its size."""
+"""The names that drivers use for the properties that change with an object, in addition to its size."""
 _LONGEST = 60.0
 """Seconds without an answer from a web server."""
 _CREDENTIALS = (
-    "give credentials as its driver takes them (of s3: ~/.aws/credentials or AWS_ACCESS_KEY_ID and "
+    "give credentials as its driver takes them (for s3: ~/.aws/credentials or AWS_ACCESS_KEY_ID and "
     "AWS_SECRET_ACCESS_KEY; FSSPEC_S3_ANON=true for what is public)"
 )
-_SIGNATURE = (
-    "give its whole URL, with credentials or a signature that still holds: what is kept and shown of a URL has neither"
-)
+_SIGNATURE = "give its whole URL, with credentials or a valid signature: URLs are stored and shown without them"
 _NO_CREDENTIALS = (
     "NoCredentialsError",
     "PartialCredentialsError",
@@ -54,7 +52,7 @@ _NO_CREDENTIALS = (
 
 
 class _Object(NamedTuple):
-    """One file of a recording: where it is for its file system, its name here, its bytes, and its state."""
+    """One file of a recording: its path in its file system, its local name, its size in bytes, and its state."""
 
     path: str
     name: str
@@ -63,18 +61,18 @@ class _Object(NamedTuple):
 
 
 def is_url(path: Any) -> TypeGuard[str]:
-    """Whether it is the URL of what lies elsewhere, as text."""
+    """Return True if a path is a URL."""
     return isinstance(path, str) and _URL.match(path) is not None
 
 
 _given: dict[str, str] = {}
-"""The URLs with secrets that this process was given, by their names without."""
+"""The URLs with secrets that this process was given, by their names without secrets."""
 IN_ENVIRONMENT = "ROBOWIDGETS_URLS"
-"""The environment variable by which a command passes them to the kernels that it starts."""
+"""The environment variable in which a command passes these URLs to the kernels that it starts."""
 
 
 def named(url: str) -> str:
-    """Return the name of a URL: the same without secrets, by which this process finds it from now on."""
+    """Return the name of a URL: the same without secrets. This process finds the URL by this name from now on."""
     name = without_secrets(url)
     if name != url:
         _given[name] = url
@@ -91,30 +89,30 @@ def with_secrets(name: str) -> str:
 
 
 def pass_secrets(name: str) -> None:
-    """Let processes that this one starts find a URL by its name, too."""
+    """Allow child processes to find a URL by its name, too."""
     if (url := with_secrets(name)) != name:
         os.environ[IN_ENVIRONMENT] = json.dumps({name: url})
 
 
 class Fetched:
-    """A recording that was fetched, or the copy of it that was there; it stays until this is closed.
+    """A recording that was fetched or copied before. Its copy stays until this object is closed.
 
     Attributes:
-        path: the file or the folder here.
-        url: where it is from, without secrets; None for what is no copy.
+        path: the local file or folder.
+        url: the URL of the original without secrets, or None if the recording is not a copy.
     """
 
     def __init__(self, path: Path, url: str | None = None, copy: Copy | None = None) -> None:
         self.path, self.url, self._copy = path, url, copy
 
     def close(self) -> None:
-        """Let the copy be removed when room is needed; doing it again does nothing."""
+        """Allow the copy to be removed when room is needed; closing it again does nothing."""
         if self._copy is not None:
             self._copy.close()
 
 
 def held(path: Path) -> Fetched:
-    """The recording at a path of this machine; if that is of a copy, the copy stays until this is closed."""
+    """Return the recording at a local path; if the path is in a copy, the copy stays until the result is closed."""
     # Absolute, because the working directory may have changed when a player opens the file again.
     path = path.absolute()
     if ".." in path.parts:
@@ -128,10 +126,10 @@ def held(path: Path) -> Fetched:
 
 
 def fetch(url: str) -> Fetched:
-    """The recording at a URL, as a file or folder of this machine; it is fetched if no copy of its state is here.
+    """Return the recording at a URL as a local file or folder; fetch it unless a copy of its current state exists.
 
     Raises:
-        RecordingError: it cannot be fetched or kept; the text says why, and what to do.
+        RecordingError: it cannot be fetched or stored; the text gives the reason and the remedy.
     """
     if url.lower().startswith(("file://", "local://")):
         return held(Path(url2pathname(urlsplit(url).path)))
@@ -162,10 +160,10 @@ def fetch(url: str) -> Fetched:
 
 
 def state_of(url: str) -> str | None:
-    """What changes whenever the recording at a URL does; None where its server does not tell.
+    """Return a text that changes whenever the recording at a URL changes, or None if its server reports no state.
 
     Raises:
-        RecordingError: it cannot be looked at.
+        RecordingError: its state cannot be read.
     """
     url = named(url)
     objects, _ = _objects(*_system(url), url)
@@ -173,10 +171,10 @@ def state_of(url: str) -> str | None:
 
 
 def recordings_at(url: str) -> Iterator[tuple[str, str]]:
-    """The recordings that a URL names, by `named`, each with the reason why nothing is read there; empty if it is read.
+    """Yield the names of the recordings at a URL (see `named`), each with the reason if it is not read, or empty.
 
-    A URL may be a pattern such as ``s3://bucket/runs/*.mcap``, or a folder: of rosbag2, which is one recording, or
-    with recordings at any depth.
+    A URL may be a pattern such as ``s3://bucket/runs/*.mcap``, or a folder: a rosbag2 folder, which is one recording,
+    or a folder with recordings at any depth.
     """
     shown = named(url)
     try:
@@ -209,7 +207,7 @@ def _within(system: Any, path: str, url: str) -> Iterator[tuple[str, str]]:
 
 
 def _url(system: Any, path: str, beside: str) -> str:
-    """The URL of a path, in the chain of another."""
+    """Return the URL of a path, in the chain of another URL."""
     _, chained, rest = beside.partition("::")
     return f"{system.unstrip_protocol(path)}{chained}{rest}"
 
@@ -220,7 +218,7 @@ def _is_pattern(url: str) -> bool:
 
 
 def _system(url: str) -> tuple[Any, str]:
-    """The file system of a URL, and the path in it; with the secrets that were given under this name."""
+    """Return the file system of a URL, and the path in it; with the secrets that were given under this name."""
     shown = without_secrets(url)
     url = with_secrets(url)
     try:
@@ -232,7 +230,7 @@ def _system(url: str) -> tuple[Any, str]:
         if url.lower().startswith(("http://", "https://")):
             from aiohttp import ClientTimeout
 
-            # Streamed, since not all servers send parts: for a large file no time is too long in all.
+            # Streamed, because not all servers send parts. The total time has no limit, because a file may be large.
             options = {
                 "client_kwargs": {"timeout": ClientTimeout(total=None, sock_connect=_LONGEST, sock_read=_LONGEST)},
                 "headers": {"Accept-Encoding": "identity"},
@@ -250,7 +248,7 @@ def _system(url: str) -> tuple[Any, str]:
 
 
 def _objects(system: Any, path: str, shown: str) -> tuple[list[_Object], bool]:
-    """The files of the recording at a path, and whether it is a folder."""
+    """Return the files of the recording at a path, and True if it is a folder."""
     if not _is_folder(system, path, shown):
         return [_object(_asked(lambda: system.info(path), shown), path)], False
     there = {file_name(one["name"]): one for one in _asked(lambda: system.ls(path, detail=True), shown)}
@@ -265,7 +263,7 @@ def _objects(system: Any, path: str, shown: str) -> tuple[list[_Object], bool]:
 
 
 def _is_folder(system: Any, path: str, shown: str) -> bool:
-    system.invalidate_cache()  # of listings: an object may have changed since
+    system.invalidate_cache()  # clears listings: an object may have changed since
     return path.endswith("/") or bool(_asked(lambda: system.info(path), shown)["type"] == "directory")
 
 
@@ -277,7 +275,7 @@ def _object(info: dict[str, Any], path: str) -> _Object:
 
 
 def _state(objects: list[_Object]) -> str:
-    """A text for the state of the files; another one each time where a server does not tell."""
+    """Return a text for the state of the files, which differs each time if the server does not report a state."""
     return json.dumps([(one.name, one.state or uuid4().hex) for one in objects])
 
 
@@ -298,11 +296,11 @@ def _download(system: Any, objects: list[_Object], folder: Path, name: str, show
                 raise
             except Exception as error:
                 of = f" of {megabytes(total)}" if total else ""
-                _fail(error, shown, f" after {megabytes(done + got)}{of}, nothing of which is kept")
+                _fail(error, shown, f" after {megabytes(done + got)}{of}, which were discarded")
             if one.size is not None and got != one.size:
                 raise RecordingError(
                     f"{shown}: the connection was lost, or it changed: {many(got, 'byte')} came of {one.size:,}, "
-                    "none of which is kept; open it again"
+                    "which were discarded; open it again"
                 )
             done += got
 
@@ -322,7 +320,7 @@ def _asked(ask: Callable[[], Any], shown: str) -> Any:
 
 
 def _fail(error: Exception, shown: str, when: str = "") -> NoReturn:
-    """Raise the error of a driver, of which each has its own kinds, as ours."""
+    """Raise the error of a driver as a RecordingError; each driver has different errors."""
     causes: list[BaseException] = [error]
     while (cause := causes[-1].__cause__) is not None and cause not in causes:
         causes.append(cause)
@@ -339,7 +337,7 @@ def _fail(error: Exception, shown: str, when: str = "") -> NoReturn:
 
 
 def _status(error: BaseException) -> int | None:
-    """The status of HTTP in an error of a driver."""
+    """Return the HTTP status in an error of a driver, or None."""
     with suppress(Exception):
         code = getattr(error, "status", None) or error.response["ResponseMetadata"]["HTTPStatusCode"]  # type: ignore[attr-defined]
         return int(code)
@@ -352,7 +350,7 @@ def file_name(url: str) -> str:
 
 
 def _safe(name: str) -> str:
-    """A name for a file here."""
+    """Return a safe local file name."""
     stem, suffix = os.path.splitext(_UNSAFE.sub("_", name).lstrip("."))
     return stem[:100] + suffix[:20]
 

@@ -11,15 +11,15 @@ class Span(NamedTuple):
     """A span: start, end and length in seconds from the start of the recording, and start and end by its clock.
 
     ``end`` is the time of the first sample for which the condition is no longer true, or the time at which the last
-    sample is stale, or the end of the recording. It equals ``start`` if the condition is true for one of several
-    samples of one time and not for the last of them. ``silent`` names the topics with a gap in the span, if the
+    sample is stale, or the end of the recording. It equals ``start`` if several samples have the same time and the
+    condition is true for one of them, but not for the last. ``silent`` names the topics with a gap in the span, if the
     condition contains a gap.
 
-    ``nearest`` is the distance in metres, as in `Scan.distance`, of the nearest thing that was met in the span,
-    ``index`` that of its ray, ``angle`` that of the ray in radians, and ``nearest_ns`` the time of its scan by the
-    clock of the recording; all four are None for conditions that look at no distance. ``value`` is the number that a
-    condition on a speed or a field compared, the one farthest beyond the limit in the span, or the first where there is
-    no such side, and ``value_ns`` its time; None for other conditions.
+    ``nearest`` is the smallest distance in the span in metres, as in `Scan.distance`, ``index`` is the index of its
+    ray, ``angle`` the angle of the ray in radians, and ``nearest_ns`` the time of its scan by the clock of the
+    recording. Conditions without a distance set none of these four. ``value`` is the number that a condition on a speed
+    or a field compared: the one farthest beyond the limit in the span, or the first one if the limit has no sides.
+    ``value_ns`` is its time. Other conditions set neither.
     """
 
     start: float
@@ -37,7 +37,7 @@ class Span(NamedTuple):
 
     @property
     def met(self) -> str:
-        """What was met, for a person: ``"0.15 m at [173], -31.2°"``; empty for conditions that look at no distance."""
+        """The nearest reading as a text: ``"0.15 m at [173], -31.2°"``, or empty for conditions without a distance."""
         if self.nearest is None or self.angle is None:
             return ""
         return f"{self.nearest:.2f} m at [{self.index}], {degrees_of(self.angle)}"

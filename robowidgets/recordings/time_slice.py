@@ -28,14 +28,14 @@ class TimeSlice:
         recording: the recording.
         which: a slice of seconds from the start as in ``recording[2:5]``, a `ScanogramWidget.selection`, or a span of
             `Recording.find`. A span of 0 seconds selects the samples at that moment. A selection or a span that lasts
-            to the end of the recording holds its last sample.
+            to the end of the recording includes its last sample.
 
-    ``start`` and ``end`` are seconds from the start, the end not included; None if the slice is open there. ``rays`` is
-    a slice of the selected rays, or of all rays without a selection: ``scan.ranges[part.rays]``. The samples themselves
+    ``start`` and ``end`` are seconds from the start, the end not included, or None if the slice is open. ``rays`` is a
+    slice of the selected rays, or of all rays without a selection: ``scan.ranges[part.rays]``. The samples themselves
     keep all their rays, so that an index always means the same.
 
     Raises:
-        TypeError: ``which`` is none of these. ValueError: it is no span of time.
+        TypeError: ``which`` has another type. ValueError: it is not a span of time.
     """
 
     def __init__(self, recording: ReadableRecording, which: Any) -> None:
@@ -61,31 +61,31 @@ class TimeSlice:
 
     @property
     def recording(self) -> ReadableRecording:
-        """All of the recording."""
+        """The whole recording."""
         return self._recording
 
     def samples(self, topics: str | Iterable[str] | None = None) -> Iterator[Moment]:
-        """The samples in the span, as in `Recording.samples`."""
+        """Yield the samples in the span, as in `Recording.samples`."""
         return self._recording.samples(topics, self.start, self.end)
 
     def scans(self, topic: str | None = None) -> Scans:
-        """The scans in the span as columns, as in `Recording.scans`."""
+        """Return the scans in the span as columns, as in `Recording.scans`."""
         return self._recording.scans(topic).between(self.start, self.end)
 
     def speeds(self, topic: str | None = None) -> Speeds:
-        """The speeds in the span as columns, as in `Recording.speeds`."""
+        """Return the speeds in the span as columns, as in `Recording.speeds`."""
         return self._recording.speeds(topic).between(self.start, self.end)
 
     def touches(self, topic: str | None = None) -> Touches:
-        """The touches in the span as columns, as in `Recording.touches`."""
+        """Return the touches in the span as columns, as in `Recording.touches`."""
         return self._recording.touches(topic).between(self.start, self.end)
 
     def messages(self, topic: str) -> Iterator[TimedMessage]:
-        """The messages of a topic of any type in the span, as in `Recording.messages`."""
+        """Yield the messages of a topic of any type in the span, as in `Recording.messages`."""
         return self._recording.messages(topic, self.start, self.end)
 
     def events(self, *topics: str, level: str | int | None = None, text: str | None = None) -> Events:
-        """The events in the span as a table, as in `Recording.events`."""
+        """Return the events in the span as a table, as in `Recording.events`."""
         return self._recording.events(*topics, level=level, text=text, start=self.start, end=self.end)
 
     @property
@@ -94,7 +94,7 @@ class TimeSlice:
         return self._recording.topics
 
     def fields(self, topic: str) -> Fields:
-        """The messages of a topic of any type in the span as columns, as in `Recording.fields`."""
+        """Return the messages of a topic of any type in the span as columns, as in `Recording.fields`."""
         return self._recording.fields(topic).between(self.start, self.end)
 
     def __iter__(self) -> Iterator[Moment]:

@@ -17,7 +17,7 @@ _UTC = re.compile(r"\s*(UTC|Z)$", re.IGNORECASE)
 
 
 def to_ns(start_ns: int | None, name: str, seconds: Any) -> int:
-    """The time by the clock, in nanoseconds, of seconds from the start; TypeError or ValueError if they are no time."""
+    """Return the clock time in nanoseconds for seconds from the start; raise TypeError or ValueError otherwise."""
     if isinstance(seconds, bool) or not isinstance(seconds, Real):
         raise TypeError(f"{name}: expected seconds from the start of the recording, got {seconds!r}")
     if not isfinite(seconds) or abs(float(seconds)) > _LONGEST:
@@ -26,19 +26,19 @@ def to_ns(start_ns: int | None, name: str, seconds: Any) -> int:
 
 
 def span_ns(start_ns: int | None, start: Any, end: Any) -> tuple[int | None, int | None]:
-    """The times by the clock of a start and an end in seconds from the start, as by `to_ns`; None stays None."""
+    """Return the clock times of a start and an end in seconds from the start, as in `to_ns`; None stays None."""
     first = None if start is None else to_ns(start_ns, "start", start)
     last = None if end is None else to_ns(start_ns, "end", end)
     return first, last
 
 
 def has_date(time_ns: int) -> bool:
-    """Whether a clock with this time has the right date."""
+    """Return True if a clock with this time has the right date."""
     return time_ns >= REAL_FROM_NS
 
 
 def seconds_at(when: datetime | str, file: str, start_ns: int | None, end_ns: int | None) -> float:
-    """Seconds from the start of a file's recording at a date and time of day: see `Recording.seconds_at`."""
+    """Return the seconds from the start of a file's recording at a date and time of day: see `Recording.seconds_at`."""
     when_ns = _since_epoch(when)
     if start_ns is None or end_ns is None or not has_date(start_ns):
         why = "holds no message" if start_ns is None else f"has no date: its clock begins at {start_ns / 1e9:g} s"

@@ -11,11 +11,11 @@ from ..kinds import KINDS
 from ..repair import RecordingError
 
 _MADE = re.compile(r"filter|merged|multi|combined|fused|throttle|downsampled|cropped|relay|repub", re.IGNORECASE)
-"""Parts of the names of topics that a program makes of others."""
+"""Parts of the names of topics that are derived from other topics."""
 
 
 UPDATES = "_updates"
-"""The end of the name of a topic with parts of grids that change the grid on the topic before it."""
+"""The end of the name of a topic with partial updates of the grid on the topic of the same name without it."""
 
 _UPDATE_TYPE = "map_msgs/msg/OccupancyGridUpdate"
 
@@ -24,10 +24,10 @@ class Topic(NamedTuple):
     """One topic of a recording.
 
     ``type`` is the message type as the file names it. ``count`` is the number of messages. ``rate`` is the mean number
-    of messages per second from its first message to its last, None if there are only a few within a second. ``widget``
-    is the kind of the widget that shows it, None without one. ``commanded`` marks a commanded speed, as opposed to a
-    measured one: its name contains ``cmd`` or ``command``. ``problem`` is a line with the reason why it cannot be read,
-    else empty.
+    of messages per second from its first message to its last, or None if there are only a few within a second.
+    ``widget`` is the kind of the widget that shows it, or None. ``commanded`` is True for a commanded speed, as opposed
+    to a measured one: its name contains ``cmd`` or ``command``. ``problem`` is a line with the reason why it cannot be
+    read, or empty.
     """
 
     name: str
@@ -72,7 +72,7 @@ class UnnamedTopicError(UnknownTopicError):
     Args:
         there: a text for the topics that fit.
         topics: the topics that can be named.
-        widget: the kind of widget that shows them; None: any.
+        widget: the kind of widget that shows them, or None for any.
         how: a text for the way to name one.
     """
 
@@ -84,17 +84,17 @@ class UnnamedTopicError(UnknownTopicError):
 
 
 def shown(topics: Iterable[Topic]) -> dict[str, Topic]:
-    """The topics that a widget shows, by name."""
+    """Return the topics that a widget shows, by name."""
     return {topic.name: topic for topic in topics if topic.widget}
 
 
 def wanted(topics: Iterable[Topic], names: Collection[str]) -> list[Topic]:
-    """The topics of these names; without names, all of which a message came."""
+    """Return the topics of these names; without names, all topics with messages."""
     return [topic for topic in topics if (topic.name in names if names else topic.count)]
 
 
 def named(topics: Iterable[Topic], widget: str) -> list[str]:
-    """The names of the topics that a kind of widget shows."""
+    """Return the names of the topics that a kind of widget shows."""
     return [topic.name for topic in topics if topic.widget == widget]
 
 
@@ -106,18 +106,18 @@ def check(name: str, topics: Sequence[Topic], file: str) -> None:
         return
     there = ", ".join(can) or "none"
     if known.problem:
-        raise UnknownTopicError(f"{file}: topic {name!r} cannot be shown ({known.problem}): those that can are {there}")
+        raise UnknownTopicError(f"{file}: topic {name!r} cannot be shown ({known.problem}): topics that can: {there}")
     raise UnknownTopicError(
-        f"{file}: topic {name!r} cannot be shown (no widget shows {known.type}): those that can are {there}; "
+        f"{file}: topic {name!r} cannot be shown (no widget shows {known.type}): topics that can: {there}; "
         f"recording.messages({name!r}) and recording.fields({name!r}) read its messages"
     )
 
 
 def check_known(name: str, topics: Sequence[Topic], file: str) -> Topic:
-    """The topic of a name.
+    """Return the topic of a name.
 
     Raises:
-        UnknownTopicError: the recording has no topic of this name. TypeError: the name is no text.
+        UnknownTopicError: the recording has no topic of this name. TypeError: the name is not a text.
     """
     if not isinstance(name, str):
         raise TypeError(f"expected the name of a topic as text, got {name!r}")
@@ -126,23 +126,24 @@ def check_known(name: str, topics: Sequence[Topic], file: str) -> Topic:
         near = get_close_matches(name, [topic.name for topic in topics])
         hint = f"; did you mean {' or '.join(map(repr, near))}?" if near else ""
         there = ", ".join(shown(topics)) or "none"
-        raise UnknownTopicError(f"{file} has no topic {name!r}: those that a widget shows are {there}{hint}")
+        raise UnknownTopicError(f"{file} has no topic {name!r}; topics with a widget: {there}{hint}")
     return known
 
 
 def only(name: str, topics: Iterable[Topic], widget: str, preferred: Collection[str] = ()) -> str:
-    """The only topic of a kind; for speeds, the only measured one. One without a message counts where no other is.
+    """Return the only topic of a kind (for speeds, the only measured one). Topics without messages are the last resort.
 
-    Of several, the only one counts that is not made of others, as ``/scan_filtered`` and ``/scan_merged`` are.
+    If there are several, topics that are derived from others, such as ``/scan_filtered`` and ``/scan_merged``, do not
+    count.
 
     Args:
         name: the name of the recording, for errors.
         topics: all topics.
         widget: the kind of widget that shows the topic.
-        preferred: names of topics that are meant where there are several.
+        preferred: names of topics that are preferred if there are several.
 
     Raises:
-        UnknownTopicError: there is none; or there are several, as `UnnamedTopicError`.
+        UnknownTopicError: the recording has no such topic. `UnnamedTopicError`: there are several.
     """
     topics = list(topics)
     there = named(wanted(topics, ()), widget) or named(topics, widget)
@@ -164,10 +165,10 @@ def updates_in(topics: Iterable[Topic]) -> dict[str, int]:
 
 
 def likeliest(topics: Iterable[Topic]) -> Topic:
-    """Of topics of one kind, the one that somebody means who names none.
+    """Return the likeliest topic of one kind if the user names none.
 
-    What is measured goes before what is commanded, that before what is made of others, as ``/scan_merged`` is; then
-    comes the one with most messages, then the one with the shortest name.
+    Measured topics precede commanded ones, and these precede topics that are derived from others, such as
+    ``/scan_merged``. Then the topic with most messages comes first, then the one with the shortest name.
     """
 
     def rank(topic: Topic) -> tuple[Any, ...]:

@@ -1,4 +1,4 @@
-"""Codes: ranges as whole numbers. Of several codes in one pixel the least is shown."""
+"""Codes: ranges as whole numbers. If several codes share a pixel, the lowest is shown."""
 
 from __future__ import annotations
 
@@ -18,17 +18,17 @@ WITHOUT_READING = (TOO_CLOSE, NOTHING_IN_RANGE, NO_MEASUREMENT, OUTSIDE_LIMITS)
 
 
 def encode(ranges: NDArray[np.float32], range_min: float, far: float) -> Codes:
-    """Ranges in metres as codes of the same shape.
+    """Return ranges in metres as codes of the same shape.
 
-    Of several rays the least code is shown: the nearest reading; without a reading, the first of too close, outside the
-    limits, no measurement, nothing in range. So a coarse picture omits no near reading.
+    If several rays share a pixel, the lowest code is shown: the nearest reading, or without a reading the first of too
+    close, outside the limits, no measurement, nothing in range. So a coarse picture omits no near reading.
 
     Source: REP-117 for the classes.
     """
     low, high = np.float32(range_min), np.float32(far)
     reading = ranges >= low
     reading &= ranges <= high
-    with np.errstate(invalid="ignore", over="ignore"):  # values that are no readings get their codes below
+    with np.errstate(invalid="ignore", over="ignore"):  # values that are not readings get their codes below
         scaled = ranges - low
         scaled *= np.float32(FARTHEST / (float(high) - float(low)))
         codes: Codes = scaled.astype(np.uint16)
@@ -41,7 +41,7 @@ def encode(ranges: NDArray[np.float32], range_min: float, far: float) -> Codes:
 
 
 def fold(codes: Codes, count: int, axis: int = 0) -> Codes:
-    """The least of each ``count`` codes along an axis; the last group may be smaller."""
+    """Return the lowest of each ``count`` codes along an axis; the last group may be smaller."""
     if axis == 0:
         while count % 2 == 0:  # halving is five times as fast as reduceat
             even = len(codes) // 2 * 2
@@ -55,7 +55,7 @@ def fold(codes: Codes, count: int, axis: int = 0) -> Codes:
 
 
 def fold_median(codes: Codes, count: int, axis: int = 0) -> Codes:
-    """As `fold`, but the median of each ``count`` codes; of an even number, the lesser of the two in the middle."""
+    """Return the median of each ``count`` codes like `fold`; for an even number, the lower of the two in the middle."""
     if count == 1 or codes.shape[axis] == 0:
         return codes
     by_row = codes if axis == 0 else codes.T

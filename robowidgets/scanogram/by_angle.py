@@ -11,7 +11,7 @@ from .scans import Sweep
 
 
 def rays_at(of: Sweep, on: Sweep) -> NDArray[np.int64]:
-    """For each ray of ``on`` the index of the nearest ray of ``of``; -1 if none points there.
+    """Return for each ray of ``on`` the index of the nearest ray of ``of``, or -1 if no ray points there.
 
     A ray covers half a step on either side.
     """
@@ -26,12 +26,12 @@ def rays_at(of: Sweep, on: Sweep) -> NDArray[np.int64]:
 
 
 def keeps_indices(rays: NDArray[np.int64]) -> bool:
-    """Whether each ray that is mapped keeps its index."""
+    """Return True if each mapped ray keeps its index."""
     return bool(((rays == np.arange(rays.size)) | (rays < 0)).all())
 
 
 def on_rays(ranges: NDArray[np.float32], rays: NDArray[np.int64]) -> NDArray[np.float32]:
-    """Ranges in metres, shape (N, R), on the rays of another sweep, shape (N, rays); NaN if none points there."""
+    """Return ranges in metres, shape (N, R), on the rays of another sweep, shape (N, rays); NaN if no ray fits."""
     if not ranges.shape[1]:
         return np.full((len(ranges), rays.size), np.nan, np.float32)
     return np.where(rays >= 0, ranges[:, rays], np.float32(np.nan))

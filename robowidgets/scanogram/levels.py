@@ -11,39 +11,39 @@ from ._codes import FARTHEST, WITHOUT_READING, Codes, encode, fold, fold_median
 from .scans import ScanRanges, Sweep
 
 BUDGET = 256 << 20
-"""Most bytes that all levels together take; finer levels are read again from the scans."""
+"""The maximum size of all levels together; finer levels are read again from the scans."""
 
 FIRST = 3
-"""The first level that is kept if there are many scans; finer ones are made when they are drawn."""
+"""The first level that is kept if there are many scans; finer levels are made when they are drawn."""
 
 FEW = 16 << 20
-"""Most bytes of all levels together for which level 0 is kept, too."""
+"""The maximum size of all levels together for which level 0 is kept, too."""
 
 COARSEST = 256
-"""Most cells of the last level."""
+"""The maximum number of cells of the last level."""
 
 _BIN = 4
-"""Bits by which a bin is coarser than a code, where readings are counted by distance."""
+"""Bits by which a bin is coarser than a code when readings are counted by distance."""
 
 _FAR = 0.01 * FARTHEST
 """Metres up to which neighbouring codes are at most a centimetre apart."""
 
 NEAREST, MEDIAN = "nearest", "median"
-"""Which code of each ray a cell contains: the least, or the median; of many scans, the median of medians."""
+"""The code of each ray that a cell contains: the lowest, or the median; of many scans, the median of medians."""
 
 _FOLDS: dict[str, Callable[..., Codes]] = {NEAREST: fold, MEDIAN: fold_median}
 
 
 class Levels:
-    """Scans in cells of ``2 ** level`` scans each; a cell contains one code of each ray.
+    """Scans in cells of ``2 ** level`` scans each; a cell contains one code for each ray.
 
     Args:
-        scans: the scans; read once from start to end, and again for fine levels.
+        scans: the scans, which are read once from start to end, and again for fine levels.
         sweep: their common geometry.
-        budget: most bytes of all levels.
+        budget: the maximum size of all levels in bytes.
 
-    ``counts``: the number of rays of each class of `Validity`. ``far``: the distance of the greatest code, which is
-    range_max, or the farthest reading if codes up to range_max would be too far apart.
+    ``counts``: the number of rays of each class of `Validity`. ``far``: the distance of the highest code: range_max, or
+    the farthest reading if codes up to range_max would be too coarse.
     """
 
     def __init__(self, scans: ScanRanges, sweep: Sweep, budget: int = BUDGET) -> None:
@@ -65,7 +65,7 @@ class Levels:
 
     @property
     def color_range(self) -> tuple[float, float]:
-        """Metres between which the readings of all scans lie, without the nearest and the farthest hundredth."""
+        """The range in metres of the readings of all scans, without the nearest and the farthest hundredth."""
         below = np.cumsum(self._readings)
         if not below[-1]:
             return self.sweep.range_min, self.far
@@ -75,14 +75,14 @@ class Levels:
         return self.sweep.range_min + near * step, self.sweep.range_min + far * step
 
     def codes(self, level: int, start: int, stop: int, pixel: str = NEAREST) -> Codes:
-        """The codes of the cells ``start`` to ``stop - 1`` of a level: shape (stop - start, rays)."""
+        """Return the codes of the cells ``start`` to ``stop - 1`` of a level: shape (stop - start, rays)."""
         if level >= self._first:
             return self._levels(pixel)[level - self._first][start:stop]
         size = 1 << level
         return folded(self._encode(self.scans.read(start * size, stop * size)), size, pixel)
 
     def _levels(self, pixel: str) -> list[Codes]:
-        """The levels that are kept: of nearest or of median ones, whichever was wanted last."""
+        """Return the levels that are kept, with nearest or median codes, whichever was requested last."""
         if pixel != self._pixel:
             count = -(-len(self.scans.times_ns) // (1 << self._first))
             first = np.empty((count, self.sweep.ray_count), np.uint16)
@@ -93,13 +93,13 @@ class Levels:
             levels, size = [first], 1
             while len(levels[-1]) > COARSEST:
                 size *= 2
-                # The median of two is no median of them all: fold medians from the first level.
+                # A median of medians of two is inaccurate: fold medians from the first level.
                 levels.append(fold(levels[-1], 2) if pixel == NEAREST else folded(first, size, pixel))
             self._pixel, self._kept = pixel, levels
         return self._kept
 
     def _cells(self, pixel: str) -> Iterator[Codes]:
-        """The cells of the first level that is kept; the codes are counted meanwhile, the first time."""
+        """Yield the cells of the first level that is kept; the first time, this counts the codes."""
         size, counted = 1 << self._first, bool(self._pixel)
         rest = np.empty((0, self.sweep.ray_count), np.uint16)
         for ranges in self.scans.chunks():
@@ -123,12 +123,12 @@ class Levels:
 
 
 def folded(codes: Codes, count: int, pixel: str, axis: int = 0) -> Codes:
-    """One code of each ``count`` along an axis: the least or the median."""
+    """Return one code for each ``count`` along an axis: the lowest or the median."""
     return _FOLDS[pixel](codes, count, axis)
 
 
 def _farthest(scans: ScanRanges, sweep: Sweep) -> float:
-    """The farthest reading in metres; a fixed distance beyond range_min without a reading."""
+    """Return the farthest reading in metres, or a fixed distance beyond range_min without a reading."""
     far = sweep.range_min
     for ranges in scans.chunks():
         far = float(ranges.max(initial=far, where=ranges <= sweep.range_max))

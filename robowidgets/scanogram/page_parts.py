@@ -14,13 +14,13 @@ from .levels import NEAREST, Levels, folded
 from .scan_times import ScanTimes
 
 OVERVIEW_BYTES = 1_000_000
-"""Most bytes of the overview, which is sent at once and kept in a saved notebook."""
+"""The maximum size of the overview, which is sent at once and kept in a saved notebook."""
 
 DETAIL_BYTES = 3_000_000
-"""Most bytes of a detail."""
+"""The maximum size of a detail."""
 
 MOST_RAYS = 2048
-"""Most rows that a page gets, which no picture exceeds; with more rays, neighbours share a row."""
+"""The maximum number of rows that a page gets, because no picture has more; with more rays, neighbours share a row."""
 
 MOST_COLUMNS = 8192
 _MARGIN = 0.5
@@ -43,18 +43,18 @@ class Part(NamedTuple):
     cells: NDArray[Any]
 
     def pack(self, facts: Mapping[str, Any], **arrays: NDArray[Any]) -> bytes:
-        """The bytes of the part, with more facts and arrays: see `pack`."""
+        """Return the bytes of the part, with more facts and arrays: see `pack`."""
         own = {"level": self.level, "first": self.first, "ray_step": self.ray_step}
         return pack({**facts, **own}, starts=self.starts, ends=self.ends, cells=self.cells, **arrays)
 
 
 def overview(levels: Levels, clock: ScanTimes, pixel: str = NEAREST) -> Part:
-    """The whole scanogram, as finely as `OVERVIEW_BYTES` allow."""
+    """Return the whole scanogram, as finely as `OVERVIEW_BYTES` allow."""
     return _part(levels, clock, pixel, 0, len(clock), 0, OVERVIEW_BYTES)
 
 
 def detail(levels: Levels, clock: ScanTimes, start: float, end: float, columns: int, pixel: str = NEAREST) -> Part:
-    """The part between two times in seconds, and a little beside it, in ``columns`` cells or more if there are."""
+    """Return the part between two times in seconds with a margin, in ``columns`` cells or more if possible."""
     first, stop = clock.between(start, end)
     wanted = max(0, ((stop - first) // max(1, min(columns, MOST_COLUMNS))).bit_length() - 1)
     margin = _MARGIN * (end - start)
@@ -63,7 +63,7 @@ def detail(levels: Levels, clock: ScanTimes, start: float, end: float, columns: 
 
 
 def pack(facts: Mapping[str, Any], **arrays: NDArray[Any]) -> bytes:
-    """Facts and arrays: the length of a JSON text, that text, then the arrays, little-endian one after the other.
+    """Pack facts and arrays: the length of a JSON text, the text, then the arrays, little-endian one after the other.
 
     The text contains the facts, and as ``arrays`` the name, type and number of elements of each array.
     """
@@ -74,7 +74,7 @@ def pack(facts: Mapping[str, Any], **arrays: NDArray[Any]) -> bytes:
 
 
 def _part(levels: Levels, clock: ScanTimes, pixel: str, first: int, stop: int, level: int, most: int) -> Part:
-    """The scans ``first`` to ``stop - 1``, at the level or the first coarser one that fits in ``most`` bytes."""
+    """Return the scans ``first`` to ``stop - 1``, at the level or the first coarser one that fits in ``most`` bytes."""
     ray_step = max(1, -(-levels.sweep.ray_count // MOST_RAYS))
     rays = -(-levels.sweep.ray_count // ray_step)
     while level < levels.last and 2 * rays * (((stop - first) >> level) + 2) > most:

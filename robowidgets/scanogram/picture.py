@@ -1,4 +1,4 @@
-"""The content of a scanogram, and what the page is told of it beside its cells."""
+"""The content of a scanogram, and the data for the page in addition to its cells."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ class Picture:
     touch: TouchStrip | None = None
 
     def facts(self) -> dict[str, Any]:
-        """What the page needs to know of the cells and the strips, all plain values."""
+        """Return the plain values that the page needs for the cells and the strips."""
         levels, clock, speed, touch = self.levels, self.clock, self.speed, self.touch
         facts: dict[str, Any] = {
             **levels.sweep._asdict(),
@@ -46,13 +46,13 @@ class Picture:
         return facts
 
     def speeds(self, start: float, end: float) -> dict[str, NDArray[Any]]:
-        """The arrays of the speeds within a span of seconds; none without speeds."""
+        """Return the arrays of the speeds within a span of seconds, or nothing without speeds."""
         if self.speed is None:
             return {}
         part = self.speed.part(start, end)
         return {"speed_starts": part.starts, "speeds": part.extremes}
 
     def strips(self) -> dict[str, NDArray[Any]]:
-        """The arrays of all strips."""
+        """Return the arrays of all strips."""
         touches = {} if self.touch is None else {"touches": self.touch.spans}
         return self.speeds(self.begin, self.duration) | touches

@@ -13,8 +13,8 @@ _PAUSE = 0.1
 class ScanTimes:
     """Start and end of all scans in seconds: a scan ends where the next scan or a gap begins.
 
-    ``pause`` is the median time from one scan to the next, ``gap`` the longest pause that is no gap. A time that goes
-    back is replaced by the latest time before it, and `notes` says so.
+    ``pause`` is the median time from one scan to the next, ``gap`` is the longest pause that does not count as a gap. A
+    time that goes back is replaced by the latest time before it, with a line in `notes`.
 
     Args:
         times_ns: shape (N,), in the order of arrival.
@@ -40,12 +40,12 @@ class ScanTimes:
         return len(self.starts)
 
     def between(self, start: float, end: float) -> tuple[int, int]:
-        """The scans on show between two times in seconds: number of the first, and of the first after them."""
+        """Return the scans to show between two times in seconds: number of the first, and of the first after them."""
         first = int(np.searchsorted(self.ends, start, "right"))
         return first, max(first, int(np.searchsorted(self.starts, end, "left")))
 
     def cells(self, level: int, start: int, stop: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Start and end of the cells ``start`` to ``stop - 1`` of a level, in seconds."""
+        """Return start and end of the cells ``start`` to ``stop - 1`` of a level, in seconds."""
         size, count = 1 << level, len(self)
         firsts = np.arange(start, stop) * size
         return self.starts[firsts], self.ends[np.minimum(firsts + size, count) - 1]

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from ..samples import Scan
 
 CHUNK_CELLS = 1 << 18
-"""Number of ranges that are processed at once: few enough for the processor cache."""
+"""The number of ranges that are processed at once: few enough for the processor cache."""
 
 
 class Sweep(NamedTuple):
@@ -29,7 +29,7 @@ class Sweep(NamedTuple):
 
     @classmethod
     def of(cls, scan: Scan) -> Sweep:
-        """The geometry of a scan."""
+        """Return the geometry of a scan."""
         return cls(scan.angle_min, scan.angle_increment, scan.range_min, scan.range_max, len(scan))
 
 
@@ -41,10 +41,10 @@ class ScanRanges(Protocol):
         """Times in nanoseconds since the epoch, shape (N,), in the order of arrival."""
 
     def chunks(self) -> Iterator[NDArray[np.float32]]:
-        """All ranges in metres, in arrays of shape (n, R)."""
+        """Yield all ranges in metres, in arrays of shape (n, R)."""
 
     def read(self, start: int, stop: int) -> NDArray[np.float32]:
-        """The ranges of the scans ``start`` to ``stop - 1``: shape (stop - start, R)."""
+        """Return the ranges of the scans ``start`` to ``stop - 1``: shape (stop - start, R)."""
 
 
 class ScansInMemory:
@@ -72,7 +72,7 @@ class ScansInMemory:
 
 
 def cut(pieces: Iterable[NDArray[np.float32]], width: int = 0) -> Iterator[NDArray[np.float32]]:
-    """The rows in arrays of about `CHUNK_CELLS` cells; a row counts as ``width`` cells at least."""
+    """Yield the rows in arrays of about `CHUNK_CELLS` cells; a row counts as at least ``width`` cells."""
     for piece in pieces:
         rows = max(1, CHUNK_CELLS // max(1, width, piece.shape[1]))
         for start in range(0, len(piece), rows):

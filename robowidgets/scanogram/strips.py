@@ -13,16 +13,16 @@ from ..samples import AXES
 from .scan_times import ScanTimes
 
 MOST_SPEEDS = 4_000
-"""Most points of the speeds that a page gets at once."""
+"""The maximum number of points of the speeds that a page gets at once."""
 
 MOST_TOUCHES = 2_000
-"""Most spans of touches that a page gets; of more, the closest are joined."""
+"""The maximum number of spans of touches that a page gets; of more, the closest are joined."""
 
 SIDEWAYS = 0.05
 """Metres per second; slower sideways speeds count as noise of a robot that cannot move sideways."""
 
 FAST = 1.0
-"""m/s or rad/s; other axes are shown where they are faster."""
+"""m/s or rad/s; other axes are shown if they are faster."""
 
 _ALWAYS = ("linear.x", "angular.z")
 
@@ -35,13 +35,13 @@ class SpeedPart(NamedTuple):
 
 
 class SpeedStrip:
-    """The axes shown: linear x and angular z, linear y if the robot moves sideways, fast ones, those past limits.
+    """The speeds of the shown axes: linear x, angular z, linear y if used, and axes that are fast or past limits.
 
     Args:
-        title: the topic.
+        title: the name of the topic.
         clock: the times of the speeds.
         values: shape (M, 6), in the order of `AXES`; NaN for missing values.
-        limits: (min, max) by axis; an axis that is left out has none.
+        limits: (min, max) by axis; axes that are left out have no limits.
     """
 
     def __init__(
@@ -58,13 +58,13 @@ class SpeedStrip:
         if max(np.abs(ends["linear.y"])) > SIDEWAYS:
             over.add("linear.y")
         shown = [i for i, axis in enumerate(AXES) if axis in _ALWAYS or axis in over]
-        with np.errstate(over="ignore"):  # of damaged numbers
+        with np.errstate(over="ignore"):  # from damaged numbers
             self._values = np.ascontiguousarray(values[:, shown].T, np.float32)
         self.axes = [AXES[i] for i in shown]
         self.limits = [limits.get(axis) for axis in self.axes]
 
     def part(self, start: float, end: float) -> SpeedPart:
-        """The speeds between two times in seconds, and one more at either end; of too many, the extremes."""
+        """Return the speeds between two times in seconds, and one more at either end; of too many, the extremes."""
         first, stop = self.clock.between(start, end)
         first, stop = max(0, first - 1), min(len(self.clock), stop + 1)
         every = max(1, -(-(stop - first) // MOST_SPEEDS))
@@ -80,7 +80,7 @@ class TouchStrip:
     """The spans of touches.
 
     Args:
-        title: the topic, or several.
+        title: the name of the topic, or several.
         sensors: the names of the sensors.
         spans: (start, end, index of the sensor), in seconds, ordered by start.
     """
@@ -91,7 +91,7 @@ class TouchStrip:
 
 
 def _joined(spans: NDArray[np.float64]) -> NDArray[np.float64]:
-    """The spans, `MOST_TOUCHES` at most: the closest spans of a sensor are joined."""
+    """Return the spans, at most `MOST_TOUCHES`: the closest spans of a sensor are joined."""
     closeness = 0.0
     while len(spans) > MOST_TOUCHES:
         closeness = max(2 * closeness, 0.05)

@@ -17,12 +17,12 @@ if TYPE_CHECKING:
 
 
 class EventCondition(Condition):
-    """Something happened; it is true at that moment alone.
+    """The condition that an event happened. It is true only at that moment.
 
     Args:
-        topic: the topic that tells it; None: any that tells of events.
-        level: the least level; None: any.
-        text: words in its text or source; None: any.
+        topic: the topic of the event, or None for any topic with events.
+        level: the lowest level, or None for any.
+        text: a text to find in its text or source, or None for any.
     """
 
     def __init__(self, topic: str | None, level: Any, text: Any) -> None:
@@ -38,7 +38,7 @@ class EventCondition(Condition):
             return [check_known(self._topic, recording.topics, recording.path.name).name]
         found = [topic.name for topic in recording.topics if has_events(topic)]
         if not found:
-            raise UnknownTopicError(f"{recording.path.name} has no topic that tells of events")
+            raise UnknownTopicError(f"{recording.path.name} has no topic with events")
         return found
 
     def steps(self, search: Search) -> Steps:
@@ -53,7 +53,7 @@ class EventCondition(Condition):
                     times.append(time_ns)
         except KeyboardInterrupt:
             search.cut(times[-1] if times else recording.start_ns or 0)
-        # True at its moment, and not any more after it.
+        # True at its moment, but not after it.
         told = [(at, value) for at in sorted(set(times)) for value in (YES, NO)]
         before = [(recording.start_ns or 0, NO)]
         found = sorted([*before, *told], key=lambda one: one[0])

@@ -31,13 +31,13 @@ _SIGNS = {"≤": "<=", "≥": ">=", "=": "==", "≠": "!="}
 
 
 class Field:
-    """A field of the messages of a topic, which makes conditions where it is compared; `conditions.field` makes it.
+    """A field of the messages of a topic. Comparing it makes a condition; `conditions.field` makes the field.
 
     ``<``, ``<=``, ``>``, ``>=``, ``==`` and ``!=`` compare it to a number, a flag or a text, `between` to two numbers;
-    ``abs(field)`` is its size, whichever way it points.
+    ``abs(field)`` is its absolute value.
     """
 
-    __hash__ = None  # type: ignore[assignment]  # it is equal to nothing: == makes a condition
+    __hash__ = None  # type: ignore[assignment]  # not hashable: == makes a condition
 
     def __init__(self, name: str, *, is_size: bool = False) -> None:
         expected = f"field: expected a topic with a field, such as '/odom.twist.twist.linear.x', got {name!r}"
@@ -66,7 +66,7 @@ class Field:
         return self._compared("≠", value)
 
     def between(self, least: float, most: float) -> Condition:
-        """It is from one number to another one, both included."""
+        """Return the condition that the field is from one number to another, both included."""
         return (self >= least) & (self <= most)
 
     def __abs__(self) -> Field:
@@ -83,20 +83,20 @@ class Field:
 
 
 class FieldCondition(Condition):
-    """A field compares so to a number, a flag or a text; it is unknown where the field is NaN or missing.
+    """The comparison of a field with a number, a flag or a text. It is unknown if the field is NaN or missing.
 
     Args:
         name: the topic with the field.
         relation: one of `OPERATORS`.
-        limit: what it is compared to.
-        is_size: whether its size is compared.
+        limit: the value to which it is compared.
+        is_size: True to compare the absolute value.
     """
 
     def __init__(self, name: str, relation: str, limit: Any, *, is_size: bool = False) -> None:
         self.name, self._relation, self._is_size = name, relation, is_size
         self._limit = _limit(name, relation, limit, is_size)
         self._readers: dict[str, FieldOf] = {}
-        """By topic."""
+        """The reader of the field for each topic."""
 
     def topics(self, recording: RecordingData, asked: Any) -> list[str]:  # noqa: ARG002
         """See `Condition`."""
@@ -134,7 +134,7 @@ class FieldCondition(Condition):
         return Curve(fields.times_ns, np.abs(values) if self._is_size else values)
 
     def judge(self, moment: Any) -> Verdict:
-        """See `Condition`. The moment has messages: as ``moment.messages``, or it is a mapping of topics to them."""
+        """See `Condition`. The moment has ``messages``, or is a mapping from topics to messages."""
         messages = moment if isinstance(moment, Mapping) else getattr(moment, "messages", None)
         if messages is None:
             raise TypeError(f"{self}: expected messages by topic, got a {type(moment).__name__}")
@@ -178,16 +178,16 @@ class FieldCondition(Condition):
         if isinstance(self._limit, str):
             is_missing = is_missing | np.array([value is None for value in values], bool)
         elif values.dtype.kind == "f":
-            values = values.astype(np.float64)  # as `judge` compares: 0.7 in 32 bits is less than 0.7
+            values = values.astype(np.float64)  # compares like `judge`: 0.7 in 32 bits is less than 0.7
             is_missing = is_missing | np.isnan(values)
         size = np.abs(values) if self._is_size and values.dtype.kind != "b" else values
         if size.dtype.kind == "i" and self._is_size:
-            size = size.view(f"u{size.itemsize}")  # the size of the least integer is no integer of this type
+            size = size.view(f"u{size.itemsize}")  # the type has no room for the size of its smallest integer
         holds = OPERATORS[self._relation](size, self._limit)
         return np.where(is_missing, UNKNOWN, np.where(np.asarray(holds, bool), YES, NO)).astype(np.int8)
 
     def _check(self, type_name: str, column: NDArray[Any]) -> None:
-        """TypeError for a column that cannot be compared."""
+        """Raise TypeError for a column that cannot be compared."""
         if column.ndim == 2 or (column.dtype == object and any(isinstance(one, np.ndarray) for one in column[:1])):
             raise TypeError(f"field: {self.name} is an array; name one of its numbers, such as {self.name}[0]")
         if type_name in ("time", "duration"):
@@ -196,10 +196,10 @@ class FieldCondition(Condition):
             raise self._unlike("text" if column.dtype == object else "a number")
 
     def _check_value(self, value: Any) -> None:
-        """TypeError for a value of a message that cannot be compared."""
+        """Raise TypeError for a value of a message that cannot be compared."""
         if not isinstance(value, (Real, str)):
             raise TypeError(
-                f"field: {self.name} is no single number or text, but {type(value).__name__}: name one within it"
+                f"field: {self.name} is not a single number or text, but {type(value).__name__}: name a field within it"
             )
         if isinstance(value, str) is not isinstance(self._limit, str):
             raise self._unlike("text" if isinstance(value, str) else "a number")
@@ -214,7 +214,7 @@ class FieldCondition(Condition):
 
 
 def _limit(name: str, relation: str, limit: Any, is_size: bool) -> Any:
-    """What a field is compared to: a text, a flag, an integer or a float."""
+    """Return the value to which a field is compared: a text, a flag, an integer or a float."""
     if isinstance(limit, np.generic):
         limit = limit.item()
     if isinstance(limit, (str, bool)):

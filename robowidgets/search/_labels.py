@@ -15,14 +15,14 @@ if TYPE_CHECKING:
 
 
 class LabelCondition(Condition):
-    """A person gave the span this name.
+    """The condition that a span has this label.
 
     Args:
-        name: the name; None: any.
+        name: the name of the label, or None for any.
     """
 
     is_lasting = False
-    """What it finds changes with the labels, while the recording stays the same: results are not kept."""
+    """False, because the labels can change while the recording stays the same: results are not stored."""
 
     def __init__(self, name: str | None) -> None:
         self._name = None if name is None else to_name(name)
@@ -48,12 +48,12 @@ class LabelCondition(Condition):
 
     def judge(self, moment: Any) -> Verdict:  # noqa: ARG002
         """See `Condition`."""
-        raise TypeError(f"{self}: labels are those of recordings, so only Recording.find finds them")
+        raise TypeError(f"{self}: only recordings have labels, so only Recording.find finds them")
 
     @property
     def reads(self) -> frozenset[str]:
         """See `Condition`."""
-        raise TypeError(f"{self}: labels are those of recordings, so only Recording.find finds them")
+        raise TypeError(f"{self}: only recordings have labels, so only Recording.find finds them")
 
     def __str__(self) -> str:
         return f"labelled {self._name!r}" if self._name else "labelled"

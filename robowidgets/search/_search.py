@@ -1,4 +1,4 @@
-"""One search through a recording: what conditions find in it, and what they met."""
+"""One search through a recording: the results of conditions, and the nearest readings."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ class Chunked(Protocol):
     """A series of samples that is read in chunks."""
 
     def chunks(self) -> Iterator[Any]:
-        """The chunks, each with ``times_ns``."""
+        """Yield the chunks, each with ``times_ns``."""
 
 
 class Search:
@@ -44,24 +44,24 @@ class Search:
         self.silences: list[tuple[str, Steps]] = []
         """Topics, and steps that are YES while the topic is silent for too long."""
         self.read: dict[Any, frozenset[str]] = {}
-        """By condition that is a function, the topics that it read."""
+        """For each condition that is a function, the topics that it read."""
         self._met: list[tuple[NDArray[Any], ...]] = []
-        """Times, distances, indices and angles of the nearest things where a condition was true."""
+        """Times, distances, indices and angles of the nearest readings while a condition was true."""
         self._compared: dict[Any, list[tuple[NDArray[Any], ...]]] = {}
-        """By condition, times, ranks and numbers that it compared where it was true."""
+        """For each condition, the times, ranks and numbers that it compared while it was true."""
         self._bar = bar
 
     def over(self, series: Chunked, test: Callable[[Any], NDArray[np.int8]]) -> Steps:
-        """The steps of a test, which takes a chunk and returns a value for each sample; UNKNOWN after a stale one."""
+        """Return the steps of a test that takes a chunk and returns a value for each sample; UNKNOWN if stale."""
         found = self._tested(series, test)
         return mark_stale(found, [(found.times, np.ones(len(found.times), bool))], self.end_ns)
 
     def times(self, series: Chunked) -> NDArray[np.int64]:
-        """The times of the samples of a series, shape (N,)."""
+        """Return the times of the samples of a series, shape (N,)."""
         return self._tested(series, lambda chunk: np.full(len(chunk), NO, np.int8)).times
 
     def _tested(self, series: Chunked, test: Callable[[Any], NDArray[np.int8]]) -> Steps:
-        # One list, so that an interrupt leaves no times without their values.
+        # One list, so that after an interrupt all times have values.
         parts: list[tuple[NDArray[np.int64], NDArray[np.int8]]] = [(np.empty(0, np.int64), np.empty(0, np.int8))]
         try:
             for chunk in series.chunks():
@@ -80,9 +80,9 @@ class Search:
         indices: NDArray[np.integer[Any]],
         angles: NDArray[np.floating[Any]],
     ) -> None:
-        """Note the nearest things in some scans, each array of shape (N,): nanoseconds, metres, indices, radians.
+        """Note the nearest readings in some scans, each array of shape (N,): nanoseconds, metres, indices, radians.
 
-        Distances are those of `Scan.distance`, so 0 is too close to measure. Angles are kept within ±pi, as in `Ray`.
+        Distances are as in `Scan.distance`, so 0 is too close to measure. Angles are kept within ±pi, as in `Ray`.
         """
         within = np.where(np.abs(angles) > pi + ANGLE_ROUNDING, np.arctan2(np.sin(angles), np.cos(angles)), angles)
         self._met.append((times, distances, indices, within))
@@ -96,7 +96,7 @@ class Search:
             by: the condition.
             times: nanoseconds.
             values: the numbers.
-            ranks: the number with the first of the least is told of a span.
+            ranks: the number with the lowest rank represents a span; of equal ranks, the first.
         """
         self._compared.setdefault(by, []).append((times, ranks, values))
 
@@ -110,9 +110,9 @@ class Search:
         self.is_cut = True
 
     def found(self, result: Steps) -> list[Span]:
-        """The spans in which a condition is true, with what was met, and the topics that were silent, in each."""
+        """Return the spans in which a condition is true, each with its nearest reading and its silent topics."""
         inside = result.times <= self.end_ns
-        # A nanosecond later, because a span that lasts to the end holds the last sample.
+        # A nanosecond later, because a span that lasts to the end includes the last sample.
         found = spans(Steps(result.times[inside], result.values[inside]), self.end_ns + 1)
         silences = [
             (topic, np.array(spans(when, self.end_ns), np.int64).reshape(-1, 2)) for topic, when in self.silences
@@ -137,10 +137,10 @@ class Search:
 
 
 class _Least:
-    """What was noted where a condition was true, of which the least of a span is told.
+    """Notes from the times when a condition was true. The note with the lowest rank represents a span.
 
     Args:
-        parts: arrays of equal lengths: times, what has to be least, and more.
+        parts: arrays of equal lengths: times, ranks, and more.
     """
 
     def __init__(self, parts: list[tuple[NDArray[Any], ...]]) -> None:
@@ -150,7 +150,7 @@ class _Least:
             self._columns = [column[order] for column in self._columns]
 
     def between(self, start_ns: int, end_ns: int) -> list[Any] | None:
-        """The first of the least in a span, as one value of each array; None where there is none."""
+        """Return the first of the lowest ranks in a span as one value of each array, or None without notes."""
         if not self._columns:
             return None
         times, ranks = self._columns[:2]
@@ -163,7 +163,7 @@ class _Least:
 
 
 def _met(row: list[Any] | None) -> tuple[float | None, int | None, float | None, int | None]:
-    """Distance, index, angle and time of the nearest thing; None each where no ray met anything."""
+    """Return distance, index, angle and time of the nearest reading, or four times None without one."""
     if row is None:
         return None, None, None, None
     time_ns, distance, index, angle = row
@@ -171,13 +171,13 @@ def _met(row: list[Any] | None) -> tuple[float | None, int | None, float | None,
 
 
 def _value(rows: Iterable[list[Any] | None]) -> tuple[float | None, int | None]:
-    """The number of the first condition that compared one, and its time; None each where none did."""
+    """Return the number of the first condition that compared one, and its time, or twice None."""
     row = next((row for row in rows if row is not None), None)
     return (None, None) if row is None else (float(row[2]), int(row[0]))
 
 
 def _silent(silences: list[tuple[str, NDArray[np.int64]]], start_ns: int, end_ns: int) -> dict[str, None]:
-    """The topics with a silence in a span of time, each once, in order."""
+    """Return the topics with a silence in a span of time, each once, in order."""
     names: dict[str, None] = {}
     for topic, when in silences:
         next_one = np.searchsorted(when[:, 1], start_ns, side="right")

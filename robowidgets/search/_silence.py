@@ -1,4 +1,4 @@
-"""Stale samples: the last ones before a silence of their topic, and the conditions that are unknown then."""
+"""Stale samples: the last ones before a silence of their topic, for which conditions are unknown."""
 
 from __future__ import annotations
 
@@ -12,13 +12,14 @@ from ._steps import UNKNOWN, Steps
 
 
 def mark_stale(result: Steps, topics: Iterable[tuple[NDArray[np.int64], NDArray[np.bool_]]], end_ns: int) -> Steps:
-    """The steps, with UNKNOWN wherever they rest on a stale sample.
+    """Return the steps, with UNKNOWN wherever they depend on a stale sample.
 
-    The last sample before a silence is stale one usual step after its time; without a usual step, at once.
+    The last sample before a silence is stale one usual step after its time, or at once without a usual step.
 
     Args:
         result: N steps, found at the samples.
-        topics: for each topic the times of its samples, ascending, and whether each step rests on them, shape (N,).
+        topics: for each topic the times of its samples, ascending, and True for each step that depends on them, shape
+            (N,).
         end_ns: the end of the recording; the last sample may be stale before it, too.
     """
     values = result.values.copy()

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 NO, UNKNOWN, YES = 0, 1, 2
-"""In this order, so that "and" is the minimum, "or" the maximum, and "not" ``YES - value``."""
+"""The order makes "and" the minimum, "or" the maximum, and "not" ``YES - value``."""
 
 
 class Steps(NamedTuple):
@@ -23,12 +23,12 @@ class Steps(NamedTuple):
     values: NDArray[np.int8]
 
     def at(self, times: NDArray[np.int64]) -> NDArray[np.int8]:
-        """The values from some times on."""
+        """Return the values from some times on."""
         known = np.concatenate((np.array([UNKNOWN], np.int8), self.values))
         return known[np.searchsorted(self.times, times, side="right")]
 
     def during(self, times: NDArray[np.int64], which: np.ufunc) -> NDArray[np.int8]:
-        """The least (`np.minimum`) or greatest (`np.maximum`) value at some moments, all of `times` among them."""
+        """Return the least (`np.minimum`) or greatest (`np.maximum`) value at moments that include `times`."""
         values = self.at(times)
         if len(self.times):
             own, first = np.unique(self.times, return_index=True)
@@ -37,12 +37,12 @@ class Steps(NamedTuple):
 
 
 def steps(times: ArrayLike, values: ArrayLike) -> Steps:
-    """Steps from sequences of times, ascending, and values."""
+    """Return steps from sequences of times, ascending, and values."""
     return Steps(np.asarray(times, np.int64), np.asarray(values, np.int8))
 
 
 def combined(parts: Sequence[Steps], how: Callable[..., Any]) -> Steps:
-    """Several steps as one, with all their times.
+    """Join several steps into one, with all their times.
 
     If parts have several values at one time, their order across parts is unknown. So the result has the least and
     the greatest possible value at that time, and then the value from there on.
@@ -56,12 +56,12 @@ def combined(parts: Sequence[Steps], how: Callable[..., Any]) -> Steps:
 
 
 def inverted(part: Steps) -> Steps:
-    """The opposite of the steps."""
+    """Return the opposite of the steps."""
     return Steps(part.times, (YES - part.values).astype(np.int8))
 
 
 def spans(part: Steps, end_ns: int) -> list[tuple[int, int]]:
-    """The spans (start, end) in which a condition is true; the last value lasts until ``end_ns``.
+    """Return the spans (start, end) in which a condition is true; the last value lasts until ``end_ns``.
 
     A span starts and ends at the same time if the condition is true only at that moment.
     """

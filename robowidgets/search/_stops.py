@@ -1,4 +1,4 @@
-"""The condition that a program asks a robot to stand, judged on what was recorded."""
+"""The condition that a program tells the robot to stop, judged on recorded samples."""
 
 from __future__ import annotations
 
@@ -31,22 +31,22 @@ _BAR_EVERY = 500
 
 
 class StopsCondition(Condition):
-    """A program asks the robot to stand, where it gets what was recorded.
+    """The condition that a program tells the robot to stop, given the recorded samples.
 
     Args:
         program: a function or a class, or the program that a feed made of one.
-        rate: steps a second.
+        rate: steps per second.
     """
 
     def __init__(self, program: Any, rate: float) -> None:
         own = program.version if isinstance(program, Program) else None
-        self._program = own.function if own else program  # without its feed, so that it can be sent elsewhere
+        self._program = own.function if own else program  # without its feed, so that it can be sent to another process
         run = ProgramRun(program)
         self._name, self._asks_for, self._topics = run.name, run.asks_for, dict(run.topics)
         self._rate = to_rate(rate)
 
     def topics(self, recording: RecordingData, asked: Any) -> list[str]:  # noqa: ARG002
-        """See `Condition`: those of its samples."""
+        """See `Condition`: the topics of the program's samples."""
         return list(dict.fromkeys(name for names in self._read(recording).values() for name in names))
 
     def steps(self, search: Search) -> Steps:
@@ -64,7 +64,7 @@ class StopsCondition(Condition):
         }
         run = ProgramRun(self._program)
         samples = {name: partial(self._sample, instant, name) for name in read if name != POSE}
-        # One list, so that an interrupt leaves no time without its value.
+        # One list, so that after an interrupt all times have values.
         rounds: list[tuple[int, int]] = []
         try:
             for time_ns in self._ticks(search, now, run, read):
@@ -88,7 +88,7 @@ class StopsCondition(Condition):
         return f"{self._name} stops"
 
     def _ticks(self, search: Search, now: Now, run: ProgramRun, read: dict[str, list[str]]) -> Iterator[int]:
-        """The times of its steps, with ``now`` at each."""
+        """Yield the times of the program's steps, and set ``now`` to each."""
         recording, period = search.recording, round(1e9 / self._rate)
         names = dict.fromkeys(name for names in read.values() for name in names)
         next_ns, looked = recording.start_ns or 0, 0
@@ -124,7 +124,7 @@ class StopsCondition(Condition):
             ) from error
 
     def _read(self, recording: RecordingData) -> dict[str, list[str]]:
-        """The topics that are read for each parameter; that of odometry under the name of the pose."""
+        """Return the topics that are read for each parameter; odometry has the name of the pose."""
         found: dict[str, list[str]] = {}
         for name in self._asks_for:
             kind = kind_of_parameter(name)

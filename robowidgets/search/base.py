@@ -27,14 +27,14 @@ if TYPE_CHECKING:
     from ._search import Search
 
 VALUES = {NO: False, UNKNOWN: None, YES: True}
-"""The values of steps, as those of verdicts."""
+"""The values of steps, as values of verdicts."""
 
 _BAR_EVERY = 500
 _READY_MADE = f"{__package__}.conditions"
 
 
 class ConditionError(RecordingError):
-    """A function of the user raised an error, which is its `__cause__`."""
+    """An error in a function of the user, which is its `__cause__`."""
 
 
 class Curve(NamedTuple):
@@ -49,42 +49,42 @@ class Condition(ABC):
 
     @abstractmethod
     def topics(self, recording: RecordingData, asked: Any) -> list[str]:
-        """The topics that `steps` reads, each as often as it reads it; ``asked`` are those of `Recording.find`."""
+        """Return the topics that `steps` reads, once for each reading; ``asked`` is as in `Recording.find`."""
 
     @abstractmethod
     def steps(self, search: Search) -> Steps:
-        """The steps of the condition, up to the end of the search."""
+        """Return the steps of the condition, up to the end of the search."""
 
     def looked_at(self, search: Search) -> list[str]:
-        """The topics that `steps` used in a search."""
+        """Return the topics that `steps` used in a search."""
         return self.topics(search.recording, search.topics)
 
     def possible(self, rows: SecondRows) -> Possible:
-        """What it may be in some seconds of an index; both where the index does not tell."""
+        """Return the possible values in some seconds of an index: both, if the index does not contain the answer."""
         anything = np.ones(len(rows), bool)
         return Possible(anything, anything)
 
     @abstractmethod
     def judge(self, moment: Any) -> Verdict:
-        """What the condition says of one moment.
+        """Return the verdict of the condition on one moment.
 
         Args:
             moment: a `Scan`, `Speed` or `Touch`, or an object that has the last samples as attributes ``scan``,
-                ``speed`` and ``touch``, and by topic as ``moment[topic]``. A sample that is None, or whose reading
-                raises `NoSampleYetError`, is not there yet: the condition is unknown.
+                ``speed`` and ``touch``, and by topic as ``moment[topic]``. If a sample is missing (None), or reading it
+                raises `NoSampleYetError`, it has not come yet, and the condition is unknown.
 
         Raises:
             TypeError: the sample is of another kind, or the condition needs more than one moment.
         """
 
     def number(self, recording: RecordingData) -> Curve | None:  # noqa: ARG002
-        """The number that it compares, over a whole recording; None where it compares none, or a distance."""
+        """Return the number that it compares, over a whole recording, or None for no number or a distance."""
         return None
 
     @property
     @abstractmethod
     def reads(self) -> frozenset[str]:
-        """What `judge` reads of a moment, such as ``{"scan"}``; empty for a function of a moment.
+        """The names of the samples that `judge` reads, such as ``{"scan"}``, or empty for a function of a moment.
 
         Raises:
             TypeError: the condition needs more than one moment.
@@ -116,13 +116,13 @@ class Condition(ABC):
 
 
 class FunctionCondition(Condition):
-    """A condition that is true while a function returns a true value, until a sample that it read is stale.
+    """A condition that is true while a function returns a true value, until a sample that it read becomes stale.
 
     Args:
-        function: takes an `Instant`, or the samples that its parameters name. It is called again only after a change of
-            a value that it read last time.
-        names: the names of the samples that it takes, where its parameters have other names.
-        text: its name; empty: that of the function.
+        function: takes an `Instant`, or the samples that its parameters name. It is called again only if a value that
+            it read last time has changed.
+        names: the names of the samples that it takes, if its parameters have other names.
+        text: the text of the condition, or empty for the name of the function.
     """
 
     def __init__(self, function: Callable[..., Any], names: Sequence[str] | None = None, text: str = "") -> None:
@@ -145,7 +145,7 @@ class FunctionCondition(Condition):
         return trace.verdict(result)
 
     def _result(self, moment: Any, trace: Trace) -> Any:
-        """What the function returns; NoSampleYetError where a sample is not there yet."""
+        """Return the result of the function; raise NoSampleYetError if a sample has not come yet."""
         if not self._names:
             return self._function(TracedMoment(moment, trace))
         samples = [getattr(moment, name) for name in self._names]
@@ -164,7 +164,7 @@ class FunctionCondition(Condition):
         topics = _topics(recording, search.topics)
         now = Now(recording.start_ns or 0)
         instant = Instant(recording.path.name, topics, now, recording.preferred)
-        # One list, so that an interrupt leaves no time without its value.
+        # One list, so that after an interrupt all times have values.
         rounds: list[tuple[int, int, frozenset[str]]] = []
         going_stale: dict[str, list[int]] = {t.name: [] for t in topics if t.widget and KINDS[t.widget].goes_stale}
         value = UNKNOWN
@@ -179,7 +179,7 @@ class FunctionCondition(Condition):
                 if not rounds or TIME in now.read or not now.read.isdisjoint(samples):
                     value = self._call(instant, now, search)
                     used = frozenset(now.read)
-                    # One set for all samples at which the function read the same.
+                    # One set for all samples for which the function read the same.
                     used = sets.setdefault(used, used)
                 for topic in going_stale.keys() & samples:
                     going_stale[topic].append(time_ns)
@@ -200,7 +200,7 @@ class FunctionCondition(Condition):
         return mark_stale(steps(times, values), rests_on, search.end_ns)
 
     def looked_at(self, search: Search) -> list[str]:
-        """See `Condition`: those that it read."""
+        """See `Condition`: the topics that the function read."""
         return [topic for topic in self.topics(search.recording, search.topics) if topic in search.read.get(self, ())]
 
     def _call(self, instant: Instant, now: Now, search: Search) -> int:
@@ -226,7 +226,7 @@ class FunctionCondition(Condition):
 
 
 def condition(given: Any) -> Condition:
-    """A condition, that of a `Watch`, or the function of one moment as a condition; TypeError for anything else."""
+    """Return the condition of a condition, a `Watch` or a function of one moment; raise TypeError otherwise."""
     if isinstance(given, Condition):
         return given
     if isinstance(given, Watch):
@@ -242,12 +242,12 @@ def condition(given: Any) -> Condition:
 
 
 def names_of(function: Callable[..., Any]) -> tuple[str, ...]:
-    """The samples that a function takes, by the names of its parameters: ``lambda scan, speed: ...``.
+    """Return the names of the samples that a function takes, from its parameters: ``lambda scan, speed: ...``.
 
-    None where it takes a moment: where its one parameter has another name, or it tells of no parameters.
+    Return no names if it takes a moment: its one parameter has another name, or its parameters are unknown.
 
     Raises:
-        TypeError: it takes several things, and not all of them are samples.
+        TypeError: it has several parameters, and not all of them name samples.
     """
     try:
         parameters = inspect.signature(function).parameters.values()
@@ -268,14 +268,14 @@ def names_of(function: Callable[..., Any]) -> tuple[str, ...]:
 
 
 def _topics(recording: RecordingData, asked: Any) -> list[Topic]:
-    """The topics that a function may read; UnknownTopicError without any."""
+    """Return the topics that a function may read; raise UnknownTopicError without topics."""
     there = shown(recording.topics)
     names = there if asked is None else [asked] if isinstance(asked, str) else list(asked)
     if not names:
         first = next((topic.name for topic in recording.topics), "/imu")
-        why = f"{recording.path.name} has no topic that a widget shows" if asked is None else "topics names none"
-        raise UnknownTopicError(f"{why}: name those that the function reads, as in topics={[first]!r}")
-    # Of a topic with messages of two types, those that are shown.
+        why = f"{recording.path.name} has no topic that a widget shows" if asked is None else "topics is empty"
+        raise UnknownTopicError(f"{why}: name the topics that the function reads, as in topics={[first]!r}")
+    # For a topic with messages of two types, the type that is shown.
     return [
         there.get(name) or check_known(name, recording.topics, recording.path.name) for name in dict.fromkeys(names)
     ]

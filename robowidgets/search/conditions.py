@@ -46,17 +46,17 @@ __all__ = ["Condition", "event", "field", "gap", "label", "nearest_below", "spee
 
 
 def touched(label: str | None = None, topic: str | None = None) -> Condition:
-    """A touch sensor is touched.
+    """Return the condition that a touch sensor is touched.
 
     Args:
-        label: the name of the sensor; None: any sensor.
+        label: the name of the sensor, or None for any.
         topic: as in `Recording.touches`.
     """
     return _Touched(label, topic)
 
 
 def nearest_below(distance: float, sector: Asked = ALL_ROUND, topic: str | None = None) -> Condition:
-    """`Scan.distance` is below a distance. Where it is NaN, neither this nor its opposite holds.
+    """Return the condition that `Scan.distance` is below a distance. It is unknown if the distance is NaN.
 
     Args:
         distance: metres.
@@ -64,15 +64,15 @@ def nearest_below(distance: float, sector: Asked = ALL_ROUND, topic: str | None 
         topic: as in `Recording.scans`.
 
     Raises:
-        TypeError: something is no number.
-        ValueError: the distance is not above 0, no such sector, or an angle is beyond a full turn either way,
-            infinite or NaN.
+        TypeError: an argument is not a number.
+        ValueError: the distance is not above 0, the sector does not exist, or an angle is beyond a full turn, infinite
+            or NaN.
     """
     return _NearestBelow(distance, sector, topic)
 
 
 def speed_above(limit: float, axis: str = "linear.x", topic: str | None = None) -> Condition:
-    """A speed is past a limit, in either direction.
+    """Return the condition that a speed is past a limit, in either direction.
 
     Args:
         limit: m/s or rad/s, 0 or more.
@@ -80,42 +80,44 @@ def speed_above(limit: float, axis: str = "linear.x", topic: str | None = None) 
         topic: as in `Recording.speeds`.
 
     Raises:
-        TypeError: the limit is no number.
-        ValueError: the limit is below 0 or NaN, or there is no such axis.
+        TypeError: the limit is not a number.
+        ValueError: the limit is below 0 or NaN, or the axis does not exist.
     """
     return _SpeedAbove(limit, axis, topic)
 
 
 def gap(seconds: float, topic: str | None = None) -> Condition:
-    """No sample came for longer than some time: from one sample to the next, or to the end of the recording.
+    """Return the condition that no sample came for longer than some time, up to the next sample or the end.
 
-    Each silence is a span of its own, even if only one sample lies between two of them.
+    Each silence is a separate span, even if only one sample lies between two of them.
 
     Args:
-        seconds: above 0.
-        topic: None: any topic of scans, measured speeds or sonars. Touch sensors and commands may be silent for long.
+        seconds: the length of the gap, above 0.
+        topic: a topic, or None for any topic of scans, measured speeds or sonars. Touch sensors and commands may be
+            silent for long.
 
     Raises:
-        TypeError: ``seconds`` is no number.
+        TypeError: ``seconds`` is not a number.
         ValueError: the number is not above 0.
-        UnknownTopicError: raised by `Recording.find` if no topic is named and none has such samples.
+        UnknownTopicError: raised by `Recording.find` if no topic is named, and the recording has no topic with such
+            samples.
     """
     return _Gap(seconds, topic)
 
 
 def event(topic: str | None = None, level: str | int | None = None, text: str | None = None) -> Condition:
-    """Something happened: a line was logged, a status changed, a button was pressed; see `Recording.events`.
+    """Return the condition that an event happened, such as a log line or a pressed button; see `Recording.events`.
 
-    It is true at that moment alone, so that each event is a span of 0 seconds; joined by ``&`` it picks the moments at
-    which something else is true. A watch of an `EventsWidget` judges it on the newest event.
+    It is true only at that moment, so each event is a span of 0 seconds. Joined with ``&``, it selects the events
+    during which another condition is true. A watch of an `EventsWidget` judges it on the newest event.
 
     Args:
-        topic: the topic that tells it; None: any that tells of events.
-        level: the least level: ``"DEBUG"``, ``"INFO"``, ``"WARN"``, ``"ERROR"`` or ``"FATAL"``; None: any.
-        text: words in its text or its source, in any case; None: any.
+        topic: the topic of the event, or None for any topic with events.
+        level: the lowest level: ``"DEBUG"``, ``"INFO"``, ``"WARN"``, ``"ERROR"`` or ``"FATAL"``, or None for any.
+        text: a text to find in its text or its source, in any case, or None for any.
 
     Raises:
-        TypeError, ValueError: no name, no level or no text.
+        TypeError, ValueError: an argument is not a name, a level or a text.
 
     Examples:
         >>> from robowidgets import conditions
@@ -126,19 +128,19 @@ def event(topic: str | None = None, level: str | int | None = None, text: str | 
 
 
 def field(name: str) -> Field:
-    """A field of the messages of any topic, to be compared: ``field("/imu.linear_acceleration.x") > 12``.
+    """Return a field of the messages of any topic, to be compared: ``field("/imu.linear_acceleration.x") > 12``.
 
-    `Recording.find` and `Feed.watch` judge it. NaN, an array that is too short, and a time before the first message are
-    unknown. A topic that sends steadily, as a sensor does, is unknown during a silence as well; what any other topic
-    said holds until its next message.
+    `Recording.find` and `Feed.watch` judge it. The condition is unknown for NaN, if an array is too short, and before
+    the first message. For a topic that sends steadily, such as a sensor, it is also unknown during a silence. For any
+    other topic, a value holds until the next message.
 
     Args:
         name: the topic with a field of its definition, such as ``"/odom.twist.twist.linear.x"`` or
             ``"/diagnostics.status[0].name"``. It is a number, a flag or a text.
 
     Raises:
-        TypeError: no text. ValueError: no field is named. Where it is looked for: UnknownTopicError and
-            UnknownFieldError, which name the nearest ones, and TypeError for what is neither a number, a flag nor a
+        TypeError: ``name`` is not a text. ValueError: it names no field. Judging the condition raises UnknownTopicError
+            and UnknownFieldError, which name the nearest ones, and TypeError if the field is not a number, a flag or a
             text.
 
     Examples:
@@ -153,15 +155,16 @@ def field(name: str) -> Field:
 
 
 def stops(program: Any, rate: float = RATE) -> Condition:
-    """A program asks the robot to stand, where it is given what was recorded: ``stops(new) & ~stops(old)``.
+    """Return the condition that a program tells the robot to stop, given recorded samples.
 
-    It is stepped through the recording from its beginning. The robot of the recording drove as it did then, whatever
-    the program asks for: that is what the program would have done at that moment of that drive. Before it has all
-    samples that it asks for, and while one of them is too old to drive by, it is not called, and nothing is known.
+    ``stops(new) & ~stops(old)`` finds the differences of two programs. The program is stepped through the recording
+    from its beginning. The recorded drive does not change, whatever the program does: each result is the program's
+    decision at that moment of that drive. The condition is unknown, and the program is not called, until all of its
+    samples have come, and while one of them is too old to drive by.
 
     Args:
-        program: a function or a state machine, as `robowidgets.feeds.Feed.program` takes it, or what that returned.
-        rate: steps a second.
+        program: a function or a state machine, as for `robowidgets.feeds.Feed.program`, or the result of that method.
+        rate: steps per second.
 
     Raises:
         TypeError, ValueError: as `program` of a feed.
@@ -179,24 +182,24 @@ def stops(program: Any, rate: float = RATE) -> Condition:
 
 
 def label(name: str | None = None) -> Condition:
-    """A person gave the span a name, by `Recording.label` or on a contact sheet.
+    """Return the condition that a span has a label, set with `Recording.label` or on a contact sheet.
 
     Args:
-        name: the name; None: any.
+        name: the name of the label, or None for any.
 
     Raises:
-        TypeError, ValueError: no name.
+        TypeError, ValueError: ``name`` is not a name.
     """
     return LabelCondition(name)
 
 
 def when(function: Callable[[Any], Any]) -> Condition:
-    """A function of one moment is true; see `Recording.find`."""
+    """Return the condition that a function of one moment is true; see `Recording.find`."""
     return FunctionCondition(function)
 
 
 def last(moment: Any, kind: Kind, topic: str | None) -> Any:
-    """The last sample of a kind, or of a topic, at a moment; None before the first. See `Condition.judge`."""
+    """Return the last sample of a kind or a topic at a moment, or None before the first. See `Condition.judge`."""
     if isinstance(moment, HasAge):
         if not isinstance(moment, kind.sample):
             raise TypeError(f"expected a {kind.sample_name}, got a {type(moment).__name__.lower()}")
@@ -208,7 +211,7 @@ def last(moment: Any, kind: Kind, topic: str | None) -> Any:
 
 
 def _state(touch: Touch, name: str) -> TouchState:
-    """The state of a sensor by one message."""
+    """Return the state of a sensor from one message."""
     if touch.mode is TouchMode.PRESENCE:
         return TouchState.TOUCHED if touch.touched.get(name) else TouchState.FREE
     touched = touch.touched.get(name)
@@ -236,7 +239,7 @@ class _OfOneTopic(Condition):
 
     @abstractmethod
     def _judge(self, sample: Any) -> Verdict:
-        """What the condition says of a sample."""
+        """Return the verdict of the condition on a sample."""
 
 
 class _Touched(_OfOneTopic):
@@ -264,7 +267,7 @@ class _Touched(_OfOneTopic):
     def _judge(self, touch: Touch) -> Verdict:
         lists_touches = touch.mode is TouchMode.PRESENCE
         if self._label is not None and self._label not in touch.sensors and not lists_touches:
-            # As long as a sensor that speaks by events alone is silent, nothing is known of it.
+            # While a sensor that only sends events is silent, its state is unknown.
             return Verdict(None, f"nothing of {self._label!r} yet")
         names = touch.sensors if self._label is None else (self._label,)
         states = np.array([[_state(touch, name) for name in names]], np.uint8)
@@ -273,7 +276,7 @@ class _Touched(_OfOneTopic):
 
     @staticmethod
     def _test(states: NDArray[np.uint8], lists_touches: bool) -> NDArray[np.int8]:
-        """The values for the states of some sensors, shape (N, L)."""
+        """Return the values for the states of some sensors, shape (N, L)."""
         is_touched = (states == TouchState.TOUCHED).any(axis=1)
         is_known = lists_touches | (states != TouchState.UNKNOWN).any(axis=1)
         return np.where(is_touched, YES, np.where(is_known, NO, UNKNOWN)).astype(np.int8)
@@ -309,7 +312,7 @@ class _NearestBelow(_OfOneTopic):
         return rows.judged(self.kind, self._topic, rows.nearest(self._sector) < np.float32(self._distance))
 
     def _note_nearest(self, search: Search, chunk: ScanChunk, rows: NDArray[np.intp]) -> None:
-        """Note the nearest things in those scans for which the condition is true."""
+        """Note the nearest readings in the scans for which the condition is true."""
         if not rows.size:
             return
         away = ray_distances(chunk.ranges[rows], chunk.like)
@@ -396,7 +399,7 @@ class _Gap(Condition):
     def possible(self, rows: SecondRows) -> Possible:
         if self._topic is not None:
             return super().possible(rows)
-        # NaN where there is no topic to ask. A little less, because the seconds of an index are rounded.
+        # NaN without topics to check. Slightly less, because the seconds of an index are rounded.
         return Possible(~(rows["gap"] <= self._seconds * (1 - 1e-9)), np.ones(len(rows), bool))
 
     def judge(self, moment: Any) -> Verdict:  # noqa: ARG002
@@ -422,7 +425,7 @@ class _Gap(Condition):
     def _of(self, search: Search, topic: str) -> Steps:
         series = search.recording.series(topic)
         times = search.times(series)
-        # Without rows for releases, which no message told of.
+        # Without rows for releases without a message.
         times = times[series.said[: len(times)]]
         # Silence before the first sample and after the last counts, too.
         ends = np.array([search.recording.start_ns or 0, search.end_ns], np.int64)

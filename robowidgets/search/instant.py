@@ -1,4 +1,4 @@
-"""The moments of a recording, at which functions of one moment are called."""
+"""The moments of a recording for which functions of one moment are called."""
 
 from __future__ import annotations
 
@@ -15,23 +15,23 @@ if TYPE_CHECKING:
     from ..recordings import RecordingData
 
 TIME = ""
-"""Stands for the time among the topics that a function has read."""
+"""Stands for the time in the set of topics that a function has read."""
 
 Make = Callable[[], Any]
 
 
 class NoSampleYetError(LookupError):
-    """There is no sample of a topic yet: the condition is unknown."""
+    """A topic has no sample yet, so the condition is unknown."""
 
 
 class Now:
-    """The time of an `Instant`, with what came up to it, and what a function reads of that.
+    """The time of an `Instant`, with the samples up to it, and the topics that a function reads.
 
     Attributes:
         time_ns: the time.
-        samples: the last sample of each topic, or the function that makes it.
+        samples: the last sample of each topic, or a function that makes it.
         seconds_of: the time of that sample, in seconds from the start of the recording.
-        read: the topics that the function has read, and `TIME` if it asked for the time.
+        read: the topics that the function has read, and `TIME` if it read the time.
     """
 
     def __init__(self, start_ns: int) -> None:
@@ -41,7 +41,7 @@ class Now:
         self.read: set[str] = set()
 
     def put(self, time_ns: int, samples: dict[str, Make]) -> None:
-        """Go on to a time, at which these topics have a sample."""
+        """Advance to a time at which these topics have a sample."""
         self.time_ns = time_ns
         self.samples.update(samples)
         self.seconds_of.update(dict.fromkeys(samples, self.seconds))
@@ -56,9 +56,9 @@ class Instant:
     """The last sample of each topic at one time.
 
     ``moment.scan``, ``moment.speed`` and ``moment.touch`` are the samples of the only topic of their kind (for speeds,
-    of the measured one); a sample of another kind has the name `Kind.sample_name`. ``moment.sonars`` has the samples of
-    all topics of the only namespace with some, once each is there. ``moment["/cmd_vel"]`` is the sample of any topic,
-    and ``moment["/imu"]`` the message of one that no widget shows, where ``topics`` names it.
+    the only measured one); samples of other kinds are named by `Kind.sample_name`. ``moment.sonars`` contains the
+    samples of all sonars of the only namespace with sonars, once each has one. ``moment["/cmd_vel"]`` is the sample of
+    any topic, and ``moment["/imu"]`` the message of a topic without a widget, if ``topics`` names it.
     ``moment.seconds`` counts from the start of the recording, ``moment.time_ns`` is by its clock.
 
     Raises:
@@ -80,7 +80,7 @@ class Instant:
         self._topics = topics
         self._names = [topic.name for topic in topics]
         self._topic_of: dict[str, str] = {}
-        """The only topic of each kind, by the kind."""
+        """The only topic of each kind."""
         self._now = now
 
     @property
@@ -110,7 +110,7 @@ class Instant:
 
     def __getitem__(self, topic: str) -> Any:
         if topic not in self._names:
-            raise KeyError(f"no topic {topic!r} is looked at here: those that are: {', '.join(self._names)}")
+            raise KeyError(f"topic {topic!r} is not read here; topics that are read: {', '.join(self._names)}")
         self._now.read.add(topic)
         samples = self._now.samples
         if topic not in samples:
@@ -125,16 +125,16 @@ class Instant:
         return [*sample_names(), "seconds", "time_ns"]
 
     def _of_all(self, kind: Kind) -> Any:
-        """The sample of all topics of the only namespace with this kind."""
+        """Return the sample of all topics of the only namespace with this kind."""
         each = kind.roles[0].each
-        assert each is not None  # its name is that of such a sample
+        assert each is not None  # its name is the name of such a sample
         found = by_namespace(topic.name for topic in self._topics if topic.widget == kind.name)
         if not found:
-            raise AttributeError(f"{self._name} has no {kind.noun} among those that are looked at")
+            raise AttributeError(f"{self._name} has no {kind.noun} among the topics that are read")
         if len(found) > 1:
             first, *_ = found.values()
             there = f"{self._name} has {kind.noun} in several namespaces ({', '.join(found)})"
-            raise UnnamedTopicError(there, first, kind.name, f"have one looked at, as in topics={first!r}")
+            raise UnnamedTopicError(there, first, kind.name, f"choose one, as in topics={first!r}")
         (topics,) = found.values()
         samples = {sensor_of(topic): self[topic] for topic in topics}
         return each(samples, {sensor_of(topic): self._now.seconds_of[topic] for topic in topics})
@@ -144,14 +144,14 @@ class Instant:
             return only(self._name, self._topics, kind.name, self._preferred)
         except UnnamedTopicError as error:
             first = error.topics[0]
-            how = f"ask for one, as in moment[{first!r}], or have one of them looked at, as in topics={[first]!r}"
+            how = f"read one, as in moment[{first!r}], or choose one, as in topics={[first]!r}"
             raise UnnamedTopicError(error.there, error.topics, kind.name, how) from None
         except UnknownTopicError as error:
-            raise AttributeError(f"{error} among those that are looked at") from None
+            raise AttributeError(f"{error} among the topics that are read") from None
 
 
 class OneSample:
-    """A moment at which there is one sample, of a widget that shows no other.
+    """A moment with one sample, for a widget that shows no other.
 
     Args:
         sample: a `Scan`, `Speed`, `Touch`, or a sample of another kind.
@@ -171,7 +171,7 @@ class OneSample:
 
 
 class TracedMoment:
-    """A moment whose scans note what is read in them."""
+    """A moment whose scans note what a function reads in them."""
 
     def __init__(self, moment: Any, trace: Trace) -> None:
         self._moment, self._trace = moment, trace
@@ -187,7 +187,7 @@ class TracedMoment:
 
 
 def together(topics: dict[str, Iterator[tuple[int, Make]]]) -> Iterator[tuple[int, dict[str, Make]]]:
-    """The samples of all topics in the order of time, grouped by time.
+    """Yield the samples of all topics in the order of time, grouped by time.
 
     If topics have several samples at one time, the first group contains the first of each, the next the second of each.
     """
@@ -204,7 +204,7 @@ def together(topics: dict[str, Iterator[tuple[int, Make]]]) -> Iterator[tuple[in
 
 
 def samples_of(recording: RecordingData, topic: str) -> Iterator[tuple[int, Make]]:
-    """The times of a topic, each with the function that makes its sample."""
+    """Yield the times of a topic, each with the function that makes its sample."""
     for chunk in recording.series(topic).chunks():
         for i, time_ns in enumerate(chunk.times_ns.tolist()):
             yield time_ns, partial(chunk.sample, i)

@@ -26,7 +26,7 @@ def find(recording: RecordingData, given: Any, topics: str | Iterable[str] | Non
         try:
             result = wanted.steps(search)
         except KeyboardInterrupt:
-            # Interrupted within a condition over whole columns: it is unknown at all times.
+            # An interrupt within a condition on whole columns: it is unknown at all times.
             search.cut(start_ns)
             result = steps([], [])
     return Spans(

@@ -1,4 +1,4 @@
-"""What a recording holds in each of its seconds, and what that says of conditions."""
+"""A summary of each second of a recording, and the possible values of conditions in it."""
 
 from __future__ import annotations
 
@@ -27,30 +27,30 @@ Flags = NDArray[np.bool_]
 
 SECOND = 1_000_000_000
 NEAREST = ("nearest", *SECTORS)
-"""Metres to the nearest thing, all round and in each quarter."""
+"""The nearest distance in metres, all round and in each quarter."""
 SPEEDS = {axis: (f"{axis.replace('.', '_')}_min", f"{axis.replace('.', '_')}_max") for axis in AXES}
-"""The least and the greatest speed, by axis."""
+"""The lowest and the highest speed, by axis."""
 POSE = ("x", "y", "yaw")
 NUMBERS = (*NEAREST, *(name for names in SPEEDS.values() for name in names), "gap", *POSE)
 BETWEEN = ", "
-"""Between the names of several sensors."""
+"""The separator between the names of several sensors."""
 
 
 class Possible(NamedTuple):
-    """Whether a condition may be true, and whether it may be false, in each of some seconds, shape (N,)."""
+    """True if a condition may be true, and True if it may be false, in each of some seconds, shape (N,)."""
 
     true: Flags
     false: Flags
 
 
 class Texts(NamedTuple):
-    """A column of texts: for each row the number of one, shape (N,), -1 for none."""
+    """A column of texts: for each row the number of its text, shape (N,), or -1 for no text."""
 
     numbers: NDArray[np.integer[Any]]
     texts: Sequence[str]
 
     def where(self, holds: Mapping[str, bool]) -> Flags:
-        """What holds of the text in each row; False without one."""
+        """Return the flag of the text in each row, or False without a text."""
         found: Flags = np.array([*(holds[text] for text in self.texts), False], bool)[self.numbers]
         return found
 
@@ -59,9 +59,9 @@ class SecondRows:
     """Rows of an index, each for a second of a recording; see `seconds_of`.
 
     Args:
-        numbers: the columns of `NUMBERS` that were read; NaN where nothing is known.
-        texts: ``scan``, ``speed`` and ``touch``, the topics that were looked at; ``touched``, the sensors that were,
-            and ``sensors``, all of them.
+        numbers: the columns of `NUMBERS` that were read; NaN for unknown values.
+        texts: ``scan``, ``speed`` and ``touch``, the topics of these samples; ``touched``, the touched sensors, and
+            ``sensors``, all sensors.
     """
 
     def __init__(self, numbers: Mapping[str, Numbers], texts: Mapping[str, Texts]) -> None:
@@ -74,14 +74,14 @@ class SecondRows:
         return self._numbers[name]
 
     def nearest(self, sector: Sector) -> Numbers:
-        """No more than the metres to the nearest thing in a sector."""
+        """Return a lower limit of the nearest distance in a sector in metres."""
         if sector is ALL_ROUND:
             return self["nearest"]
         nearest: Numbers = np.fmin.reduce([self[name] for name, part in SECTORS.items() if _overlap(part, sector)])
         return nearest
 
     def touched(self, label: str | None) -> Flags:
-        """Whether a sensor was touched, or may have been: there is none of this name."""
+        """Return True if a sensor was touched, or if no sensor has this label, so that it may have been."""
         touched = {text: bool(text) if label is None else label in text for text in self._texts["touched"].texts}
         sensors = {
             text: label is not None and label not in text.split(BETWEEN) for text in self._texts["sensors"].texts
@@ -89,13 +89,13 @@ class SecondRows:
         return self._texts["touched"].where(touched) | self._texts["sensors"].where(sensors)
 
     def judged(self, kind: Kind, topic: str | None, true: Flags, false: Flags | bool = True) -> Possible:
-        """What may be, where a topic was looked at; where it was not, anything.
+        """Return the possible values: the given ones if the topic was read, otherwise both.
 
         Args:
-            kind: of the topic.
-            topic: its name; None: the only one, or the one that is meant.
-            true: whether the condition may be true.
-            false: whether it may be false.
+            kind: the kind of the topic.
+            topic: its name, or None for the only or preferred topic.
+            true: True if the condition may be true.
+            false: True if it may be false.
         """
         column = self._texts[kind.sample_name]
         is_unknown = ~column.where({text: topic in (None, text) for text in column.texts})
@@ -103,10 +103,11 @@ class SecondRows:
 
 
 def seconds_of(recording: RecordingData) -> dict[str, Any]:
-    """The columns of a recording for an index, as arrays, and as lists of texts where they differ by row.
+    """Return the columns of a recording for an index as arrays, or as lists of texts that differ by row.
 
-    A row is for a second in which a message came, the first and the last one; it holds until the next row. It tells of
-    the samples that came in it and of the last before, unless that was stale: all that a condition may look at then.
+    Each second with a message has a row, and so have the first and the last second. A row is valid until the next one.
+    It covers the samples of its second and the last one before, unless that was stale: all samples on which a condition
+    can depend then.
     """
     start, end = recording.start_ns, recording.end_ns
     if start is None or end is None:
@@ -150,7 +151,7 @@ def seconds_of(recording: RecordingData) -> dict[str, Any]:
 
 
 def _series(recording: RecordingData, kind: Kind) -> Any:
-    """The samples of the topic that is meant; None where there is none, or several."""
+    """Return the samples of the only or preferred topic, or None if the topic is not unique."""
     try:
         return recording.series(recording.only(kind.name))
     except UnknownTopicError:
@@ -158,13 +159,13 @@ def _series(recording: RecordingData, kind: Kind) -> Any:
 
 
 def _values(speeds: Speeds) -> Numbers:
-    """The speeds by axis, shape (6, N)."""
+    """Return the speeds by axis, shape (6, N)."""
     values: Numbers = np.concatenate((speeds.linear, speeds.angular), axis=1).T
     return values
 
 
 def _nearest(scans: Any) -> tuple[NDArray[np.int64], Numbers]:
-    """The times of scans, and the nearest thing by quarter, shape (5, N)."""
+    """Return the times of scans, and the nearest distance by quarter, shape (5, N)."""
     times: list[NDArray[np.int64]] = [np.empty(0, np.int64)]
     least: list[Numbers] = [np.empty((len(NEAREST), 0), np.float32)]
     for chunk in scans.chunks():
@@ -183,12 +184,12 @@ def _touched(touches: Any, starts: NDArray[np.int64]) -> list[str]:
 
 
 def _in_force(times: NDArray[np.int64]) -> float:
-    """Nanoseconds for which a sample of a topic counts at most when no other follows."""
+    """Return the maximum number of nanoseconds for which a sample of a topic counts when no other follows."""
     return RECORDED.after(usual_step(times), SECOND)
 
 
 def _parts(times: NDArray[np.int64], starts: NDArray[np.int64], longest: float) -> tuple[Any, Any]:
-    """From which sample to which each row tells, shape (M,) each: with the last before, if that is not too old."""
+    """Return first and end index of the samples of each row, shape (M,) each, with the one before unless too old."""
     first = np.searchsorted(times, starts)
     stop = np.append(first[1:], len(times))
     is_late = first == 0
@@ -200,15 +201,15 @@ def _parts(times: NDArray[np.int64], starts: NDArray[np.int64], longest: float) 
 def _over(
     times: NDArray[np.int64], values: Numbers, starts: NDArray[np.int64], how: np.ufunc, longest: float
 ) -> Numbers:
-    """The least or greatest value in each row, as float32 where the values are; NaN where there is none."""
+    """Return the least or greatest value in each row, as float32 if the values are, or NaN without values."""
     begin, stop = _parts(times, starts, longest)
-    # Of each pair of edges the part between them; one more value, because an edge must be an index.
+    # From each pair of edges, the part between them. One more value, because an edge must be an index.
     edges = np.stack((begin, stop), axis=1).ravel()
     found = how.reduceat(np.append(values, np.array(np.nan, values.dtype)), edges)[::2]
     return np.where(begin < stop, found, np.array(np.nan, values.dtype))
 
 
 def _overlap(one: Sector, other: Sector) -> bool:
-    """Whether two sectors may have a ray in common."""
+    """Return True if two sectors may have a ray in common."""
     slack = 10 * ANGLE_ROUNDING
     return any((b.start - a.start + slack) % (2 * pi) <= a.sweep + 2 * slack for a, b in ((one, other), (other, one)))

@@ -20,14 +20,14 @@ _TYPES = {
 
 
 class Spans(Sequence[Span]):
-    """A table of spans; printed, it shows the first of them.
+    """A table of spans. Printed, it shows the first ones.
 
     Args:
         condition: the text of the condition.
         spans: the spans in the order of time.
-        until: seconds up to which the recording was searched, if the search was interrupted; None: all of it.
+        until: seconds up to which the recording was searched, if the search was interrupted, or None for all of it.
         problems: the problems of the recording, as in `Recording.problems`: spans may be missing.
-        topics: those that were looked at.
+        topics: the topics that were read.
     """
 
     def __init__(
@@ -46,12 +46,12 @@ class Spans(Sequence[Span]):
 
     @property
     def is_complete(self) -> bool:
-        """Whether all readable parts of the recording were searched; `problems` names the other parts."""
+        """True if all readable parts of the recording were searched; `problems` names the other parts."""
         return self.until is None
 
     @property
     def heads(self) -> tuple[str, ...]:
-        """The columns that say something: start, end and seconds, what was met, a number, and silent topics."""
+        """The columns with content: start, end and seconds, the nearest reading, a number, and silent topics."""
         met = any(span.nearest is not None for span in self)
         return ("start", "end", "seconds", *("nearest", "index", "angle") * met, *more_heads(self))
 
@@ -61,7 +61,7 @@ class Spans(Sequence[Span]):
         return sum(span.seconds for span in self)
 
     def to_pandas(self) -> Any:
-        """A pandas DataFrame: a row for each span.
+        """Return a pandas DataFrame: a row for each span.
 
         Raises:
             ImportError: pandas is not installed.
@@ -90,11 +90,11 @@ class Spans(Sequence[Span]):
         return self._table().to_html()
 
     def _table(self) -> Table:
-        """The first spans, a row for each."""
+        """Return the table of the first spans, a row for each."""
         heads = self.heads
         rows = [tuple(cell(getattr(span, head), head) for head in heads) for span in self._spans[:_SHOWN]]
         more = [f"  ... and {len(self) - _SHOWN:,} more"] if len(self) > _SHOWN else []
-        stopped = [] if self.is_complete else [f"stopped at {self.until:.2f} s: nothing after that was looked at"]
+        stopped = [] if self.is_complete else [f"stopped at {self.until:.2f} s: the rest was not searched"]
         problems = [*stopped, *self.problems]
         return Table(self._heading(), heads, rows, right=range(len(heads)), notes=more, problems=problems)
 
@@ -105,13 +105,13 @@ class Spans(Sequence[Span]):
 
 
 def more_heads(spans: Collection[Any]) -> list[str]:
-    """The columns that say something beside what was met: a number that was compared, and silent topics."""
+    """Return the further columns with content: a number that was compared, and silent topics."""
     heads = {"value": any(span.value is not None for span in spans), "silent": any(span.silent for span in spans)}
     return [head for head, is_there in heads.items() if is_there]
 
 
 def cell(value: Any, head: str) -> str:
-    """A value of a span as a person reads it: seconds, metres, an index, degrees, or names of topics."""
+    """Return a value of a span as text: seconds, metres, an index, degrees, or names of topics."""
     if head == "silent":
         return ", ".join(value)
     if value is None:

@@ -222,7 +222,7 @@ def test_a_scanogram_that_is_left_out_is_told_of_under_the_bar(
     monkeypatch.setattr(_overview, "readings_per_second", lambda *_: 5.0)
     nb = opened(plain_page, robot.write(tmp_path / "drive"))
     note = bar(nb).locator(".rw-play-note")
-    words = "no scanogram: 100 scans of 1 ray take about 20 s; recording.show(scanogram=True) has it made"
+    words = "no scanogram: 100 scans of 1 ray take about 20 s; recording.show(scanogram=True) makes it"
     expect(note).to_have_text(words)
     expect(nb.output(1).locator(".rw-scanogram")).to_have_count(0)
     for width in (1000, 300):
@@ -376,7 +376,7 @@ def test_a_span_gets_a_name_by_keys_or_by_a_click_and_loses_it_and_a_busy_kernel
     press("a")
     field.fill("door")
     press("Enter")
-    expect(player.locator(".rw-naming-about")).to_contain_text("the label is not kept")
+    expect(player.locator(".rw-naming-about")).to_contain_text("the label cannot be saved")
     expect(field).to_have_value("door")
 
 

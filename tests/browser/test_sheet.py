@@ -188,7 +188,7 @@ def test_in_a_notebook_a_table_grows_a_click_opens_a_hit_and_after_an_interrupt_
     shoot(nb.output(1), "sheet_grows")
     nb.interrupt()
     nb.wait(1)
-    expect(nb.output(1)).to_contain_text("stopped after 2 of 4 files: the same call goes on")
+    expect(nb.output(1)).to_contain_text("stopped after 2 of 4 files: the same call continues")
     expect(facts).to_contain_text("16 so far, 2 of 4 files")
     expect(nb.output(1).locator(".rw-player")).to_be_visible()
     for name in ("drive_11.mcap", "empty.bag"):

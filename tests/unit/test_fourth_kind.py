@@ -66,7 +66,7 @@ def test_a_series_has_their_times_and_samples(recording: Recording) -> None:
 
 
 def test_a_topic_of_another_kind_is_refused_in_the_words_of_the_row(recording: Recording) -> None:
-    with pytest.raises(UnknownTopicError, match="'/depth' is a topic of numbers: those of laser scans are none"):
+    with pytest.raises(UnknownTopicError, match="'/depth' is a topic of numbers; topics of laser scans: none"):
         recording.scans("/depth")
 
 

@@ -681,7 +681,7 @@ class TestWhatIsReadOfARecording:
         assert (frame, ways[1][-1, 1]) == ("odom", 49.0)
         assert view.widget._map["frames"] == ["odom"]
         (*_, last) = view.track.frames(1.0, 2.0)
-        assert last.about["missing"] == {"/fix": "not drawn: none of its messages has a place"}
+        assert last.about["missing"] == {"/fix": "not drawn: no message has a place"}
         player.close()
 
     def test_a_diver_is_on_show_in_the_frame_with_its_way(self, data: Path) -> None:
@@ -702,7 +702,7 @@ class TestWhatIsReadOfARecording:
             ways.append(way_of(player)[1][0])
             (layer,) = map_of(player).widget._map["layers"]
             player.close()
-        assert layer["note"] == "its way by about 1 of 8 of 1,200 messages"
+        assert layer["note"] == "path from about 1 of 8 of 1,200 messages"
         assert ways[0].tobytes() == ways[1].tobytes()
         assert (ways[0][0, 1], ways[0][-1, 1]) == (0.0, 119.9)
         assert 200 < len(ways[0]) < 300

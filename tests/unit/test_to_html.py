@@ -145,7 +145,7 @@ def test_a_large_page_is_written_only_when_asked_and_the_text_says_what_makes_it
         for sampled in (1, 40):
             monkeypatch.setattr(html, "_SAMPLED", sampled)
             with pytest.raises(
-                ValueError, match=r"a.html would take .* at most 100 kB are allowed: take a stretch"
+                ValueError, match=r"a.html would take .* at most 100 kB are allowed: select a span"
             ) as e:
                 recording.to_html(tmp_path / "a.html", max_size=100_000)
             assert "every=2" in str(e.value)

@@ -24,7 +24,7 @@ class TopicClock(NamedTuple):
 
 
 def clock_of(times_ns: NDArray[np.int64], start_ns: int) -> TopicClock:
-    """The problems of a clock: it stands still, or there are silences.
+    """Return the problems of a clock: it stands still, or it has silences.
 
     A clock stands still if half of the messages, and ten at least, have the time of the previous one. A silence is a
     pause of more than a minute and more than a hundred usual pauses. A recording cannot distinguish it from a clock
@@ -44,13 +44,13 @@ def clock_of(times_ns: NDArray[np.int64], start_ns: int) -> TopicClock:
 
 
 def about_clock(times_ns: NDArray[np.int64], start_ns: int) -> tuple[str, ...]:
-    """Lines on the problems of a clock; takes the arguments of `clock_of`."""
+    """Return lines on the problems of a clock; takes the arguments of `clock_of`."""
     clock = clock_of(times_ns, start_ns)
     return (*clock.lines, *_about(clock.silences))
 
 
 def about_clocks(clocks: Mapping[str, TopicClock]) -> tuple[str, ...]:
-    """Lines on the clocks of topics, by their names; a silence that several topics share gets one line."""
+    """Return lines on the clocks of topics by name; a silence that several topics share gets one line."""
     shared: list[tuple[list[str], NDArray[np.float64]]] = []
     for name, clock in clocks.items():
         for i, (names, silences) in enumerate(shared):
@@ -77,7 +77,7 @@ def _about(silences: NDArray[np.float64]) -> tuple[str, ...]:
 
 
 def _common(some: NDArray[np.float64], others: NDArray[np.float64]) -> NDArray[np.float64]:
-    """The silences that both have in common."""
+    """Return the silences that both have in common."""
     return np.stack((np.maximum(some[:, 0], others[:, 0]), np.minimum(some[:, 1], others[:, 1])), 1)
 
 

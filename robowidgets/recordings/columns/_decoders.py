@@ -23,12 +23,12 @@ _FIRST_LOOK, _CAREFUL_LOOK = 1024, 32
 
 
 class Decoder(Protocol):
-    """Decodes the messages of one channel into chunks; `frame_ids` are those of all scans and speeds so far."""
+    """A decoder of the messages of one channel; `frame_ids` are the frames of all scans and speeds so far."""
 
     frame_ids: dict[str, None]
 
     def decode(self, raws: Sequence[bytes], times: Sequence[int], note: NoteUnread) -> list[Any]:
-        """The chunks of some messages in their order, without the messages that cannot be shown.
+        """Decode some messages into chunks in their order, without the messages that cannot be shown.
 
         Args:
             raws: the messages.
@@ -41,14 +41,14 @@ class Mounts(Protocol):
     """The mounts of scanners; see `recordings._mounts.RecordedMounts`."""
 
     def mounted(self, scan: Scan, time_ns: int) -> Scan:
-        """A scan with the angles of the robot, if its mount is known."""
+        """Return a scan with its angles in the frame of the robot, if its mount is known."""
 
     def moves(self, frame_id: str) -> bool:
         """Return True if the scanner moves on its robot."""
 
 
 class TemplateDecoder:
-    """Decodes many messages at a time if they differ only in their numbers, and all others one by one.
+    """A decoder of many messages at a time if they differ only in their numbers, and of all others one by one.
 
     Subclasses read one message in full, and cut the chunk of the messages that match its template.
     """
@@ -59,7 +59,7 @@ class TemplateDecoder:
         self.frame_ids: dict[str, None] = {}
         self._template: MessageTemplate | None = None
         """The message that was read in full last, or None if the next one is to be read in full."""
-        # Number of messages that are compared at once: fewer after messages that differed.
+        # The number of messages that are compared at once: fewer after messages that differed.
         self._look = _FIRST_LOOK
 
     def decode(self, raws: Sequence[bytes], times: Sequence[int], note: NoteUnread) -> list[Any]:
@@ -99,7 +99,7 @@ class TemplateDecoder:
 
 
 class ScanDecoder(TemplateDecoder):
-    """Decodes LaserScan-like messages, into scans with the angles of the robot if `mounts` are set and known."""
+    """A decoder of LaserScan-like messages into scans, in the angles of the robot if `mounts` has the mount."""
 
     mounts: Mounts | None = None
 
@@ -115,12 +115,12 @@ class ScanDecoder(TemplateDecoder):
 
     def _cut(self, template: MessageTemplate, times: NDArray[np.int64], rows: Rows) -> ScanChunk:
         ranges, intensities = (template.cut(rows, part, np.dtype("<f4")) for part in (template.numbers, template.more))
-        one_echo = np.empty((len(rows), 0), object)  # scans with several are read one by one
+        one_echo = np.empty((len(rows), 0), object)  # scans with several echoes are read one by one
         return ScanChunk(0, times, template.stamps(rows), ranges, intensities, template.sample, one_echo)
 
 
 class SpeedDecoder(TemplateDecoder):
-    """Decodes Twist and Odometry-like messages."""
+    """A decoder of Twist and Odometry-like messages."""
 
     def _single(self, raw: bytes, time_ns: int) -> tuple[MessageTemplate | None, SpeedChunk]:
         speed = to_speed(self.read(raw))
@@ -131,12 +131,12 @@ class SpeedDecoder(TemplateDecoder):
         if template.more:
             x, y, _, *quaternion = poses.T
             poses = np.stack([x, y, yaw_of(*quaternion)], axis=1)
-        steering = np.empty((len(rows), 0))  # what is steered is read one by one
+        steering = np.empty((len(rows), 0))  # messages with a steering angle are read one by one
         return SpeedChunk(0, times, template.stamps(rows), values, poses, template.sample.frame_id, steering)
 
 
 class SampleDecoder:
-    """Decodes messages of any kind, one by one; a message that repeats the previous one is not read again.
+    """A decoder of messages of any kind, one by one; a message that repeats the previous one is not read again.
 
     Args:
         channel: the channel of the messages.
@@ -173,7 +173,7 @@ class SampleDecoder:
 
 
 def _rows(raws: Sequence[bytes]) -> Rows:
-    """The first messages, up to one of another size, as rows."""
+    """Return the first messages as rows, up to one of another size."""
     size = len(raws[0])
     alike = list(takewhile(lambda raw: len(raw) == size, raws))
     return np.frombuffer(b"".join(alike), np.uint8).reshape(len(alike), size)

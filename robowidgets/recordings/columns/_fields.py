@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from typing_extensions import Self
 
 _TEXT_BYTES = 60
-"""About how many bytes a text takes beside its characters."""
+"""Approximate bytes of a text in addition to its characters."""
 
 FieldRows = tuple[NDArray[np.int64], Any]
 """Rows of a series, and the values of a field in them: shape (N, T), or a list of texts for each row."""
@@ -36,7 +36,7 @@ class UnknownFieldError(RecordingError, KeyError):
 class Fields(Series[Any]):
     """The messages of a topic, with every field as a column; see `Series` for the ways to select from them.
 
-    By name: ``fields["linear_acceleration.x"]`` is the column of a field, under the names of the definition;
+    By name: ``fields["linear_acceleration.x"]`` is the column of a field, named as in the definition;
     ``fields[["orientation", "header.stamp"]]`` has fewer columns. ``fields[3].message`` is a message.
 
     ==========================  =====================================================================================
@@ -47,11 +47,11 @@ class Fields(Series[Any]):
     text                        shape (N,), of ``str``
     array of N numbers          shape (N, T); ``"covariance[7]"`` is one of them, shape (N,)
     array of any length         shape (N, T) if all messages have the same length, else (N,) with an array for each
-    field of messages in one    ``"transforms[].header.frame_id"`` is that of all, ``"transforms[0].header.frame_id"``
-                                of one; as for arrays
+    field of messages in one    ``"transforms[].header.frame_id"`` is the field of all, and
+                                ``"transforms[0].header.frame_id"`` of one; shapes as for arrays
     ==========================  =====================================================================================
 
-    Where a message has no such value, a number is NaN, a text None, and an integer or a flag masked.
+    If a message has no such value, a float is NaN, a text None, and an integer or a flag masked.
 
     Examples:
         >>> fields = recording.fields("/imu")  # doctest: +SKIP
@@ -93,18 +93,18 @@ class Fields(Series[Any]):
         return super().__getitem__(which)
 
     def to_numpy(self) -> dict[str, NDArray[Any]]:
-        """The columns by name; times as ``times_ns``, ``seconds`` and ``stamps_ns``.
+        """Return the columns by name; times as ``times_ns``, ``seconds`` and ``stamps_ns``.
 
-        A field of one of these three names has an underscore after it.
+        A field with one of these three names gets an underscore after it.
 
         Raises:
-            RecordingError: they would be larger than `Recording.memory`.
+            RecordingError: the columns would be larger than `Recording.memory`.
         """
         columns = self._columns(self._names)
         return {**super().to_numpy(), **{_as_column(name): column for name, column in columns.items()}}
 
     def _columns_of_table(self) -> Mapping[str, tables.Column]:
-        """A field of any length is one of lists, also where all messages have the same."""
+        """Return the columns. An array of variable length is a column of lists even if all lengths are equal."""
         columns = self.to_numpy()
         lists = {}
         for name in self._names:
@@ -128,7 +128,7 @@ class Fields(Series[Any]):
         for name in names:
             inner = within(self._leaves, name)
             if not inner:
-                self._place(name)  # raises where it is no part of a field either
+                self._place(name)  # raises if the name is not part of a field either
             found += [leaf.name for leaf in inner] or [name]
         return type(self)(self._store, self._start_ns, self._rows, list(dict.fromkeys(found)))
 
@@ -142,7 +142,7 @@ class Fields(Series[Any]):
         return TimedMessage(self.topic, time_ns, sample, (time_ns - self._start_ns) / 1e9)
 
     def _columns(self, names: Iterable[str]) -> dict[str, NDArray[Any]]:
-        """The columns of some fields, found in one pass through the messages."""
+        """Return the columns of some fields, read in one pass through the messages."""
         places = {name: self._place(name) for name in names}
         parts: dict[str, list[FieldRows]] = {name: [] for name in places}
         leaves, size = self._leaves, 0
@@ -164,7 +164,7 @@ class Fields(Series[Any]):
                     yield name, (chunk.start + rows, layout.values(matrix, leaf, place))
 
     def _joined(self, name: str, leaf: Leaf, place: FieldPath, parts: Sequence[FieldRows]) -> NDArray[Any]:
-        """One column of its parts."""
+        """Join the parts of one column."""
         is_text = leaf.dtype is None
         dtype = np.dtype(object) if is_text else parts[0][1].dtype if parts else _dtype(leaf, place)
         widths = {len(values[0]) for _, values in parts}
@@ -198,18 +198,18 @@ class Fields(Series[Any]):
 
 
 def _as_column(name: str) -> str:
-    """The name of the column of a field in a table, which has times of its own."""
+    """Return the name of a field's column in a table, which has time columns too."""
     return f"{name}_" if name in tables.TIMES else name
 
 
 def _has_lists(leaf: Leaf, place: FieldPath) -> bool:
-    """Whether a field has several values in each message, rather than one."""
+    """Return True if a field has several values in each message."""
     is_array = leaf.is_array and leaf.dtype is not None and place.value is None
     return is_array or None in (place.which or (None,) * len(leaf.arrays))
 
 
 def _dtype(leaf: Leaf, place: FieldPath) -> np.dtype[Any]:
-    """Of the column of numbers of a field."""
+    """Return the type of a field's column of numbers."""
     assert leaf.dtype is not None
     if leaf.dtype.names is None:
         return leaf.dtype

@@ -21,14 +21,14 @@ _INSTEAD = (
 
 
 class Memory:
-    """Keeps the sequences used last, in no more bytes than a limit.
+    """A cache of the sequences used last, up to a limit in bytes.
 
     Args:
         limit: the limit in bytes.
 
     Raises:
-        TypeError: the limit is no whole number.
-        ValueError: the limit is not above 0.
+        TypeError: the limit is not a whole number.
+        ValueError: the limit is 0 or less.
     """
 
     def __init__(self, limit: int = DEFAULT) -> None:
@@ -54,7 +54,7 @@ class Memory:
         self._drop(0)
 
     def get(self, key: Hashable, make: Callable[[], Sequence[Any]]) -> Sequence[Any]:
-        """The sequence cached under a key; else it is made, and cached if there is room. Its items have ``nbytes``."""
+        """Return the sequence cached under a key, or make it and cache it if there is room. Items have ``nbytes``."""
         with self._lock:
             if key in self._cached:
                 self._cached.move_to_end(key)
@@ -64,7 +64,7 @@ class Memory:
         return made
 
     def put(self, key: Hashable, made: Sequence[Any]) -> None:
-        """Cache a sequence, in place of those used longest ago."""
+        """Cache a sequence instead of the least recently used ones."""
         size = _size(made)
         self._drop(size)
         with self._lock:
@@ -76,7 +76,7 @@ class Memory:
         """Check that an array is not larger than the limit.
 
         Raises:
-            RecordingError: it is.
+            RecordingError: the array is larger.
         """
         if size > self._limit:
             raise RecordingError(
@@ -88,7 +88,7 @@ class Memory:
         """Make room for an array while it is filled, and give the room back.
 
         Raises:
-            RecordingError: it is larger than the limit.
+            RecordingError: the array is larger than the limit.
         """
         self.check(size, what)
         self._reserved += size
@@ -99,7 +99,7 @@ class Memory:
             self._reserved -= size
 
     def _drop(self, size: int) -> None:
-        """Drop the sequences used longest ago, until so many bytes have room."""
+        """Drop the least recently used sequences until so many bytes have room."""
         with self._lock:
             while self._cached and self._bytes + self._reserved + size > self._limit:
                 self._bytes -= _size(self._cached.popitem(last=False)[1])

@@ -1,4 +1,4 @@
-"""Chunks of messages of any type: their bytes, and where their fields lie in them."""
+"""Chunks of messages of any type: their bytes, and the positions of their fields in them."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ from ._decoders import NoteUnread
 from .chunks import Chunk
 
 _OVERHEAD = 200
-"""About how many bytes a message takes beside its own."""
+"""Approximate bytes of memory that a message takes in addition to its data."""
 
 
 class MessageDecoder:
-    """Keeps messages as they are, and finds where their fields lie; see `Decoder`.
+    """A decoder that keeps messages as they are, and finds the positions of their fields; see `Decoder`.
 
     Args:
         channel: the channel of the messages.
@@ -73,7 +73,7 @@ class MessageChunk(Chunk):
     Args:
         raws: shape (N,), their bytes.
         layouts: shape (N,), the `Layout` of each.
-        decoder: what reads them.
+        decoder: the decoder that reads them.
     """
 
     raws: NDArray[np.object_]
@@ -90,7 +90,7 @@ class MessageChunk(Chunk):
         return self.decoder.read(self.raws[i])
 
     def groups(self) -> Iterator[tuple[Layout, NDArray[np.int64], list[bytes]]]:
-        """The layouts, each with the rows that have it and their messages."""
+        """Yield the layouts, each with its rows and their messages."""
         by_layout: dict[int, list[int]] = {}
         for row, layout in enumerate(self.layouts):
             by_layout.setdefault(id(layout), []).append(row)
@@ -99,5 +99,5 @@ class MessageChunk(Chunk):
 
 
 def as_rows(raws: Sequence[bytes]) -> Rows:
-    """Messages of one size as rows."""
+    """Return messages of one size as rows."""
     return np.frombuffer(b"".join(raws), np.uint8).reshape(len(raws), len(raws[0]))

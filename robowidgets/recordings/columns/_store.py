@@ -19,11 +19,11 @@ from ._memory import Memory
 from .chunks import ScanChunk, compact, merged
 
 BATCH_BYTES = 1 << 20
-"""About how many bytes of messages are decoded together, and kept in memory together."""
+"""Approximate bytes of messages that are decoded together, and kept in memory together."""
 
 
 class Batch(NamedTuple):
-    """Consecutive messages, by the numbers that read them again.
+    """Consecutive messages, with the numbers that are needed to read them again.
 
     ``first_ns`` and ``last_ns`` are the log times of the first and the last message, ``messages`` their number.
     ``skipped`` counts earlier messages with the log time ``first_ns``.
@@ -101,7 +101,7 @@ class Store:
     _index: _Index | None = field(default=None, init=False)
 
     def between(self, start_ns: int | None, stop_ns: int | None) -> Store:
-        """The messages logged at ``start_ns`` or later and before ``stop_ns``, located in a pass of their own."""
+        """Return a store of the messages from ``start_ns`` up to, not including, ``stop_ns``, with its own index."""
         return replace(self, span=(start_ns, stop_ns))
 
     @property
@@ -126,11 +126,11 @@ class Store:
 
     @property
     def is_indexed(self) -> bool:
-        """Whether the first pass has reached the end."""
+        """True if the first pass has reached the end."""
         return self._index is not None
 
     def chunks(self, rows: NDArray[np.int64] | None = None) -> Iterator[Any]:
-        """The chunks of some rows, in their order; ``start`` of a chunk counts in these. None: of all rows."""
+        """Yield the chunks of some rows (None: all rows) in their order; ``start`` of a chunk counts within these."""
         if self._index is None and rows is None:
             yield from self._first_pass()
             return
@@ -146,7 +146,7 @@ class Store:
             yield replace(chunk, start=first) if whole else chunk.part(own, first)
 
     def sample(self, row: int) -> Any:
-        """The sample in one row."""
+        """Return the sample in one row."""
         index = self._indexed()
         place = index.places[int(np.searchsorted(index.starts, row, side="right")) - 1]
         return self._batch(index, place.batch)[place.number].sample(row - place.start)
@@ -191,7 +191,7 @@ class Store:
 
 
 def _batches(messages: Iterator[Message]) -> Iterator[tuple[Batch, list[Message]]]:
-    """Messages in batches of about `BATCH_BYTES` bytes."""
+    """Group messages into batches of about `BATCH_BYTES` bytes."""
     latest: int | None = None
     same = 0
     for first in messages:

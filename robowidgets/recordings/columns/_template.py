@@ -32,12 +32,12 @@ _TIMES_START, _TIMES_END = 20, 12
 
 
 class MessageTemplate(NamedTuple):
-    """The layout of the message that was read in full last, which later messages may share.
+    """The layout of the last message that was read in full. Later messages may share it.
 
     ``size``: bytes of the message. ``fixed``: the offsets of the parts that must be equal, and their bytes. ``times``:
     the offsets of time_increment and scan_time, which may change within the limits of real scanners. ``numbers``: the
     offsets of the ranges, or of the six numbers of a twist. ``more``: the offsets of the intensities, or of the seven
-    numbers of a pose, if there are any. ``is_stamped``: whether the message starts with a header. ``sample``: the
+    numbers of a pose, if there are any. ``is_stamped``: True if the message starts with a header. ``sample``: the
     sample in the message.
     """
 
@@ -50,7 +50,7 @@ class MessageTemplate(NamedTuple):
     sample: Any
 
     def count_alike(self, rows: Rows) -> int:
-        """The number of rows, from the first on, that differ from the template only in their numbers."""
+        """Return the number of rows, from the first one on, that differ from the template only in their numbers."""
         same = np.ones(len(rows), bool)
         for part, expected in self.fixed:
             same &= (rows[:, part] == expected).all(axis=1)
@@ -60,11 +60,11 @@ class MessageTemplate(NamedTuple):
         return len(rows) if same.all() else int(same.argmin())
 
     def cut(self, rows: Rows, part: slice | None, kind: np.dtype[Any]) -> NDArray[Any]:
-        """The numbers in one part of all rows, a view; without the part, shape (N, 0)."""
+        """Return the numbers in one part of all rows as a view, or shape (N, 0) without a part."""
         return rows[:, part].view(kind) if part else np.empty((len(rows), 0), kind)
 
     def stamps(self, rows: Rows) -> NDArray[np.int64]:
-        """The stamps of all rows in nanoseconds; 0 where the message has none."""
+        """Return the stamps of all rows in nanoseconds, 0 if the message has none."""
         if not self.is_stamped:
             return np.zeros(len(rows), np.int64)
         stamps = np.ascontiguousarray(rows[:, _STAMP_AT:_STAMP_END]).view(_STAMP)[:, 0]
@@ -73,7 +73,7 @@ class MessageTemplate(NamedTuple):
 
 
 def scan_template(raw: bytes, message: Any, scan: Scan, shape: MessageShape, encoding: str) -> MessageTemplate | None:
-    """The template of a LaserScan-like message; None if its numbers have no fixed offsets."""
+    """Return the template of a LaserScan-like message, or None if its numbers have no fixed offsets."""
     if scan.echoes:
         return None
     ranges = _place(raw, message.ranges)
@@ -92,7 +92,7 @@ def scan_template(raw: bytes, message: Any, scan: Scan, shape: MessageShape, enc
 
 
 def speed_template(raw: bytes, speed: Speed, shape: MessageShape, encoding: str) -> MessageTemplate | None:
-    """The template of a Twist or Odometry-like message; None if its numbers have no fixed offsets."""
+    """Return the template of a Twist or Odometry-like message, or None if its numbers have no fixed offsets."""
     names = _doubles(shape)
     is_stamped, lead = _is_stamped(shape), _lead(encoding)
     tail = len(raw) - 8 * len(names)
@@ -115,7 +115,7 @@ def _parts(raw: bytes, parts: list[slice]) -> tuple[tuple[slice, NDArray[np.uint
 
 
 def _is_stamped(shape: MessageShape) -> bool:
-    """Whether the message starts with a header, so that its stamp has a fixed offset."""
+    """Return True if the message starts with a header, so that its stamp has a fixed offset."""
     first = next(iter(shape), "")
     header = shape.get(first)
     names = [name for name in header if name != "seq"] if isinstance(header, Mapping) else []
@@ -123,7 +123,7 @@ def _is_stamped(shape: MessageShape) -> bool:
 
 
 def _place(raw: bytes, array: NDArray[Any]) -> slice | None:
-    """The offsets of an array in the bytes from which it was read; None if it is no view of them."""
+    """Return the offsets of an array in the bytes from which it was read, or None if it is not a view of them."""
     if array.dtype is not _FLOAT or not array.size:
         return None
     start = _address(array) - _address(np.frombuffer(raw, np.uint8))
@@ -135,7 +135,7 @@ def _address(array: NDArray[Any]) -> int:
 
 
 def _doubles(shape: MessageShape) -> list[str]:
-    """The names of the float64 values at the end of a message, in their order."""
+    """Return the names of the float64 values at the end of a message, in their order."""
     names: list[str] = []
     for name, kind in reversed(list(_leaves(shape))):
         base, _, count = str(kind).rstrip("]").partition("[")
@@ -146,7 +146,7 @@ def _doubles(shape: MessageShape) -> list[str]:
 
 
 def _run(names: Sequence[str], part: str, inner: Sequence[str], tail: int) -> slice | None:
-    """The offsets of a part's numbers, ``twist.twist.linear.x`` and so on; None if they do not follow each other."""
+    """Return the offsets of a part's numbers (``twist.twist.linear.x`` ...), or None if they are not consecutive."""
     for prefix in (f"{part}.{part}.", f"{part}.", ""):
         if f"{prefix}{inner[0]}" in names:
             before = names.index(f"{prefix}{inner[0]}")

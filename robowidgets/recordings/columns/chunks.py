@@ -47,15 +47,15 @@ class Chunk:
         return ()
 
     def columns(self) -> dict[str, NDArray[Any]]:
-        """The columns by name."""
+        """Return the columns by name."""
         return {name: value for name, value in vars(self).items() if isinstance(value, np.ndarray)}
 
     def sample(self, i: int) -> Any:
-        """One of the samples."""
+        """Return one of the samples."""
         raise NotImplementedError
 
     def part(self, rows: NDArray[np.int64] | slice, start: int) -> Self:
-        """The chunk of some rows, with another start."""
+        """Return the chunk of some rows, with another start."""
         columns: Any = {name: frozen(column[rows]) for name, column in self.columns().items()}
         return replace(self, start=start, **columns)
 
@@ -68,7 +68,7 @@ class ScanChunk(Chunk):
         ranges: metres, shape (N, R), float32; NaN and infinities as in REP-117.
         intensities: device units, shape (N, R), float32; (N, 0) without intensities.
         like: one of the scans, for the properties that all share.
-        echoes: of scanners with several echoes, those of each scan, shape (N, 1), objects; (N, 0) of others.
+        echoes: the echoes of each scan of a scanner with several echoes, shape (N, 1), objects; (N, 0) for others.
     """
 
     ranges: NDArray[np.float32]
@@ -88,7 +88,7 @@ class ScanChunk(Chunk):
 
     @property
     def frame_id(self) -> str:
-        """Of the scanner."""
+        """The frame of the scanner."""
         return self.like.frame_id
 
     @property
@@ -182,12 +182,12 @@ AnyChunk = TypeVar("AnyChunk", bound=Chunk)
 
 
 def merged(chunks: Iterable[AnyChunk]) -> list[AnyChunk]:
-    """The chunks, with consecutive ones of the same key joined."""
+    """Return the chunks, with consecutive ones of the same key joined."""
     return [join(list(run)) for _, run in groupby(chunks, key=lambda chunk: chunk.key)]
 
 
 def join(chunks: list[AnyChunk]) -> AnyChunk:
-    """One chunk of several with the same key."""
+    """Join several chunks with the same key."""
     first = chunks[0]
     if len(chunks) == 1:
         return first
@@ -196,7 +196,7 @@ def join(chunks: list[AnyChunk]) -> AnyChunk:
 
 
 def compact(chunk: AnyChunk) -> AnyChunk:
-    """The chunk with read-only columns; a column that is a small part of its buffer is copied."""
+    """Return the chunk with read-only columns; a column that is a small part of its buffer is copied."""
     columns: Any = {}
     for name, value in chunk.columns().items():
         columns[name] = value.copy() if _keeps_alive_more(value) else value.view()
@@ -205,7 +205,7 @@ def compact(chunk: AnyChunk) -> AnyChunk:
 
 
 def _keeps_alive_more(column: NDArray[Any]) -> bool:
-    """Whether a column is a view that keeps a much larger buffer in memory."""
+    """Return True if a column is a view that keeps a much larger buffer in memory."""
     base: Any = column
     while isinstance(base, np.ndarray) and base.base is not None:
         base = base.base
@@ -213,7 +213,7 @@ def _keeps_alive_more(column: NDArray[Any]) -> bool:
 
 
 def single_scan(scan: Scan, time_ns: int) -> ScanChunk:
-    """A chunk of one scan."""
+    """Return a chunk of one scan."""
     times, stamps = np.array([[time_ns], [scan.stamp_ns or 0]], np.int64)
     echoes = np.empty((1, 1 if scan.echoes else 0), object)
     echoes[:] = scan.echoes
@@ -221,7 +221,7 @@ def single_scan(scan: Scan, time_ns: int) -> ScanChunk:
 
 
 def single_speed(speed: Speed, time_ns: int) -> SpeedChunk:
-    """A chunk of one speed."""
+    """Return a chunk of one speed."""
     times, stamps = np.array([[time_ns], [speed.stamp_ns or 0]], np.int64)
     angle = () if speed.steering is None else (speed.steering,)
     values, poses, steering = (np.array([numbers], np.float64) for numbers in (speed.values, speed.pose or (), angle))

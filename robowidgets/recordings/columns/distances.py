@@ -26,11 +26,11 @@ class Distances(Series[Range]):
 
     @property
     def distances(self) -> NDArray[np.float32]:
-        """Metres that a program goes by, shape (N,), as in `Range.distance`: 0 too close, inf nothing in range."""
+        """Distances for programs in metres, shape (N,), as in `Range.distance`: 0 too close, inf nothing in range."""
         return self._column("distances", lambda sample: sample.distance)
 
     def to_numpy(self) -> dict[str, NDArray[Any]]:
-        """Times, and both columns as ``range`` and ``distance``."""
+        """Return the times, and both columns as ``range`` and ``distance``."""
         return {**super().to_numpy(), "range": self.ranges, "distance": self.distances}
 
     def _column(self, name: str, number: Any) -> NDArray[np.float32]:

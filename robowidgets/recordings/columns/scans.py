@@ -29,7 +29,8 @@ if TYPE_CHECKING:
 class Scans(Series[Scan]):
     """The scans of a topic as columns; see `Series` for the ways to select from them.
 
-    If the scanner changes its number of rays, ``ranges`` raises an error, and `groups` has one series for each number.
+    If the scanner changes its number of rays, ``ranges`` raises an error, and `groups` returns one series for each
+    number.
 
     Examples:
         >>> scans = recording.scans("/scan")  # doctest: +SKIP
@@ -65,8 +66,8 @@ class Scans(Series[Scan]):
         if len(self.ray_counts) > 1:
             counts = ", ".join(f"{scans:,} with {rays:,} rays" for rays, scans in self.ray_counts.items())
             raise RecordingError(
-                f"{self.topic}: its scans are no one array, for their ray count changes: {counts}; "
-                "each kind by itself is in .groups"
+                f"{self.topic}: its scans do not form one array, because their number of rays changes: {counts}; "
+                ".groups has one series for each number"
             )
         return next(iter(self.ray_counts), 0)
 
@@ -82,15 +83,15 @@ class Scans(Series[Scan]):
         return self._of_rays("ranges", self.ray_count, lambda chunk: chunk.ranges)
 
     def distances(self, sector: Asked = ALL_ROUND, *, percentile: float | None = None) -> NDArray[np.float32]:
-        """`Scan.distance` of each, shape (N,): metres, inf when nothing is in range, 0 too close, NaN unknown.
+        """Return `Scan.distance` of each scan, shape (N,): metres, inf nothing in range, 0 too close, NaN unknown.
 
         Args:
             sector: as in `Scan.distance`.
             percentile: as in `Scan.distance`.
 
         Raises:
-            TypeError: as by `Scan.distance`.
-            ValueError: as by `Scan.distance`.
+            TypeError: as in `Scan.distance`.
+            ValueError: as in `Scan.distance`.
         """
         parts = [distances(chunk.ranges, chunk.like, sector, percentile) for chunk in self.chunks()]
         return np.concatenate([np.empty(0, np.float32), *parts])
@@ -108,7 +109,7 @@ class Scans(Series[Scan]):
         return np.ma.masked_array(away, np.isnan(away), fill_value=np.nan)
 
     def spread(self) -> NDArray[np.float32]:
-        """How far the readings of each ray scatter over these scans: metres, shape (R,); see `samples.spread`.
+        """Return the scatter of the readings of each ray over these scans: metres, shape (R,); see `samples.spread`.
 
         Raises:
             RecordingError: as `ranges`.
@@ -161,22 +162,22 @@ class Scans(Series[Scan]):
         kinds = {(chunk.angle_min, chunk.angle_increment) for chunk in self.chunks()}
         if len(kinds) > 1:
             raise RecordingError(
-                f"{self.topic}: its scans share no angles, for their geometry changes ({len(kinds)} kinds): "
+                f"{self.topic}: its scans have no common angles, because their geometry changes ({len(kinds)} kinds): "
                 "see .angle_min and .angle_increment, or the angles of each scan"
             )
         angle_min, increment = next(iter(kinds), (0.0, 0.0))
         return np.asarray(angle_min + np.arange(rays) * increment, np.float64)
 
     def between(self, start: float | None = None, end: float | None = None) -> Self:
-        """See `Series`. Of a topic that was not read yet, it reads these scans alone."""
+        """See `Series`. If the topic was not read yet, only these scans are read."""
         if self._rows is not None or self.is_read or (start is None and end is None):
             return super().between(start, end)
         part = type(self)(self._store.between(*span_ns(self._start_ns, start, end)), self._start_ns)
-        len(part)  # at once, so that it outlives the recording, as far as it is in memory
+        len(part)  # reads now, so that the scans in memory stay available after the recording is closed
         return part
 
     def to_numpy(self) -> dict[str, NDArray[Any]]:
-        """Times, ranges and intensities, by name."""
+        """Return times, ranges and intensities by name."""
         return {**super().to_numpy(), "ranges": self.ranges, "intensities": self.intensities}
 
     def to_pandas(self) -> Any:

@@ -27,14 +27,14 @@ Taken = TypeVar("Taken")
 
 
 class Series(Columns, Generic[Taken]):
-    """Samples of one topic, each with its time, in the order of time.
+    """The samples of one topic, each with its time, in the order of time.
 
     By index: ``series[3]`` is a `Moment` (with ``sample``, ``time_ns`` and ``seconds``), ``series[10:20]`` a shorter
     series. By time, in seconds from the start of the recording: ``series.at(21.96)`` is the nearest sample,
     ``series.between(2.0, 5.0)`` a shorter series.
 
-    Nothing is read until it is needed. Then the topic is read once from start to end, with a progress bar if that takes
-    longer than a second, and the samples decoded last are cached, within `Recording.memory`.
+    Nothing is read until it is needed. Then the topic is read once from start to end, with a progress bar if reading
+    takes longer than a second, and the samples decoded last are cached, within `Recording.memory`.
     """
 
     def __init__(self, store: Store, start_ns: int, rows: NDArray[np.int64] | None = None) -> None:
@@ -44,7 +44,7 @@ class Series(Columns, Generic[Taken]):
 
     @staticmethod
     def decoder(channel: Channel, kind: Kind) -> Decoder:
-        """The decoder of the messages of a channel."""
+        """Return the decoder of the messages of a channel."""
         return SampleDecoder(channel, kind.read)
 
     @property
@@ -54,11 +54,11 @@ class Series(Columns, Generic[Taken]):
 
     @property
     def is_read(self) -> bool:
-        """Whether all its samples were read."""
+        """True if all its samples were read."""
         return self._store.is_indexed
 
     def chunks(self) -> Iterator[Any]:
-        """The columns chunk by chunk; ``start`` of a chunk counts within this series.
+        """Yield the columns chunk by chunk; ``start`` of a chunk counts within this series.
 
         Only one chunk at a time is in memory, so a recording of any size fits.
         """
@@ -76,7 +76,7 @@ class Series(Columns, Generic[Taken]):
 
     @property
     def said(self) -> NDArray[np.bool_]:
-        """Whether each row comes from a message, shape (N,)."""
+        """True for each row that comes from a message, shape (N,)."""
         return np.ones(len(self), bool)
 
     @property
@@ -86,7 +86,7 @@ class Series(Columns, Generic[Taken]):
 
     @property
     def problems(self) -> tuple[str, ...]:
-        """The problems of the clock of the topic, one line each: standing still, silent for long."""
+        """The problems of the clock of the topic, one line each: standing still, or silent for long."""
         return about_clock(self.times_ns, self._start_ns)
 
     def __len__(self) -> int:
@@ -119,31 +119,31 @@ class Series(Columns, Generic[Taken]):
         return (self._moment(time_ns, sample) for time_ns, sample in self._samples())
 
     def at(self, seconds: float) -> Moment:
-        """The sample nearest to a time; of two equally near ones, the first.
+        """Return the sample nearest to a time; if two are equally near, the first.
 
         Args:
             seconds: seconds from the start of the recording.
 
         Raises:
-            TypeError: ``seconds`` is no number.
-            ValueError: ``seconds`` is no time.
-            RecordingError: there is no sample.
+            TypeError: ``seconds`` is not a number.
+            ValueError: ``seconds`` is infinite or NaN.
+            RecordingError: the topic has no samples.
         """
         time_ns = to_ns(self._start_ns, "seconds", seconds)
         times = self.times_ns
         if not times.size:
-            raise RecordingError(f"{self.topic}: there is no sample, so none is nearest to {seconds!r} s")
+            raise RecordingError(f"{self.topic}: the topic has no samples")
         return self[int(np.abs(times - time_ns).argmin())]
 
     def between(self, start: float | None = None, end: float | None = None) -> Self:
-        """The samples from ``start`` up to, not including, ``end``, in seconds from the start of the recording.
+        """Return the samples from ``start`` up to, not including, ``end``, in seconds from the start of the recording.
 
         Args:
-            start: None: the start of the recording.
-            end: None: its end, included.
+            start: the first time, or None for the start of the recording.
+            end: the time after the last, or None for the end of the recording, included.
 
         Raises:
-            TypeError: a time is no number.
+            TypeError: a time is not a number.
             ValueError: a time is infinite or NaN.
         """
         if start is None and end is None:
@@ -154,7 +154,7 @@ class Series(Columns, Generic[Taken]):
         return self._with(self._row_numbers[is_after & is_before])
 
     def to_numpy(self) -> dict[str, NDArray[Any]]:
-        """The columns by name; times as ``times_ns``, ``seconds`` and ``stamps_ns``."""
+        """Return the columns by name; times as ``times_ns``, ``seconds`` and ``stamps_ns``."""
         return {"times_ns": self.times_ns, "seconds": self.seconds, "stamps_ns": self.stamps_ns}
 
     def __repr__(self) -> str:
@@ -167,7 +167,7 @@ class Series(Columns, Generic[Taken]):
 
     @property
     def _row_numbers(self) -> NDArray[np.int64]:
-        """The rows among all that the store holds, shape (N,): all of the topic, or those of a span."""
+        """The rows of this series among all rows of the store, shape (N,)."""
         return np.arange(len(self._all_times)) if self._rows is None else self._rows
 
     @property
@@ -176,22 +176,22 @@ class Series(Columns, Generic[Taken]):
         return self._store.times_ns
 
     def _with(self, rows: NDArray[np.int64]) -> Self:
-        """A series with other rows of the topic."""
+        """Return a series with other rows of the topic."""
         return type(self)(self._store, self._start_ns, rows)
 
     def _sample(self, row: int) -> Taken:
-        """The sample in one row of the topic."""
+        """Return the sample in one row of the topic."""
         sample: Taken = self._store.sample(row)
         return sample
 
     def _samples(self) -> Iterator[tuple[int, Taken]]:
-        """Log time and sample of every row of this series."""
+        """Yield log time and sample of every row of this series."""
         for chunk in self.chunks():
             for i, time_ns in enumerate(chunk.times_ns.tolist()):
                 yield time_ns, chunk.sample(i)
 
     def _array(self, name: str, width: int, kind: type[np.generic], column: Callable[[Any], Any]) -> NDArray[Any]:
-        """One array of a column of all chunks, shape (N, width)."""
+        """Return a column of all chunks as one array, shape (N, width)."""
         dtype = np.dtype(kind)
         size = len(self) * width * dtype.itemsize
         with self._store.memory.reserved(size, f"{self.topic}: the array of all {name}"):

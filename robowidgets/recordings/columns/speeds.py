@@ -48,17 +48,17 @@ class Speeds(Series[Speed]):
 
     @property
     def poses(self) -> NDArray[np.float64]:
-        """X and y in metres and yaw in radians by odometry, shape (N, 3); NaN for speeds that came without."""
+        """X and y in metres and yaw in radians from odometry, shape (N, 3); NaN for speeds without a pose."""
         return self._array("poses", 3, np.float64, lambda chunk: chunk.poses if chunk.poses.size else np.nan)
 
     @property
     def steering(self) -> NDArray[np.float64]:
-        """Steering angles in radians, left is positive, shape (N,), of commands of a car; NaN for speeds without."""
+        """Steering angles of car commands in radians, left positive, shape (N,); NaN for speeds without one."""
         column = self._array("steering", 1, np.float64, lambda chunk: chunk.steering if chunk.steering.size else np.nan)
         return column[:, 0]
 
     def to_numpy(self) -> dict[str, NDArray[Any]]:
-        """Times, and the six numbers by the names in `AXES`; of cars their ``steering``, too."""
+        """Return the times, and the six numbers by the names in `AXES`; for cars also ``steering``."""
         steering = self.steering
         more = {} if np.isnan(steering).all() else {"steering": steering}
         return {**super().to_numpy(), **dict(zip(AXES, self.values.T, strict=True)), **more}

@@ -1,4 +1,4 @@
-"""Columns as tables of other libraries, each imported lazily."""
+"""Columns as tables of other libraries, which are imported lazily."""
 
 from __future__ import annotations
 
@@ -15,30 +15,31 @@ TIMES = ("times_ns", "seconds", "stamps_ns")
 
 
 class Lists(NamedTuple):
-    """A column of lists of any length: an array, or a list of texts, for each row, and the type of what is in them."""
+    """A column of lists of any length: an array or a list of texts for each row, and the type of the items."""
 
     rows: NDArray[Any]
     dtype: np.dtype[Any]
 
 
 RowType = Callable[[Any], Any]
-"""The type of a column of a table that is made of rows, by the function here that makes it of pyarrow."""
+"""The type of a table column that is made of Python values: a function that makes the type from pyarrow."""
 
 Column = NDArray[Any] | Lists
-"""Numbers, flags and texts; those of an array of objects are texts or None. Masked are those that are missing."""
+"""Numbers, flags or texts; an array of objects holds texts or None. Missing values are masked."""
 
 
 class Columns(ABC):
-    """Columns by name, which become tables of other libraries."""
+    """Named columns, which can become tables of other libraries."""
 
     @abstractmethod
     def to_numpy(self) -> dict[str, NDArray[Any]]:
-        """The columns by name; times as ``times_ns``, ``seconds`` and ``stamps_ns``."""
+        """Return the columns by name; times as ``times_ns``, ``seconds`` and ``stamps_ns``."""
 
     def to_pandas(self) -> Any:
-        """A pandas DataFrame: a row for each time, by seconds from the start.
+        """Return a pandas DataFrame: a row for each time, by seconds from the start.
 
-        Each number of an array of fixed length has a column, ``covariance[0]``; other arrays are values of one column.
+        Each number of an array of fixed length has its own column, such as ``covariance[0]``; other arrays are values
+        of one column.
 
         Raises:
             ImportError: pandas is not installed.
@@ -46,7 +47,7 @@ class Columns(ABC):
         return to_pandas(self._columns_of_table())
 
     def to_polars(self) -> Any:
-        """A polars DataFrame: a row for each time, ranges of scans as an array.
+        """Return a polars DataFrame: a row for each time, ranges of scans as an array.
 
         Raises:
             ImportError: polars is not installed.
@@ -54,7 +55,7 @@ class Columns(ABC):
         return to_polars(self._columns_of_table())
 
     def to_arrow(self) -> Any:
-        """An Arrow table: a row for each time, ranges of scans as a list of fixed size.
+        """Return an Arrow table: a row for each time, ranges of scans as a list of fixed size.
 
         Raises:
             ImportError: pyarrow is not installed.
@@ -62,12 +63,12 @@ class Columns(ABC):
         return to_arrow(self._columns_of_table())
 
     def _columns_of_table(self) -> Mapping[str, Column]:
-        """The columns as the tables have them, whose types must not depend on the values."""
+        """Return the columns for the tables. Their types must not depend on the values."""
         return self.to_numpy()
 
 
 def to_pandas(columns: Mapping[str, Column]) -> Any:
-    """A DataFrame by seconds. A two-dimensional column becomes columns of their own: ``covariance[0]`` and so on."""
+    """Return a DataFrame by seconds. A two-dimensional column becomes several columns: ``covariance[0]`` and so on."""
     pandas = library("pandas", "to_pandas")
     values: dict[str, Any] = {}
     for name, column in columns.items():
@@ -86,7 +87,7 @@ def to_pandas(columns: Mapping[str, Column]) -> Any:
 
 
 def rays_to_pandas(columns: Mapping[str, NDArray[Any]]) -> Any:
-    """A DataFrame by seconds with the ranges of scans: a column for each ray, named by its index."""
+    """Return a DataFrame by seconds with the ranges of scans: a column for each ray, named by its index."""
     pandas = library("pandas", "to_pandas")
     ranges = columns["ranges"]
     rays = pandas.RangeIndex(ranges.shape[1], name="ray")
@@ -94,7 +95,7 @@ def rays_to_pandas(columns: Mapping[str, NDArray[Any]]) -> Any:
 
 
 def to_polars(columns: Mapping[str, Column]) -> Any:
-    """A DataFrame with all columns; each value of a two-dimensional column is an array."""
+    """Return a DataFrame with all columns; each value of a two-dimensional column is an array."""
     polars = library("polars", "to_polars")
 
     def series(name: str, column: Column) -> Any:
@@ -114,7 +115,7 @@ def to_polars(columns: Mapping[str, Column]) -> Any:
 
 
 def to_arrow(columns: Mapping[str, Column]) -> Any:
-    """A table with all columns; each value of a two-dimensional column is a list of fixed size."""
+    """Return a table with all columns; each value of a two-dimensional column is a list of fixed size."""
     arrow = library("pyarrow", "to_arrow")
 
     def array(column: Column) -> Any:
@@ -134,7 +135,7 @@ def to_arrow(columns: Mapping[str, Column]) -> Any:
 
 
 def frame_of(columns: Mapping[str, Sequence[Any]], types: Mapping[str, RowType]) -> Any:
-    """A DataFrame of columns of Python values, None where one is missing; the types do not depend on the values."""
+    """Return a DataFrame of columns of Python values, None if missing; the types do not depend on the values."""
     pandas = library("pandas", "to_pandas")
     dtypes: dict[RowType, Any] = {
         text: str,
@@ -149,32 +150,32 @@ def frame_of(columns: Mapping[str, Sequence[Any]], types: Mapping[str, RowType])
 
 
 def text(arrow: Any) -> Any:
-    """The type of texts."""
+    """Return the type of texts."""
     return arrow.string()
 
 
 def texts(arrow: Any) -> Any:
-    """The type of lists of texts."""
+    """Return the type of lists of texts."""
     return arrow.list_(arrow.string())
 
 
 def number(arrow: Any) -> Any:
-    """The type of numbers."""
+    """Return the type of numbers."""
     return arrow.float64()
 
 
 def short_number(arrow: Any) -> Any:
-    """The type of numbers that were measured with few digits."""
+    """Return the type of numbers that were measured with few digits."""
     return arrow.float32()
 
 
 def whole(arrow: Any) -> Any:
-    """The type of whole numbers, of which some may be missing."""
+    """Return the type of whole numbers with missing values."""
     return arrow.int64()
 
 
 def date(arrow: Any) -> Any:
-    """The type of dates with time."""
+    """Return the type of dates with time."""
     return arrow.timestamp("us", tz="UTC")
 
 
@@ -183,13 +184,13 @@ def _seconds(pandas: Any, columns: Mapping[str, Column]) -> Any:
 
 
 def _nullable(pandas: Any, column: Any) -> Any:
-    """A column of flags or integers, of which some are missing."""
+    """Return a nullable column of flags or integers."""
     dtype = "boolean" if column.dtype == bool else column.dtype.name.capitalize().replace("Ui", "UI")
     return pandas.array(column.tolist(), dtype=dtype)
 
 
 def _flat(column: Lists) -> NDArray[Any]:
-    """All values of lists, one after the other."""
+    """Return all values of lists, one after the other."""
     if column.dtype == object:
         return np.fromiter(chain.from_iterable(column.rows), object)
     if column.rows.ndim == 2:
@@ -198,12 +199,12 @@ def _flat(column: Lists) -> NDArray[Any]:
 
 
 def _filled(columns: Mapping[str, Column]) -> dict[str, Column]:
-    """The columns without the empty ones, such as the intensities of a scanner that sends none."""
+    """Return the columns without empty ones, such as the intensities of a scanner that sends none."""
     return {name: one for name, one in columns.items() if isinstance(one, Lists) or one.ndim == 1 or one.shape[1]}
 
 
 def library(name: str, method: str) -> Any:
-    """A library that only one method needs; ImportError with the command that installs it if it is missing."""
+    """Import a library that only one method needs; if it is missing, ImportError gives the command to install it."""
     try:
         return import_module(name)
     except ImportError as error:

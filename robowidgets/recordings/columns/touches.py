@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 
 class _Table(NamedTuple):
-    """All states of a touch topic: the sensors (L), a row for each message and each release (N), states (N, L)."""
+    """All states of a touch topic: the L sensors, N rows for messages and releases, states of shape (N, L)."""
 
     labels: tuple[str, ...]
     times_ns: NDArray[np.int64]
@@ -33,7 +33,7 @@ class _Table(NamedTuple):
 
 
 class _Row(NamedTuple):
-    """One row of a table; ``states`` are those of the sensors that were known by then."""
+    """One row of a table; ``states`` has the states of the sensors that were known at that time."""
 
     time_ns: int
     stamp_ns: int
@@ -45,8 +45,7 @@ class Touches(Series[Touch]):
     """The states of the touch sensors of a topic as columns; see `Series` for the ways to select from them.
 
     Each message has a row with the states of all sensors after it, for any `TouchMode`: events, levels or lists of
-    touched sensors. A sensor that is released because it is no longer listed has a row for that, at the time of the
-    release.
+    touched sensors. If a sensor is released because it is no longer listed, that has a row at the time of the release.
     """
 
     @property
@@ -61,12 +60,12 @@ class Touches(Series[Touch]):
 
     @property
     def lists_touches(self) -> bool:
-        """Whether each message lists the sensors that are touched, so that an empty message means that none is."""
+        """True if each message lists the touched sensors, so that an empty message means that no sensor is touched."""
         return self._table.mode is TouchMode.PRESENCE
 
     @property
     def said(self) -> NDArray[np.bool_]:
-        """Whether each row comes from a message, shape (N,); False for a release without a message."""
+        """True for each row that comes from a message, shape (N,); False for a release without a message."""
         return self._picked(self._table.said)
 
     @property
@@ -75,20 +74,20 @@ class Touches(Series[Touch]):
         return self._picked(self._table.stamps_ns)
 
     def chunks(self) -> Iterator[Self]:
-        """The series itself, which is one table."""
+        """Yield the series itself, which is one table."""
         yield self
 
     def sample(self, number: int) -> Touch:
-        """The states of all sensors in the row with this index."""
+        """Return the states of all sensors in the row with this index."""
         return self._sample(int(self._row_numbers[number]))
 
     def to_numpy(self) -> dict[str, NDArray[Any]]:
-        """Times, and True, False or None (unknown) for each sensor by its label."""
+        """Return the times, and True, False or None (unknown) for each sensor by its label."""
         values = np.array([state.as_bool for state in sorted(TouchState)], object)
         return {**super().to_numpy(), **dict(zip(self.labels, values[self.states].T, strict=True))}
 
     def _columns_of_table(self) -> Mapping[str, Column]:
-        """Flags, of which the unknown ones are missing."""
+        """Return flags; unknown ones are masked."""
         flags = (np.ma.masked_array(one == TouchState.TOUCHED, one == TouchState.UNKNOWN) for one in self.states.T)
         return {**super().to_numpy(), **dict(zip(self.labels, flags, strict=True))}
 
@@ -118,7 +117,7 @@ class Touches(Series[Touch]):
 
 
 def _read(chunks: Iterable[SampleChunk]) -> _Table:
-    """The states after each message, and after each release without a message."""
+    """Return the states after each message, and after each release without a message."""
     tracker = TouchTracker()
     rows: list[_Row] = []
     touch = Touch({})
@@ -143,10 +142,10 @@ def _read(chunks: Iterable[SampleChunk]) -> _Table:
             release(time_ns)
             tracker.apply(touch, time_ns)
             add(time_ns, stamp_ns, said=True)
-            # Unless a release is due, the same message again changes nothing.
+            # Unless a release is due, a repeated message changes nothing.
             changes = tracker.next_change_ns(time_ns) is not None
     release(inf)
-    # A tracker forgets no sensor, and keeps their order: those that come later are unknown in the rows before.
+    # A tracker keeps all sensors and their order: sensors that appear later are unknown in earlier rows.
     labels = tuple(tracker.states(0))
     states = b"".join(row.states.ljust(len(labels), bytes([TouchState.UNKNOWN])) for row in rows)
     return _Table(

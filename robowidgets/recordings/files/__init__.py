@@ -43,12 +43,12 @@ _NAMED_AT_MOST = 5
 
 
 def open_source(path: Path) -> Source:
-    """The messages in a file or folder, on a clock that never goes back.
+    """Open a file or folder as a source of messages with a clock that never goes back.
 
-    rosbags reads whole files. `repair` reads all others, and continues where rosbags meets damage.
+    rosbags reads complete files. `repair` reads all others, and continues where rosbags meets damage.
 
     Raises:
-        RecordingError: the path does not exist, or nothing of it can be read. The text gives the reason.
+        RecordingError: the path does not exist, or no part of it can be read. The text gives the reason.
     """
     try:
         return _open(path.parent if path.name == METADATA else path)
@@ -76,7 +76,7 @@ def _open(path: Path) -> Source:
 def _whole(
     open_first: Callable[[], _rosbags.RosbagsSource | Chain], files: Sequence[Path], problems: Sequence[str] = ()
 ) -> Source | None:
-    """A source that rosbags reads, if the file is whole and its clock was never set; else None."""
+    """Return a source that rosbags reads, or None unless the file is complete and its clock was never set."""
     try:
         with ExitStack() as stack:
             source = open_first()
@@ -92,9 +92,9 @@ def _whole(
 def _open_by_rosbags(path: Path) -> _rosbags.RosbagsSource:
     unsaved = path.with_name(f"{path.name}-wal")
     if unsaved.exists() and unsaved.stat().st_size:
-        raise RecordingError(f"{path}: rosbags leaves out what its recorder had not yet put into it")
+        raise RecordingError(f"{path}: rosbags leaves out messages that its recorder had not yet put into it")
     if is_being_written(path):
-        raise RecordingError(f"{path}: rosbags does not tell that it is being written")
+        raise RecordingError(f"{path}: rosbags does not detect that it is being written")
     with path.open("rb") as file:
         head = file.read(64)
     opener = next((opener for magic, opener in _OPENERS.items() if head.startswith(magic)), None)
@@ -104,7 +104,7 @@ def _open_by_rosbags(path: Path) -> _rosbags.RosbagsSource:
 
 
 def _open_folder(path: Path) -> Source:
-    """The source of a rosbag2 folder: of the files that its metadata name, else of all files."""
+    """Open a rosbag2 folder: the files that its metadata name, else all files."""
     metadata, problems = _metadata(path)
     named = {PurePath(name).name for name in _NAMED.findall(metadata or "")}
     files = find_files(path)
@@ -130,7 +130,7 @@ def _open_folder(path: Path) -> Source:
 
 
 def is_one_recording(folder: Path) -> bool:
-    """Whether a folder is one recording: it has metadata of rosbag2, or several files, all of them parts of one."""
+    """Return True if a folder is one recording: it has rosbag2 metadata, or several files, all of them parts of one."""
     if _metadata(folder)[0] is not None:
         return True
     files = find_files(folder)
@@ -142,7 +142,7 @@ def _are_parts(files: Sequence[Path]) -> bool:
 
 
 def counts_up(names: Sequence[str]) -> bool:
-    """Whether the names are those of the parts of one recording: equal except for a last number, which counts up."""
+    """Return True if the names are equal except for a last number, which counts up: parts of one recording."""
     stems = [SUFFIX.sub("", name) for name in names]
     numbers = [int(found[-1]) for stem in stems if (found := _NUMBER.findall(stem))]
     alike = len({_NUMBER.sub("", stem) for stem in stems}) == 1
@@ -151,11 +151,11 @@ def counts_up(names: Sequence[str]) -> bool:
 
 
 def _follow_on(files: Sequence[Path]) -> bool:
-    """Return True if each file that can be read has most topics of the one before, and goes on where that ends.
+    """Return True if each readable file shares most topics with the one before, and continues at its end.
 
-    A file lists only topics with messages in it: some part lacks those that seldom have one, another part others.
-    A clock may have been set meanwhile, back or far ahead. A file that starts no later than the one before is a copy of
-    it, one that starts minutes after its end is another drive.
+    A file lists only topics with messages in it, so parts may lack different topics with rare messages. The clock may
+    have been set meanwhile, back or far ahead. A file that starts no later than the one before is a copy of it. A file
+    that starts minutes after the end of the one before is another drive.
     """
     return all(
         2 * len(topics & later_topics) >= min(len(topics), len(later_topics))
@@ -166,7 +166,7 @@ def _follow_on(files: Sequence[Path]) -> bool:
 
 
 def _parts(files: Sequence[Path]) -> Iterator[tuple[set[tuple[str, str]], int, int]]:
-    """The topics of each file that can be read, with its start and its end."""
+    """Yield the topics of each readable file, with its start and its end."""
     for file in files if len(files) > 1 else ():
         with suppress(RecordingError), closing(_open(file)) as source:
             if source.start_ns is not None and source.end_ns is not None:
@@ -184,7 +184,7 @@ def _open_chain(files: Sequence[Path]) -> Chain:
 
 
 def _disagreement(metadata: str, source: Source) -> list[str]:
-    """A line about metadata that belong to other files, or were written before the last message was."""
+    """Return a line if the metadata belong to other files, or were written before the last message."""
     count, start, end = sum(channel.count for channel in source.channels), source.start_ns, source.end_ns
     stated_count, stated_start, stated_ns = (line.search(metadata) for line in (_COUNT, _START, _DURATION))
     if stated_count and int(stated_count[1]) != count:
@@ -197,13 +197,13 @@ def _disagreement(metadata: str, source: Source) -> list[str]:
         stated = f"{int(stated_ns[1]) / 1e9:,.1f} s, the files hold {(end - start) / 1e9:,.1f} s"
     else:
         return []
-    return [f"{METADATA} tells of {stated}: read what they hold"]
+    return [f"{METADATA} states {stated}: read the files"]
 
 
 def _metadata(path: Path) -> tuple[str | None, list[str]]:
-    """The text of the metadata of rosbag2, and a line when a file of this name is of no use.
+    """Return the text of the rosbag2 metadata, and a line if a file of this name is of no use.
 
-    The text is None without such a file, and where it is one of another kind, as of a collection of recordings.
+    The text is None without such a file, or for a file of another kind, for example of a collection of recordings.
     """
     try:
         text = (path / METADATA).read_text(errors="replace")
@@ -213,5 +213,5 @@ def _metadata(path: Path) -> tuple[str | None, list[str]]:
         return "", [f"{METADATA} cannot be read ({error.strerror or error}): read the files without it"]
     if _NAMED.search(text) or _COUNT.search(text):
         return text, []
-    problems = [f"{METADATA} is no metadata of rosbag2, or damaged: read the files without it"]
+    problems = [f"{METADATA} is not rosbag2 metadata, or is damaged: read the files without it"]
     return None if text.strip("\0 \r\n") and not _HEAD.search(text) else text, problems

@@ -1,4 +1,4 @@
-"""Several sources as one, for a recording that the recorder split into files."""
+"""Several sources as one, for a recording that was split into files."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ class Chain:
     """A `Source` over other sources, whose channels are merged.
 
     Args:
-        sources: one for each file, in their order; closed with the chain.
+        sources: one for each file, in their order. They are closed with the chain.
     """
 
     def __init__(self, sources: Sequence[RosbagsSource]) -> None:
@@ -35,7 +35,7 @@ class Chain:
 
     @cached_property
     def arrivals(self) -> Arrivals:
-        """The order of arrival in one file after the other."""
+        """The order of arrival, one file after the other."""
         return joined(s.arrivals.renumbered(ids) for s, ids in self._parts())
 
     def span_ns(self, channel: Channel) -> tuple[int, int] | None:
@@ -50,7 +50,7 @@ class Chain:
             source.close()
 
     def _parts(self) -> Iterator[tuple[RosbagsSource, dict[int, int]]]:
-        """The sources, each with the ids of its channels in the chain."""
+        """Return the sources, each with the ids of its channels in the chain."""
         return zip(self._sources, self._ids, strict=True)
 
 
@@ -61,7 +61,7 @@ def _messages(
     start_ns: int | None,
     stop_ns: int | None,
 ) -> Iterator[Message]:
-    """The messages of a source that belong to some channels of the chain, by their ids there."""
+    """Yield the messages of a source that belong to some channels of the chain, with the ids of the chain."""
     ours = [channel for channel in source.channels if ids[channel.id] in wanted]
     for channel, time_ns, data in source.messages(ours, start_ns, stop_ns):
         yield wanted[ids[channel.id]], time_ns, data

@@ -1,4 +1,4 @@
-"""A file that looks whole but is damaged inside: a repaired source continues where reading fails."""
+"""A file that looks complete but is damaged: a repaired source continues at the place where reading fails."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from ...repair import Message, RecordingError, Source
 
 
 class FallbackSource:
-    """A `Source` that continues with a repaired one where the first fails.
+    """A `Source` that continues with a repaired source if the first one fails.
 
     Args:
         first: a source that may raise anything while it reads.
@@ -45,7 +45,7 @@ class FallbackSource:
             except Exception:  # rosbags raises anything; repair reports the damage
                 if self._closed:
                     raise RecordingError("the recording is closed: open it again") from None
-                # Another iterator may have met the damage meanwhile.
+                # Another iterator may have found the damage meanwhile.
                 self._repaired = self._repaired or self._open_repaired()
         yield from self._resume(self._repaired, channels, latest, stop_ns, given)
 
@@ -66,7 +66,7 @@ class FallbackSource:
     def _resume(
         self, source: Source, channels: Collection[Channel], latest: int | None, stop_ns: int | None, given: int
     ) -> Iterator[Message]:
-        """The messages after the last one; ``given`` messages with its time were yielded already."""
+        """Yield the messages after the last one; ``given`` messages with its time were yielded already."""
         ours = {(c.topic, c.type): c for c in channels}
         theirs = {c.id: ours[c.topic, c.type] for c in source.channels if (c.topic, c.type) in ours}
         wanted = [c for c in source.channels if c.id in theirs]

@@ -21,7 +21,7 @@ from rosbags.rosbag2.storage_sqlite3 import Sqlite3Reader
 from ...repair import JITTER_NS, LEAP_NS, Arrivals, RecordingError, joined, may_precede_clock
 
 _MOST_CHUNKS = 1000
-"""Most chunks of an MCAP file whose indexes are read: with more, a slow disk would take seconds."""
+"""The maximum number of chunks of an MCAP file whose indexes are read: with more, a slow disk would take seconds."""
 
 _INDEX_OP = 7
 _INDEX_HEAD = Struct("<BQHI")
@@ -30,7 +30,7 @@ _ENTRY = np.dtype([("time", "<u8"), ("offset", "<u8")])
 
 
 def arrivals_in_bag(reader: BagReader) -> Arrivals:
-    """The order of arrival of all messages."""
+    """Return the order of arrival of all messages."""
     counts = [len(index) for index in reader.indexes.values()]
     entries = chain.from_iterable(chain.from_iterable(reader.indexes.values()))
     table = np.fromiter(entries, np.int64, 3 * sum(counts)).reshape(-1, 3)
@@ -39,9 +39,10 @@ def arrivals_in_bag(reader: BagReader) -> Arrivals:
 
 
 def arrivals_in_mcap(reader: McapReader) -> Arrivals:
-    """The order of arrival: the first and the last time in each chunk, as if each of its channels had messages then.
+    """Return the order of arrival: first and last time in each chunk, as if each of its channels had messages then.
 
-    Of all messages if time goes back from chunk to chunk or within one, leaps in one, or may have begun late.
+    All messages are used if time goes back between chunks or within a chunk, leaps within a chunk, or may have begun
+    late.
 
     Raises:
         RecordingError: the contents of an index are impossible.
@@ -58,9 +59,9 @@ def arrivals_in_mcap(reader: McapReader) -> Arrivals:
 
 
 def span_in_mcap(reader: McapReader, number: int) -> tuple[int, int] | None:
-    """Log times of the first and the last message of a connection, or a little after and before them if chunks overlap.
+    """Return the log times of a connection's first and last message, or slightly wider times if chunks overlap.
 
-    None if it has none. Raises as `arrivals_in_mcap`.
+    Return None if the connection has no messages. Raises as `arrivals_in_mcap`.
     """
     path, chunks = _chunks(reader)
     places = [_place(chunk, number) for chunk in chunks if chunk.channel_count.get(number)]
@@ -71,10 +72,10 @@ def span_in_mcap(reader: McapReader, number: int) -> tuple[int, int] | None:
 
 
 def arrivals_in_database(reader: Sqlite3Reader) -> Arrivals:
-    """The order of arrival of all messages.
+    """Return the order of arrival of all messages.
 
     Raises:
-        RecordingError: the index of times, by which rosbags reads, has others than the messages.
+        RecordingError: the index of times, by which rosbags reads, differs from the times of the messages.
     """
     assert reader.dbconn
     rows = reader.dbconn.execute("SELECT timestamp, topic_id FROM messages ORDER BY rowid")
@@ -86,7 +87,7 @@ def arrivals_in_database(reader: Sqlite3Reader) -> Arrivals:
 
 
 def _goes_back_within(path: Path, chunks: Sequence[ChunkInfo]) -> bool:
-    """Whether the clock goes back within a chunk, judged by the channel with the most messages there."""
+    """Return True if the clock goes back within a chunk, judged by its channel with the most messages."""
     if len(chunks) > _MOST_CHUNKS:
         return False
     most = [(chunk, max(chunk.channel_count.items(), key=itemgetter(1), default=(0, 0))) for chunk in chunks]
@@ -100,13 +101,13 @@ def _by_message(path: Path, chunks: Sequence[ChunkInfo]) -> Arrivals:
 
 
 class _Index(NamedTuple):
-    """Entries of messages in one chunk, and their channels, shape (N,) each."""
+    """The entries of messages in one chunk, and their channels, shape (N,) each."""
 
     entries: NDArray[Any]
     channels: NDArray[np.int64]
 
     def by_arrival(self) -> Arrivals:
-        """Sorted by arrival: an index has one channel after the other, and some writers sort these by time."""
+        """Return the entries by arrival. An index lists channel after channel, and some writers sort these by time."""
         order = np.argsort(self.entries["offset"], kind="stable")
         return Arrivals(self.entries["time"].astype(np.int64)[order], self.channels[order])
 
@@ -116,14 +117,14 @@ def _chunks(reader: McapReader) -> tuple[Path, list[ChunkInfo]]:
 
 
 def _place(chunk: ChunkInfo, number: int) -> tuple[int, int]:
-    """Offset and size in bytes of the index of a connection in a chunk."""
+    """Return the offset and size in bytes of the index of a connection in a chunk."""
     return chunk.message_index_offsets[number], _INDEX_HEAD.size + chunk.channel_count[number] * _ENTRY.itemsize
 
 
 def _indexes(path: Path, places: Sequence[tuple[int, int]]) -> Iterator[_Index]:
-    """What stands in a file at some places, given as offset and size in bytes."""
+    """Yield the indexes at some places in a file, given as offset and size in bytes."""
     if sum(size for _, size in places) > path.stat().st_size:
-        raise RecordingError(f"{path}: the index of its chunks claims more than there is")
+        raise RecordingError(f"{path}: the index of its chunks is larger than the file")
     with path.open("rb", buffering=0) as file:
         for start, size in places:
             file.seek(start)
@@ -134,7 +135,7 @@ def _indexes(path: Path, places: Sequence[tuple[int, int]]) -> Iterator[_Index]:
 
 
 def _records(index: bytes) -> Iterator[tuple[int, NDArray[Any]]]:
-    """The channels in the index of a chunk with their entries. Raises struct.error."""
+    """Yield the channels in the index of a chunk with their entries. Raises struct.error."""
     at = 0
     while at < len(index):
         op, _, channel, length = _INDEX_HEAD.unpack_from(index, at)

@@ -1,4 +1,4 @@
-"""Messages in JSON and in protobuf, as messages of ROS 2: every part of a recording then reads them."""
+"""Messages in JSON and in protobuf, converted to ROS 2 messages, so that every part of a recording can read them."""
 
 from __future__ import annotations
 
@@ -19,23 +19,23 @@ from ...repair import Message, RecordingError, Source
 
 _PLAIN = ("json", "protobuf")
 _LOOKED_AT = 100
-"""Messages of a topic of an own type from which its fields are found."""
+"""Messages of a topic of a custom type from which its fields are found."""
 
 Encode = Callable[[bytes], bytes]
 
 
 def in_ros(source: Source) -> Source:
-    """Return a source whose messages in JSON, and in protobuf if that is installed, are messages of ROS 2."""
+    """Return a source whose JSON messages, and protobuf messages if protobuf is installed, are messages of ROS 2."""
     return PlainSource(source) if any(channel.encoding in _PLAIN for channel in source.channels) else source
 
 
 class PlainSource:
-    """A `Source` whose messages are encoded as those of ROS 2 when they are read.
+    """A `Source` whose messages are encoded as ROS 2 messages when they are read.
 
-    A message that is none is given as it is: what decodes it says so.
+    A message that cannot be converted is passed on unchanged; its decoder then raises the error.
 
     Args:
-        source: the messages as the file has them; closed with this object.
+        source: the messages as the file has them. It is closed with this object.
     """
 
     def __init__(self, source: Source) -> None:
@@ -69,7 +69,7 @@ class PlainSource:
         self._source.close()
 
     def _understood(self, channel: Channel) -> Channel:
-        """The channel as one of ROS 2, whose messages have an entry in what encodes them; or as it is."""
+        """Return the channel as a ROS 2 channel and store its encoder, or return it unchanged if that is impossible."""
         if channel.encoding not in _PLAIN or (channel.encoding == "protobuf" and not has_protobuf()):
             return channel
         try:
@@ -81,7 +81,7 @@ class PlainSource:
                 definition = ""
             else:
                 type_name, definition, convert = self._own(channel, read)
-        except (ValueError, RecordingError):  # what reads the channel as it is says why it cannot
+        except (ValueError, RecordingError):  # the reader of the unchanged channel reports the reason
             return channel
 
         def encode_one(raw: bytes) -> bytes:
@@ -94,7 +94,7 @@ class PlainSource:
         return channel._replace(type=type_name, encoding="cdr", definition=definition)
 
     def _own(self, channel: Channel, read: Callable[[bytes], Any]) -> tuple[str, str, Callable[[Any], dict[str, Any]]]:
-        """The type of a channel of no Foxglove schema, its definition, and what makes fields of a message."""
+        """Return type and definition for a channel without Foxglove schema, and a function from messages to fields."""
         if channel.encoding == "json" and _is_known(channel.type):
             return channel.type, "", dict
         raws = [raw for _, _, raw in islice(self._source.messages([channel]), _LOOKED_AT)]
@@ -105,14 +105,14 @@ class PlainSource:
 
 
 def _read_all(read: Callable[[bytes], Any], raws: Iterable[bytes]) -> Iterator[Any]:
-    """The messages that can be read; the others are named when they are."""
+    """Yield the messages that can be read. The others are reported when their samples are read."""
     for raw in raws:
         with suppress(ValueError):
             yield read(raw)
 
 
 def _is_known(type_name: str) -> bool:
-    """Return True if a type of ROS is known without a file."""
+    """Return True if a ROS type is known without definitions from a file."""
     try:
         store_of(Channel(0, "", full_type(type_name), "cdr", "", 0))
     except DecodeError:

@@ -1,6 +1,6 @@
-"""Whole files and folders of messages, as rosbags reads them.
+"""Complete files and folders of messages, read by rosbags.
 
-Files are read by rosbags only in this folder.
+Only this folder reads files with rosbags.
 """
 
 from __future__ import annotations
@@ -33,12 +33,12 @@ bound_decompression()
 
 
 def open_bag(path: Path) -> RosbagsSource:
-    """A ``.bag`` of ROS 1. Raises whatever rosbags raises for a file that it cannot read."""
+    """Open a ``.bag`` of ROS 1. Raises whatever rosbags raises for a file that it cannot read."""
     return RosbagsSource(BagReader(path), arrivals_in_bag)
 
 
 def open_mcap(path: Path) -> RosbagsSource:
-    """A ``.mcap`` with an index. Raises as `open_bag`, and RecordingError if index or summary is not complete."""
+    """Open a ``.mcap`` with an index. Raises as `open_bag`, and RecordingError if index or summary is not complete."""
     reader = McapReader(path)
     source = RosbagsSource(reader, arrivals_in_mcap, span_in_mcap)
     if (reader.chunks or reader.metadata.message_count) and not _is_summary_complete(reader):
@@ -48,7 +48,7 @@ def open_mcap(path: Path) -> RosbagsSource:
 
 
 def _is_summary_complete(reader: McapReader) -> bool:
-    """Return True if the index and the summary name each channel with its schema, and each message."""
+    """Return True if the index and the summary contain each channel with its schema, and each message."""
     counts: Counter[int] = Counter()
     for chunk in reader.chunks:
         counts.update(chunk.channel_count)
@@ -63,10 +63,10 @@ def _is_summary_complete(reader: McapReader) -> bool:
 
 
 def open_sqlite(path: Path) -> RosbagsSource:
-    """A ``.db3``. Raises as `open_bag`, and RecordingError where rosbags would leave something out in silence."""
-    # rosbags makes a URI of the path, in which these stand for something else: perhaps another file.
+    """Open a ``.db3``. Raises as `open_bag`, and RecordingError if rosbags would silently leave something out."""
+    # rosbags makes a URI of the path, in which these characters have another meaning: it might open another file.
     if set("%?#") & set(str(path)):
-        raise RecordingError(f"{path}: rosbags opens no database whose path holds %, ? or #")
+        raise RecordingError(f"{path}: rosbags opens no database whose path contains %, ? or #")
     if is_cut(path):
         raise RecordingError(f"{path}: SQLite reads zeros at the end of a database that was cut off")
     reader = Sqlite3Reader(path)
@@ -82,8 +82,9 @@ class RosbagsSource:
 
     Args:
         reader: not yet open.
-        arrivals_in: the order of arrival of the messages in the open reader, of all or of some, by its index.
-        span_in: `Source.span_ns` in the open reader by the id of a channel; None: by the arrivals, which are all.
+        arrivals_in: returns the order of arrival of the messages in the open reader, of all or of some, by its index.
+        span_in: returns `Source.span_ns` in the open reader for the id of a channel, or None to use the arrivals, which
+            then contain all messages.
     """
 
     problems: tuple[str, ...] = ()
@@ -95,7 +96,9 @@ class RosbagsSource:
         span_in: Callable[[Any, int], tuple[int, int] | None] | None = None,
     ) -> None:
         reader.open()
-        self._close = finalize(self, reader.close)  # also where nobody closes it: Python would complain of the file
+        self._close = finalize(
+            self, reader.close
+        )  # also if the source is never closed: Python would warn about the open file
         self._reader = reader
         self._arrivals_in, self._span_in = arrivals_in, span_in
         self._connections = {c.id: c for c in reader.connections}
@@ -118,7 +121,7 @@ class RosbagsSource:
 
     @cached_property
     def arrivals(self) -> Arrivals:
-        """The order of arrival, of all messages or of some of each part."""
+        """The order of arrival, of all messages or of some messages of each part."""
         return self._arrivals_in(self._reader)
 
     def span_ns(self, channel: Channel) -> tuple[int, int] | None:
@@ -132,7 +135,7 @@ class RosbagsSource:
     def _messages_in_bag(
         self, connections: list[Connection], start_ns: int | None, stop_ns: int | None
     ) -> Iterator[tuple[Connection, int, bytes]]:
-        """As `BagReader.messages`, which would go through the index from its start to the start that is asked for."""
+        """Yield messages like `BagReader.messages`, which would search the index from its beginning to the start."""
         reader, whole, part = self._reader, self._reader.indexes, {}
         start, stop = (start_ns or 0,), (_NEVER if stop_ns is None else stop_ns,)
         for connection in connections:

@@ -189,7 +189,9 @@ def test_what_is_no_index_is_refused_with_what_writes_one(tmp_path: Path) -> Non
     (tmp_path / "text.parquet").write_text("no")
     pyarrow.parquet.write_table(pyarrow.table({"a": [1]}), tmp_path / "other.parquet")
     for name in ("text.parquet", "other.parquet", "missing.parquet"):
-        with pytest.raises(robowidgets.RecordingError, match=rf"{name} is no index .*robowidgets.index\(\) writes one"):
+        with pytest.raises(
+            robowidgets.RecordingError, match=rf"{name} is not an index .*robowidgets.index\(\) writes one"
+        ):
             drives(tmp_path / name)
     with pytest.raises(ValueError, match=r"expected a name that ends in \.parquet"):
         index(robowidgets.SAMPLE, output=tmp_path / "drives.csv")

@@ -92,7 +92,7 @@ def test_what_cannot_be_kept_is_told_and_loses_nothing(
     monkeypatch.setenv("ROBOWIDGETS_CACHE", str(tmp_path / "no_folder"))
     same = find(NEAR, runs, executor=Here())
     assert rows(same) == rows(hits)
-    assert "results are not kept for the next time" in repr(same)
+    assert "results cannot be stored for the next run" in repr(same)
 
 
 def test_a_line_that_was_cut_as_it_was_kept_is_computed_again(runs: Path, own_cache: Path) -> None:
@@ -215,8 +215,9 @@ def test_a_typo_ends_the_search_after_ten_recordings(tmp_path: Path) -> None:
     hits = find(made("def near(scan): return scna.distance() < 0.3", "near"), tmp_path)
     assert not hits.is_complete
     assert len(hits.unread) == 10
-    assert "stopped because it failed for the first 10 recordings alike: NameError: name 'scna' is not defined" in repr(
-        hits
+    assert (
+        "stopped because it failed in the same way for the first 10 recordings: NameError: name 'scna' is not defined"
+        in repr(hits)
     )
 
 
@@ -393,7 +394,7 @@ def test_files_and_urls_which_have_no_folder_in_common_are_named_whole() -> None
 
 @pytest.mark.parametrize("executor", [3, object()])
 def test_what_has_no_submit_is_no_executor(runs: Path, executor: Any) -> None:
-    with pytest.raises(TypeError, match=r"executor: expected what has submit\(\)"):
+    with pytest.raises(TypeError, match=r"executor: expected an object with submit\(\)"):
         find(NEAR, runs, executor=executor)
 
 

@@ -39,7 +39,7 @@ def test_servers_are_asked_at_once_and_each_answer_is_that_of_its_recording(
     assert list(found) == [*urls, str(robowidgets.SAMPLE), str(missing)]
     assert [found[url].text for url in urls] == [*(f"state of {url}" for url in urls[:2]), None, None]
     assert found[urls[3]].problem == "no permission"
-    assert found[urls[2]].problem == "cannot be looked at: ZeroDivisionError: of a driver"
+    assert found[urls[2]].problem == "its state cannot be read: ZeroDivisionError: of a driver"
     assert str(robowidgets.SAMPLE.stat().st_size) in (found[str(robowidgets.SAMPLE)].text or "")
 
 

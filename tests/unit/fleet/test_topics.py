@@ -75,11 +75,11 @@ def test_a_function_reads_a_topic_without_a_widget_that_is_named(
 def test_a_function_that_may_read_no_topic_is_told_so(with_pressure: Callable[..., Path]) -> None:
     path = with_pressure()
     hits = find(is_late, path)
-    why = "run has no topic that a widget shows: name those that the function reads, as in topics=['/pressure']"
+    why = "run has no topic that a widget shows: name the topics that the function reads, as in topics=['/pressure']"
     assert [one.problem for one in hits.unread] == [why]
     assert [hit.start for hit in find(is_late, path, topics="/pressure")] == [1.2]
     with (
         robowidgets.open(path) as recording,
-        pytest.raises(UnknownTopicError, match="topics names none: name those that the function reads"),
+        pytest.raises(UnknownTopicError, match="topics is empty: name the topics that the function reads"),
     ):
         recording.find(is_late, topics=[])

@@ -86,7 +86,7 @@ def test_the_zeros_of_a_neato_are_not_near(tmp_path: Path) -> None:
 def test_a_scanner_that_changes_its_number_of_rays_has_distances_but_no_column_of_rays(tmp_path: Path) -> None:
     scans = open_rows(tmp_path, [[1.0, 2.0], [3.0], [0.0, 4.0]]).scans()
     np.testing.assert_array_equal(scans.distances(), [1, 3, 4])
-    with pytest.raises(RecordingError, match="its scans are no one array"):
+    with pytest.raises(RecordingError, match="its scans do not form one array"):
         _ = scans.ray_distances
     np.testing.assert_array_equal([group.ray_distances.min() for group in scans.groups], [1, 3])
 

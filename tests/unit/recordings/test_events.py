@@ -118,7 +118,7 @@ class TestTheTable:
         assert len(recording.events("/says")[1].text) == 5000
 
     def test_says_which_topics_tell_of_events(self, recording: Recording) -> None:
-        with pytest.raises(UnknownTopicError, match="'/place' tells of no events: those that do are /rosout, /says"):
+        with pytest.raises(UnknownTopicError, match="'/place' has no events; topics with events: /rosout, /says"):
             recording.events("/place")
         with pytest.raises(UnknownTopicError, match="did you mean '/rosout'"):
             recording.events("/rosut")
@@ -129,7 +129,7 @@ class TestTheTable:
 
     def test_that_would_not_fit_into_memory_is_refused_with_what_to_do(self, recording: Recording) -> None:
         recording.memory = 5000
-        with pytest.raises(RecordingError, match=r"up to 6\.0 s take more than the 5 kB .*: take a span of them"):
+        with pytest.raises(RecordingError, match=r"up to 6\.0 s take more than the 5 kB .*: select a span"):
             recording.events()
         assert len(recording.events(level="WARN")) == 3
 
@@ -163,7 +163,7 @@ class TestFind:
         ]
 
     def test_needs_a_topic_that_tells_of_events(self, recording: Recording) -> None:
-        with pytest.raises(UnknownTopicError, match="'/place' tells of no events"):
+        with pytest.raises(UnknownTopicError, match="'/place' has no events"):
             recording.find(conditions.event("/place"))
 
     def test_is_a_command(self, path: Path, capsys: pytest.CaptureFixture[str]) -> None:

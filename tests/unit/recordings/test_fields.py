@@ -356,7 +356,7 @@ def test_of_a_topic_of_two_types_the_first_is_read_with_a_line(tmp_path: Path) -
     with robowidgets.open(path) as recording:
         assert [moment.message.data for moment in recording.messages("/t")] == ["a", 1.5]
         assert recording.fields("/t")["data"].tolist() == ["a"]
-        line = "/t: the fields are those of std_msgs/msg/String, messages of std_msgs/msg/Float64 are left out of them"
+        line = "/t: the columns have the fields of std_msgs/msg/String; messages of std_msgs/msg/Float64 are left out"
         assert line in recording.problems
 
 

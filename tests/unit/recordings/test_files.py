@@ -410,9 +410,7 @@ class TestMetadata:
         with open(short.parent) as recording:
             assert sum(topic.count for topic in recording.topics) == 30
             assert recording.duration == pytest.approx(29 * STEP_NS / 1e9)
-            assert recording.problems[0] == (
-                "metadata.yaml tells of 60 messages, the files hold 30: read what they hold"
-            )
+            assert recording.problems[0] == ("metadata.yaml states 60 messages, the files hold 30: read the files")
 
     def test_of_another_day_are_not_believed(self, tmp_path: Path) -> None:
         path = write_db3(tmp_path / "x", messages(30))
@@ -420,18 +418,16 @@ class TestMetadata:
         metadata.write_text(metadata.read_text().replace(str(START_NS), str(START_NS + 86_400 * 10**9)))
         with open(path.parent) as recording:
             assert recording.start_ns == START_NS
-            assert recording.problems[0] == (
-                "metadata.yaml tells of another start than the files have: read what they hold"
-            )
+            assert recording.problems[0] == ("metadata.yaml states another start than the files have: read the files")
 
     @pytest.mark.parametrize(
         ("spoil", "problem"),
         [
             (Path.mkdir, "metadata.yaml cannot be read (Is a directory): read the files without it"),
-            (Path.touch, "metadata.yaml is no metadata of rosbag2, or damaged: read the files without it"),
+            (Path.touch, "metadata.yaml is not rosbag2 metadata, or is damaged: read the files without it"),
             (
                 lambda path: path.write_bytes(bytes(600)),
-                "metadata.yaml is no metadata of rosbag2, or damaged: read the files without it",
+                "metadata.yaml is not rosbag2 metadata, or is damaged: read the files without it",
             ),
             (
                 lambda path: path.symlink_to(path),
@@ -454,7 +450,7 @@ class TestMetadata:
         metadata.write_text(stated)
         with open(path.parent) as recording:
             assert recording.duration == pytest.approx(29 * STEP_NS / 1e9)
-            assert recording.problems[0] == "metadata.yaml tells of 90.0 s, the files hold 1.4 s: read what they hold"
+            assert recording.problems[0] == "metadata.yaml states 90.0 s, the files hold 1.4 s: read the files"
 
 
 def test_a_split_whose_last_file_was_not_yet_compressed_is_one_recording(tmp_path: Path) -> None:

@@ -235,9 +235,9 @@ class TestFunctions:
             drive.find(lambda scan: scan.distanc("front"))
 
     def test_a_topic_that_is_not_looked_at_is_named(self, drive: robowidgets.Recording) -> None:
-        with pytest.raises(RecordingError, match="no topic '/odom' is looked at here: those that are: /scan"):
+        with pytest.raises(RecordingError, match="topic '/odom' is not read here; topics that are read: /scan"):
             drive.find(lambda moment: moment["/odom"], topics=["/scan"])
-        with pytest.raises(RecordingError, match="drive has no touch sensors among those that are looked at"):
+        with pytest.raises(RecordingError, match="drive has no touch sensors among the topics that are read"):
             drive.find(lambda moment: moment.touch, topics=["/scan"])
         with pytest.raises(UnknownTopicError, match="no topic '/scam'"):
             drive.find(conditions.when(bool), topics="/scam")
@@ -340,7 +340,7 @@ class TestInterrupts:
         spans = drive.find(stopped)
         assert [(span.start, span.end) for span in spans] == [(2, 3), (6, 6.5)]
         assert (spans.is_complete, spans.until) == (False, 6.5)
-        assert "! stopped at 6.50 s: nothing after that was looked at" in repr(spans)
+        assert "! stopped at 6.50 s: the rest was not searched" in repr(spans)
 
     @pytest.mark.parametrize(
         ("condition", "owner", "step", "until"),

@@ -48,11 +48,10 @@ TOUCHES = "x has several topics of touch sensors (/left_bump, /right_bump): "
         (conditions.touched(), TOUCHES + "name the topic, as in topic='/left_bump'"),
         (
             lambda moment: moment.scan,
-            SCANS + "ask for one, as in moment['/front_scan'], or have one of them looked at, as in "
-            "topics=['/front_scan']",
+            SCANS + "read one, as in moment['/front_scan'], or choose one, as in topics=['/front_scan']",
         ),
-        (lambda moment: moment.speed, SPEEDS + "ask for one, as in moment['/odom']"),
-        (lambda moment: moment.touch, TOUCHES + "ask for one, as in moment['/left_bump']"),
+        (lambda moment: moment.speed, SPEEDS + "read one, as in moment['/odom']"),
+        (lambda moment: moment.touch, TOUCHES + "read one, as in moment['/left_bump']"),
     ],
 )
 def test_one_of_several_is_not_picked_for_you(recording: robowidgets.Recording, condition: Any, text: str) -> None:

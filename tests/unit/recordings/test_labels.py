@@ -81,7 +81,7 @@ def test_a_damaged_line_is_told_and_stays_and_the_others_are_read(drive: Path) -
                 line = {"file": "drive.mcap", "label": name, "start": start, "end": 2.0, "start_ns": 1, "end_ns": 2}
                 lines.write(f"{json.dumps(line)}\n[1]\n")
         assert [one.label for one in recording.labels] == ["door", "wall"]
-        assert sum("no label" in line and FILE in line for line in recording.problems) == 7
+        assert sum("not a label" in line and FILE in line for line in recording.problems) == 7
     assert file.read_bytes().startswith(cut)
 
 
@@ -104,7 +104,7 @@ def test_a_time_without_nanoseconds_is_none_of_a_label(drive: Path, end: str) ->
     (drive.parent / FILE).write_text(f'{{"file": "drive.mcap", "label": "door", "start": 1, "end": {end}}}\n')
     with robowidgets.open(drive) as recording:
         assert recording.labels == ()
-        assert any("line 1" in line and "no label" in line for line in recording.problems)
+        assert any("line 1" in line and "not a label" in line for line in recording.problems)
         with pytest.raises(ValueError, match="at most 1e"):
             recording.label("door", 1.0, 1e300)
 
@@ -143,5 +143,5 @@ def test_what_is_no_label_is_refused(drive: Path) -> None:
         with pytest.raises(ValueError, match="label"):
             recording.label("door", 3.0, 2.0)
         (drive.parent / FILE).mkdir()
-        with pytest.raises(RecordingError, match="the label is not kept"):
+        with pytest.raises(RecordingError, match="the label cannot be saved"):
             recording.label("door", 1.0, 2.0)

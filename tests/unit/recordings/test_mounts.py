@@ -122,10 +122,10 @@ def test_the_doctor_says_nothing_of_a_turn_that_tf_explains_and_shows_the_header
 @pytest.mark.parametrize(
     ("yaw", "what"),
     [
-        (0.0, "/scan: walls move as if the scanner were turned by about 90°, which tf does not say"),
+        (0.0, "/scan: walls move as if the scanner were turned by about 90°, which tf does not contain"),
         (
             -pi / 2,
-            "/scan: the scanner is turned -90.0° by hand, but walls move as if it were turned by about 180° besides",
+            "/scan: the scanner is turned -90.0° by hand, but walls move as if it were also turned by about 180°",
         ),
     ],
 )
@@ -208,7 +208,7 @@ class TestDoctorWithoutTf:
             rows.append((0.1 * i, "/scan", room(x, yaw, mount, 0.1 * i)))
         with robowidgets.open(write(tmp_path / "drive", {"/scan": SCAN, "/odom": ODOM}, rows)) as recording:
             told = [problem.what for problem in recording.doctor().problems if "walls" in problem.what]
-            expected = f"/scan: walls move as if the scanner were {words}, which tf does not say"
+            expected = f"/scan: walls move as if the scanner were {words}, which tf does not contain"
             assert told == ([expected] if words else [])
             if words:
                 recording.mount("laser", mount.yaw, upside_down=mount.upside_down)

@@ -133,7 +133,7 @@ def test_a_follower_takes_the_place_where_its_odometry_starts(show: Show) -> Non
     elsewhere.follow(fast, origin=(1, 2, "90deg"))
     fast.time = 3.0
     assert elsewhere.time == pytest.approx(6.0)
-    with pytest.raises(ValueError, match=r"elsewhere has no place within 0\.5 m of one of fast, .* give origin="):
+    with pytest.raises(ValueError, match=r"elsewhere never comes within 0\.5 m of a place of fast, .* give origin="):
         elsewhere.follow(fast)
     fast.time = 2.0
     assert elsewhere.time == pytest.approx(4.0), "it follows as before"

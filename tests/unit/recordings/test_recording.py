@@ -204,7 +204,7 @@ class TestErrors:
             with pytest.raises(UnknownTopicError) as caught:
                 ask()
             assert str(caught.value) == (
-                "drive has no topic '/scam': those that a widget shows are /scan, /odom, /cmd_vel, /bumper; "
+                "drive has no topic '/scam'; topics with a widget: /scan, /odom, /cmd_vel, /bumper; "
                 "did you mean '/scan'?"
             )
         assert isinstance(caught.value, KeyError)
@@ -214,7 +214,7 @@ class TestErrors:
         with pytest.raises(UnknownTopicError, match=r"'/log' cannot be shown \(no widget shows std_msgs/msg/String\)"):
             recording.samples(["/scan", "/log"])
         topic = Topic("/odd", "my_msgs/msg/Odd", 1, None, None, False, "no definition of its messages")
-        with pytest.raises(UnknownTopicError, match=r"\(no definition of its messages\): those that can are none$"):
+        with pytest.raises(UnknownTopicError, match=r"\(no definition of its messages\): topics that can: none$"):
             check("/odd", (topic,), "drive")
 
     def test_name_a_topic_that_is_no_text(self, recording: Recording) -> None:

@@ -566,7 +566,7 @@ def test_a_scanogram_that_takes_long_at_the_measured_rate_is_left_out_and_a_line
     path = sweeps.write(tmp_path / "long", empty + sweeps.numbered(1200, rays=40)[1:])
     monkeypatch.setattr("robowidgets.player._overview.FEW", 47_999)
     monkeypatch.setattr("robowidgets.player._overview.readings_per_second", lambda *_: 1_000.0)
-    words = "no scanogram: 1,200 scans of 40 rays take about 48 s; recording.show(scanogram=True) has it made"
+    words = "no scanogram: 1,200 scans of 40 rays take about 48 s; recording.show(scanogram=True) makes it"
     for wanted, there, told in ((None, False, words), (False, False, ""), (True, True, "")):
         with shown(path, scanogram=wanted) as player:
             assert (player.scanogram is not None, player.bar._note) == (there, told)

@@ -39,7 +39,7 @@ def test_the_first_type_is_shown_and_the_other_left_out_with_a_line(tmp_path: Pa
     with robowidgets.open(write(tmp_path / "x", first, second)) as recording:
         widget = "laser" if first == SCAN else "speed"
         assert [(topic.type, topic.widget) for topic in recording.topics] == [(first, widget), (second, None)]
-        assert recording.problems == (f"/data: its messages of {first} are shown, those of {second} are left out",)
+        assert recording.problems == (f"/data: its messages of {first} are shown, messages of {second} are left out",)
         assert len(list(recording.samples("/data"))) == 3
         assert len({type(moment.sample) for moment in recording.samples()}) == 1
         player = recording.show()

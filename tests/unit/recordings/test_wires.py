@@ -70,7 +70,7 @@ def test_a_damaged_bag_names_them_too(tmp_path: Path) -> None:
 def test_a_recording_without_names_says_so_and_shows_topics_alone() -> None:
     with robowidgets.open(robowidgets.SAMPLE) as recording:
         wiring = recording.wires().wires.wait()
-        assert (wiring.nodes, wiring.note) == ((), "the recording holds no names of nodes: topics alone")
+        assert (wiring.nodes, wiring.note) == ((), "the recording has no names of nodes: it shows only topics")
         scan = next(one for one in wiring.wires if one.name == "/scan")
         assert scan.rate == pytest.approx(10, abs=0.1)
         assert scan.value.startswith("nearest ")
