@@ -23,6 +23,9 @@ from .console import Console
 pytest.importorskip("zensical", reason="the generator of the site is not installed: pip install --group site")
 pytestmark = pytest.mark.xdist_group("docs")  # the site is built once for all
 
+RUN = ("laser", "laser_layers", "camera", "cloud")
+"""The pages whose blocks are run."""
+
 FIRST_VIEW = 1_000_000
 """Bytes, as a web server sends them that compresses."""
 
@@ -34,7 +37,7 @@ class _Quiet(SimpleHTTPRequestHandler):
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The folder of the site, whose pages on the laser have run."""
+    """The folder of the site."""
     folder = tmp_path_factory.mktemp("site") / "built"
     subprocess.run(
         [
