@@ -1,4 +1,4 @@
-"""What the topics of a robot say, and how often, while somebody looks."""
+"""The newest values of a robot's topics, and their rates, while a view shows them."""
 
 from __future__ import annotations
 
@@ -24,32 +24,32 @@ from .middleware import FeedError
 log = logging.getLogger("robowidgets")
 
 PERIOD = 0.5
-"""Seconds between two looks."""
+"""Seconds between two updates."""
 
 MOST_HEARD = 60
-"""Topics that are listened to at most, beside those that are connected to something."""
+"""The largest number of topics to follow, in addition to topics that are connected to a target."""
 
 FAST = 100.0
-"""Messages per second from which a topic is only glanced at, as one with large messages is."""
+"""Messages per second from which a topic is only probed, as a topic with large messages is."""
 
 GLANCE = 3
-"""Messages of a large topic in a glance, at least, which give a rate."""
+"""The least number of messages of a large topic in a probe, enough for a rate."""
 
 PATIENCE = 2.0
-"""Seconds for which a glance lasts at most."""
+"""The longest duration of a probe, in seconds."""
 
 PAUSE = 15.0
-"""Seconds between two glances at a topic."""
+"""Seconds between two probes of a topic."""
 
 
 class Listened(TopicLink, Protocol):
-    """A connection, as this knows it."""
+    """The part of a connection that is used here."""
 
     functions: FunctionCaller
 
     @property
     def is_closed(self) -> bool:
-        """Whether nothing comes any more."""
+        """True once no message can come any more."""
 
     @property
     def connected(self) -> dict[str, tuple[Target, ...]]:
@@ -57,16 +57,16 @@ class Listened(TopicLink, Protocol):
 
 
 class Heard:
-    """The messages of a topic, as far as they are counted and the last one is kept.
+    """The statistics and the last message of a topic.
 
     Attributes:
-        count: the number of messages that came.
-        came_at: when the last one came.
-        message: the last one.
-        rate: messages per second; None while it is unknown.
-        is_glanced_at: whether it is listened to now and then alone, so that its count says little.
-        is_missed: whether nothing came in the whole of the last glance at it.
-        has_seen_enough: True once the end of a glance was asked for.
+        count: the number of received messages.
+        came_at: the time of the last message.
+        message: the last message.
+        rate: messages per second, or None while unknown.
+        is_glanced_at: True if the topic is only probed now and then, so that its count is incomplete.
+        is_missed: True if no message came during the whole last probe.
+        has_seen_enough: True once the end of a probe was requested.
     """
 
     def __init__(self) -> None:
@@ -75,11 +75,11 @@ class Heard:
         self.is_glanced_at = self.is_missed = False
         self.target: Target | None = None
         self.again_at = float("-inf")
-        """The time from which it is glanced at again."""
+        """The time from which the topic may be probed again."""
         self.begin(float("-inf"))
 
     def begin(self, until: float) -> None:
-        """Measure the rate anew: nobody listened for a while."""
+        """Start a new measurement of the rate, after a time without a subscription."""
         self.until, self._first_at, self.came, self.is_measured = until, 0.0, 0, False
         self.has_seen_enough = False
         self._meter = RateMeter()
@@ -91,12 +91,12 @@ class Heard:
         self.is_missed = False
 
     def count_replaced(self, count: int) -> None:
-        """Count messages that were left out for the next one; not before the first, whose time a rate begins with."""
+        """Count messages that a later one replaced, but not before the first, because the rate counts from its time."""
         if self.came:
             self.count, self.came = self.count + count, self.came + count
 
     def measure(self) -> None:
-        """Measure the rate; again and again, since the meter sees the counter only then."""
+        """Measure the rate. It is called repeatedly, because the meter samples the counter only then."""
         rate = self._meter.rate(self.came, self.came_at)
         if not isfinite(rate) and self.is_glanced_at and self.shows_rate:
             rate = (self.came - 1) / (self.came_at - self._first_at)
@@ -105,12 +105,12 @@ class Heard:
 
     @property
     def shows_rate(self) -> bool:
-        """True if a glance has seen enough messages for a rate, over a time in which a burst says little."""
+        """True if a probe has seen enough messages for a rate, over a time long enough to average bursts."""
         return self.came >= GLANCE and self.came_at - self._first_at >= SHORTEST
 
     @property
     def tells_silence(self) -> bool:
-        """Whether its age says that a message is missing: not where nobody listened since."""
+        """True if its age shows a missing message, which is not known while the topic is not subscribed to."""
         return not self.is_glanced_at or self.is_missed
 
     def age(self, now: float) -> float:
@@ -124,14 +124,14 @@ class _Looker(NamedTuple):
 
 
 class Listening:
-    """Listens to topics of a feed while somebody looks, and for a moment after that.
+    """Subscriptions to topics of a feed while a view shows them, and for a moment after that.
 
-    It listens on to those that are small and slow. At a topic of large messages, or of very many, it glances now and
-    then, at one after the other, unless something else takes its messages anyway.
+    Small and slow topics stay subscribed to. A topic with large or very frequent messages is probed now and then, one
+    topic at a time, unless another target gets its messages anyway.
 
     Args:
-        connection: that of the feed.
-        scheduler: has the time.
+        connection: the connection of the feed.
+        scheduler: the scheduler of its timers, with their clock.
     """
 
     def __init__(self, connection: Listened, scheduler: Scheduler = threads) -> None:
@@ -144,11 +144,11 @@ class Listening:
         self._log = LogOnce(log.error)
 
     def look(self, on_heard: Callable[[bool], object], names: Callable[[], Iterable[str]] | None) -> None:
-        """Somebody looks at topics, and has to say so again within `SEEN_FOR`.
+        """Follow topics for a view, which must call this again within `SEEN_FOR`.
 
         Args:
-            on_heard: called with True twice a second, in the thread of timers, and with False when that ends.
-            names: returns the names of the topics, the most wanted first; None: nobody looks any more.
+            on_heard: called with True twice a second, in the thread of timers, and with False when following ends.
+            names: returns the names of the topics, the most wanted first; or None to end following.
         """
         with self._lock:
             if names is None:
@@ -162,17 +162,17 @@ class Listening:
         self._scheduler.call_at(self._now(), self._tick)
 
     def of(self, topic: str) -> Heard | None:
-        """What was heard of a topic; None while nobody listens to it."""
+        """Return the statistics of a topic, or None while it is not followed."""
         return self._heard.get(topic)
 
     @property
     def now(self) -> float:
-        """The time in seconds."""
+        """The current time in seconds."""
         return self._now()
 
     @property
     def used(self) -> set[str]:
-        """The topics whose messages something else takes."""
+        """The topics whose messages another target gets."""
         used = {function.topic for function in self._connection.functions.functions}
         for name, targets in self._connection.connected.items():
             heard = self._heard.get(name)
@@ -181,7 +181,7 @@ class Listening:
         return used
 
     def _tick(self) -> None:
-        """Listen to what is to be seen, and have it shown; or end that. In the thread of timers."""
+        """Update the subscriptions and the views, or end them. It runs in the thread of timers."""
         with self._lock:
             now, is_closed = self._now(), self._connection.is_closed
             gone = [one for one, looker in self._lookers.items() if is_closed or now >= looker.until]
@@ -190,7 +190,7 @@ class Listening:
             lookers = dict(self._lookers)
             self._ticks = bool(lookers)
         try:
-            with suppress(FeedError):  # it was closed meanwhile, and says so
+            with suppress(FeedError):  # the feed was closed in the meantime, and reports it itself
                 self._hear([name for looker in lookers.values() for name in looker.names()], now)
             for heard in list(self._heard.values()):
                 heard.measure()
@@ -201,14 +201,14 @@ class Listening:
                 self._scheduler.call_at(now + PERIOD, self._tick)
 
     def _tell(self, on_heard: Callable[[bool], object], is_seen: bool) -> None:
-        """Have what was heard shown; a message that one of those who look cannot show holds up no other."""
+        """Update a view. An error of one view, for example for a message, does not stop the others."""
         try:
             on_heard(is_seen)
         except Exception as error:
-            self._log(f"what topics say could not be shown: {type(error).__name__}: {error}", exc_info=True)
+            self._log(f"the values of topics could not be shown: {type(error).__name__}: {error}", exc_info=True)
 
     def _hear(self, names: Iterable[str], now: float) -> None:
-        """Listen to these topics, and to no others."""
+        """Follow these topics, and no others."""
         topics, used = {topic.name: topic for topic in self._connection.topics}, self.used
         wanted = dict.fromkeys(name for name in names if name in topics)
         unused = [name for name in wanted if name not in used and topics[name].offered and topics[name].type]
@@ -232,7 +232,7 @@ class Listening:
                 self._connection.attach_target(name, heard.target)
 
     def _let_go(self, name: str) -> None:
-        """Listen to a topic no longer, for some time."""
+        """End the subscription to a topic for some time."""
         with self._lock:
             heard = self._heard.get(name)
             if heard is None or heard.target is None:
@@ -242,7 +242,7 @@ class Listening:
         self._connection.detach(name, target)
 
     def _take(self, name: str, heard: Heard, message: Any) -> None:
-        """Keep a message. In the thread of the transport."""
+        """Keep a message. It runs in the thread of the transport."""
         now = self._now()
         heard.take(message, now)
         if heard.is_glanced_at and heard.shows_rate and not heard.has_seen_enough:
@@ -250,7 +250,7 @@ class Listening:
             self._scheduler.call_at(now, partial(self._end_glance, name))
 
     def _end_glance(self, name: str) -> None:
-        """A glance has shown enough messages, if they are large. In the thread of timers."""
+        """End a probe of large messages that has seen enough. It runs in the thread of timers."""
         heard = self._heard.get(name)
         topic = next((topic for topic in self._connection.topics if topic.name == name), None)
         if heard is not None and topic is not None and heard.is_glanced_at and is_large(topic.type):

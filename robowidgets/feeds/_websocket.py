@@ -185,7 +185,7 @@ class WebSocket:
         taken = threading.Lock()  # by the thread of the connection to send the frame, or by this one to drop it
         with self._lock:
             if self._connection is None or self._loop is None:
-                raise FeedError(f"there is no connection to {self._shown}")
+                raise FeedError(f"not connected to {self._shown}")
             sending = asyncio.run_coroutine_threadsafe(self._publish(frame, confirm, taken), self._loop)
         sending.add_done_callback(self._note_published)
         until = self._clock.now() + SEND_TIMEOUT

@@ -70,7 +70,7 @@ class Foxglove(Bridge):
         """See `Middleware`."""
         info = self._info
         if info is None:
-            raise FeedError(f"there is no connection to {self.where}")
+            raise FeedError(f"not connected to {self.where}")
         if "clientPublish" not in strings(info.get("capabilities")):
             raise FeedError(
                 f"{self.where} takes no messages: its server does not offer clientPublish; "

@@ -246,7 +246,8 @@ def test_a_type_that_nobody_defines_is_named(dds: Dds, heard: Ears, robot: Robot
     publish_until(robot, lambda: heard.troubles, "it is said", "/riddle", "Mystery", "?")
     assert heard.words("/riddle") == (
         "/riddle comes as nobody_msgs/msg/Mystery, a type that is not known here: "
-        "robowidgets.messages.add_definitions(folder) takes its .msg files; feeds.ros2 and feeds.foxglove need none"
+        "add its .msg files with robowidgets.messages.add_definitions(folder), or use feeds.ros2 or feeds.foxglove, "
+        "which do not need them"
     )
 
 
@@ -516,7 +517,9 @@ def test_a_robot_that_comes_back_gets_the_zero_that_was_sent_meanwhile(
     assert robot.heard()["linear"]["x"] == 0.5
     robot.do("end")
     wait_for(lambda: heard.topics == [], "it is gone")
-    with pytest.raises(TimeoutError, match="nobody listens to /cmd_vel any more: who was driven may not be reached"):
+    with pytest.raises(
+        TimeoutError, match="/cmd_vel has no subscriber any more: the robot that was driven may be unreachable"
+    ):
         dds.publish("/cmd_vel", TWIST, {"linear": {"x": 0.0}})
     again = start()
     again.do("hear", "/cmd_vel", "Twist", reliable)
@@ -838,7 +841,7 @@ def test_each_line_of_rosout_is_an_event(robot: Robot) -> None:
 
 
 def test_the_guard_of_another_kernel_is_another_publisher_and_ours_is_not(robot: Robot) -> None:
-    told = "somebody else publishes /cmd_vel, too"
+    told = "another node publishes /cmd_vel, too"
     with Feed(Dds(DOMAIN, interface="lo")) as feed:
         robot.hear("/cmd_vel", "Twist")
         wait_for(lambda: any(topic.name == "/cmd_vel" for topic in feed.topics), "the robot is found")

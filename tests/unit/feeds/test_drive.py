@@ -440,7 +440,7 @@ def test_an_error_of_any_kind_does_not_keep_the_next_zero_from_being_sent(
         patch.setattr(script, "publish", cut)
         clock.advance(0.2)
         wait_for(lambda: caplog.records, "it is logged")
-        assert caplog.records[0].message == "the robot could not be told to stop: the wire is cut"
+        assert caplog.records[0].message == "sending zero to the robot failed: the wire is cut"
     clock.advance(RETRY)
     assert script.speeds[-1] == (0.0, 0.0)
     wait_for(lambda: clock.advance(0.1) or _driving_threads() == [], "the thread ends")
@@ -644,7 +644,7 @@ def test_a_zero_that_cannot_be_sent_is_logged(driven: Driven, caplog: pytest.Log
     script.broken = "the script is read only"
     with pytest.raises(FeedError, match="cannot stop: the script is read only; zero follows when it can be sent"):
         feed.stop()
-    text = "the robot could not be told to stop: the script is read only"
+    text = "sending zero to the robot failed: the script is read only"
     wait_for(lambda: [record.message for record in caplog.records] == [text], "it is logged")
 
 
@@ -652,15 +652,15 @@ def test_a_robot_that_nobody_hears_is_told_once(driven: Driven, caplog: pytest.L
     feed, _ = driven(SCAN)
     feed.drive(0.1)
     feed.drive(0.1)
-    assert feed.drive_status == "nobody listens to /cmd_vel"
-    assert [r.message for r in caplog.records] == ["the script: nobody listens to /cmd_vel"]
+    assert feed.drive_status == "/cmd_vel has no subscriber"
+    assert [r.message for r in caplog.records] == ["the script: /cmd_vel has no subscriber"]
 
 
 def test_a_stop_that_nobody_hears_is_told_once(driven: Driven, caplog: pytest.LogCaptureFixture) -> None:
     feed, _ = driven(SCAN)
     feed.stop()
     feed.stop()
-    assert [r.message for r in caplog.records] == ["the script: nobody listens to /cmd_vel"]
+    assert [r.message for r in caplog.records] == ["the script: /cmd_vel has no subscriber"]
 
 
 def test_that_nobody_listens_is_not_said_while_nothing_is_connected(
@@ -674,7 +674,7 @@ def test_that_nobody_listens_is_not_said_while_nothing_is_connected(
     feed.drive(0.1)
     assert (feed.drive_status, caplog.records) == ("", [])
     script.listener.on_topics([SCAN])
-    assert feed.drive_status == "nobody listens to /cmd_vel"
+    assert feed.drive_status == "/cmd_vel has no subscriber"
 
 
 def test_where_no_robot_is_driving_and_stopping_say_what_to_compare(
@@ -698,7 +698,9 @@ def test_where_no_robot_is_driving_and_stopping_say_what_to_compare(
 
 ROBOT_1, ROBOT_2 = (CMD_VEL._replace(name=f"/robot{number}/cmd_vel") for number in (1, 2))
 NAME_IT = r"; name the topic of your robot: feed.driving = feeds.Driving\(topic='/robot1/cmd_vel'\)"
-TAKEN = "the script: nobody listens to /cmd_vel: speeds go to /robot1/cmd_vel, where alone somebody does"
+TAKEN = (
+    "the script: /cmd_vel has no subscriber; sending speeds to /robot1/cmd_vel, the only velocity topic that has one"
+)
 
 
 def test_the_only_topic_of_speeds_that_is_heard_is_driven_and_that_is_said_once(
@@ -735,7 +737,7 @@ def test_stop_pads_and_programs_take_the_only_topic_that_is_heard_as_drive_does(
 
 def test_of_several_topics_that_are_heard_none_is_driven_and_all_are_named(driven: Driven) -> None:
     feed, script = driven(SCAN, ROBOT_1, ROBOT_2)
-    words = f"nobody listens to /cmd_vel, but to /robot1/cmd_vel and /robot2/cmd_vel{NAME_IT}"
+    words = f"/cmd_vel has no subscriber, unlike /robot1/cmd_vel and /robot2/cmd_vel{NAME_IT}"
     with pytest.raises(FeedError, match=f"cannot drive: {words}"):
         feed.drive(0.1)
     with pytest.raises(FeedError, match=f"cannot stop: {words}"):
@@ -757,7 +759,7 @@ def test_of_several_topics_that_are_heard_none_is_driven_and_all_are_named(drive
 def test_a_topic_that_was_set_stays_and_stopping_where_nobody_hears_it_says_who_is_heard(driven: Driven) -> None:
     feed, script = driven(SCAN, ROBOT_1, topic="/cmd_vel")
     feed.drive(0.1)
-    with pytest.raises(FeedError, match=f"cannot stop: nobody listens to /cmd_vel, but to /robot1/cmd_vel{NAME_IT}"):
+    with pytest.raises(FeedError, match=f"cannot stop: /cmd_vel has no subscriber, unlike /robot1/cmd_vel{NAME_IT}"):
         feed.stop()
     assert {topic for topic, _, _ in script.sent} == {"/cmd_vel"}
 
@@ -888,7 +890,7 @@ def test_stop_latches_until_it_is_released(driven: Driven) -> None:
     feed.stopped = True
     wait_for(lambda: script.speeds == [(0.3, 0.0), (0.0, 0.0)], "zero is sent")
     assert feed.stopped
-    with pytest.raises(FeedError, match="cannot drive: stop is latched until somebody releases it"):
+    with pytest.raises(FeedError, match="cannot drive: stop is latched; release it first"):
         feed.drive(0.2)
     feed.stop()
     feed.stopped = False
@@ -916,7 +918,7 @@ def test_a_robot_that_needs_a_page_is_not_driven_without_one(driven: Driven, mon
     [
         (("/teleop",), "/teleop publishes /cmd_vel, too"),
         (("/nav", "/teleop"), "/nav, /teleop publishes /cmd_vel, too"),
-        ((), "somebody else publishes /cmd_vel, too"),
+        ((), "another node publishes /cmd_vel, too"),
     ],
 )
 def test_who_else_publishes_speeds_is_named(driven: Driven, others: tuple[str, ...], words: str) -> None:

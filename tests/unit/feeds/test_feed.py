@@ -557,7 +557,7 @@ def test_a_forked_process_is_told_that_the_feed_stayed_behind_whoever_held_its_l
     with open(reading) as answer:
         said = answer.read().splitlines()
     os.waitpid(child, 0)
-    words = "the feed of the script stayed with the process that was forked: open it again"
+    words = "the feed of the script belongs to the parent of this forked process: open it again"
     assert said == [words] * 4 + ["[(0.1, 0.0)] 0"]
     feed.stop()
     assert script.speeds == [(0.1, 0.0), (0.0, 0.0)]

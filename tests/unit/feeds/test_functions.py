@@ -408,7 +408,7 @@ def test_a_feed_that_was_opened_anew_says_which_functions_of_other_cells_it_drop
     first.connect("/scan", in_notebook(lambda _: None, "behave"))
     cell[:] = "feed", "run 3"
     with Feed(Scripted(SCAN)):
-        words = "the feed was opened anew; no longer connected: `behave` (/scan). Run their cells again"
+        words = "the feed was opened again; no longer connected: `behave` (/scan). Run their cells again"
         assert [record.message for record in caplog.records] == [words]
         assert first.connection.is_closed
 

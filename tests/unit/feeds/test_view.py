@@ -84,9 +84,9 @@ def test_topics_that_appear_later_get_a_widget_too(opened: Opened) -> None:
     script.listener.on_lost("refused", 1.0)
     assert words(view) == "cannot reach the script, trying again in 1 s: refused"
     script.listener.on_connected()
-    assert words(view) == ("connected to the script, waiting to hear which topics there are; connect() takes any")
+    assert words(view) == ("connected to the script, waiting for its topics; connect() accepts any name")
     script.listener.on_topics([])
-    assert words(view) == "connected to the script, where there is no topic yet"
+    assert words(view) == "connected to the script, which has no topics yet"
     script.listener.on_topics([IMU])
     assert on_page(view) == ["/imu"], "as no topic has a widget for its kind"
     assert words(view) == ""
