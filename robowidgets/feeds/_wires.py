@@ -1,4 +1,4 @@
-"""The wires of a running robot: who publishes and subscribes to what, and what the notebook does with it."""
+"""The graph of a running robot: publishers and subscribers of each topic, and the parts of the notebook that use it."""
 
 from __future__ import annotations
 
@@ -21,16 +21,16 @@ from ._topics import FeedTopic, brief_of, unlisted
 from .middleware import FeedError
 
 _MOST_GOT = 120
-"""Characters for all that a step got."""
+"""The largest number of characters for the inputs of a step."""
 
 
 class FeedWires(Observed):
-    """The wires of a feed, for its widget: see `robowidgets.wires_widget.WiresSource`.
+    """The graph of a feed, for its widget. See `robowidgets.wires_widget.WiresSource`.
 
-    It listens to topics, and has the middleware ask for nodes, while somebody looks, and for a moment after that.
+    It follows topics, and makes the middleware request nodes, while the widget is in view and for a moment after that.
 
     Args:
-        connection: that of the feed.
+        connection: the connection of the feed.
     """
 
     def __init__(self, connection: Connection) -> None:
@@ -86,20 +86,20 @@ class FeedWires(Observed):
         ]
         note = ""
         if not tells and topics:
-            note = "the robot tells no nodes: topics alone"
+            note = "the robot does not report nodes, only topics"
         elif tells and unasked:
             asked = len(connection.adverts) - unasked
-            note = f"asking who publishes what: {asked} of {many(len(connection.adverts), 'topic')} so far"
+            note = f"requesting publishers and subscribers: {asked} of {many(len(connection.adverts), 'topic')} so far"
         return Wiring(tuple(wires), parts, tells, note)
 
     def _on_heard(self, is_seen: bool) -> None:
-        """Have what was heard shown; or end that. In the thread of timers."""
-        with suppress(FeedError):  # it was closed meanwhile, and says so
+        """Show the newest values, or end that. It runs in the thread of timers."""
+        with suppress(FeedError):  # the feed was closed in the meantime, and reports it itself
             self._connection.middleware.ask_for_nodes(is_seen)
         self._call_observers()
 
     def _worth_hearing(self) -> list[str]:
-        """The topics to listen to: not those that every node has, unless something takes their messages anyway."""
+        """Return the topics to follow. Topics that every node has are followed only if another target gets them."""
         topics, used = self._connection.topics, self._connection.listening.used
         others = [topic.name for topic in topics if topic.name not in used and not is_infrastructure(topic.name)]
         return [*used, *others]

@@ -160,8 +160,8 @@ def test_stop_acts_on_press_stays_in_its_place_and_is_released_by_hand_or_by_cod
     )
     says(nb, "nobody drives")
     assert (-0.3, 0) in [tuple(speed) for _, *speed in eval(nb.python("heard"))]
-    nb.python("feed.connection.on_unheard('/cmd_vel', 'the robot does not take what is sent'); feed.watchdog.stop()")
-    says(nb, "nobody drives", "the robot does not take what is sent")
+    nb.python("feed.connection.on_unheard('/cmd_vel', 'the robot does not accept data'); feed.watchdog.stop()")
+    says(nb, "nobody drives", "the robot does not accept data")
 
 
 IN_A_BOX = FEED.replace(

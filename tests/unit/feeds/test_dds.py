@@ -790,7 +790,7 @@ def test_a_domain_without_a_robot_says_what_to_compare_until_there_is_one(
     first = 7400 + 250 * DOMAIN
     assert heard.nobody == (
         f"no robot in domain {DOMAIN}. Is {DOMAIN} the robot's ROS_DOMAIN_ID? Does a firewall block the UDP ports "
-        f"{first} to {first + 249}? On 'lo' only this machine is heard."
+        f"{first} to {first + 249}? 'lo' reaches only this machine."
     )
     wait_for(lambda: heard.topics == [], "then the topics count as known")
     robot = start(lease="1s")  # after which others miss it, not after Cyclone's ten seconds
@@ -805,7 +805,7 @@ def test_a_domain_without_a_robot_says_what_to_compare_until_there_is_one(
 def test_on_other_interfaces_what_to_compare_names_them(monkeypatch: pytest.MonkeyPatch) -> None:
     names = [(1, "lo"), (2, "docker0"), (3, "wlan0"), (4, "eth0")]
     monkeypatch.setattr(socket, "if_nameindex", lambda: names)
-    network = "Is it in another network, as in dds(7, interface='wlan0')? There are docker0, wlan0"
+    network = "Is it in another network? Then use dds(7, interface='wlan0'). The interfaces are docker0, wlan0"
     assert Dds(7)._no_robot().endswith(f" {network}, eth0.")
     assert Dds(7, interface="eth0")._no_robot().endswith(f" {network}.")
     names[:] = names[:1]

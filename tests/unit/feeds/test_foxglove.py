@@ -235,7 +235,7 @@ def test_a_refused_connection_is_told_and_tried_again_ever_more_rarely(ears: Ear
     wait_for(lambda: len(ears.lost) == 2, "it was tried twice")
     middleware.close()
     assert ears.lost[0] == (
-        f"nothing listens at {address}; is the robot's bridge running, and the port right? Usual are 8765 for "
+        f"nothing listens at {address}; is the robot's bridge running, and the port right? The usual ports are 8765 for "
         "foxglove_bridge and 9090 for rosbridge"
     )
     assert ears.pauses[0] < ears.pauses[1]
@@ -394,7 +394,7 @@ def test_a_publisher_that_the_bridge_cannot_make_is_told(text: str, is_told: boo
         server.log(1, cdr())
         wait_for(lambda: ears.messages, "what follows came")
         middleware.close()
-    assert ears.unheard.get("/cmd_vel", "") == (f"the robot's bridge says: {text}" if is_told else "")
+    assert ears.unheard.get("/cmd_vel", "") == (f"the robot's bridge reports: {text}" if is_told else "")
 
 
 class Taken(ServerListener):
@@ -527,8 +527,14 @@ def _speeds(server: OldFoxglove) -> list[float]:
 @pytest.mark.parametrize(
     ("info", "words"),
     [
-        ({}, "takes no messages: its server does not offer clientPublish; foxglove_bridge does when its parameter"),
-        ({"capabilities": ["clientPublish"]}, "takes messages in none at all, of which we write none"),
+        (
+            {},
+            "accepts no messages: its server does not offer clientPublish; foxglove_bridge offers it if its parameter",
+        ),
+        (
+            {"capabilities": ["clientPublish"]},
+            "accepts messages in no encoding, but robowidgets writes only cdr, ros1 and json",
+        ),
     ],
 )
 def test_a_robot_that_takes_no_messages_is_an_error(info: dict[str, Any], words: str, ears: Ears) -> None:
@@ -570,7 +576,7 @@ def test_a_server_that_says_odd_things_is_heard_no_less(ears: Ears) -> None:
         wait_for(lambda: ears.of(name), "the message came")
         middleware.close()
         assert server.opened == 1
-    assert f"{server.address} does not speak foxglove: it said 'no JSON'" in ears.said
+    assert f"{server.address} does not speak foxglove: it sent 'no JSON'" in ears.said
 
 
 def test_what_the_robot_says_of_a_topic_is_told_of_that_topic(ears: Ears) -> None:
@@ -581,7 +587,7 @@ def test_what_the_robot_says_of_a_topic_is_told_of_that_topic(ears: Ears) -> Non
         server.send({"op": "status", "level": 2, "message": "no\npublisher of /scan_2"})
         wait_for(lambda: ears.said, "it was told")
         middleware.close()
-    assert ears.troubles == {"/scan_2": "the robot's bridge says: no publisher of /scan_2"}
+    assert ears.troubles == {"/scan_2": "the robot's bridge reports: no publisher of /scan_2"}
 
 
 def test_every_event_of_a_bumper_is_handed_on(ears: Ears) -> None:

@@ -105,7 +105,7 @@ def test_in_json_null_is_no_measurement_and_what_it_hides_is_told(ears: Ears, in
         assert server.subscribed["/scan"]["compression"] == "none"
     assert validities(ears.of("/scan")[0]) == [Validity.READING, Validity.NO_MEASUREMENT, Validity.NO_MEASUREMENT]
     assert ears.said == [
-        "the robot sends null for nothing in range as for no measurement: they cannot be told apart; "
+        "the robot sends null both for nothing in range and for no measurement: they cannot be distinguished; "
         "with cbor2 installed here they can"
     ]
 
@@ -227,7 +227,7 @@ def test_a_topic_may_come_after_it_was_connected_and_change_its_type(
 def test_without_rosapi_topics_are_heard_and_the_lack_is_told(ears: Ears, quick: None) -> None:
     with Server({}, rosapi=False) as server:
         middleware = opened(server.address, ears, "/scan")
-        words = "waiting for /scan; which topics there are cannot be told: the robot runs no rosapi"
+        words = "waiting for /scan; the list of topics is unknown, because the robot runs no rosapi"
         wait_for(lambda: words in ears.said, "it was told")
         server.topics = {"/scan": SCAN}
         wait_for(lambda: "/scan" in server.subscribed, "it asked again until it was there")
@@ -243,7 +243,7 @@ def test_a_server_that_answers_no_question_is_one_without_rosapi(ears: Ears, qui
         server._call_service = lambda *_: None  # type: ignore[method-assign]
         middleware = opened(server.address, ears, "/scan")
         wait_for(lambda: "/scan" in server.subscribed, "it subscribed all the same")
-        assert ears.said == ["waiting for /scan; which topics there are cannot be told: the robot runs no rosapi"]
+        assert ears.said == ["waiting for /scan; the list of topics is unknown, because the robot runs no rosapi"]
         middleware.close()
 
 

@@ -522,7 +522,7 @@ def test_what_a_robot_does_not_take_in_time_is_an_error_and_not_sent_later(
             stream.socket.setsockopt(socket.SOL_SOCKET, buffer, 65_536)
     go_on = server.stall()
     errors = [late(middleware, clock, {"data": 4_000_000 * "x", "i": i}) for i in range(6)]
-    assert {str(error) for error in errors} == {f"{server.address} does not take what is sent"}
+    assert {str(error) for error in errors} == {f"{server.address} does not accept data"}
     begun, *dropped = map(type, errors)
     assert begun is TimeoutError, "a part of it is sent, and the rest follows"
     assert set(dropped) == {FeedError}

@@ -81,9 +81,9 @@ def test_nodes_and_topics_are_as_the_middleware_names_them(wires: FeedWires) -> 
 def test_a_robot_that_tells_no_nodes_shows_topics_alone_and_says_so(script: Scripted, wires: FeedWires) -> None:
     script.listener.on_topics([Advert("/scan", LASER.type)])
     assert (wires.wiring.nodes, wires.wiring.tells_nodes) == ((), False)
-    assert wires.wiring.note == "the robot tells no nodes: topics alone"
+    assert wires.wiring.note == "the robot does not report nodes, only topics"
     script.listener.on_topics([LASER, Advert("/odom", "nav_msgs/msg/Odometry")])
-    assert wires.wiring.note == "asking who publishes what: 1 of 2 topics so far"
+    assert wires.wiring.note == "requesting publishers and subscribers: 1 of 2 topics so far"
 
 
 def test_rates_and_values_come_while_somebody_looks_and_cost_nothing_after(
