@@ -272,7 +272,7 @@ class CommandWatchdog(Observed):
                 request.done = True
             else:
                 self._speeds.append(request)
-            self._wake()
+            self._wake_sender()
         return request
 
     def stop(self) -> Request:
@@ -424,7 +424,7 @@ class CommandWatchdog(Observed):
         else:
             self.stops += 1
 
-    def _wake(self) -> None:
+    def _wake_sender(self) -> None:
         if self._thread is None:
             thread = threading.Thread(target=self._run, name="robowidgets-drive", daemon=True)
             run_beside_debugger(thread)
@@ -445,7 +445,7 @@ class CommandWatchdog(Observed):
         self.stops += 1
         request = Request()
         self._zeros.append(request)
-        self._wake()
+        self._wake_sender()
         return request
 
     def _run(self) -> None:

@@ -82,7 +82,7 @@ class Bridge(ThreadedMiddleware):
             ) from None
         self._start_thread(f"robowidgets {self.where}", listener)
 
-    def _wake(self) -> None:
+    def _wake_session(self) -> None:
         if self._socket is not None:
             if self._closed.is_set():
                 self._socket.cancel()

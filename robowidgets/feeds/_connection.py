@@ -38,7 +38,7 @@ from .middleware import Advert, FeedError, Middleware
 
 log = logging.getLogger("robowidgets")
 
-PATIENCE = 2.0
+DISCOVERY_TIMEOUT_S = 2.0
 """Seconds after opening for which `show`, `drive` and `stop` wait for the topics and for a subscriber."""
 
 
@@ -303,7 +303,7 @@ class Connection(Observed):
     @property
     def is_settled(self) -> bool:
         """True once the topics are listed and there was time to discover them after opening."""
-        return self.is_listed and self.clock.now() >= self._opened + PATIENCE
+        return self.is_listed and self.clock.now() >= self._opened + DISCOVERY_TIMEOUT_S
 
     @property
     def page_name(self) -> str:
@@ -334,18 +334,18 @@ class Connection(Observed):
             there = {topic.name for topic in self.topics if topic.widget or asked_of_type(topic.type)}
             return there.issuperset(topic_and_field(name, there)[0] for name in names)
 
-        self.wait_until(are_there, PATIENCE)
+        self.wait_until(are_there, DISCOVERY_TIMEOUT_S)
 
     def await_subscriber(self, topic: str) -> None:
         """Wait on a newly opened feed for the connection and for a subscriber of a topic."""
         self.wait_until(
             lambda: self._reached and (self.status not in ("", self.nobody) or self._has_subscriber(topic)),
-            self._opened + PATIENCE - self.clock.now(),
+            self._opened + DISCOVERY_TIMEOUT_S - self.clock.now(),
         )
 
     def why_missing(self, topic: str) -> str:
         """Return the reason why a connected topic will send nothing until something changes, or empty if unknown."""
-        if self.clock.now() < self._opened + PATIENCE:
+        if self.clock.now() < self._opened + DISCOVERY_TIMEOUT_S:
             return ""
         subscription = self._table.by_topic.get(topic)
         return self.status or ("" if subscription is None else subscription.why_missing(self._table.topics))

@@ -36,7 +36,7 @@ from ..stop_widget import StopWidget
 from ..topics_widget import TopicNow, TopicRow, TopicsWidget
 from ..wires_widget import WiresWidget
 from ._connection import Connection
-from ._listening import Heard
+from ._listening import TopicStats
 from ._probes import Probes
 from ._topics import FeedTopic, brief_of
 from ._wires import FeedWires
@@ -146,7 +146,7 @@ class FeedView(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no type
     def close(self) -> None:
         """Remove it from the page. Calling it again does nothing."""
         self._connection.unobserve(self.refresh)
-        self._connection.listening.look(self._on_heard, None)
+        self._connection.listening.look(self._on_update, None)
         self._closed = True
         self.refresh()
         more = (self.program, self.machine, self.room, self.wires)
@@ -231,13 +231,13 @@ class FeedView(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no type
         """Follow the topics that a page shows in the list, or stop if the page shows none."""
         if not self._closed:
             self._looked_at = tuple(names)
-            self._connection.listening.look(self._on_heard, (lambda: self._looked_at) if names else None)
+            self._connection.listening.look(self._on_update, (lambda: self._looked_at) if names else None)
 
-    def _on_heard(self, is_seen: bool) -> None:
+    def _on_update(self, is_seen: bool) -> None:
         """Report the newest values and rates of the topics in the list. It runs in the thread of timers."""
         listening = self._connection.listening
-        heard = {name: one for name in self._looked_at if (one := listening.of(name)) is not None}
-        now = {name: _now(self._connection.topic_of(name), one, listening.now) for name, one in heard.items()}
+        stats = {name: one for name in self._looked_at if (one := listening.of(name)) is not None}
+        now = {name: _now(self._connection.topic_of(name), one, listening.now) for name, one in stats.items()}
         self.topic_list.tell_now(now if is_seen else None)
 
     def _add_program(self) -> bool:
@@ -366,13 +366,13 @@ def _row(topic: FeedTopic) -> TopicRow:
     return TopicRow(topic.name, topic.type, widget=row, problem="" if row else _not_shown(topic))
 
 
-def _now(topic: FeedTopic, heard: Heard, now: float) -> TopicNow:
+def _now(topic: FeedTopic, stats: TopicStats, now: float) -> TopicNow:
     """Return the newest value of a topic, for the list."""
-    if not heard.count:
-        return TopicNow("" if heard.is_glanced_at else "nothing yet")
-    count = None if heard.is_glanced_at else heard.count
-    age = heard.age(now) if heard.tells_silence else None
-    return TopicNow(brief_of(heard.message, topic), heard.rate, count, age)
+    if not stats.count:
+        return TopicNow("" if stats.is_probed else "nothing yet")
+    count = None if stats.is_probed else stats.count
+    age = stats.age(now) if stats.shows_silence else None
+    return TopicNow(brief_of(stats.message, topic), stats.rate, count, age)
 
 
 def _not_shown(topic: FeedTopic) -> str:

@@ -78,7 +78,7 @@ class FeedWatch(Watch):
             self.end("it could not begin")
             raise
         connection.observe(self._on_change)
-        self._wake()
+        self._wake_judge()
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -150,14 +150,14 @@ class FeedWatch(Watch):
         return kept
 
     def _make_inputs(self, name: str) -> FeedInputs:
-        inputs = FeedInputs(self.connection, self._wake, silence=LIVE, wakes_each=True)
+        inputs = FeedInputs(self.connection, self._wake_judge, silence=LIVE, wakes_each=True)
         inputs.choose({name: self._topics.get(name, None if name in self.names else name)}, None)
         return inputs
 
     def _make_newest(self, topic: str) -> _Newest:
-        return _Newest(self.connection, topic, self._wake)
+        return _Newest(self.connection, topic, self._wake_judge)
 
-    def _wake(self) -> None:
+    def _wake_judge(self) -> None:
         if not self._why_off:
             self._runner.wake()
 
@@ -166,7 +166,7 @@ class FeedWatch(Watch):
         if self.connection.is_closed:
             self.end("its feed is closed")
         else:
-            self._wake()
+            self._wake_judge()
 
     def _turn(self, call: Call) -> None:
         self._missing = set()
@@ -241,7 +241,7 @@ class _Newest:
     """The newest message of a topic as received."""
 
     def __init__(self, connection: Connection, topic: str, wake: Callable[[], None]) -> None:
-        self._connection, self._topic, self._wake = connection, topic, wake
+        self._connection, self._topic, self._on_message = connection, topic, wake
         self.message: Any = None
         self._times: deque[float] = deque(maxlen=STEPS)
         self._target = connection.attach(topic, self._put)
@@ -265,7 +265,7 @@ class _Newest:
     def _put(self, message: Any) -> None:
         self.message = message
         self._times.append(time.monotonic())
-        self._wake()
+        self._on_message()
 
 
 def _known() -> tuple[str, ...]:

@@ -1,4 +1,4 @@
-"""Detecting a foxglove server or a rosbridge at an address, for a user who has confused the two."""
+"""Detecting a foxglove server or a rosbridge at an address, in case the user has confused the two."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from .._core.platform_fixes import close_when_connected
 FOXGLOVE = ["foxglove.sdk.v1", "foxglove.websocket.v1"]
 """The names of the foxglove protocol."""
 
-PATIENCE = 1.0
+ANSWER_TIMEOUT_S = 1.0
 """Seconds to wait for an answer."""
 
 _GOODBYE = 0.5
@@ -21,14 +21,14 @@ _GOODBYE = 0.5
 async def is_foxglove(address: str) -> bool:
     """Return True if a foxglove server listens at an address."""
     with suppress(Exception):  # any error of tornado or of the server
-        return await asyncio.wait_for(_knows_foxglove(address), PATIENCE)
+        return await asyncio.wait_for(_knows_foxglove(address), ANSWER_TIMEOUT_S)
     return False
 
 
 async def is_rosbridge(address: str) -> bool:
     """Return True if a rosbridge listens at an address."""
     with suppress(Exception):
-        return await asyncio.wait_for(_answers_as_rosbridge(address), PATIENCE)
+        return await asyncio.wait_for(_answers_as_rosbridge(address), ANSWER_TIMEOUT_S)
     return False
 
 

@@ -144,7 +144,7 @@ class FeedInputs:
         silence: SilenceRule | None = None,
         wakes_each: bool = False,
     ) -> None:
-        self._connection, self._wake, self._wakes_each = connection, wake, wakes_each
+        self._connection, self._wake_reader, self._wakes_each = connection, wake, wakes_each
         self._silence = silence
         self._lock = threading.RLock()
         """Held by the thread that chooses and by the program's thread, never by a thread of the transport."""
@@ -228,7 +228,7 @@ class FeedInputs:
     def _attach(self, topic: str, *, is_odometry: bool = False) -> None:
         def wake() -> None:
             if self._wakes_each or self._on == topic:
-                self._wake()
+                self._wake_reader()
 
         if topic not in self._latest:
             self._latest[topic] = _Latest(self._connection, topic, wake, None, self._silence)

@@ -50,7 +50,7 @@ class Publications:
     def __init__(
         self, rospy: Any, master: Master, on_unheard: Callable[[str, str], None], wake: Callable[[], None]
     ) -> None:
-        self._rospy, self._master, self._on_unheard, self._wake = rospy, master, on_unheard, wake
+        self._rospy, self._master, self._on_unheard, self._wake_feed = rospy, master, on_unheard, wake
         self._asked: dict[str, tuple[str, float]] = {}
         """By topic, the type that was published last, and the time of its first message."""
         self._due: dict[str, tuple[float, float]] = {}
@@ -74,7 +74,7 @@ class Publications:
         filled, moves = fill(_class_of(kind)(), message), not is_zero(message)
         if self._asked.get(topic, ("",))[0] != kind:
             self._asked[topic] = kind, time.monotonic()
-            self._wake()
+            self._wake_feed()
         while not self._connections(topic):
             if why := self._why_unconnected(topic):
                 raise FeedError(f"cannot publish {kind} on {topic}: {why}")

@@ -61,7 +61,7 @@ class Target(NamedTuple):
 
     @property
     def is_primary(self) -> bool:
-        """True if this is the main topic of the widget, unlike a commanded speed next to a measured one, for example."""
+        """True for the main topic of the widget, False for a commanded speed next to a measured one, for example."""
         return self.widget is not None and self.title == "title"
 
     @property

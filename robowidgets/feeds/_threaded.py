@@ -65,7 +65,7 @@ class ThreadedMiddleware(ABC):
         with self._lock:
             if (topics, each) != (self._wanted, self._each):
                 self._wanted, self._each = topics, each
-                self._wake()
+                self._wake_session()
 
     def ask_for_nodes(self, wanted: bool) -> None:
         """See `Middleware`."""
@@ -83,7 +83,7 @@ class ThreadedMiddleware(ABC):
             if not self._closed.is_set():
                 self._closed.set()
                 self._changed.notify_all()
-                self._wake()
+                self._wake_session()
             if self._thread is None or self._thread is threading.current_thread():
                 return
             until = self._clock.now() + CLOSE_TIMEOUT
@@ -132,5 +132,5 @@ class ThreadedMiddleware(ABC):
         """Run a session until `_closed` is set or it fails. Return the reason of the failure."""
 
     @abstractmethod
-    def _wake(self) -> None:
+    def _wake_session(self) -> None:
         """Wake the session after a change of the wanted topics, or to end it. Called with the lock held."""

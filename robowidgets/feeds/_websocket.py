@@ -28,7 +28,7 @@ Frame = str | bytes
 LARGEST = 50_000_000
 """The size of the largest message that is read, in bytes. Larger messages are skipped."""
 
-PATIENCE = 5.0
+CONNECT_TIMEOUT_S = 5.0
 """Seconds within which a robot must answer a connection attempt."""
 
 COMPARE = "is the robot on, and in this network? Is the address right? Does a firewall block the port?"
@@ -129,7 +129,7 @@ class WebSocket:
     @property
     def has_lasted(self) -> bool:
         """True if it was open for a while, because a robot that accepts a connection may drop it at once."""
-        return self._clock.now() - self._opened_at > PATIENCE
+        return self._clock.now() - self._opened_at > CONNECT_TIMEOUT_S
 
     async def run(self) -> str:
         """Connect, and run until the connection ends. Return the reason."""
@@ -216,7 +216,7 @@ class WebSocket:
 
         connecting = asyncio.ensure_future(
             websocket_connect(
-                HTTPRequest(self._address, connect_timeout=PATIENCE, request_timeout=PATIENCE),
+                HTTPRequest(self._address, connect_timeout=CONNECT_TIMEOUT_S, request_timeout=CONNECT_TIMEOUT_S),
                 on_message_callback=self._on_frame,
                 max_message_size=LARGEST,
                 subprotocols=self._subprotocols,
@@ -380,7 +380,7 @@ class WebSocket:
         if isinstance(error, socket.gaierror):
             return f"the name {urlsplit(self._address).hostname} cannot be resolved; try the robot's IP address"
         if getattr(error, "code", None) == _TIMED_OUT or isinstance(error, asyncio.TimeoutError):
-            return f"no answer from {self._shown} within {PATIENCE:g} s: {COMPARE}"
+            return f"no answer from {self._shown} within {CONNECT_TIMEOUT_S:g} s: {COMPARE}"
         return f"{self._shown} cannot be connected to: {redacted(one_line(str(error))) or type(error).__name__}"
 
     def _ending(self, connection: Any) -> str:

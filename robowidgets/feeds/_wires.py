@@ -54,7 +54,7 @@ class FeedWires(Observed):
 
     def look(self, is_seen: bool) -> None:
         """See `WiresSource`."""
-        self._connection.listening.look(self._on_heard, self._worth_hearing if is_seen else None)
+        self._connection.listening.look(self._on_update, self._topics_to_follow if is_seen else None)
 
     def show(self, topic: str, widget: MessageWidget) -> None:
         """See `WiresSource`."""
@@ -92,13 +92,13 @@ class FeedWires(Observed):
             note = f"requesting publishers and subscribers: {asked} of {many(len(connection.adverts), 'topic')} so far"
         return Wiring(tuple(wires), parts, tells, note)
 
-    def _on_heard(self, is_seen: bool) -> None:
+    def _on_update(self, is_seen: bool) -> None:
         """Show the newest values, or end that. It runs in the thread of timers."""
         with suppress(FeedError):  # the feed was closed in the meantime, and reports it itself
             self._connection.middleware.ask_for_nodes(is_seen)
         self._call_observers()
 
-    def _worth_hearing(self) -> list[str]:
+    def _topics_to_follow(self) -> list[str]:
         """Return the topics to follow. Topics that every node has are followed only if another target gets them."""
         topics, used = self._connection.topics, self._connection.listening.used
         others = [topic.name for topic in topics if topic.name not in used and not is_infrastructure(topic.name)]
@@ -115,18 +115,18 @@ class FeedWires(Observed):
             is_infrastructure=is_infrastructure(topic.name),
         )
         listening = self._connection.listening
-        heard = listening.of(topic.name)
-        if heard is None:
+        stats = listening.of(topic.name)
+        if stats is None:
             return wire
         note = self._connection.trouble_of(topic.name)
-        if not heard.count:
+        if not stats.count:
             return wire._replace(is_heard=True, note=note)
         return wire._replace(
             is_heard=True,
-            rate=heard.rate,
-            value=brief_of(heard.message, topic),
-            age=heard.age(listening.now),
-            is_glanced_at=not heard.tells_silence,
+            rate=stats.rate,
+            value=brief_of(stats.message, topic),
+            age=stats.age(listening.now),
+            is_glanced_at=not stats.shows_silence,
             note=note,
         )
 

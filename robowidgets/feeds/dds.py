@@ -78,7 +78,7 @@ class Dds(ThreadedMiddleware):
             raise FeedError(f"{self.where} is not connected")
         session.publish(topic, message_type, raw, is_zero=is_zero(message))
 
-    def _wake(self) -> None:
+    def _wake_session(self) -> None:
         if self._session is not None:
             self._session.wake()
 

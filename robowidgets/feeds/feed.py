@@ -81,7 +81,7 @@ class Feed:
 
     @property
     def driving(self) -> Driving:
-        """The settings of `drive`: topic, limits, and the time for which a speed is valid. Setting it stops the robot."""
+        """The settings of `drive`: topic, limits, and how long a speed is valid. Setting it stops the robot."""
         return self.driver.driving
 
     @driving.setter
@@ -147,7 +147,7 @@ class Feed:
         self.connection.connect(topic, *targets, raw=raw, each=each)
 
     def disconnect(self, topic: str, *targets: Any) -> None:
-        """Stop passing messages of a topic to these targets of `connect`, or to all targets if none are given.
+        """Stop passing messages of a topic to these targets of `connect`, or to all targets by default.
 
         Programs, recorders and loops over its scans still get them.
         """
@@ -259,7 +259,7 @@ class Feed:
         return WiresView(FeedWires(self.connection), **options)
 
     def record(self, path: str | os.PathLike[str], *topics: str, everything: bool = False) -> Recorder:
-        """Write the messages of the robot to an MCAP file until the result is closed, by `close` or at the end of `with`.
+        """Write the messages of the robot to an MCAP file until the result is closed, by `close` or by ``with``.
 
         In addition to topics, the file contains the sent speeds, and the text and the states of each version of the
         program. `robowidgets.open` and other tools can read it, even if the process dies before it is closed. Writing

@@ -73,7 +73,7 @@ class Played(ThreadedMiddleware):
         if self._thread is None:
             self._recording.close()
 
-    def _wake(self) -> None:
+    def _wake_session(self) -> None:
         self._is_woken = True
         self._changed.notify_all()
 

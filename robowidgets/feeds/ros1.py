@@ -29,7 +29,7 @@ log = logging.getLogger("robowidgets")
 POLL = 1.0
 """Seconds between two requests to the master."""
 
-PATIENCE = 3.0
+CONNECT_TIMEOUT_S = 3.0
 """Seconds without a connection to a publisher after which its address is checked."""
 
 DATA_COME = "master lost; data still come"
@@ -134,13 +134,13 @@ class Ros1(ThreadedMiddleware):
         if self._listener is not None and not self._closed.is_set() and topic in self._wanted:
             self._listener.on_trouble(topic, reason)
 
-    def _wake(self) -> None:
+    def _wake_session(self) -> None:
         self._woken = True
         self._changed.notify_all()
 
     def _look_soon(self) -> None:
         with self._lock:
-            self._wake()
+            self._wake_session()
 
     def _run_sessions(self, listener: Listener) -> None:
         super()._run_sessions(listener)
@@ -255,7 +255,7 @@ class Ros1(ThreadedMiddleware):
         forgotten = me not in state.subscribers.get(topic, ()) or topic in self._failed
         if impl.connections:
             self._subscriptions[topic] = subscription._replace(since=time.monotonic())
-        elif nodes and time.monotonic() - subscription.since > PATIENCE:
+        elif nodes and time.monotonic() - subscription.since > CONNECT_TIMEOUT_S:
             reason = self._master.unreachable(nodes)
             if reason:
                 self._report(topic, f"{topic} is published, but {reason}")

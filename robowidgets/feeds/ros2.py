@@ -116,7 +116,7 @@ class Ros2(ThreadedMiddleware):
                 if not self._changed.wait_until(until):
                     raise FeedError(f"{self.where} is not connected yet")
 
-    def _wake(self) -> None:
+    def _wake_session(self) -> None:
         self._changed.notify_all()
         if self._session is not None:
             self._session.wake()

@@ -121,7 +121,7 @@ class Simulated(ThreadedMiddleware):
 
         return self._live.run(listener.on_message, on_start, listener.on_missed)
 
-    def _wake(self) -> None:
+    def _wake_session(self) -> None:
         if self._closed.is_set():
             if self.guard is not None:
                 self.guard.close()

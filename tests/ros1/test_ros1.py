@@ -39,7 +39,7 @@ MODULE = importlib.import_module("robowidgets.feeds.ros1")  # by its name there 
 @pytest.fixture
 def quick(master, monkeypatch) -> None:
     monkeypatch.setattr(MODULE, "POLL", 0.1)
-    monkeypatch.setattr(MODULE, "PATIENCE", 0.5)
+    monkeypatch.setattr(MODULE, "CONNECT_TIMEOUT_S", 0.5)
     monkeypatch.setattr("robowidgets.feeds._ros1_publications.UNREACHED", 1.0)
     monkeypatch.setattr("robowidgets.feeds._ros1_publications.SEND_TIMEOUT", 3.0)  # the machine may be busy
 

@@ -235,8 +235,8 @@ def test_a_refused_connection_is_told_and_tried_again_ever_more_rarely(ears: Ear
     wait_for(lambda: len(ears.lost) == 2, "it was tried twice")
     middleware.close()
     assert ears.lost[0] == (
-        f"nothing listens at {address}; is the robot's bridge running, and the port right? The usual ports are 8765 for "
-        "foxglove_bridge and 9090 for rosbridge"
+        f"nothing listens at {address}; is the robot's bridge running, and the port right? The usual ports are 8765 "
+        "for foxglove_bridge and 9090 for rosbridge"
     )
     assert ears.pauses[0] < ears.pauses[1]
     assert ears.connected == 0

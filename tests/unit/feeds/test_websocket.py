@@ -533,7 +533,7 @@ def test_what_a_robot_does_not_take_in_time_is_an_error_and_not_sent_later(
 
 
 def test_a_server_that_never_answers_is_told(ears: Ears, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(_websocket, "PATIENCE", 0.2)
+    monkeypatch.setattr(_websocket, "CONNECT_TIMEOUT_S", 0.2)
     with Raw(lambda _: None) as server:
         middleware = Foxglove(server.address)
         middleware.open(ears)
@@ -584,7 +584,7 @@ def test_a_server_that_is_no_websocket_server_is_told(
 
 
 def test_a_server_of_another_protocol_is_told(ears: Ears, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(_other_bridge, "PATIENCE", 0.1)
+    monkeypatch.setattr(_other_bridge, "ANSWER_TIMEOUT_S", 0.1)
     with Server() as server:
         middleware = Foxglove(server.address)
         middleware.open(ears)
@@ -597,7 +597,7 @@ def test_a_server_of_another_protocol_is_told(ears: Ears, monkeypatch: pytest.Mo
 
 
 def test_a_server_that_answers_too_late_to_be_told_from_others_is_left(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(_other_bridge, "PATIENCE", 0.01)
+    monkeypatch.setattr(_other_bridge, "ANSWER_TIMEOUT_S", 0.01)
     monkeypatch.setattr(_other_bridge, "_GOODBYE", 120.0)
     leave = _other_bridge.close_when_connected
     with Server() as server:
