@@ -387,7 +387,7 @@ class CommandWatchdog(Observed):
             raise RefusedError("stop is latched; release it first: press Allow on the page, or set stopped = False")
         if self._clock.now() < self._settled_at:
             raise RefusedError(
-                f"{self.stood}, and the speed may be based on older data; drive again in {self._settle:g} s"
+                f"{self.stood}, and the speed may be based on data from before that; drive again in {self._settle:g} s"
             )
         if driver == PROGRAM and (why := why_refused(self)):
             raise RefusedError(why)

@@ -382,7 +382,7 @@ def test_after_a_standstill_zero_is_sent_and_no_speed_for_a_while(
     for _ in range(2):
         with pytest.raises(RefusedError, match=r"stood still for 0\.7 s|the computer has slept") as refused:
             watchdog.drive(FORWARD, hold=60.0)
-        assert str(refused.value).endswith("the speed may be based on older data; drive again in 2 s")
+        assert str(refused.value).endswith("the speed may be based on data from before that; drive again in 2 s")
         clock.advance(0.2)
         assert sink.speeds == [FORWARD, ZERO]
     assert watchdog.standstills == 1

@@ -572,7 +572,9 @@ def test_who_drives_on_after_the_computer_slept_is_refused_until_what_came_befor
     clock.advance(0.1)
     clock.asleep += 3600.0
     for _ in range(2):
-        assert words_of(feed).startswith("cannot drive: the computer has slept, and a speed may go by what came before")
+        assert words_of(feed).startswith(
+            "cannot drive: the computer has slept, and the speed may be based on data from before that"
+        )
         feed.drive(0.0)
         clock.advance(0.9)
     assert {speed for speed, _ in script.speeds} == {0.0}
@@ -746,10 +748,10 @@ def test_of_several_topics_that_are_heard_none_is_driven_and_all_are_named(drive
     pad = Pad(send=None)
     pad.connect(feed)
     pad.hear("hold", token=pad.press(), forward=0.2)
-    wait_for(lambda: "but to /robot1/cmd_vel and /robot2/cmd_vel" in pad.told["error"], "the pad says so")
+    wait_for(lambda: "unlike /robot1/cmd_vel and /robot2/cmd_vel" in pad.told["error"], "the pad says so")
     pad.hear("release")
     program = feed.program(lambda: Drive(0.1))
-    wait_for(lambda: "but to /robot1/cmd_vel and /robot2/cmd_vel" in program.waiting, "the program says so")
+    wait_for(lambda: "unlike /robot1/cmd_vel and /robot2/cmd_vel" in program.waiting, "the program says so")
     assert set(script.speeds) == {(0.0, 0.0)}
     feed.driving = Driving(topic="/robot2/cmd_vel")
     feed.drive(0.1)
