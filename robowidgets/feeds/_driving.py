@@ -17,7 +17,7 @@ from .middleware import Advert, FeedError
 log = logging.getLogger("robowidgets")
 
 USUAL = "/cmd_vel"
-"""The topic on which speeds are published if no other topic is set or is the only one with a subscriber."""
+"""The topic on which speeds are published, unless another topic is set or is the only one with a subscriber."""
 
 
 @dataclass(frozen=True)
