@@ -423,7 +423,7 @@ def test_a_guard_publishes_by_a_connection_of_its_own_and_confirms_zero(
 ) -> None:
     feed, guard = opened(with_guards, robot)
     assert guard.pid not in (0, os.getpid())
-    assert robot.opened == 2
+    wait_for(lambda: robot.opened == 2, "the server has opened both connections")
     feed.drive(0.3)
     feed.stop()
     wait_for_speeds(robot, 0.3, 0.0)
