@@ -1,4 +1,4 @@
-"""Sending speeds to a robot, and zero as soon as the last speed is not renewed."""
+"""Sending speeds to a robot, and zero as soon as the newest speed is not renewed."""
 
 from __future__ import annotations
 
@@ -29,8 +29,8 @@ class Velocity(NamedTuple):
 
     @property
     def as_speed(self) -> Speed:
-        """It as a sample."""
-        from ..samples import Speed  # Imported lazily: a guard needs no samples, and is to start soon.
+        """The same speed as a sample."""
+        from ..samples import Speed  # Imported lazily: a guard needs no samples and must start fast.
 
         return Speed((self.linear, self.lateral, 0.0), (0.0, 0.0, self.angular))
 
@@ -38,42 +38,42 @@ class Velocity(NamedTuple):
 ZERO = Velocity()
 
 HOLD = 0.5
-"""Seconds for which a speed holds unless it is renewed."""
+"""Seconds for which a speed is valid unless it is renewed."""
 
 MAX_LINEAR, MAX_ANGULAR = 0.5, 1.0
-"""Limits for which nobody gave others, m/s and rad/s."""
+"""The default limits, in m/s and rad/s."""
 
 LOOK = 0.1
-"""Seconds between two looks at the clock while a robot moves."""
+"""Seconds between two checks of the clock while a robot moves."""
 
 STANDSTILL = HOLD
-"""Seconds between two looks, or for which the computer slept, after which this process stood still."""
+"""If two checks are further apart than these seconds, or the computer slept longer, this process stood still."""
 
 SETTLE = TO_DRIVE_BY.longest
-"""Seconds after a standstill for which no speed is sent: by then what came before it is too old to drive by."""
+"""Seconds after a standstill for which no speed is sent. After that, data from before it is too old to drive by."""
 
 INTERVAL = 0.02
 """Shortest time between two speeds, in seconds; zero is sent at once."""
 
 LINGER = 0.5
-"""Seconds for which the thread waits for another speed when nothing is owed."""
+"""Seconds for which the thread waits for another speed after the last zero."""
 
 RETRY = 1.0
 """Seconds after which a zero that could not be sent is sent again."""
 
 RECENT = 30.0
-"""Seconds for which a dead connection may go unnoticed, at most."""
+"""The longest time for which a dead connection may go unnoticed, in seconds."""
 
 _REAL = RealClock()
 
 _USER = object()
 
 PROGRAM = "program"
-"""The driver that is not a hand on a pad."""
+"""The driver if no press on a pad drives."""
 
 
 class RefusedError(Exception):
-    """A speed that is not sent, for example because a hand drives, or after a standstill. The text says why."""
+    """A speed that is not sent, for example because a hand drives, or after a standstill. The text gives the reason."""
 
 
 @dataclass(eq=False)
@@ -81,8 +81,8 @@ class Request:
     """A speed, or zero, that is to be sent.
 
     Attributes:
-        done: whether it is sent, or another one replaced it.
-        error: what the sink raised; None while it has not.
+        done: True once it is sent or another request has replaced it.
+        error: the reason why sending it failed, or None.
     """
 
     done: bool = False
@@ -90,20 +90,19 @@ class Request:
 
 
 class CommandWatchdog(Observed):
-    """Sends speeds to a sink from a thread of its own: 50 a second at most, the newest wins, zero at once.
+    """A sender of speeds that runs in a thread: at most 50 a second, the newest one only, and zero at once.
 
     Zero follows a speed that is not renewed in time. The thread runs no code of a caller except the sink. It lives
-    while a zero is owed, and for a moment after that: a program that stands still sends zero at each step. Any thread
-    may call any method; a method does not wait unless its description says so.
+    while a zero is owed, and for a moment after that, because a program that stands still sends zero at each step. Any
+    thread may call any method; a method does not wait unless its docstring says so.
 
-    While this process stands still, nothing can send zero: it may be suspended, the computer may sleep, or code may
-    hold the GIL. After that zero is sent, and speeds are refused for a while, because their callers may go by what came
-    before the standstill.
+    While this process stands still, nothing can send zero. The process may be suspended, the computer may sleep, or
+    code may hold the GIL. After a standstill, zero is sent, and speeds are refused for a while, because callers may
+    base them on data from before the standstill.
 
     Args:
         send: the sink, a function of the three speeds of a `Velocity`.
-        not_sent: errors by which the sink says that nothing reached the robot. After any other error zero is due at
-            once.
+        not_sent: the errors that mean that nothing reached the robot. After any other error, zero is due at once.
         settle: seconds after a standstill for which speeds are refused.
     """
 
@@ -125,49 +124,49 @@ class CommandWatchdog(Observed):
         """The newest speed, while it is not sent yet."""
         self._speeds: list[Request] = []
         self._zeros: list[Request] = []
-        """The requests that are resolved when a speed, or zero, is sent."""
+        """The requests that are resolved when the next speed, or the next zero, is sent."""
         self._expires = 0.0
         """The time at which the newest speed expires."""
         self._zero_at: float | None = None
-        """The time at which zero is due; None while nothing moves."""
+        """The time at which zero is due, or None while nothing moves."""
         self._next_speed_at = self._next_zero_at = 0.0
         self._moved_at = float("-inf")
         self._lost = self._closed = False
         self._latches: set[object] = set()
-        """The owners of a latched stop; `_USER` for `stopped`."""
+        """The owners of a latched stop. `_USER` stands for `stopped`."""
         self._hand, self._hand_until = "", 0.0
         self._driver = ""
         self._entered: float | None = None
         self._is_logged = False
-        """Whether the log says that zero could not be sent."""
+        """True if the log shows that the newest zero could not be sent."""
         self._looked_at, self._slept = clock.now(), clock.slept()
         self._asked_at = self._settled_at = float("-inf")
         self.standstills = 0
         """Number of standstills of this process in which the robot may have moved."""
         self.stood = ""
-        """Text for the last standstill; empty before the first."""
+        """Text for the last standstill, or empty before the first."""
         self.from_cell = False
-        """Whether a cell of a notebook drives, not a thread."""
+        """True if a notebook cell drives, False if a thread does."""
         self.stops = 0
         """Number of requests for zero, by any caller."""
         self.sent: Velocity = ZERO
-        """The speed that the sink took last."""
+        """The speed that the sink accepted last."""
         self.error: BaseException | None = None
-        """The error of the last call of the sink; None when it took the speed."""
+        """The error of the last call of the sink, or None if it accepted the speed."""
         self.failed: Velocity = ZERO
-        """The speed for which it raised."""
+        """The last speed for which the sink raised an error."""
 
-    # -- who drives ----------------------------------------------------------------------------------------------------
+    # -- the driver ----------------------------------------------------------------------------------------------------
 
     @property
     def driver(self) -> str:
-        """The driver: `PROGRAM`, the name of a press on a pad, or empty for nobody."""
+        """The driver: `PROGRAM`, the name of a press on a pad, or empty if nothing drives."""
         with self._lock:
             return self._hand_now() or (self._driver if self._clock.now() < self._expires else "")
 
     @property
     def stopped(self) -> bool:
-        """Whether stop is latched: all speeds are refused until it is released. Setting it to True sends zero.
+        """True while stop is latched: all speeds are refused until it is released. Setting it to True sends zero.
 
         Setting it to False releases every latch.
         """
@@ -193,7 +192,7 @@ class CommandWatchdog(Observed):
         """Latch stop for an owner, and send zero only if one is owed."""
         with self._lock:
             self._latches.add(owner)
-            self._hand = ""  # after the release, a hand must press again
+            self._hand = ""  # after the release, the user must press the pad again
             if self.owes_zero:
                 self._ask_for_zero()
 
@@ -208,7 +207,7 @@ class CommandWatchdog(Observed):
         self._call_observers()
 
     def take(self, hand: str) -> None:
-        """Let a press on a pad drive instead of any other driver, as long as it is renewed; stops the one before.
+        """Give control to a press on a pad for as long as it is renewed, and stop the previous driver.
 
         Raises:
             RefusedError: stop is latched.
@@ -232,20 +231,20 @@ class CommandWatchdog(Observed):
     # -- speeds --------------------------------------------------------------------------------------------------------
 
     def drive(self, velocity: Velocity, hold: float = HOLD, driver: str = PROGRAM, stops: int | None = None) -> Request:
-        """Send a speed, which holds for some seconds, that of a hand for `HOLD` at most; or renew it.
+        """Send a speed, or renew it.
 
         Args:
             velocity: the speed.
-            hold: the seconds.
-            driver: who drives.
-            stops: the number of `stops` when the caller began to wait with the speed; None: it did not wait.
+            hold: seconds for which it is valid; at most `HOLD` for the speed of a press.
+            driver: `PROGRAM`, or the name of the press.
+            stops: the value of `stops` when the caller began to wait with the speed, or None if it did not wait.
 
         Returns:
-            The request for `sent_in_time`. It is done already where the speed is sent later, because another one was
-            sent just before.
+            The request for `sent_in_time`. It is done already if the speed is sent later because another one was sent
+            just before.
 
         Raises:
-            RefusedError: a hand drives; or, except for the zero of a program, stop is latched, the calling thread is
+            RefusedError: a hand drives. Or, except for the zero of a program: stop is latched, the calling thread is
                 abandoned, this process stood still shortly before, or there was another stop since ``stops``.
         """
         if velocity == ZERO and driver == PROGRAM and not self._hand_now():
@@ -266,65 +265,65 @@ class CommandWatchdog(Observed):
             self._wanted, self._expires, self._driver = velocity, now + hold, driver
             if driver == PROGRAM:
                 self.from_cell = is_main
-            else:  # of a page that is gone, no release comes
+            else:  # a page that is gone sends no release
                 self._expires = self._hand_until = now + min(hold, HOLD)
             request = Request()
             if self._next_speed_at > now:
                 request.done = True
             else:
                 self._speeds.append(request)
-            self._wake()
+            self._wake_sender()
         return request
 
     def stop(self) -> Request:
-        """Send zero now, instead of any speed; returns the request for `sent_in_time`. A hand keeps its press."""
+        """Send zero now, instead of any speed. Return the request for `sent_in_time`. A hand keeps its press."""
         with self._lock:
             return self._ask_for_zero()
 
     def stop_program(self) -> None:
-        """Send zero now if a program drives, or drove last."""
+        """Send zero now if a program drives or was the last driver."""
         with self._lock:
             if self.owes_zero and self.driver in ("", PROGRAM):
                 self._ask_for_zero()
 
     def look(self) -> int:
-        """Find a standstill that ended just now, before the thread does; returns the number of `standstills`."""
+        """Detect a standstill that ended just now, before the thread does. Return the number of `standstills`."""
         with self._lock:
             self._look()
             return self.standstills
 
     def note_standstill(self, stood: str) -> None:
-        """Send zero and refuse speeds for a while, after a standstill that was found elsewhere.
+        """Send zero and refuse speeds for a while, after a standstill that was detected elsewhere.
 
         Args:
-            stood: text for it.
+            stood: text for the standstill.
         """
         with self._lock:
             self._stand(stood)
 
     @property
     def expires(self) -> float:
-        """The time at which the newest speed expires; 0 when zero has replaced it."""
+        """The time at which the newest speed expires, or 0 if zero has replaced it."""
         return self._expires
 
     @property
     def busy_for(self) -> float:
-        """Seconds for which the sink has not returned; 0 while it is not running."""
+        """Seconds for which the sink has been running, or 0 if it is not running."""
         entered = self._entered
         return self._clock.now() - entered if entered is not None else 0.0
 
     @property
     def owes_zero(self) -> bool:
-        """Whether a zero is still to be sent, now or after a speed, or the sink is running."""
+        """True while a zero must still be sent, now or after a speed, or while the sink is running."""
         return self._zero_at is not None or self._wanted is not None or bool(self._zeros) or self._entered is not None
 
     def on_lost(self) -> None:
-        """Note a lost connection: a zero that was sent shortly before may not have arrived, and is sent again."""
+        """Note a lost connection. A zero that was sent shortly before may not have arrived and is sent again."""
         with self._lock:
             self._lost = self._lost or self._clock.now() - self._moved_at < RECENT
 
     def on_connected(self) -> None:
-        """Send the zero that is owed to a robot that can be reached again."""
+        """Send the owed zero to a robot that can be reached again."""
         with self._lock:
             if self._wanted is None and (self._lost or self._zero_at is not None):
                 self._ask_for_zero()
@@ -334,7 +333,7 @@ class CommandWatchdog(Observed):
         """Send zero if one is owed, wait until it is sent, and refuse every speed from now on.
 
         Raises:
-            As `sent_in_time`, when zero could not be sent.
+            As `sent_in_time`, if zero could not be sent.
         """
         with self._lock:
             self._closed, self._wanted, self._hand = True, None, ""
@@ -351,7 +350,8 @@ class CommandWatchdog(Observed):
         """Wait until a request of `drive` or `stop` is sent.
 
         Raises:
-            TimeoutError: the sink does not return. Otherwise whatever the sink raised.
+            TimeoutError: the sink does not return.
+            BaseException: any error that the sink raised.
         """
         if threading.current_thread() is self._thread:
             return
@@ -361,7 +361,7 @@ class CommandWatchdog(Observed):
             raise request.error
 
     def is_done_in_time(self, request: Request, timeout: float) -> bool:
-        """Wait until a request is done, for some seconds at most; returns whether it is."""
+        """Wait for at most some seconds until a request is done. Return True if it is."""
         with self._lock:
             until = self._clock.now() + timeout
             while not request.done and self._changed.wait_until(until):
@@ -369,7 +369,7 @@ class CommandWatchdog(Observed):
             return request.done
 
     def on_fork(self) -> None:
-        """Close in a forked process: the thread stayed with its parent, and may have held the lock."""
+        """Close in a forked process. The thread stayed in the parent process and may have held the lock."""
         self._lock = threading.RLock()
         self._changed = self._clock.condition(self._lock)
         self._thread = self._wanted = self._zero_at = self._entered = None
@@ -384,10 +384,10 @@ class CommandWatchdog(Observed):
         if self._closed:
             raise RefusedError("it is closed")
         if self._latches:
-            raise RefusedError("stop is latched until somebody releases it")
+            raise RefusedError("stop is latched; release it first: press Allow on the page, or set stopped = False")
         if self._clock.now() < self._settled_at:
             raise RefusedError(
-                f"{self.stood}, and a speed may go by what came before; drive again in {self._settle:g} s"
+                f"{self.stood}, and the speed may be based on data from before that; drive again in {self._settle:g} s"
             )
         if driver == PROGRAM and (why := why_refused(self)):
             raise RefusedError(why)
@@ -400,9 +400,9 @@ class CommandWatchdog(Observed):
         return self._zero_at is not None or self._wanted is not None
 
     def _look(self) -> None:
-        """Find a standstill since the last look. Called with the lock held.
+        """Detect a standstill since the last check. Called with the lock held.
 
-        The thread looks while the robot may move, except while the sink runs, which may take its time.
+        The thread checks while the robot may move, except while the sink runs, which may take long.
         """
         now, slept = self._clock.now(), self._clock.slept()
         is_watched = self._thread is not None and self._may_move and self._entered is None
@@ -424,13 +424,13 @@ class CommandWatchdog(Observed):
         else:
             self.stops += 1
 
-    def _wake(self) -> None:
+    def _wake_sender(self) -> None:
         if self._thread is None:
             thread = threading.Thread(target=self._run, name="robowidgets-drive", daemon=True)
             run_beside_debugger(thread)
             self._clock.began(thread)
             running.add(self)
-            self._thread = thread  # before it starts: the handler of an interrupt meanwhile starts no second one
+            self._thread = thread  # before the start, so that an interrupt handler does not start a second thread
             try:
                 thread.start()
             except BaseException:
@@ -445,7 +445,7 @@ class CommandWatchdog(Observed):
         self.stops += 1
         request = Request()
         self._zeros.append(request)
-        self._wake()
+        self._wake_sender()
         return request
 
     def _run(self) -> None:
@@ -460,14 +460,14 @@ class CommandWatchdog(Observed):
                 self._look()
                 self._entered = None
                 if velocity != ZERO and stops != self.stops and isinstance(error, self._not_sent):
-                    error = None  # zero has replaced it meanwhile, so it is no fault that it was not sent
+                    error = None  # zero has replaced the speed in the meantime, so it did not have to be sent
                 else:
                     self._note(velocity, error)
                 self._resolve(requests, error)
             self._call_observers()
 
     def _next(self) -> tuple[Velocity | None, list[Request]]:
-        """Wait until a speed or zero is due, and return it; None when nothing has been owed for a moment."""
+        """Wait until a speed or zero is due, and return it; or return None once nothing has been owed for a moment."""
         ends_at = self._clock.now() + LINGER
         while True:
             self._look()
@@ -513,7 +513,7 @@ class CommandWatchdog(Observed):
     def _call(self, velocity: Velocity) -> BaseException | None:
         try:
             self._send(*velocity)
-        except BaseException as error:  # a SystemExit of the sink must not end the thread either
+        except BaseException as error:  # even a SystemExit of the sink must not end the thread
             return error
         return None
 
@@ -532,8 +532,8 @@ class CommandWatchdog(Observed):
                 self._is_logged = False
             elif not self._is_logged:
                 self._is_logged = True
-                log_in_thread(f"the robot could not be told to stop: {error}")
+                log_in_thread(f"sending zero to the robot failed: {error}")
         elif error is None:
             self._moved_at, self._zero_at, self._next_speed_at = now, self._expires, now + INTERVAL
-        elif not isinstance(error, self._not_sent):  # it may have reached the robot, or may still
+        elif not isinstance(error, self._not_sent):  # the speed may have reached the robot, or may still reach it
             self._moved_at, self._zero_at = now, 0.0

@@ -1,4 +1,4 @@
-"""The base of the drive pad and the Stop bar: the state of the drive, Stop, and the presence of a page."""
+"""The base of the drive pad and the Stop bar: the state of driving, Stop, and the presence of a page."""
 
 from __future__ import annotations
 
@@ -28,10 +28,10 @@ class FeedConnection(Protocol):
     is_closed: bool
 
     def observe(self, on_change: Callable[[], None]) -> None:
-        """Have a function called on each change."""
+        """Call a function on each change."""
 
     def unobserve(self, on_change: Callable[[], None]) -> None:
-        """End that."""
+        """Stop calling it."""
 
 
 class FeedDriver(Protocol):
@@ -39,40 +39,40 @@ class FeedDriver(Protocol):
 
     @property
     def topic(self) -> str:
-        """The topic of its speeds."""
+        """The topic on which it sends speeds."""
 
     @property
     def sender(self) -> str:
-        """What sends speeds, for a person; empty where that is not known yet."""
+        """Text for the sender of the speeds, or empty if it is not known yet."""
 
     def prepare(self) -> None:
-        """Have what sends speeds start."""
+        """Start the sender of the speeds."""
 
     def page_seen(self) -> None:
-        """Note that a page is there."""
+        """Note that a page is connected."""
 
     def drive_by_hand(self, velocity: Velocity, press: str) -> None:
         """Send a speed of a press."""
 
 
 class FeedLimits(Protocol):
-    """The settings of driving, as far as they are limits in m/s and rad/s."""
+    """The limits among the settings of driving, in m/s and rad/s."""
 
     @property
     def max_linear(self) -> float:
-        """Ahead and back."""
+        """The limit forward and back, in m/s."""
 
     @property
     def max_angular(self) -> float:
-        """Turning."""
+        """The limit of turning, in rad/s."""
 
     @property
     def max_lateral(self) -> float:
-        """Sideways."""
+        """The limit sideways, in m/s."""
 
 
 class DrivenFeed(Protocol):
-    """A feed, as the widgets that drive it know it."""
+    """The part of a feed that the driving widgets use."""
 
     @property
     def connection(self) -> FeedConnection:
@@ -88,25 +88,25 @@ class DrivenFeed(Protocol):
 
     @property
     def drive_status(self) -> str:
-        """Why the robot may not move as commanded; empty if it may."""
+        """The reason why the robot may not move as commanded, or empty if it may."""
 
     @property
     def idle_motion(self) -> str:
-        """The cause that moves the robot while no speeds are sent, or "" if it stands still then."""
+        """The cause that moves the robot while no speeds are sent, or "" if it stands still."""
 
 
 class DrivingWidget(NamedWidget):
-    """A widget with a Stop, which shows who drives. It uses a watchdog: a feed's, or its own."""
+    """A widget with a Stop that shows the driver. It uses the watchdog of a feed, or a watchdog without a feed."""
 
     _watchdog: CommandWatchdog
     _feed: DrivenFeed | None = None
-    """The feed whose watchdog it uses; None for a watchdog of another one."""
+    """The feed that its watchdog belongs to, or None for a watchdog without a feed."""
     _owns = False
 
     _state = traitlets.Dict(
-        help="ready: whether there is something to drive; driver: 'program', the name of a press, or nobody; speed: "
-        "(m/s, rad/s, m/s to the left) sent last; stopped: whether stop is latched; error, cause, status, idle, topic, "
-        "sender: texts; number: of the message."
+        help="ready: true if there is something to drive; driver: 'program', the name of a press, or empty; speed: "
+        "(m/s, rad/s, m/s to the left) sent last; stopped: true while stop is latched; error, cause, status, idle, "
+        "topic, sender: texts; number: number of the message."
     ).tag(sync=True, echo_update=False)
 
     def __init__(self, **kwargs: Any) -> None:
@@ -131,7 +131,7 @@ class DrivingWidget(NamedWidget):
 
     @property
     def stopped(self) -> bool:
-        """Whether stop is latched: driving is refused until it is released, on the page or by setting this to False."""
+        """True while stop is latched: driving is refused until a release, on the page or by setting this to False."""
         return self._watchdog.stopped
 
     @stopped.setter
@@ -139,14 +139,14 @@ class DrivingWidget(NamedWidget):
         self._watchdog.stopped = bool(stopped)
 
     def stop(self) -> None:
-        """Stop the robot and end every press. It latches nothing: a new press, or a program, may drive again."""
+        """Stop the robot and end every press, without latching stop: a new press or a program may drive again."""
         self._end_press("released")
         self._watchdog.let_go()
         self._watchdog.stop()
 
     def close(self) -> None:
-        """Remove the widget from the page; a robot that only it drives is stopped."""
-        if "_watchdog" not in vars(self):  # the constructor raised before it had one
+        """Remove the widget from the page, and stop a robot that only this widget drives."""
+        if "_watchdog" not in vars(self):  # the constructor raised an error before it set one
             return
         self._detach()
         with self._send_lock:
@@ -168,7 +168,7 @@ class DrivingWidget(NamedWidget):
         self._on_change()
 
     def _detach(self, cause: str = "") -> None:
-        """Use no watchdog any more; a robot that only this widget drives is stopped."""
+        """Stop using the watchdog, and stop a robot that only this widget drives."""
         watchdog, feed, owns = self._watchdog, self._feed, self._owns
         if feed is not None:
             feed.connection.unobserve(self._on_change)
@@ -177,7 +177,7 @@ class DrivingWidget(NamedWidget):
             try:
                 watchdog.close()
             except Exception as error:
-                self._log_once(f"the robot could not be told to stop: {_described(error)}")
+                self._log_once(f"sending zero to the robot failed: {_described(error)}")
         self._end_press("nothing")
         self._is_ready, self._watchdog = False, CommandWatchdog(lambda *_: None)
         self._feed, self._owns = None, False
@@ -202,7 +202,7 @@ class DrivingWidget(NamedWidget):
     # -- called by the watchdog and the feed ---------------------------------------------------------------------------
 
     def _on_change(self) -> None:
-        """Note errors and have the pacer send the state. Any thread may call it; it does not wait."""
+        """Note errors and let the pacer send the state. Any thread may call it; it does not wait."""
         feed = self._feed
         if feed is not None and feed.connection.is_closed:
             self._detach("the feed is closed")
@@ -216,16 +216,16 @@ class DrivingWidget(NamedWidget):
                 if watchdog.driver and watchdog.sent != ZERO:
                     self._not_driven = ""
             elif is_new and velocity == ZERO:
-                self._not_stopped = f"The robot could not be told to stop: {_described(error)}"
+                self._not_stopped = f"Sending zero to the robot failed: {_described(error)}"
         if error is not None and is_new and velocity != ZERO:
             self._fail(error)
         pacer.mark(self)
 
     def _fail(self, error: BaseException) -> None:
-        """Show that a speed was not sent."""
+        """Show that sending a speed failed."""
         failure = f"The robot could not be driven: {_described(error)}"
         self._on_failed(failure, error)
-        # Only now that the press has ended: while it drives, a speed sent earlier would clear the text.
+        # Only after the press has ended: while it drives, a speed sent earlier would clear the text.
         self._not_driven = failure
         pacer.mark(self)
 
@@ -234,7 +234,7 @@ class DrivingWidget(NamedWidget):
         if busy > HOLD:
             return f"The function that drives the robot has not returned for {busy:.0f} s"
         if self._not_driven and self._not_stopped:
-            return f"{self._not_driven}. Nor could it be told to stop"
+            return f"{self._not_driven}. Sending zero failed, too"
         return self._not_driven or self._not_stopped
 
     # -- to the page ---------------------------------------------------------------------------------------------------
@@ -263,7 +263,7 @@ class DrivingWidget(NamedWidget):
             if self.comm is None:
                 return 0
             state, now = self._compose(), time.monotonic()
-            # It asks for an answer, too: a hidden page, which may be needed, has slow timers, but answers at once.
+            # It also requests an answer: a hidden page, which may be needed, has slow timers, but answers at once.
             renews = state["ready"]
             if state != self._sent or (renews and now >= self._renew_at):
                 self._store(state)
@@ -274,7 +274,7 @@ class DrivingWidget(NamedWidget):
         return 0
 
     def get_state(self, key: str | Iterable[str] | None = None, drop_defaults: bool = False) -> dict[str, Any]:
-        """The synced traits, with the newest state: what a new view, a reload and a saved notebook get."""
+        """Return the synced traits with the newest state, for a new view, a reload and a saved notebook."""
         if key is None:
             with self._send_lock:
                 self._store(self._compose())
@@ -289,7 +289,7 @@ class DrivingWidget(NamedWidget):
     # -- from the page -------------------------------------------------------------------------------------------------
 
     def _on_page(self, _widget: Any, content: Any, _buffers: Any) -> None:
-        """Handle a message of the page, in the main thread or a subshell's. It does not wait."""
+        """Handle a message of the page, in the main thread or a thread of a subshell. It does not wait."""
         feed = self._feed
         if feed is not None:
             feed.driver.page_seen()
@@ -309,7 +309,7 @@ class DrivingWidget(NamedWidget):
                 self._log_once(f"the page sent an invalid message: {error}")
 
     def _allow(self, message: PadMessage) -> None:
-        """Release the latch, unless the message was delayed by a busy kernel: its sender may have left since."""
+        """Release the latch, unless a busy kernel delayed the message: the user may have left the page since."""
         if self._tokens.is_fresh(message.token):
             self.stopped = False
         else:

@@ -1,4 +1,4 @@
-"""Messages of a page that drives or stops a robot: checking them, their age, and the press that holds a pad."""
+"""Messages of a page that drives or stops a robot: their check, their age, and the press that holds a pad."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ _LONGEST_NAME = 64
 
 
 class PadMessage(NamedTuple):
-    """A message of the page: the act, the press (or view) that it belongs to, and the position of the knob."""
+    """A message of the page: the act, the press (or view) that sent it, and the position of the knob."""
 
     act: str
     press: str
@@ -27,11 +27,11 @@ class PadMessage(NamedTuple):
 def to_pad_message(content: Any) -> PadMessage:
     """Check a message of the page, which is untrusted.
 
-    ``act`` is press, hold or release; or stop, allow (driving again) or beat (the page is there), which need no press.
+    ``act`` is press, hold or release; or stop, allow (driving again) or beat (the page is alive), which need no press.
     ``forward`` (ahead above 0), ``turn`` and ``lateral`` (to the left above 0) are shares of the limits, within +-1.
 
     Raises:
-        ValueError: anything else.
+        ValueError: the message is not valid.
     """
     try:
         message = PadMessage(**content)
@@ -52,9 +52,9 @@ def to_pad_message(content: Any) -> PadMessage:
 
 
 class Tokens:
-    """Numbers that the page gets and returns with its next message, as a proof of the message's age.
+    """Numbers that the page receives and returns with its next message, as a proof of the age of the message.
 
-    A message is as fresh as the token in it, so the page's clock does not matter.
+    A message is as fresh as the token in it, so the clock of the page does not matter.
     """
 
     def __init__(self, lifetime: float, clock: Callable[[], float] = time.monotonic) -> None:
@@ -64,7 +64,7 @@ class Tokens:
         self._last = 0
 
     def issue(self) -> int:
-        """A new token."""
+        """Return a new token."""
         with self._lock:
             self._forget_old()
             self._last += 1
@@ -72,7 +72,7 @@ class Tokens:
             return self._last
 
     def is_fresh(self, token: int) -> bool:
-        """Whether a token was issued within the lifetime."""
+        """Return True if a token was issued within the lifetime."""
         with self._lock:
             self._forget_old()
             return token in self._issued
@@ -83,9 +83,9 @@ class Tokens:
 
 
 class PressLease:
-    """The press that holds a pad, and why the previous one ended. Each speed of a press must carry a fresh token.
+    """The press that holds a pad, and the reason why the previous one ended.
 
-    So no speed is older than `HOLD`, however long messages were delayed.
+    Each speed of a press must carry a fresh token. So no speed is older than `HOLD`, even if messages were delayed.
     """
 
     def __init__(self, clock: Callable[[], float] = time.monotonic) -> None:
@@ -93,26 +93,26 @@ class PressLease:
         self._tokens = Tokens(HOLD, clock)
         self._ended = ("", "")
         self.press = ""
-        """The press that holds the pad; empty when there is none."""
+        """The press that holds the pad, or empty."""
 
     def take(self, press: str) -> int:
-        """Let a press hold the pad instead of any other; returns its first token."""
+        """Give the pad to a press instead of any other. Return its first token."""
         self.press, self._tokens = press, Tokens(HOLD, self._clock)
         return self._tokens.issue()
 
     def renew(self, press: str, token: int) -> int | None:
-        """The next token for a fresh one of the press that holds the pad; None for any other."""
+        """Return the next token for a fresh token of the press that holds the pad, or None for any other."""
         return self._tokens.issue() if press == self.press and self._tokens.is_fresh(token) else None
 
     def end(self, why: str) -> str:
-        """End the press that holds the pad, for a reason; returns its name, empty when there was none."""
+        """End the press that holds the pad, for a reason. Return its name, or empty if no press held the pad."""
         press, self.press = self.press, ""
         if press:
             self._ended = (press, why)
         return press
 
     def why_over(self, press: str) -> str:
-        """Why a press no longer holds the pad."""
+        """Return the reason why a press no longer holds the pad."""
         if press == self._ended[0]:
             return self._ended[1]
         return "taken" if self.press not in ("", press) else "late"

@@ -1,4 +1,4 @@
-"""Zero for every robot that moves: when the process ends, and for those that a cell drives when it fails."""
+"""Zero for every robot that moves when the process ends, and for the robots that a cell drives when the cell fails."""
 
 from __future__ import annotations
 
@@ -18,36 +18,36 @@ SEND_TIMEOUT = 1.0
 
 
 class StoppedWatchdog(Protocol):
-    """A `CommandWatchdog`, as far as it is told to stop."""
+    """The part of a `CommandWatchdog` that stops the robot."""
 
     from_cell: bool
 
     @property
     def owes_zero(self) -> bool:
-        """Whether a zero is still to be sent."""
+        """True while a zero must still be sent."""
 
     @property
     def busy_for(self) -> float:
-        """Seconds for which the function that sends has not returned."""
+        """Seconds for which the sending function has not returned."""
 
     def stop(self) -> Any:
-        """Send zero now; returns the request."""
+        """Send zero now. Return the request."""
 
     def is_done_in_time(self, request: Any, timeout: float) -> bool:
-        """Wait until a request is done, for some seconds at most; returns whether it is."""
+        """Wait for at most some seconds until a request is done. Return True if it is."""
 
 
 running: set[StoppedWatchdog] = set()
-"""The watchdogs that owe a zero, or did a moment ago. Copied at once: threads add and remove theirs meanwhile."""
+"""The watchdogs that owe a zero, or did a moment ago. Copy it before use: threads add and remove watchdogs."""
 
 before_stop: list[Callable[[], object]] = []
-"""What a process does before it sends its last zeros."""
+"""Functions that are called at the end of the process before the last zeros are sent."""
 
 
 def stop_at_end() -> None:
     """Stop all robots before the process ends, and before the exit handlers that are registered already.
 
-    That of rospy, for one, would end its node before zero is sent.
+    The exit handler of rospy, for example, would end its node before zero is sent.
     """
     atexit.unregister(_end)
     atexit.register(_end)
@@ -61,7 +61,7 @@ def stop_all(timeout: float = SEND_TIMEOUT) -> None:
     for watchdog, zero in zeros:
         if not watchdog.is_done_in_time(zero, until - time.monotonic()):
             log.error(
-                "a robot could not be told to stop: the function that sends speeds has not returned (%.1f s)",
+                "zero may not have reached a robot: the function that sends speeds has not returned (%.1f s)",
                 watchdog.busy_for,
             )
 

@@ -43,6 +43,6 @@ if TYPE_CHECKING:
 else:
 
     def __getattr__(name: str) -> Any:
-        if name == "recording":  # the readers of files take longer to import than all the rest
+        if name == "recording":  # the readers of files take longer to import than all other modules together
             return import_module(".replay", __name__).recording
         return renamed(__name__, name, {"Topic": FeedTopic})

@@ -1,4 +1,4 @@
-"""The base of the middlewares whose protocol runs over a websocket."""
+"""The base of the middlewares with a protocol over a websocket."""
 
 from __future__ import annotations
 
@@ -18,23 +18,23 @@ from ._websocket import COMPARE, LARGEST, Frame, WebSocket, checked
 from .middleware import MOST_UNREAD, FeedError, Listener
 
 _MATCHED = 0.3
-"""Seconds within which the subscribers of the robot find a publisher that its bridge has made for us. Until then they
-miss messages, and the bridge does not know."""
+"""Seconds within which the robot's subscribers discover a publisher that the bridge has made for us. Until then they
+miss messages, and the bridge does not know it."""
 
 Read = Callable[[Any], Any]
-"""Decodes a frame into a message, or raises UnreadableError."""
+"""A function that decodes a frame into a message, or raises UnreadableError."""
 
 
 class UnreadableError(Exception):
-    """A message or a channel that cannot be read; the text says why, for a person."""
+    """A message or a channel that cannot be read. The text gives the reason to the user."""
 
 
 class Bridge(ThreadedMiddleware):
-    """The part of a `Middleware` that is the same for every protocol over a websocket. A protocol is a subclass.
+    """The part of a `Middleware` that is the same for every protocol over a websocket. Each protocol has a subclass.
 
-    All methods but `_publish` and those of `Middleware` run in its thread. All frames that wait in the network are
-    received first; then only the newest of each topic is decoded, but every event, and each message of a topic that is
-    recorded. The subclass calls `Listener.on_connected` as soon as it can publish.
+    All methods except `_publish` and the methods of `Middleware` run in its thread. It first receives all frames that
+    wait in the network. Then it decodes only the newest frame of each topic, but every event, and every message of a
+    recorded topic. The subclass calls `Listener.on_connected` as soon as it can publish.
 
     Raises:
         TypeError, ValueError: the address is invalid.
@@ -48,21 +48,21 @@ class Bridge(ThreadedMiddleware):
         self._listener: Listener
         self._was_tried = False
         self._followed: frozenset[str] = frozenset()
-        """The wanted topics, as far as this thread has subscribed to them."""
+        """The wanted topics that this thread has subscribed to."""
         self._received: set[str] = set()
         self._too_large: frozenset[str] = frozenset()
-        """The wanted topics that are not subscribed to, because of a message that was too large."""
+        """The wanted topics that are not subscribed to because one of their messages was too large."""
         self._all_of: frozenset[str] = frozenset()
-        """The topics that were subscribed to for each message."""
+        """The topics that were subscribed to with every message."""
         self._pending: dict[str, deque[tuple[Read, Any]]] = {}
         self._came: Counter[str] = Counter()
-        """By topic, the number of frames since messages were passed on last."""
+        """By topic, the number of frames since the last messages were passed on."""
         self._newest: dict[str, int] = {}
-        """The number of the last pending messages of a topic that are for those who take the newest."""
+        """By topic, how many of the last pending messages are for targets of the newest message."""
         self._published: set[str] = set()
         """The topics on which something was published."""
         self._unmatched: dict[Any, Frame | None] = {}
-        """By new publisher of the bridge: the frame that was sent last, if it was zero."""
+        """By new publisher of the bridge, the last frame if it was zero, or None."""
         self._begin()
 
     @property
@@ -82,7 +82,7 @@ class Bridge(ThreadedMiddleware):
             ) from None
         self._start_thread(f"robowidgets {self.where}", listener)
 
-    def _wake(self) -> None:
+    def _wake_session(self) -> None:
         if self._socket is not None:
             if self._closed.is_set():
                 self._socket.cancel()
@@ -90,7 +90,7 @@ class Bridge(ThreadedMiddleware):
                 self._socket.call_soon(partial(self._follow, self._wanted, self._each))
 
     def _follow(self, topics: frozenset[str], each: frozenset[str]) -> None:
-        """Subscribe to these topics and no others. A topic that is requested anew may bring its last message again."""
+        """Subscribe to these topics and no others. A new subscription may deliver the last message again."""
         self._too_large &= topics
         topics -= self._too_large
         if self._socket is not None and self._socket.is_open:
@@ -122,32 +122,32 @@ class Bridge(ThreadedMiddleware):
         return reason
 
     def _publish(self, topic: str, frame: Callable[[], Frame], confirm: bool) -> None:
-        """Publish a frame on a topic; see `WebSocket.publish`."""
+        """Publish a frame on a topic. See `WebSocket.publish`."""
         self._published.add(topic)
         if self._socket is None:
-            raise FeedError(f"there is no connection to {self.where}")
+            raise FeedError(f"not connected to {self.where}")
         self._socket.publish(frame, confirm)
 
     def _later(self, seconds: float, function: Callable[[], object]) -> None:
-        """Call a function after a while, unless the connection has ended by then."""
+        """Call a function after a while, unless the connection has ended before."""
         if self._socket is not None:
             self._socket.later(seconds, function)
 
     def on_open(self) -> None:
-        """The connection is established."""
+        """React to an established connection."""
         self._followed, self._received, self._pending, self._unmatched = frozenset(), set(), {}, {}
         self._came.clear()
         self._begin()
         self._follow(self._wanted, self._each)
 
     def on_silence(self, is_silent: bool) -> None:
-        """The robot has not answered for a while, so that speeds are refused; or it has answered again."""
+        """Refuse speeds because the robot has not answered for a while, or accept them because it answers again."""
         reason = f"{self.where} does not answer: until it does, only zero is sent" if is_silent else ""
         for topic in list(self._published):
             self._listener.on_unheard(topic, reason)
 
     def deliver(self) -> None:
-        """Decode the frames that were kept, and pass them on."""
+        """Decode the queued frames, and pass them on."""
         pending, self._pending = self._pending, {}
         came, self._came = self._came, Counter()
         for topic, waiting in pending.items():
@@ -168,38 +168,38 @@ class Bridge(ThreadedMiddleware):
             self._listener.on_message(topic, message, newest=newest, replaced=replaced)
 
     async def finish(self) -> None:
-        """Return when the robot has processed what was published; cancelled when that takes too long."""
+        """Return when the robot has processed what was published. It is cancelled if that takes too long."""
         while any(self._unmatched.values()):
             await asyncio.sleep(0.01)
 
     def on_frame(self, frame: Frame) -> None:
-        """A frame was received: keep it, in place of an older one of its topic if the newest is enough."""
+        """Queue a received frame. If only the newest message is needed, it replaces an older frame of its topic."""
         raise NotImplementedError
 
     def on_too_large(self, start: bytes, size: int) -> None:
-        """A frame larger than `LARGEST` was skipped: end the subscription of its topic, if it is known; report it."""
+        """End the subscription of a topic whose frame is larger than `LARGEST` and was skipped, and report it."""
         topic, limit = self._topic_of_start(start), f"{LARGEST // 1_000_000} MB"
         if topic not in self._followed:
-            self._report_on_all(f"a message of {size / 1e6:.0f} MB came, larger than {limit}, and was skipped")
+            self._report_on_all(f"skipped a message of {size / 1e6:.0f} MB, which is larger than {limit}")
             return
         if topic in self._all_of:
             self._listener.on_missed(topic, 1)
         self._too_large |= {topic}
         self._follow(self._wanted, self._each)
-        reason = f"{topic} sent a message of {size / 1e6:.0f} MB, larger than {limit}: it is not listened to"
+        reason = f"{topic} sent a message of {size / 1e6:.0f} MB, larger than {limit}, and was unsubscribed"
         self._listener.on_trouble(topic, reason)
 
     def on_no_answer(self) -> None:
-        """Nobody has answered for a moment: what to compare is told, unless the robot was reached or told of before."""
+        """Report that no answer has come for a moment, with a hint, unless a connection was tried before."""
         if not self._was_tried:
             self._listener.on_nobody(f"no answer from {self.where} yet: {COMPARE}")
 
     async def other_bridge(self) -> str:
-        """Text for the bridge of another protocol that listens at the address; empty if none is known to."""
+        """Return a text for a bridge of another protocol that listens at the address, or empty."""
         return ""
 
     def _topic_of_start(self, start: bytes) -> str:
-        """The topic of the message whose frame begins so; empty if it cannot be told."""
+        """Return the topic of the message whose frame begins with these bytes, or empty if they do not contain it."""
         raise NotImplementedError
 
     def _begin(self) -> None:
@@ -215,10 +215,10 @@ class Bridge(ThreadedMiddleware):
         raise NotImplementedError
 
     def _change_share(self, topic: str) -> None:
-        """Request each message of a topic, or the newest alone, where the server leaves out some."""
+        """Request every message of a topic, or only the newest, for a server that can leave out messages."""
 
     def _keep(self, topic: str, kind: str, read: Read, frame: Any) -> None:
-        """Queue a frame for decoding. One that drops out was asked for if each is passed on."""
+        """Queue a frame for decoding. A frame that drops out counts as missed if every message is passed on."""
         from ._topics import queue_length  # Imported lazily: a guard subscribes to nothing.
 
         newest = queue_length(kind)
@@ -232,11 +232,11 @@ class Bridge(ThreadedMiddleware):
         self._came[topic] += 1
 
     def _flaw(self, topic: str, message: Any) -> str:  # noqa: ARG002
-        """The reason why a decoded message is refused; empty if it is not."""
+        """Return the reason why a decoded message is refused, or empty if it is accepted."""
         return ""
 
     def _await_match(self, publisher: Any) -> None:
-        """Note that the bridge makes a publisher now; a zero that it may lose is sent once more."""
+        """Note that the bridge makes a publisher now. A zero that it may lose is sent once more."""
         self._unmatched[publisher] = None
         self._later(_MATCHED, lambda: self._send_again(self._unmatched.pop(publisher)))
 
@@ -258,15 +258,15 @@ class Bridge(ThreadedMiddleware):
 
 
 def short_type(name: str) -> str:
-    """A type in the spelling of ROS 1: ``sensor_msgs/LaserScan``."""
+    """Return a type in the spelling of ROS 1: ``sensor_msgs/LaserScan``."""
     return name.replace("/msg/", "/")
 
 
 def other_nodes(nodes: Iterable[str], bridge: str) -> tuple[str, ...]:
-    """The names of nodes, without the node of the bridge, which subscribes and publishes for us."""
+    """Return the names of nodes without the bridge's node, which subscribes and publishes for us."""
     return tuple(sorted({node for node in nodes if not node.rpartition("/")[2].startswith(bridge)}))
 
 
 def strings(value: Any) -> list[str]:
-    """The strings in a list that the server sent; empty for anything but a list."""
+    """Return the strings in a list that the server sent, or an empty list if it sent something else."""
     return [item for item in value if isinstance(item, str)] if isinstance(value, list) else []

@@ -46,14 +46,14 @@ class ConnectedFunction(MayDrive):
 
     Attributes:
         cell, run: the cell that connected it, and the run of that cell.
-        context: that of this run: so what the function prints, and its errors, appear below the cell.
+        context: the context of this run, so that the function's output and errors appear below the cell.
         runs: the number of calls.
-        got, gave: what it got in the last call that is over, and what it returned; None before the first.
-        error: the error of the last call, with its line; empty when the call returned.
-        entered: the time of the running call; None while it is not running.
-        each: whether it gets each message, and not just the newest.
-        missed: the number of messages that it did not get, though it gets each.
-        takes_time: whether it gets the time of a message, too.
+        got, gave: the argument and the result of the last finished call, or None before the first.
+        error: the error of the last call with its line, or empty if the call returned.
+        entered: the time at which the running call began, or None while it is not running.
+        each: True if it gets every message, False if it gets only the newest.
+        missed: the number of messages that it did not get, although it gets every message.
+        takes_time: True if it also gets the time of a message.
     """
 
     def __init__(self, topic: str, call: Callable[..., object], raw: bool, each: bool = False) -> None:
@@ -71,37 +71,43 @@ class ConnectedFunction(MayDrive):
 
     @property
     def name(self) -> str:
-        """Its name, for a person."""
+        """Its name, for the user."""
         return name_of(self.call)
 
     @property
     def is_off(self) -> bool:
-        """Whether it is called no more, because it drives and may not."""
+        """True if it is not called any more, because it drives and is not allowed to."""
         return bool(self.refused and self.driven)
 
     @property
     def problem(self) -> str:
-        """Why it is off, or the error of its last call; empty if there is none."""
+        """The reason why it is off, or the error of its last call, or empty."""
         if self.is_off:
             return f"your function `{self.name}` is off: {self.refused}"
         missed = f"your function `{self.name}` did not get {many(self.missed, 'message')}, which came too fast"
         return "; ".join(filter(None, (self.error, missed if self.missed else "")))
 
     def takes(self, topic: str, calls: Sequence[Any] | None, *, each: bool) -> bool:
-        """Whether it takes each message of a topic, or the newest, that is for these functions; None: for all."""
+        """Return True if it gets a message of a topic that is for these functions, or for all functions if None.
+
+        Args:
+            topic: the topic.
+            calls: the functions that the message is for.
+            each: True for the functions that get every message, False for the functions that get the newest one.
+        """
         return self.topic == topic and self.each is each and (calls is None or self.call in calls)
 
     def replaces(self, other: ConnectedFunction) -> bool:
-        """Whether it replaces another: one from an earlier run of its cell, or one that had its name before."""
+        """Return True if it replaces another: from an earlier run of the same cell, or of the same name."""
         if self.cell and self.cell == other.cell and self.run != other.run:
             return True
         return self.topic == other.topic and _full_name(self.call) == _full_name(other.call) != ""
 
 
 class _Message(NamedTuple):
-    """A message that waits for functions; None: for all of its topic.
+    """A message that waits for functions, or for all functions of its topic if ``calls`` is not given.
 
-    It came at ``came_at`` of the monotonic clock, and at ``time_ns`` in nanoseconds since the epoch.
+    It arrived at ``came_at`` on the monotonic clock, and at ``time_ns`` in nanoseconds since the epoch.
     """
 
     message: Any
@@ -112,14 +118,14 @@ class _Message(NamedTuple):
 
 
 class FunctionCaller:
-    """Calls functions with the newest message of their topics, one at a time, in a thread of its own.
+    """A caller of functions with the newest message of their topics. It calls one at a time, in a thread.
 
-    Of some kinds, such as touch sensors, every message counts. A function that is disconnected while it runs is
-    abandoned: another thread calls the other functions.
+    Some kinds, such as touch sensors, queue every message. A function that is disconnected while it runs is abandoned:
+    another thread calls the other functions.
 
     Args:
         on_change: called with a topic whose `status_of` has changed.
-        mounted: makes a sample one with the angles of the robot.
+        mounted: returns a sample with the angles of the robot.
     """
 
     def __init__(
@@ -142,9 +148,9 @@ class FunctionCaller:
         )
         self._functions: list[ConnectedFunction] = []
         self._waiting: dict[tuple[str, bool], deque[_Message]] = {}
-        """By topic, and whether for functions that get each message, the messages that wait."""
+        """By topic and `ConnectedFunction.each`, the messages that wait."""
         self._slow_topic = ""
-        """The topic whose widgets show that a function has not returned."""
+        """The topic whose widgets show that a function has not returned yet."""
         self._closed = False
         self._log = LogOnce(log.error)
         _all.add(self)
@@ -155,18 +161,18 @@ class FunctionCaller:
         return tuple(self._functions)
 
     def table(self) -> Table:
-        """Each function with its topic, its number of runs, and its last error."""
+        """Return the functions with their topics, numbers of runs, and last errors."""
         rows = [(f.name, f.topic, str(f.runs), f.problem) for f in self._functions]
         slow = [status for f in self._functions if (status := self._status(f)) and status != f.problem]
         heads = ("function", "topic", "runs", "last error")
         return Table(many(len(rows), "connected function"), heads, rows, right=(2,), problems=slow)
 
     def passes_each(self, topic: str) -> bool:
-        """Whether a function gets each message of a topic."""
+        """Return True if a function gets every message of a topic."""
         return any(function.topic == topic and function.each for function in self._functions)
 
     def connect(self, topic: str, calls: Iterable[Callable[..., object]], raw: bool, each: bool = False) -> None:
-        """Call functions with the messages of a topic; they replace those that `ConnectedFunction.replaces` names."""
+        """Call functions with the messages of a topic. They replace functions as `ConnectedFunction.replaces` says."""
         on_cell_error(_switch_off)
         on_interrupt(_interrupt_all)
         for call in calls:
@@ -174,18 +180,18 @@ class FunctionCaller:
             how = (topic, call, raw, each)
             with self._lock:
                 same = [old for old in self._functions if (old.topic, old.call, old.raw, old.each) == how]
-                if same:  # by the newest run of its cell, so that what else this run connects does not replace it
+                if same:  # assign it to this run of its cell, so that other functions of this run do not replace it
                     same[0].cell, same[0].run, same[0].refused = new.cell, new.run, ""
                     same[0].context = new.context
                     continue
                 replaced = [old for old in self._functions if new.replaces(old)]
-                # Of a new version it is known what it drives before its first call.
+                # What the previous version drove is what the new version drives, until its first call.
                 new.driven = next((old.driven for old in replaced if old.name == new.name), ())
                 self._drop(replaced)
                 self._functions.append(new)
 
     def disconnect(self, topic: str, calls: Iterable[Any] | None) -> None:
-        """Call these functions, and others of their names, no more with messages of a topic; None: all functions."""
+        """Stop calling these functions, and others of their names, for a topic; or all functions if None."""
         gone = None if calls is None else list(calls)
         names = {_full_name(call) for call in gone or ()} - {""}
         with self._lock:
@@ -193,9 +199,9 @@ class FunctionCaller:
             self._drop([f for f in here if gone is None or f.call in gone or _full_name(f.call) in names])
 
     def switch_off(self, cell: CellRun) -> list[ConnectedFunction]:
-        """Have the functions that a cell connected drive no more, and stop their robots; returns those that are off.
+        """Stop the functions that a cell connected from driving, and stop their robots. Return the functions now off.
 
-        Those that never drove are called as before.
+        Functions that never drove are still called.
         """
         with self._lock:
             there = () if self._closed else self._functions
@@ -205,7 +211,7 @@ class FunctionCaller:
         return off
 
     def interrupt(self) -> None:
-        """Switch off all functions as `switch_off` does. For a signal handler: it takes no lock of this object."""
+        """Switch off all functions as `switch_off` does. A signal handler calls it, so it does not take the lock."""
         off = [] if self._closed else _refuse([one for one in self.functions if not one.is_off], INTERRUPTED)
         if off:
             call_in_thread(partial(self._report_interrupt, off))
@@ -228,14 +234,14 @@ class FunctionCaller:
         newest: bool = True,
         each: bool = True,
     ) -> None:
-        """Queue a message for these functions, None: all; it replaces a queued one, unless every message counts.
+        """Queue a message for these functions, or for all if None. It replaces a queued one unless every one counts.
 
         Args:
             topic: its topic.
             message: the message.
             calls: the functions.
-            newest: whether those get it that take the newest one.
-            each: whether those get it that take each.
+            newest: True to pass it to the functions that get the newest message.
+            each: True to pass it to the functions that get every message.
         """
         came = _Message(message, topic, calls, time.monotonic(), time.time_ns())
         with self._lock:
@@ -244,7 +250,7 @@ class FunctionCaller:
                     self._put(came, each=of_each)
 
     def miss(self, topic: str, count: int) -> None:
-        """Count messages that the functions of a topic that get each do not get."""
+        """Count messages that did not reach the functions of a topic that get every message."""
         with self._lock:
             for function in self._functions:
                 if function.topic == topic and function.each:
@@ -264,11 +270,11 @@ class FunctionCaller:
         self._runner.wake()
 
     def status_of(self, topic: str) -> str:
-        """A text that names the functions of a topic that have not returned or have raised; empty if there are none."""
+        """Return a text for the functions of a topic that have not returned or have raised an error, or empty."""
         return "; ".join(filter(None, (self._status(f) for f in self.functions if f.topic == topic)))
 
     def close(self) -> None:
-        """Call no function any more; waits a moment for one that is running."""
+        """Call no function any more. Wait a moment for a running function."""
         with self._lock:
             self._closed = True
             left = self._runner.leave()
@@ -276,7 +282,7 @@ class FunctionCaller:
             left.join(CLOSING)
 
     def _show_slow(self) -> None:
-        """Show the seconds for which a function has not returned, or that it has."""
+        """Show for how many seconds a function has not returned, or that it has returned."""
         function, before = self._runner.current, self._slow_topic
         entered = function.entered if isinstance(function, ConnectedFunction) else None
         is_slow = entered is not None and self._now() - entered >= FUNCTION.late
@@ -303,7 +309,7 @@ class FunctionCaller:
                 self._runner.wake()
 
     def _call_next(self, call: Call) -> float | None:
-        """Call the functions of the topic that has waited for longest, with its oldest message."""
+        """Call the functions of the topic that has waited longest, with its oldest message."""
         with self._lock:
             if self._closed or not self._waiting:
                 return None
@@ -334,7 +340,7 @@ class FunctionCaller:
         try:
             given = (sample, came.time_ns) if function.takes_time else (sample,)
             outcome = call(function.context.copy().run, function.drive_by, function.call, *given, of=function)
-        finally:  # also where it was left
+        finally:  # also if the function was abandoned
             function.entered = None
             function.runs += 1
         function.error, function.got, function.gave = "", sample, outcome.value
@@ -342,7 +348,7 @@ class FunctionCaller:
         if raised is not None:
             line = line_of(function.call, traceback.walk_tb(raised.__traceback__))
             function.error = f"your function `{function.name}`{line}: {type(raised).__name__}: {raised}"
-            if not (was_on and function.is_off):  # the cell names it that switched it off meanwhile
+            if not (was_on and function.is_off):  # else the cell that switched it off reports it
                 with without_our_frames(raised) as shown:
                     function.context.copy().run(self._log, function.error, exc_info=shown)
 
@@ -351,7 +357,7 @@ _all: WeakSet[FunctionCaller] = WeakSet()
 
 
 def _switch_off(cell: CellRun) -> list[str]:
-    """Switch off what a cell that ended with an error connected; returns a line for each function that drove."""
+    """Switch off the functions of a cell that ended with an error. Return a line for each function that drove."""
     off = [function for caller in list(_all) for function in caller.switch_off(cell)]
     return list(map(_off_line, off))
 
@@ -362,7 +368,7 @@ def _interrupt_all() -> None:
 
 
 def _refuse(functions: Sequence[ConnectedFunction], why: str) -> list[ConnectedFunction]:
-    """Let functions drive no more, and stop the robots that they drive; returns the functions that are off by that."""
+    """Stop functions from driving, and stop the robots that they drive. Return the functions that are off now."""
     for function in functions:
         function.refused = why
     off = [function for function in functions if function.is_off]
@@ -376,17 +382,17 @@ def _off_line(function: ConnectedFunction) -> str:
 
 
 def _takes_two(call: Any) -> bool:
-    """Whether a function needs two arguments: a message and its time."""
+    """Return True if a function needs two arguments: a message and its time."""
     try:
         parameters = inspect.signature(call).parameters.values()
-    except (TypeError, ValueError):  # of some functions of C, such as `print`
+    except (TypeError, ValueError):  # some functions in C, such as `print`, have no signature
         return False
     places = (inspect.Parameter.POSITIONAL_ONLY, inspect.Parameter.POSITIONAL_OR_KEYWORD)
     return sum(one.kind in places and one.default is one.empty for one in parameters) == 2
 
 
 def _full_name(call: Any) -> str:
-    """The name, with its module, that the next version of a function has: of one defined outside of functions."""
+    """Return the module and name of a function, which its next version shares; or empty for an inner function."""
     if not isinstance(call, FunctionType) or "<" in call.__qualname__:
         return ""
     return f"{call.__module__}.{call.__qualname__}"

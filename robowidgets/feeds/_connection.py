@@ -1,4 +1,4 @@
-"""The connection of a feed: its topics, who is connected to them, and driving."""
+"""The connection of a feed: its topics, the targets connected to them, and driving."""
 
 from __future__ import annotations
 
@@ -38,33 +38,33 @@ from .middleware import Advert, FeedError, Middleware
 
 log = logging.getLogger("robowidgets")
 
-PATIENCE = 2.0
+DISCOVERY_TIMEOUT_S = 2.0
 """Seconds after opening for which `show`, `drive` and `stop` wait for the topics and for a subscriber."""
 
 
 class Connection(Observed):
-    """The part of a feed that threads refer to: its middleware's `Listener`, its topics and subscriptions, driving.
+    """The part of a feed that threads refer to: the `Listener` of its middleware, its subscriptions, and driving.
 
-    None of it refers to the `Feed`. So the feed is deleted when neither the user nor a widget has it any more, and then
-    its program ends.
+    It does not refer to the `Feed`. So the feed is deleted as soon as neither the user nor a widget refers to it, and
+    then its program ends.
 
     Args:
         middleware: the connection to the robot, which `open` opens.
-        is_deleted: whether the feed is deleted.
-        clock: what its waits and its driving go by.
+        is_deleted: returns True if the feed is deleted.
+        clock: the clock of its waits and its driving.
 
     Attributes:
         clock: that clock.
         functions: the connected functions.
-        mounts: how the scanners stand on the robot.
+        mounts: the mounting angles of the scanners on the robot.
         adverts: the topics as the middleware listed them last.
-        is_closed: whether `close` was called, or this is a forked process.
-        is_forked: whether it stayed with the process that was forked.
-        nobody: why nobody may be there, though it could be connected; empty if somebody is.
-        unsent: why zero could not be sent when it was closed; empty if it was.
-        sent_count: the number of speeds that were sent, zero too.
-        driver, watchdog, programs: what drives the robot.
-        listening: what its topics say while somebody looks at a list of them.
+        is_closed: True if `close` was called, or this is a forked process.
+        is_forked: True if it belongs to the parent of this forked process.
+        nobody: hint to show if no robot may be there although it is connected, or empty if a robot is there.
+        unsent: the reason why zero could not be sent on closing, or empty if it was sent.
+        sent_count: the number of sent speeds, including zero.
+        driver, watchdog, programs: the parts that drive the robot.
+        listening: the values of its topics while a list of topics is in view.
     """
 
     def __init__(self, middleware: Middleware, is_deleted: Callable[[], bool], clock: Clock) -> None:
@@ -83,9 +83,9 @@ class Connection(Observed):
         self.sent_count = 0
         self._reached = self._listed = self.is_closed = self.is_forked = False
         self._driven: str | None = None
-        """The topic on which this feed publishes speeds and nobody else publishes anything."""
+        """The topic on which this feed publishes speeds and no other node publishes anything."""
         self._decided: dict[str, FeedTopic] = {}
-        """The topics with a widget that only a message could decide."""
+        """The topics whose widget was chosen by a message."""
         self._opened = self.clock.now()
         self._subscribe = CoalescedCall(self._follow_connected)
         self.driver = Driver(self, middleware)
@@ -95,7 +95,7 @@ class Connection(Observed):
         self._frame_topics = FrameTopics(self)
 
     def open(self) -> None:
-        """Connect, and close what an earlier run of the same cell opened. FeedError if it can never work."""
+        """Connect, and close what an earlier run of the same cell opened. Raise FeedError if it can never work."""
         shorten_switch_interval()
         let_threads_print()
         # Before it opens, because the feed of the earlier run may use the node, or drive the robot.
@@ -106,7 +106,7 @@ class Connection(Observed):
         except BaseException:
             open_feeds.discard(self)
             raise
-        # With a guard, too: at a SIGTERM that rclpy handles, the process does not end, and nor does its guard.
+        # Even with a guard: rclpy handles SIGTERM, so neither the process nor its guard ends.
         stop_at_end()
 
     @property
@@ -178,7 +178,7 @@ class Connection(Observed):
     def install(
         self, function: Callable[..., Any], rate: float | None, on: str | None, topics: Mapping[str, str]
     ) -> Program:
-        """Run a function as the program; see `Feed.program`."""
+        """Run a function as the program. See `Feed.program`."""
         self.check_open()
         self.driver.prepare()
         program = self.programs.install(function, rate, on, topics)
@@ -210,7 +210,7 @@ class Connection(Observed):
                     self._changed.notify_all()
                 self._call_observers()
 
-    # -- what the middleware calls: see `Listener` ---------------------------------------------------------------------
+    # -- called by the middleware: see `Listener` ----------------------------------------------------------------------
 
     def on_connected(self) -> None:
         """See `Listener`."""
@@ -264,7 +264,7 @@ class Connection(Observed):
         if subscription is None or self.is_closed:
             return
         waits = self._scanner_mounts.holds(topic, message, newest=newest, each=each)
-        # What takes each message takes it as it is: a recorder, a map.
+        # A target of every message, such as a recorder or a map, gets it without waiting for tf.
         if subscription.take(message, newest=newest and not waits, each=each, replaced=replaced):
             self._show_status(topic)
         if not waits:
@@ -297,36 +297,36 @@ class Connection(Observed):
 
     @property
     def is_listed(self) -> bool:
-        """Whether the middleware has listed the topics."""
+        """True once the middleware has listed the topics."""
         return self._listed
 
     @property
     def is_settled(self) -> bool:
-        """Whether the topics are known, as far as they are discovered a moment after opening."""
-        return self.is_listed and self.clock.now() >= self._opened + PATIENCE
+        """True once the topics are listed and there was time to discover them after opening."""
+        return self.is_listed and self.clock.now() >= self._opened + DISCOVERY_TIMEOUT_S
 
     @property
     def page_name(self) -> str:
-        """The name by which the page knows the widgets of this robot."""
+        """The name of this robot on the page, which its widgets share."""
         return self._table.robot
 
     def check_open(self, *topics: Any) -> None:
-        """FeedError unless the feed is open, in this process; TypeError or ValueError for no names of topics."""
+        """Raise FeedError unless the feed is open in this process, and TypeError or ValueError for invalid names."""
         for topic in topics:
             check_name(topic)
         if self.is_closed:
-            why = "stayed with the process that was forked" if self.is_forked else "is closed"
+            why = "belongs to the parent of this forked process" if self.is_forked else "is closed"
             raise FeedError(f"the feed of {self.where} {why}: open it again")
 
     def wait_until(self, condition: Callable[[], bool], seconds: float) -> None:
-        """Wait until a condition is true or the feed is closed, for some seconds at most."""
+        """Wait for at most some seconds until a condition is true or the feed is closed."""
         until = self.clock.now() + seconds
         with self._lock:
             while not condition() and not self.is_closed and self._changed.wait_until(until):
                 pass
 
     def await_topics(self, names: Collection[str]) -> None:
-        """Wait a moment until these topics, or those of these fields, can be shown; without names, any of a kind."""
+        """Wait a moment until these topics or fields can be shown, or any topic if no names are given."""
 
         def are_there() -> bool:
             if not names:
@@ -334,54 +334,54 @@ class Connection(Observed):
             there = {topic.name for topic in self.topics if topic.widget or asked_of_type(topic.type)}
             return there.issuperset(topic_and_field(name, there)[0] for name in names)
 
-        self.wait_until(are_there, PATIENCE)
+        self.wait_until(are_there, DISCOVERY_TIMEOUT_S)
 
     def await_subscriber(self, topic: str) -> None:
-        """Wait, on a feed that was just opened, for the connection and for a subscriber to a topic."""
+        """Wait on a newly opened feed for the connection and for a subscriber of a topic."""
         self.wait_until(
             lambda: self._reached and (self.status not in ("", self.nobody) or self._has_subscriber(topic)),
-            self._opened + PATIENCE - self.clock.now(),
+            self._opened + DISCOVERY_TIMEOUT_S - self.clock.now(),
         )
 
     def why_missing(self, topic: str) -> str:
-        """Why no message of a connected topic will come unless something changes, once that is known; else empty."""
-        if self.clock.now() < self._opened + PATIENCE:
+        """Return the reason why a connected topic will send nothing until something changes, or empty if unknown."""
+        if self.clock.now() < self._opened + DISCOVERY_TIMEOUT_S:
             return ""
         subscription = self._table.by_topic.get(topic)
         return self.status or ("" if subscription is None else subscription.why_missing(self._table.topics))
 
     def topic_of(self, name: str) -> FeedTopic:
-        """A topic as it is known now."""
+        """Return a topic as it is known now."""
         return (self._table.topics or {}).get(name) or unlisted(name)
 
     def status_of(self, topic: str) -> str:
-        """The problems of a topic, connected or not; empty if there are none."""
+        """Return the problems of a topic, connected or not, or empty."""
         with self._lock:
             return self._table.status_of(topic)
 
     def trouble_of(self, topic: str) -> str:
-        """The reason of the middleware why no message of a topic comes or can be read; empty if there is none."""
+        """Return the middleware's reason why a topic's messages do not come or cannot be read, or empty."""
         subscription = self._table.by_topic.get(topic)
         return subscription.trouble if subscription is not None else ""
 
     def attach(
         self, topic: str, take: Callable[[Any], object], on_missed: Callable[[int], object] | None = None
     ) -> Target:
-        """Pass the messages of a topic to code of this package, in the transport's thread; it must return at once.
+        """Pass the messages of a topic to code of this package, in the thread of the transport. It must return at once.
 
-        With ``on_missed`` it gets each message, and is told the number of those that it does not get.
+        With ``on_missed`` it gets every message, and ``on_missed`` gets the number of lost messages.
         """
         target = Target(take, None, on_missed)
         self.attach_target(topic, target)
         return target
 
     def attach_target(self, topic: str, target: Target) -> None:
-        """Do what `attach` does, for a target that is known before its first message."""
+        """Attach a target as `attach` does. The caller knows the target before its first message."""
         self._connect(topic, [target])
         self._titles.call_later()
 
     def decide(self, topic: FeedTopic, message: Any) -> None:
-        """List the widget that shows the messages of a topic, of which this is one, if one does."""
+        """List the widget that can show the messages of a topic, decided by this message."""
         found = decided(topic, message)
         if found.widget:
             with self._lock:
@@ -397,7 +397,7 @@ class Connection(Observed):
         self._titles.call_later()
 
     def mounted(self, sample: Any) -> Any:
-        """A scan with the angles of the robot, if it is known how its scanner stands; another sample as it is."""
+        """Return a scan with the angles of the robot if the mount of its scanner is known, or any sample unchanged."""
         return self.mounts.mounted(sample)
 
     def list_driven(self, topic: str) -> None:
@@ -409,12 +409,12 @@ class Connection(Observed):
             self._call_observers()
 
     def show_sent(self, topic: str, speed: Speed) -> None:
-        """Show a speed that was sent as commanded, unless the middleware reports it like those of other publishers."""
+        """Show a sent speed as commanded, unless the middleware reports it like messages of other publishers."""
         self.sent_count += 1
         self._show_speed(topic, speed)
 
     def show_beside(self, topic: str, velocity: Velocity) -> None:
-        """Show a speed that another feed of this process has sent to the same robot, by the guard of both."""
+        """Show a speed that another feed of this process has sent to the same robot through the same guard."""
         if self._driven is None:
             self.list_driven(topic)
         self._show_speed(topic, velocity.as_speed)
@@ -428,24 +428,24 @@ class Connection(Observed):
             self._show_status(topic)
 
     def on_driving(self) -> None:
-        """Show other settings of driving: a pad has a knob for each direction in which the robot moves."""
+        """Show changed settings of driving: a pad has a knob for each direction in which the robot moves."""
         self._call_observers()
 
     def on_fork(self) -> None:
-        """Close in a forked process: the threads stayed with its parent, perhaps holding the lock."""
+        """Close in a forked process. The threads stayed in the parent process and may have held the lock."""
         self._lock = threading.RLock()
         self._changed = self.clock.condition(self._lock)
         self.driver.on_fork()
         self.is_closed = self.is_forked = True
 
     def _has_subscriber(self, topic: str) -> bool:
-        """Whether a topic has a subscriber; or the middleware reports none on any topic."""
+        """Return True if a topic has a subscriber, or if the middleware does not report subscribers at all."""
         known = [advert.wanted for advert in self.adverts if advert.wanted is not None]
         here = any(advert.name == topic and advert.wanted for advert in self.adverts)
         return self.is_listed and (here or bool(self.adverts and not known))
 
     def _connect(self, topic: str, targets: Sequence[Target]) -> tuple[Any, ...]:
-        """Add targets; returns the message that its publisher keeps for latecomers, as `SubscriptionTable.connect`."""
+        """Add targets. Return the message kept for new subscribers, as `SubscriptionTable.connect` does."""
         with self._lock:
             self.check_open()
             there = self._table.by_topic.get(topic)
@@ -454,7 +454,7 @@ class Connection(Observed):
             subscription = self._table.by_topic[topic]
         self._scanner_mounts.note(topic, targets)
         self._subscribe()
-        subscription.pass_kept(kept, new)  # without the lock, as a message
+        subscription.pass_kept(kept, new)  # without the lock, as for a new message
         return kept
 
     def _list_topics(self) -> None:
@@ -464,7 +464,7 @@ class Connection(Observed):
             adverts.append(Advert(self._driven, TWIST, offered=False, wanted=False if reports else None))
         topics = topics_of(adverts)
         driven = topics.get(self._driven or "")
-        if driven is not None and not driven.offered:  # whatever its name says
+        if driven is not None and not driven.offered:  # regardless of its name
             topics[driven.name] = driven._replace(commanded=True)
         for name, found in self._decided.items():
             if name in topics and topics[name].type == found.type:
@@ -496,7 +496,7 @@ class Connection(Observed):
         self.functions.put(self.topic_of(held.topic), held.message, newest=held.newest, each=held.each)
 
     def _follow_connected(self) -> None:
-        """Have the middleware pass on the topics that are connected."""
+        """Make the middleware pass on the connected topics."""
         with self._lock:
             topics = frozenset(self._table.by_topic)
             each = frozenset(
@@ -504,26 +504,26 @@ class Connection(Observed):
                 for topic, one in self._table.by_topic.items()
                 if one.passes_each or self.functions.passes_each(topic)
             )
-        # Without the lock: the middleware may take a lock that one of its threads holds while it waits for ours.
+        # Without the lock: the middleware may take a lock that one of its threads holds while waiting for ours.
         if not self.is_closed:
             self.middleware.follow(topics, each)
 
 
 def _log_dropped(closed: Sequence[Any]) -> None:
-    """Log the functions of other cells that were connected to a feed which a new run of its cell closed."""
+    """Log the functions of other cells that were connected to a feed that a new run of its cell has closed."""
     cell, _ = running_cell()
     functions = [function for feed in closed if isinstance(feed, Connection) for function in feed.functions.functions]
     names = [f"`{function.name}` ({function.topic})" for function in functions if function.cell != cell]
     if names:
-        log.warning("the feed was opened anew; no longer connected: %s. Run their cells again", ", ".join(names))
+        log.warning("the feed was opened again; no longer connected: %s. Run their cells again", ", ".join(names))
 
 
 def _robot_of(connection: Connection, is_deleted: Callable[[], bool]) -> DrivenRobot:
-    """The robot of a feed, as its program sees it.
+    """Return the robot of a feed, as its program sees it.
 
     Args:
-        connection: that of the feed.
-        is_deleted: whether the feed is deleted, because neither the user nor a widget refers to it.
+        connection: the connection of the feed.
+        is_deleted: returns True if the feed is deleted, because neither the user nor a widget refers to it.
     """
     watchdog = connection.watchdog
     return DrivenRobot(

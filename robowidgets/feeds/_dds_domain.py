@@ -1,4 +1,4 @@
-"""The configuration of DDS domains: a process can have only one for each domain."""
+"""The configuration of DDS domains. A process can have only one for each domain."""
 
 from __future__ import annotations
 
@@ -19,27 +19,27 @@ _LOOPBACK = (
 )
 
 _CONFIRMING = "<Internal><HeartbeatInterval>10 ms</HeartbeatInterval></Internal>"
-"""Has a writer ask for a confirmation with each message of 50 a second. By default it asks 10 times a second: zero
+"""Makes a writer request a confirmation with each of 50 messages a second. The default is 10 requests a second, so zero
 would be confirmed 0.2 s later."""
 
 _BUFFER = '<Internal><SocketReceiveBufferSize max="16MiB"/></Internal>'
-"""Asks the system to keep more of what comes in bursts, or while other code holds the GIL: by default, a few images
-fill the buffer. The system gives as much as its own limit allows (on Linux ``net.core.rmem_max``)."""
+"""Requests a larger buffer from the system, for bursts and for the time in which other code holds the GIL. A few images
+fill the default buffer. The system gives as much as its limit allows (on Linux ``net.core.rmem_max``)."""
 
 _lock = threading.Lock()
 _used: WeakValueDictionary[tuple[int, str], Any] = WeakValueDictionary()
 
 
 def configured(domain: int, interface: str | None, *, alone: bool = False) -> Any:
-    """A domain that uses an interface, for as long as the result is kept; None if another program configured it.
+    """Return a domain that uses an interface while the result is kept, or None if another program configured it.
 
     Args:
         domain: its number.
-        interface: None: the default one.
-        alone: whether nothing else in this process may use the domain.
+        interface: the network interface, or None for the default one.
+        alone: True if nothing else in this process may use the domain.
 
     Raises:
-        DDSException: there is no such interface, or the process uses the domain with another configuration.
+        DDSException: the interface does not exist, or the process uses the domain with another configuration.
     """
     with _lock:
         found = _used.get((domain, interface or ""))
@@ -56,7 +56,7 @@ def configured(domain: int, interface: str | None, *, alone: bool = False) -> An
 def _domain(domain: int, interface: str, *, alone: bool) -> Any:
     there = "" if interface else os.environ.get("CYCLONEDDS_URI", "")
     ours = _settings(interface) + (_CONFIRMING if interface or alone else "")
-    # The last one counts: settings of the environment before ours, except for the size of the buffer.
+    # The last setting counts: the environment overrides the size of the buffer, and our other settings override it.
     parts = [_configuration(_BUFFER), there, _configuration(ours) if ours else ""]
     try:
         return Domain(domain, ",".join(filter(None, parts)))

@@ -40,10 +40,10 @@ from .middleware import EVENTS, MOST_UNREAD, Advert, FeedError, Listener
 
 _MANY = 1000
 _AT_ONCE = 100
-"""Messages that are taken from a reader in one call."""
+"""The number of messages that are taken from a reader in one call."""
 
 _DEEPEST = 10 * MOST_UNREAD
-"""Length of the queue in Cyclone DDS of a reader of each message. It fills up only while other code holds the GIL."""
+"""Length of the queue in Cyclone DDS for a reader of every message. It fills only while other code holds the GIL."""
 
 _LOOK = duration(milliseconds=500)
 _NEW = ViewState.Any | SampleState.NotRead | InstanceState.Any
@@ -53,14 +53,14 @@ _MATCHING = 0.3
 """Seconds for which the first message on a topic waits until subscribers match."""
 
 _SETTLING = 0.05
-"""Seconds for which it waits after that. The subscriber must discover our writer, too, and DDS does not report when it
-has. A best-effort subscriber would lose the message, a reliable one would get it 0.1 s later."""
+"""Seconds for which it waits after that. The subscriber must also discover our writer, and DDS does not report when it
+has. Otherwise a best-effort subscriber would lose the message, and a reliable one would get it 0.1 s later."""
 
 _CONFIRMING = 0.3
 """Seconds within which a reliable subscriber confirms zero."""
 
 _OURS = b"reader=robowidgets;"
-"""What our readers carry, of which those of a kernel match the writers of its guard: they are no robot."""
+"""The user data of our readers. A kernel's readers also match the writers of its guard, but they are not a robot."""
 
 _POLICIES = {
     2: "durability",
@@ -71,11 +71,11 @@ _POLICIES = {
     23: "data representation",
     24: "type consistency",
 }
-"""The policies by which publisher and subscriber may be incompatible, by their numbers in the DDS specification."""
+"""The policies that can make a publisher and a subscriber incompatible, by their numbers in the DDS specification."""
 
 
 class Endpoint(NamedTuple):
-    """A publisher or subscriber. ``type_id`` is None unless it describes the fields of its type to DDS."""
+    """A publisher or subscriber. ``type_id`` is None unless the endpoint describes the fields of its type to DDS."""
 
     topic: str
     type: str
@@ -86,9 +86,9 @@ class Endpoint(NamedTuple):
 
 
 class Wish(NamedTuple):
-    """A reader to create. ``definition`` comes from `definition_of`; ``each`` asks for every message.
+    """A reader to create. ``definition`` comes from `definition_of`; ``each`` requests every message.
 
-    ``reliable`` asks for lost packets again. That needs publishers that all offer it.
+    ``reliable`` requests lost packets again, which works only if all publishers offer it.
     """
 
     topic: str
@@ -101,7 +101,7 @@ class Wish(NamedTuple):
 
 
 class _Reader(NamedTuple):
-    """``waiting`` has the messages that were taken from DDS and not passed on yet."""
+    """A reader of DDS. ``waiting`` contains the messages that were taken from DDS and not passed on yet."""
 
     reader: Any
     condition: Any
@@ -116,9 +116,9 @@ class DdsSession:
         domain: its number.
         listener: gets messages and reports.
         interface: the network interface to use.
-        no_robot: what is said a moment later when there is no robot, until there is one.
-        clock: what its waits go by, but for those in Cyclone DDS.
-        mark: of a guard, what its publishers carry; what carries that of our guards is no other program.
+        no_robot: the text to report after a moment without a robot, until one is discovered.
+        clock: the clock of its waits, except for waits in Cyclone DDS.
+        mark: for a guard, the mark of its publishers. Publishers with the mark of our guards are not other programs.
 
     Raises:
         DDSException: the network cannot be used.
@@ -136,7 +136,7 @@ class DdsSession:
         self._clock, self._mark = clock, f"guard={mark};".encode() if mark else b""
         self._listener, self._no_robot = listener, no_robot
         self._alone_until: float | None = self._clock.now() + ALONE
-        """The time from which it is said that no robot is there; None once one was there."""
+        """The time from which a missing robot is reported, or None once a robot was discovered."""
         self._domain = configured(domain, interface, alone=bool(mark))
         self._participant = DomainParticipant(domain)
         self._own = self._participant.guid
@@ -148,7 +148,7 @@ class DdsSession:
         self._offers: dict[UUID, Endpoint] = {}
         self._wants: dict[UUID, Endpoint] = {}
         self._node_names: dict[bytes, Mapping[bytes, str]] = {}
-        """For each participant, the names of the nodes of its writers and readers, by their GUIDs."""
+        """By participant, the names of the nodes by the GUIDs of their writers and readers."""
         self._conditions = [ReadCondition(r, _NEW) for r in (self._publications, self._subscriptions)]
         for condition in self._conditions:
             self._waitset.attach(condition)
@@ -162,9 +162,9 @@ class DdsSession:
         self._is_told = False
 
     def close(self) -> None:
-        """End the participant and all that it made; by itself it lasts for as long as anything refers to it."""
+        """End the participant and everything that it made. Otherwise it lives while anything refers to it."""
         with self._writing:
-            # What cyclonedds does when it is garbage-collected: it has no other call for that.
+            # cyclonedds does the same on garbage collection. It has no other call to end a participant.
             self._participant.__del__()
 
     def wake(self) -> None:
@@ -196,7 +196,7 @@ class DdsSession:
         self._repeat_zeros()
 
     def _report_topics(self) -> None:
-        """Report the topics if they changed; none at all only when there was time to discover some."""
+        """Report the topics if they changed. Report an empty list only after there was time to discover some."""
         if not is_alone(self._topics):
             if self._alone_until is not None:
                 self._listener.on_nobody("")
@@ -210,7 +210,10 @@ class DdsSession:
             self._listener.on_topics(self._topics)
 
     def follow(self, topics: Iterable[str], each: frozenset[str]) -> None:
-        """Create readers for the publishers of these topics, a second one for each message; remove all others."""
+        """Create readers for the publishers of these topics, and another reader if every message is wanted.
+
+        All other readers are removed.
+        """
         topics = {*topics, NODES}
         if (topics, each) != self._followed:
             self._followed = topics, each
@@ -231,7 +234,7 @@ class DdsSession:
             self._create_reader(wish)
 
     def pass_on(self, wish: Wish) -> bool:
-        """Pass on the next message of a reader, if there is one; returns False if there is none."""
+        """Pass on the next message of a reader. Return False if it has none."""
         reader, replaced = self._readers[wish], 0
         if not (wish.each and reader.waiting):
             replaced = self._take_all(reader)
@@ -258,29 +261,29 @@ class DdsSession:
         return bool(taken)
 
     def _take_all(self, reader: _Reader) -> int:
-        """Take all messages of a reader from DDS; returns the number of those that do not fit in, and are left out."""
+        """Take all messages of a reader from DDS. Return the number of messages that do not fit in and are dropped."""
         before, count = len(reader.waiting), 0
         while samples := reader.reader.take(N=_AT_ONCE):
             count += len(samples)
             reader.waiting.extend(samples)
             if len(samples) < _AT_ONCE:
                 break
-        # If the queue in DDS was full, at least one message was replaced there.
+        # If the queue in DDS was full, at least one message was replaced in it.
         return before + count - len(reader.waiting) + (count >= _DEEPEST)
 
     @property
     def wishes(self) -> list[Wish]:
-        """The readers, without the one for the names of nodes."""
+        """The readers, except the reader of the names of nodes."""
         return [wish for wish in self._readers if wish.topic != NODES]
 
     def publish(self, topic: str, type_name: str, raw: bytes, *, is_zero: bool) -> None:
-        """Write a message, in any thread; the first one on a topic waits a moment until subscribers match.
+        """Write a message from any thread. The first message on a topic waits a moment until subscribers match.
 
-        Zero waits until each reliable subscriber has confirmed it. It takes about as long as its way there and back.
+        Zero waits until each reliable subscriber has confirmed it, which takes about one round trip.
 
         Raises:
             FeedError: Cyclone DDS refuses it.
-            TimeoutError: it is a zero that a subscriber has not confirmed, or that nobody receives any more.
+            TimeoutError: the message is a zero that a subscriber has not confirmed, or that has no subscriber any more.
         """
         with self._writing:
             try:
@@ -301,14 +304,14 @@ class DdsSession:
                 raise TimeoutError(nobody_left(topic))
 
     def _is_confirmed(self, writer: Any) -> bool:
-        """Whether each reliable subscriber confirms what was written, within `_CONFIRMING`."""
+        """Return True if each reliable subscriber confirms what was written within `_CONFIRMING`."""
         try:
             return bool(writer.wait_for_acks(duration(seconds=_CONFIRMING)))
-        except (AttributeError, DDSException):  # at the end of the time, cyclonedds asks the wrong class for its code
+        except (AttributeError, DDSException):  # on a timeout, cyclonedds looks up its error code on the wrong class
             return False
 
     def _repeat_zeros(self) -> None:
-        """Write the zeros again that subscribers may have missed; at the next look where a message is written now."""
+        """Repeat the zeros that subscribers may have missed. If another thread is writing, do it at the next look."""
         if not self._writing.acquire(blocking=False):
             return
         try:
@@ -317,7 +320,7 @@ class DdsSession:
                 due = self._zeros.due(topic, len(there), all_confirm=all(map(_is_reliable, there)))
                 for kind, raw in due.items():
                     writer = self._writers[topic, kind]
-                    with suppress(DDSException):  # the next zero that is asked for tells it
+                    with suppress(DDSException):  # the next requested zero reports it
                         writer.write(writer.data_type(raw))
         finally:
             self._writing.release()
@@ -343,13 +346,13 @@ class DdsSession:
             self._listener.on_trouble(
                 wish.topic,
                 f"{wish.topic} comes as {wish.type}, a type that is not known here: "
-                "robowidgets.messages.add_definitions(folder) takes its .msg files; feeds.ros2 and feeds.foxglove need "
-                "none",
+                "add its .msg files with robowidgets.messages.add_definitions(folder), or use feeds.ros2 or "
+                "feeds.foxglove, which do not need them",
             )
             return
-        # A queue that keeps the last ones never rejects a message: a reliable reader that does holds up its publisher.
+        # A queue with a limit never rejects a message. A reliable reader that rejects one blocks its publisher.
         room = MOST_UNREAD if wish.each else EVENTS if wish.topic == NODES else queue_depth(wish.type)
-        # Of the newest alone, the others are only counted.
+        # If only the newest message is needed, the others are only counted.
         depth = _DEEPEST if wish.each else room if is_large(wish.type) else MOST_UNREAD
         qos = Qos(
             Policy.Reliability.Reliable(0) if wish.latched or wish.reliable else Policy.Reliability.BestEffort,
@@ -363,12 +366,12 @@ class DdsSession:
         self._readers[wish] = _Reader(reader, condition, decode, deque(maxlen=room))
 
     def _without_writer(self, topic: str) -> set[str]:
-        """The types of speeds that subscribers of a topic expect and that have no writer yet."""
+        """Return the types of speeds that the subscribers of a topic expect and that have no writer yet."""
         types = speed_types(want.type for want in list(self._wants.values()) if want.topic == topic)
         return {kind for kind in types if (topic, kind) not in self._writers}
 
     def _create_writers(self, topic: str, types: Iterable[str]) -> None:
-        """Create those that are missing, and wait until the first ones of a topic match. Called with the lock held."""
+        """Create the missing writers, and wait until the first ones of a topic match. Called with the lock held."""
         is_first = all(name != topic for name, _ in self._writers)
         new = [self._create_writer(topic, kind) for kind in types if (topic, kind) not in self._writers]
         until = self._clock.now() + _MATCHING * is_first
@@ -392,7 +395,7 @@ class DdsSession:
         return bool(self._matched(writer) or writer.get_offered_incompatible_qos_status().total_count)
 
     def _matched(self, writer: Any) -> set[UUID]:
-        """The GUIDs of the subscribers that match a writer, without ours."""
+        """Return the GUIDs of the subscribers that match a writer, except ours."""
         return {one.key for one in self._matches(writer)}
 
     def _matches(self, writer: Any) -> list[Any]:
@@ -400,7 +403,7 @@ class DdsSession:
         return [one for one in there if one is not None and one.participant_key != self._own]
 
     def _subscribers(self, topic: str) -> list[Any]:
-        """Those of other programs that match our writers of a topic."""
+        """Return the subscribers of other programs that match our writers of a topic."""
         writers = [writer for (name, _), writer in list(self._writers.items()) if name == topic]
         return [one for writer in writers for one in self._matches(writer) if _OURS not in _user_data(one)]
 
@@ -424,7 +427,7 @@ class DdsSession:
 
 
 def _by_topic(endpoints: Mapping[UUID, Endpoint], names: Mapping[bytes, str]) -> dict[tuple[str, str], set[str]]:
-    """The names of the nodes of endpoints, by topic and type; empty where a name is unknown."""
+    """Return the names of the nodes of endpoints by topic and type. An unknown name is empty."""
     found: dict[tuple[str, str], set[str]] = {}
     for key, endpoint in endpoints.items():
         found.setdefault((endpoint.topic, endpoint.type), set()).add(names.get(key.bytes, ""))
@@ -432,7 +435,7 @@ def _by_topic(endpoints: Mapping[UUID, Endpoint], names: Mapping[bytes, str]) ->
 
 
 def _policy(status: Any) -> str:
-    """The name of the policy by which an endpoint was last incompatible with ours."""
+    """Return the name of the policy that last made an endpoint incompatible with ours."""
     return _POLICIES.get(status.last_policy_id, f"policy {status.last_policy_id}")
 
 
@@ -452,7 +455,7 @@ def _is_reliable(endpoint: Any) -> bool:
 
 
 def _node_names(entities: Any) -> dict[bytes, str]:
-    """The names of the nodes in a ``ParticipantEntitiesInfo``, by the GUIDs of their writers and readers."""
+    """Return the names of the nodes in a ``ParticipantEntitiesInfo`` by the GUIDs of their writers and readers."""
     return {
         _guid(gid): f"{node.node_namespace.rstrip('/')}/{node.node_name}"
         for node in entities.node_entities_info_seq
@@ -461,12 +464,12 @@ def _node_names(entities: Any) -> dict[bytes, str]:
 
 
 def _guid(gid: Any) -> bytes:
-    """The GUID in a ``rmw_dds_common/Gid``: its first 16 bytes. Up to Humble it has 24."""
+    """Return the GUID in a ``rmw_dds_common/Gid``: its first 16 bytes. Up to Humble, a Gid has 24 bytes."""
     return bytes(gid.data)[:16]
 
 
 def _wishes(topic: str, offers: Iterable[Endpoint]) -> set[Wish]:
-    """A reader for each type on a topic; latched only if all its publishers are, to receive from all of them."""
+    """Return a reader for each type on a topic. It is latched only if all publishers are, so that it matches all."""
     by_type: dict[str, list[Endpoint]] = {}
     for offer in offers:
         if offer.topic == topic:
@@ -475,7 +478,7 @@ def _wishes(topic: str, offers: Iterable[Endpoint]) -> set[Wish]:
 
 
 def _wish_for_each(wish: Wish, offers: Iterable[Endpoint]) -> Wish:
-    """The reader of each message that goes with a reader; a reliable one matches no best-effort publisher."""
+    """Return the reader of every message for a reader. It is reliable only if all publishers are."""
     same = [offer.reliable for offer in offers if (offer.topic, offer.type) == (wish.topic, wish.type)]
     return wish._replace(each=True, reliable=all(same))
 

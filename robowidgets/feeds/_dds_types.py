@@ -20,7 +20,7 @@ from ..messages.decoding import definition_of as definition_text
 from ..messages.definitions import added, version
 
 NODES = "ros_discovery_info"
-"""The DDS topic on which ROS 2 announces its nodes and their endpoints. It is not a topic of ROS."""
+"""The DDS topic on which ROS 2 announces its nodes and their endpoints. It is not a ROS topic."""
 
 _TYPE = re.compile(r"(\w+)::msg::dds_::(\w+)_")
 _BASES = {
@@ -38,25 +38,25 @@ _making = threading.Lock()  # Cyclone DDS uses a global variable while it makes 
 
 
 def ros_topic(name: str) -> str:
-    """``/scan`` for ``rt/scan``, and `NODES` for itself; empty for anything else, such as a service."""
+    """Return ``/scan`` for ``rt/scan``, `NODES` unchanged, or empty for anything else, such as a service."""
     return name[2:] if name.startswith("rt/") else name if name == NODES else ""
 
 
 def dds_topic(name: str) -> str:
-    """``rt/scan`` for ``/scan``, and `NODES` for itself."""
+    """Return ``rt/scan`` for ``/scan``, or `NODES` unchanged."""
     return name if name == NODES else f"rt{name}"
 
 
 def ros_type(name: str) -> str:
-    """``sensor_msgs/msg/LaserScan`` for ``sensor_msgs::msg::dds_::LaserScan_``; empty for anything but a message."""
+    """Return ``sensor_msgs/msg/LaserScan`` for ``sensor_msgs::msg::dds_::LaserScan_``, or empty if not a message."""
     found = _TYPE.fullmatch(name)
     return f"{found[1]}/msg/{found[2]}" if found else ""
 
 
 def definition_of(type_name: str, user_data: Collection[bytes], type_ids: Collection[Any]) -> str:
-    """The definition of a type that its publishers use, for `decoder`, `struct` and `type_hash`.
+    """Return the definition of a type that its publishers use, for `decoder`, `struct` and `type_hash`.
 
-    The hash in their user data or the type identifier of DDS selects it; else it is the newest.
+    The hash in their user data or the type identifier of DDS selects it. Otherwise it is the newest definition.
     """
     texts = _definitions(type_name)
     for text in texts if len(texts) > 1 else ():
@@ -68,10 +68,10 @@ def definition_of(type_name: str, user_data: Collection[bytes], type_ids: Collec
 
 
 def decoder(type_name: str, definition: str = "") -> Decode:
-    """A function that decodes messages by a definition of the type, or by another definition where that one fails.
+    """Return a function that decodes messages by a definition of the type, or by another definition if that one fails.
 
     Raises:
-        DecodeError: the type is unknown; the returned function raises it for bytes that are no such message.
+        DecodeError: the type is unknown. The returned function raises it for bytes that are not such a message.
     """
     others = [decoder_of(_channel(type_name, text)) for text in _definitions(type_name) if text != definition]
     first = decoder_of(_channel(type_name, definition))
@@ -88,9 +88,9 @@ def decoder(type_name: str, definition: str = "") -> Decode:
     return decode if others else first
 
 
-@lru_cache(None)  # Cyclone DDS never frees a type, so each is made once
+@lru_cache(None)  # Cyclone DDS never frees a type, so each type is made once
 def struct(type_name: str, definition: str = "") -> Any:
-    """The type with its fields, which Cyclone DDS compares with those that a publisher describes.
+    """Return the type with its fields, which Cyclone DDS compares with the fields that a publisher describes.
 
     Raises:
         DecodeError: the type is unknown.
@@ -101,25 +101,25 @@ def struct(type_name: str, definition: str = "") -> Any:
 
 
 def type_hash(type_name: str, definition: str = "") -> bytes:
-    """The hash of a type as ROS 2 puts it into user data; raises as `struct`."""
+    """Return the hash of a type as ROS 2 puts it into user data. Raises DecodeError as `struct` does."""
     return f"typehash={store_of(_channel(type_name, definition)).hash_rihs01(type_name)};".encode()
 
 
 @lru_cache(None)
 def opaque(type_name: str) -> Any:
-    """A type of that name that accepts any bytes, for publishers that do not describe theirs and so match by name.
+    """Return a type that accepts any bytes, for publishers that do not describe their type and so match by name.
 
-    With a full type, Cyclone DDS would silently drop messages that do not fit it.
+    With a full type, Cyclone DDS would silently drop messages that do not match it.
     """
     with _making:
         return _as_bytes(make_idl_struct("Opaque", _dds_type(type_name), {"first": types.uint8}))
 
 
 def _definitions(type_name: str) -> tuple[str, ...]:
-    """The definitions of a type, as texts, best first; an empty text is the definition that `store_of` has.
+    """Return the definitions of a type as texts, best first. An empty text stands for the definition of `store_of`.
 
-    Best is the one that a user added, then the newest: ``sensor_msgs/Range``, for one, got the field ``variance`` after
-    Humble.
+    A definition of the user is best, then the newest: ``sensor_msgs/Range``, for example, got the field ``variance``
+    after Humble.
     """
     return _known_definitions(type_name, version())
 
@@ -127,7 +127,7 @@ def _definitions(type_name: str) -> tuple[str, ...]:
 @lru_cache
 def _known_definitions(type_name: str, _version: int) -> tuple[str, ...]:
     newest = get_typestore(Stores.LATEST)
-    # As a text: what is made of an empty one is kept for good.
+    # The user's definition is needed as a text, because the result for an empty text is cached forever.
     texts = [definition_text(_channel(type_name, ""))] if added(type_name) else []
     texts += [newest.generate_msgdef(type_name, ros_version=2)[0]] if type_name in newest.fielddefs else []
     by_hash: dict[bytes, str] = {}
@@ -138,7 +138,7 @@ def _known_definitions(type_name: str, _version: int) -> tuple[str, ...]:
 
 
 def _as_bytes(struct: Any) -> Any:
-    """The same type, but its instances hold raw bytes, with the 4-byte encapsulation header, in place of fields."""
+    """Return the same type, but its instances hold raw bytes, with the 4-byte encapsulation header, and no fields."""
 
     def start(self: Any, raw: bytes) -> None:
         self.raw = raw

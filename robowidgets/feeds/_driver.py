@@ -23,54 +23,54 @@ from .middleware import Advert, FeedError, HasOutlet, Middleware, NotConnectedYe
 log = logging.getLogger("robowidgets")
 
 CONNECT_TIMEOUT = 2.0
-"""Seconds after the first `drive` on a topic, and at the end, in which a speed waits for a subscriber to connect."""
+"""Seconds after the first `drive` on a topic, and on closing, for which a speed waits for a subscriber to connect."""
 
 START_TIMEOUT = 30.0
 """Seconds for which the first `drive` waits for the guard to start."""
 
 RETRY_PAUSE = 0.05
-"""Seconds between two such attempts."""
+"""Seconds between two attempts to send a speed."""
 
 
 _numbers = itertools.count()
 
 
 class Driver:
-    """Checks speeds against limits, connection and latch, and hands them to the watchdog of a feed.
+    """The part of a feed that checks speeds against limits, connection and latch, and passes them to the watchdog.
 
-    The watchdog decides which speed is sent, and when; a guard sends it, in a process of its own, and zero when it
-    hears nothing more. Where there is none, and for a zero that it cannot send, the middleware of the feed sends.
+    The watchdog decides which speed is sent, and when. A guard, which is a separate process, sends it, and sends zero
+    when it gets no more messages. If the guard does not run, or cannot send a zero, the middleware of the feed sends.
 
     Args:
-        connection: that of the feed, with its topics.
+        connection: the connection of the feed, with its topics.
         middleware: the middleware that publishes the speeds.
 
     Attributes:
-        watchdog: sends the speeds.
+        watchdog: the watchdog that sends the speeds.
     """
 
     def __init__(self, connection: DriveLink, middleware: Middleware) -> None:
         self._connection, self._clock = connection, connection.clock
         self._driving = Driving()
         self._chosen: tuple[Driving, Driving] | None = None
-        """Settings without a topic, and the same with the one that was chosen for them."""
+        """The settings without a topic, and the same settings with the topic that was chosen for them."""
         self._changing = threading.Lock()
-        """Held while the settings change, so that no speed gets between the zero on the old topic and the new one."""
+        """Held while the settings change, so that no speed is sent between the old topic's zero and the new topic."""
         self._status = DriveStatus()
         self._twists = TwistPublisher(middleware, self._clock)
         self._connected_by: float | None = None
-        """The time by which a subscriber should have connected; None before the first `drive` on the topic."""
+        """The time by which a subscriber should have connected, or None before the first `drive` on the topic."""
         self._page_at = float("-inf")
         self._by_hand = False
         self._number, self._is_prepared = next(_numbers), False
         self._outlet = middleware.outlet if isinstance(middleware, HasOutlet) and not OFF else None
         self._guard = guard_for(self._number, self._outlet, connection.where) if self._outlet else None
         self._link = middleware.guard if isinstance(middleware, HasGuard) else self._guard
-        """The guard, be it that of the middleware."""
+        """The guard of the driver or of the middleware, or None."""
         self._guard_ends = self._guard_stops = 0
-        """How often the guard ended, and stopped the robot, as far as that was seen to."""
+        """The numbers of ends of the guard and of stops by the guard that were handled."""
         self._standstills = 0
-        """Number of standstills of the watchdog that were reported."""
+        """The number of reported standstills of the watchdog."""
         self.watchdog = CommandWatchdog(self._send, not_sent=FeedError, clock=self._clock)
         self.watchdog.observe(self._after_send)
         if self._link is not None:
@@ -79,18 +79,18 @@ class Driver:
             self._link.on_sent[self._number] = connection.show_beside
 
     def prepare(self) -> None:
-        """Start the guard, where there may be one: it takes a moment until it can send a speed."""
+        """Start the guard if there may be one, because it takes a moment until it can send a speed."""
         self._is_prepared = True
         if self._guard is not None:
             self._guard.start()
 
     @property
     def is_guarded(self) -> bool:
-        """Whether a guard sends zero when this process cannot, or will once it is needed."""
+        """True if a guard sends zero when this process cannot, now or once it is started."""
         return self._link is not None and not self._link.unavailable
 
     def _await_guard(self) -> None:
-        """Start the guard, and wait until it can send a speed, or cannot for long."""
+        """Start the guard, and wait until it can send a speed or has failed to for too long."""
         self.prepare()
         guard, until = self._link, self._clock.now() + START_TIMEOUT
         while guard is not None and guard.is_starting and self._clock.now() < until:
@@ -98,14 +98,14 @@ class Driver:
 
     @property
     def sender(self) -> str:
-        """What sends speeds, and what that means, for a person; empty where nothing was driven that needs a guard."""
+        """Text for the sender of the speeds and its effect on stopping, or empty if it is not known yet."""
         guard = self._link
         if guard is None and not self._is_prepared:
             return ""
         if guard is not None and not guard.unavailable:
-            return "a guard beside the kernel sends speeds, and zero when the kernel is killed or hangs"
+            return "a guard next to the kernel sends speeds, and zero if the kernel is killed or hangs"
         why = f" ({guard.unavailable})" if guard is not None else ""
-        return f"the kernel itself sends speeds{why}: no zero comes when it is killed or hangs"
+        return f"the kernel itself sends speeds{why}: if it is killed or hangs, no zero is sent"
 
     @property
     def driving(self) -> Driving:
@@ -154,9 +154,9 @@ class Driver:
             self._log_status()
 
     def drive_by_program(self, linear: float, angular: float, lateral: float) -> str:
-        """Publish the speed of a program's step, without waiting; returns why it was not sent, empty if it was.
+        """Publish the speed of a program's step without waiting. Return why it was not sent, or empty if it was.
 
-        An error of an earlier speed is returned, because this one is sent by another thread.
+        It also returns the error of an earlier speed, because another thread sends this one.
         """
         try:
             self._request(self._within(Velocity(linear, angular, lateral)), PROGRAM)
@@ -168,7 +168,7 @@ class Driver:
         return "" if error_before is None else f"cannot drive: {self._connection.status or error_before}"
 
     def drive_by_hand(self, wanted: Velocity, press: str) -> None:
-        """Publish the speed of a press on a pad, without waiting. Raises as `Feed.drive`."""
+        """Publish the speed of a press on a pad without waiting. Raises as `Feed.drive`."""
         self._by_hand = True
         self._request(self._within(wanted), press)
 
@@ -188,11 +188,11 @@ class Driver:
             raise FeedError(f"cannot stop: {nobody}")
 
     def end(self) -> None:
-        """Send zero if one is owed, and refuse every speed from now on; it does not wait."""
+        """Send zero if one is owed, and refuse every speed from now on, without waiting."""
         self.watchdog.refuse(self)
 
     def close(self) -> None:
-        """Send zero if one is owed, and refuse every speed from now on. A subscriber that is connecting is awaited.
+        """Send zero if one is owed, and refuse every speed from now on. It waits for a subscriber that is connecting.
 
         Raises:
             FeedError, OSError: zero could not be sent.
@@ -214,12 +214,12 @@ class Driver:
                 release(self._number, self._outlet)
 
     def on_fork(self) -> None:
-        """Close in a forked process: threads of its parent may have held the locks."""
+        """Close in a forked process. Threads of its parent may have held the locks."""
         self._changing = threading.Lock()
         self.watchdog.on_fork()
 
     def page_seen(self) -> None:
-        """Record that a page shows the feed or a pad of it."""
+        """Record that a page shows the feed or one of its pads."""
         self._page_at = self._clock.now()
 
     def on_connected(self) -> None:
@@ -230,7 +230,7 @@ class Driver:
         self.watchdog.on_connected()
 
     def on_unheard(self, topic: str, reason: str) -> bool:
-        """Record the reason why a subscriber does not receive speeds; returns whether it is new. See `Listener`."""
+        """Record why a subscriber does not receive speeds. Return True if the reason is new. See `Listener`."""
         is_new = self._status.unheard.get(topic, "") != reason
         self._status.unheard[topic] = reason
         return is_new
@@ -241,9 +241,9 @@ class Driver:
         return velocity
 
     def _try_drive(self, velocity: Velocity, stops: int) -> bool:
-        """Send the speed of a program; returns False if it must be retried, because a subscriber is connecting.
+        """Send the speed of a program. Return False if it must be sent again because a subscriber is connecting.
 
-        It is refused after a stop that came since there were so many ``stops``, while it waited.
+        It is refused if it was stopped while it waited, since the stop number ``stops``.
         """
         request = self._request(velocity, PROGRAM, stops)
         try:
@@ -256,7 +256,7 @@ class Driver:
         return True
 
     def _try_zero(self) -> bool:
-        """Send zero without the watchdog, which is closed; returns False if a subscriber is still connecting."""
+        """Send zero without the watchdog, which is closed. Return False if a subscriber is still connecting."""
         try:
             self._send(*ZERO)
         except NotConnectedYetError:
@@ -264,7 +264,7 @@ class Driver:
         return True
 
     def _request(self, velocity: Velocity, driver: str, stops: int | None = None) -> Request:
-        """Check a speed and request it from the watchdog; FeedError if a check fails."""
+        """Check a speed and request it from the watchdog. Raise FeedError if a check fails."""
         self._connection.check_open()
         if self._connection.status and not self._is_reached_by_guard:
             raise FeedError(f"cannot drive: {self._connection.status}")
@@ -287,7 +287,7 @@ class Driver:
 
     @property
     def _is_reached_by_guard(self) -> bool:
-        """Whether the guard reaches a robot that this process has lost: its node has connections without a master."""
+        """True if the guard still reaches a robot that this process has lost, as it may without a ROS 1 master."""
         is_lost = self._connection.is_listed and self._connection.status != self._connection.nobody
         return is_lost and self._guard is not None and self._guard.is_up
 
@@ -305,7 +305,7 @@ class Driver:
             self._guard.tell_others(self._number, topic, velocity)
 
     def _send_by_guard(self, topic: str, velocity: Velocity) -> bool:
-        """Have the guard send a speed; returns False if the kernel must: there is none, or a zero cannot go by it."""
+        """Send a speed by the guard. Return False if the kernel must send it, because the guard cannot."""
         guard = self._guard
         if guard is None or guard.unavailable or (velocity == ZERO and not guard.is_there):
             return False
@@ -313,7 +313,7 @@ class Driver:
         try:
             sent = guard.send(self._number, topic, velocity, self.watchdog.expires, here)
         except (FeedError, OSError) as error:
-            # A zero that was published, and is not confirmed, is published again by the guard for as long as needed.
+            # The guard repeats a zero that was published but not confirmed, for as long as needed.
             is_published = isinstance(error, TimeoutError) and not isinstance(error, NoAnswerError)
             if velocity != ZERO or is_published:
                 raise
@@ -324,13 +324,13 @@ class Driver:
 
     @property
     def _listed(self) -> Sequence[Advert] | None:
-        """The topics; None before they are listed."""
+        """The topics, or None before they are listed."""
         return self._connection.adverts if self._connection.is_listed else None
 
     def _choose(self, *, is_driven: bool) -> None:
-        """Choose the topic if none is set: the usual one, or, when nobody listens to it, the only one that is heard.
+        """Choose a topic if no topic is set: the usual one, or the only velocity topic with a subscriber.
 
-        What was driven once stays chosen: when its robot is gone for a moment, no other one is driven in its place.
+        A topic that was driven once stays chosen: if its robot is gone for a moment, no other robot is driven instead.
         """
         given, adverts = self._driving, self._connection.adverts
         if self.driving.topic is not None:
@@ -341,10 +341,12 @@ class Driver:
                 self._chosen = given, replace(given, topic=USUAL)
         elif len(heard) == 1 and self._connection.is_settled and unheard(USUAL, adverts):
             self._chosen = given, replace(given, topic=heard[0])
-            self._status.taken = f"nobody listens to {USUAL}: speeds go to {heard[0]}, where alone somebody does"
+            self._status.taken = (
+                f"{USUAL} has no subscriber; sending speeds to {heard[0]}, the only velocity topic that has one"
+            )
 
     def _heard_elsewhere(self) -> str:
-        """Text for speeds that nobody listens to, where somebody listens to other topics; empty if it is not so."""
+        """Return a text if the topic has no subscriber but other velocity topics do, or empty."""
         topic, adverts = self.topic, self._connection.adverts
         heard = heard_speeds(adverts)
         if not heard or not self._connection.is_settled or not (reason := unheard(topic, adverts)):
@@ -352,12 +354,12 @@ class Driver:
         return f"{reason}; name the topic of your robot: feed.driving = feeds.Driving(topic={heard[0]!r})"
 
     def _log_status(self) -> None:
-        """Log why the robot may not move as commanded; after a speed was requested, which may be zero."""
+        """Log why the robot may not move as commanded, after a speed or a zero was requested."""
         if not self._connection.status:
             self._status.log(self._connection.where, self.topic, self._listed)
 
     def _after_guard(self) -> None:
-        """Stop a robot whose guard has ended, or has stopped it; the guard calls it in its thread."""
+        """Stop a robot whose guard has ended or has stopped it. The guard calls this in its thread."""
         guard = self._link
         if guard is None:
             return
@@ -378,6 +380,6 @@ class Driver:
                 self._status.stalled = f"{watchdog.stood}: the robot was stopped after it"
                 call_in_thread(partial(log.warning, "%s: %s", self._connection.where, self._status.stalled))
         if self._by_hand and watchdog.sent == ZERO and not watchdog.driver:
-            self._by_hand, self._status.cut = False, ""  # the press is over, and so is the cut of its speed
+            self._by_hand, self._status.cut = False, ""  # the press has ended, and its speed is not cut any more
         if watchdog.error is None:
             self._connection.show_sent(self.topic, watchdog.sent.as_speed)

@@ -17,7 +17,7 @@ from .middleware import Advert, FeedError
 log = logging.getLogger("robowidgets")
 
 USUAL = "/cmd_vel"
-"""The topic on which speeds are published where no other one is set, nor alone has somebody who listens."""
+"""The topic on which speeds are published, unless another topic is set or is the only one with a subscriber."""
 
 
 @dataclass(frozen=True)
@@ -25,21 +25,20 @@ class Driving:
     """The settings for driving the robot of a feed.
 
     Args:
-        topic: the topic on which speeds are published. None: /cmd_vel, or where nobody listens to that, the only topic
-            of speeds to which somebody does.
+        topic: the topic on which speeds are published. None means /cmd_vel, or if that has no subscriber, the only
+            velocity topic that has one.
         max_linear: limit in m/s, forward and backward; greater speeds are cut.
         max_angular: limit in rad/s, both ways; greater speeds are cut.
-        hold: seconds for which a speed is valid, one of a pad for half a second at most; zero follows if it is not
-            renewed.
-        needs_page: whether speeds are refused while no page shows the feed or a pad of it, so that a robot stops when
+        hold: seconds for which a speed is valid, at most half a second for a pad. Zero follows if it is not renewed.
+        needs_page: True to refuse speeds while no page shows the feed or one of its pads, so that a robot stops when
             the browser is closed. A page that is busy or hidden for minutes counts as closed; so does a page whose
             messages a busy kernel does not receive.
-        max_lateral: limit in m/s of a base that moves sideways, both ways; greater speeds are cut. 0: it does not, and
-            a speed with a sideways part is refused.
+        max_lateral: limit in m/s of a base that moves sideways, both ways; greater speeds are cut. 0 means that it does
+            not move sideways, and a speed with a sideways part is refused.
 
     Raises:
-        TypeError: something is not a number, the topic no text, or needs_page neither True nor False.
-        ValueError: a limit that is not finite and above 0 (`max_lateral` may be 0), or an empty topic.
+        TypeError: a limit is not a number, the topic is not text, or needs_page is neither True nor False.
+        ValueError: a limit is not finite and above 0 (`max_lateral` may be 0), or the topic is empty.
     """
 
     topic: str | None = None
@@ -63,11 +62,11 @@ class Driving:
                 raise ValueError(f"{name}: expected a limit {least}, got {value!r}")
 
     def within(self, wanted: Velocity) -> Velocity:
-        """A speed, cut to the limits.
+        """Return a speed, cut to the limits.
 
         Raises:
-            TypeError, ValueError: a part of it is no finite number.
-            FeedError: it leads sideways, and the robot does not.
+            TypeError, ValueError: a part of it is not a finite number.
+            FeedError: it leads sideways, and the robot cannot move sideways.
         """
         linear, angular, lateral = wanted
         cut = Velocity(
@@ -83,7 +82,7 @@ class Driving:
         return cut
 
     def cut(self, wanted: Velocity) -> str:
-        """A text for the part of a speed that `within` cuts; empty if it cuts nothing."""
+        """Return a text for the part of a speed that `within` cuts, or empty if it cuts nothing."""
         linear, angular, lateral = wanted
         given = (
             (linear, self.max_linear, "m/s"),
@@ -108,12 +107,11 @@ class DriveStatus:
     """The reasons why the robot may not move as commanded.
 
     Attributes:
-        cut: a text for the cut of the last speed; empty if it was not cut.
-        unheard: for each topic, the reason why a subscriber does not receive speeds, as the middleware reports it.
-        refused: the reason why the last speed was not published for some of the subscribers; empty if it was for all.
-        taken: a text for the topic that was taken in place of the usual one; empty if none was.
-        stalled: text for the standstill after which the robot was stopped; empty if there was none since the last
-            `stop`.
+        cut: text for the cut of the last speed, or empty if it was not cut.
+        unheard: by topic, the reason why a subscriber does not receive speeds, as the middleware reports it.
+        refused: the reason why the last speed was not published to some subscribers, or empty if it was to all.
+        taken: text for the topic that was chosen instead of the usual one, or empty.
+        stalled: text for the standstill after which the robot was stopped, or empty after a `stop`.
     """
 
     def __init__(self) -> None:
@@ -122,7 +120,7 @@ class DriveStatus:
         self._log = LogOnce(log.warning)
 
     def reasons(self, topic: str, adverts: Sequence[Advert] | None) -> list[str]:
-        """All reasons for a command topic, with all topics; None: these are not known yet."""
+        """Return all reasons for a command topic. ``adverts`` are all topics, or None if they are not known yet."""
         reasons = (
             "" if adverts is None else unheard(topic, adverts),
             self.unheard.get(topic),
@@ -134,9 +132,9 @@ class DriveStatus:
         return list(filter(None, reasons))
 
     def log(self, where: str, topic: str, adverts: Sequence[Advert] | None) -> None:
-        """Log each reason once, a cut only once whatever its numbers: speeds may come at any rate.
+        """Log each reason once. A cut is logged once regardless of its numbers, because speeds may come at any rate.
 
-        A standstill is logged when it is found.
+        A standstill is logged when it is detected.
         """
         reasons = (reason for reason in self.reasons(topic, adverts) if reason != self.stalled)
         for reason in filter(None, (self.taken, *reasons)):
@@ -144,18 +142,18 @@ class DriveStatus:
 
 
 def unheard(name: str, adverts: Sequence[Advert]) -> str:
-    """Text for a topic without a subscriber, naming the topics of speeds that have one; empty when one may exist."""
+    """Return a text for a topic without a subscriber, with the velocity topics that have one; else empty."""
     here = [advert.wanted for advert in adverts if advert.name == name]
     # If a middleware reports no subscriber on any topic, it may be unable to.
     tells = not adverts or any(advert.wanted is not None for advert in adverts)
     if any(wanted is not False for wanted in here) if here else not tells:
         return ""
     heard = heard_speeds(adverts)
-    return f"nobody listens to {name}" + (f", but to {' and '.join(heard)}" if heard else "")
+    return f"{name} has no subscriber" + (f", unlike {' and '.join(heard)}" if heard else "")
 
 
 def heard_speeds(adverts: Sequence[Advert]) -> list[str]:
-    """The topics of commanded speeds that somebody subscribes to. Some bridges do not tell their types."""
+    """Return the velocity topics that have a subscriber. Some bridges do not report their types."""
     return list(
         dict.fromkeys(
             advert.name
@@ -168,7 +166,7 @@ def heard_speeds(adverts: Sequence[Advert]) -> list[str]:
 
 
 def _contested(name: str, adverts: Sequence[Advert]) -> str:
-    """Text for a topic on which another node publishes speeds, too; empty when none does."""
+    """Return a text for a topic on which another node publishes speeds, too; or empty."""
     others = [a.publishers for a in adverts if a.name == name and a.offered and a.publishers is not None]
     names = dict.fromkeys(publisher for publishers in others for publisher in publishers)
-    return f"{', '.join(names) or 'somebody else'} publishes {name}, too" if others else ""
+    return f"{', '.join(names) or 'another node'} publishes {name}, too" if others else ""

@@ -36,7 +36,7 @@ from ..stop_widget import StopWidget
 from ..topics_widget import TopicNow, TopicRow, TopicsWidget
 from ..wires_widget import WiresWidget
 from ._connection import Connection
-from ._listening import Heard
+from ._listening import TopicStats
 from ._probes import Probes
 from ._topics import FeedTopic, brief_of
 from ._wires import FeedWires
@@ -44,35 +44,36 @@ from .middleware import FeedError
 
 
 class ViewedFeed(Protocol):
-    """A feed, as its view knows it."""
+    """The part of a feed that its view uses."""
 
     @property
     def connection(self) -> Connection:
         """Its connection."""
 
     def room_view(self) -> Any:
-        """A widget that shows the room of a simulated robot; None for any other robot."""
+        """Return a widget that shows the room of a simulated robot, or None for any other robot."""
 
 
 class FeedView(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
-    """The widgets of a feed: of each topic, of its program and of its state machine, added when these appear.
+    """The widgets of a feed: of each topic, its program and its state machine. They are added when these appear.
 
     They share the height of the window. The bar with Stop stays in view, and freezes all of them. A simulated robot is
-    shown in its room, which has the path, too. `Feed.show` returns it. `close` removes all of it from the page; the
-    feed stays open.
+    shown in its room, which also shows the path. `Feed.show` returns this view. `close` removes all of it from the
+    page; the feed stays open.
 
     Args:
         feed: the feed.
-        topics: names of topics, or of fields, ``"/odom.twist.twist.linear.x"``; none: all that have a widget, the
-            program, and the room of a simulated robot. Where no topic has one, a few widgets show what there is.
-        beside: whether it stands beside the notebook, and only a bar with Stop in the cell.
+        topics: names of topics, or of fields such as ``"/odom.twist.twist.linear.x"``. Without names: all topics that
+            have a widget, the program, and the room of a simulated robot. If no topic has a widget, a few widgets show
+            the fields of messages.
+        beside: True to open it next to the notebook, with only a bar with Stop in the cell.
 
     Attributes:
-        program, machine: the widgets of the program and of its state machine; None before the first one.
-        room: the view of a simulated robot; None for any other robot.
-        wires: the nodes and topics as a graph, while the list of topics shows it; else None.
-        refresh: makes widgets for topics that have appeared, and shows the status; the feed calls it. No thread of the
-            feed waits for that: some carry speeds.
+        program, machine: the widgets of the program and of its state machine, or None before the first one.
+        room: the view of a simulated robot, or None for any other robot.
+        wires: the nodes and topics as a graph while the list of topics shows it, or None.
+        refresh: makes widgets for topics that have appeared, and shows the status. The feed calls it. No thread of the
+            feed waits for it, because some of them send speeds.
     """
 
     def __init__(
@@ -118,7 +119,7 @@ class FeedView(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no type
                 self.topic_list.keep(view.topic_list)
         self.refresh.here()
         self._connection.observe(self.refresh)
-        self.refresh()  # what has changed meanwhile
+        self.refresh()  # for changes in the meantime
 
     def _display_(self) -> Any:
         more = (self.room, self.program, self.machine)
@@ -129,13 +130,13 @@ class FeedView(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no type
         return f"<FeedView: {', '.join(shown) or 'no topics'}>"
 
     def _repr_mimebundle_(self, **kwargs: Any) -> Any:
-        """What a cell shows of it: all of it, or the bar that puts it beside the notebook."""
+        """Return the output of a cell: all of the view, or the bar that opens it next to the notebook."""
         shown: Any = super() if self._bar is None else self._bar
         return shown._repr_mimebundle_(**kwargs)
 
     @property
     def widgets(self) -> dict[str, Any]:
-        """The widgets on show, by topic; of a topic with two the first. One may have all topics of a namespace."""
+        """The visible widgets, by topic. A topic with two widgets has the first; one may show a whole namespace."""
         firsts: dict[str, Any] = {}
         for choice, widget in self._shown.items():
             for topic in choice.own:
@@ -143,9 +144,9 @@ class FeedView(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no type
         return firsts
 
     def close(self) -> None:
-        """Remove it from the page; doing it again does nothing."""
+        """Remove it from the page. Calling it again does nothing."""
         self._connection.unobserve(self.refresh)
-        self._connection.listening.look(self._on_heard, None)
+        self._connection.listening.look(self._on_update, None)
         self._closed = True
         self.refresh()
         more = (self.program, self.machine, self.room, self.wires)
@@ -153,13 +154,13 @@ class FeedView(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no type
             if widget is not None:
                 widget.close()
         super().close()
-        self._feed = None  # a feed of which only closed views are left is deleted
+        self._feed = None  # a feed is deleted if only closed views refer to it
 
     def _refresh(self) -> None:
         topics = list(self._connection.topics)
         for topic in topics:
             known = self._known.get(topic.name)
-            if topic.widget or known is None or not known.widget:  # a topic keeps its widget when it is gone
+            if topic.widget or known is None or not known.widget:  # a topic that disappears keeps its widget
                 self._known[topic.name] = topic
         try:
             if self._closed:
@@ -171,16 +172,16 @@ class FeedView(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no type
             if self._add_program() or set(wanted) != self._shown.keys():
                 self._set_widgets(wanted)
         except FeedError:
-            if not self._connection.is_closed:  # a feed that was closed meanwhile connects no widgets
+            if not self._connection.is_closed:  # a feed that was closed in the meantime connects no widgets
                 raise
         self.topic_list.set_rows(map(_row, topics))
         self._show_status()
 
     @property
     def arrangement(self) -> Sequence[Any]:
-        """What is on show: topics and fields, as `Feed.show` takes them; a list is fields that share a plot.
+        """The visible topics and fields, in the form for `Feed.show`. A list contains fields that share a plot.
 
-        It can be stored as JSON, and set again, or given to `Feed.show`.
+        It can be stored as JSON, and set again or passed to `Feed.show`.
         """
         return [entry if isinstance(entry, str) else [*entry] for entry in self._entries()]
 
@@ -191,7 +192,7 @@ class FeedView(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no type
         self.refresh()
 
     def _entries(self) -> list[Entry]:
-        """What is to be shown. Topics of no kind wait until it is known that no other topic has one."""
+        """Return the entries to show. Topics without a known kind wait until no other topic can have a widget."""
 
         def can_show(topic: str) -> bool:
             return self._connection.is_settled and not self._probes.waits_for(topic)
@@ -199,11 +200,11 @@ class FeedView(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no type
         return self.on_show.entries([*self._known.values()], can_show)
 
     def _plot_field(self, topic: str, path: str) -> None:
-        """Show a plot of a field: a person wants it."""
+        """Show a plot of a field for the user."""
         self._on_toggle(f"{topic}.{path}", True)
 
     def _on_toggle(self, topic: str, on: bool) -> None:
-        """Show a topic, or take it off with its fields: a person wants it."""
+        """Show a topic, or remove it with its fields, for the user."""
         if on:
             self.on_show.add(topic)
         else:
@@ -211,7 +212,7 @@ class FeedView(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no type
         self.refresh()
 
     def _on_wires(self, change: Any) -> None:
-        """Show the wires below the rest, or show them no longer: a person wants it."""
+        """Show or remove the graph of nodes and topics below the rest, for the user."""
         before, self.wires = self.wires, None
         if change["new"]:
             self.wires = WiresWidget(FeedWires(self._connection))
@@ -222,25 +223,25 @@ class FeedView(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no type
             before.close()
 
     def _toggle_messages(self, topic: str) -> None:
-        """Show the messages of a topic field by field, or show them no longer: a person wants it."""
+        """Show or remove the messages of a topic field by field, for the user."""
         self.on_show.toggle(f"{topic} as message")
         self.refresh()
 
     def _on_look(self, names: Sequence[str]) -> None:
-        """A page shows these topics in the list, or, without any, the list no longer."""
+        """Follow the topics that a page shows in the list, or stop if the page shows none."""
         if not self._closed:
             self._looked_at = tuple(names)
-            self._connection.listening.look(self._on_heard, (lambda: self._looked_at) if names else None)
+            self._connection.listening.look(self._on_update, (lambda: self._looked_at) if names else None)
 
-    def _on_heard(self, is_seen: bool) -> None:
-        """Tell what the topics in the list say now, and how often. In the thread of timers."""
+    def _on_update(self, is_seen: bool) -> None:
+        """Report the newest values and rates of the topics in the list. It runs in the thread of timers."""
         listening = self._connection.listening
-        heard = {name: one for name in self._looked_at if (one := listening.of(name)) is not None}
-        now = {name: _now(self._connection.topic_of(name), one, listening.now) for name, one in heard.items()}
+        stats = {name: one for name in self._looked_at if (one := listening.of(name)) is not None}
+        now = {name: _now(self._connection.topic_of(name), one, listening.now) for name, one in stats.items()}
         self.topic_list.tell_now(now if is_seen else None)
 
     def _add_program(self) -> bool:
-        """Make the widgets of the program and of its state machine once they are there; returns whether it made one."""
+        """Make the widgets of the program and of its state machine if these exist. Return True if it made one."""
         program, shown, feed = self._connection.programs.current, (self.program, self.machine), self._feed
         if program is None or feed is None or self._names or self._closed:
             return False
@@ -265,7 +266,7 @@ class FeedView(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no type
                     widget.follow(self._connection)
             else:
                 widget = there.pop(before)
-                if widget.title == before.titles[0]:  # else somebody gave it another
+                if widget.title == before.titles[0]:  # otherwise the user has changed it
                     widget.title = choice.titles[0]
             shown[choice] = widget
             self._change_topics(widget, before, choice)
@@ -282,16 +283,16 @@ class FeedView(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no type
         self._arrange(sensors)
 
     def _arrange(self, sensors: Sequence[SampleWidget]) -> None:
-        """Give all widgets their places, but for those that somebody closed."""
+        """Place all widgets except the closed ones."""
         if self._closed:
             return
         sensors = _on_page(sensors)
-        # The room shows the path, which the trail of a laser needs all the same.
+        # The room shows the path; it is still needed for the trail of a laser.
         maps = _on_page([self.room]) or [widget for widget in sensors if widget.column == "map"]
         wide = [widget for widget in sensors if widget.column == "wide"]
         small = [widget for widget in sensors if widget.column not in ("map", "wide")]
         main = _on_page([self.program, self.machine])
-        # A machine needs the room in which else the map stands.
+        # A state machine takes the place of the map.
         main, wide = (main, [*maps, *wide]) if self.machine in main else ([*maps, *main], wide)
         added = [widget for widget in sensors if widget in self._added and widget not in main]
         self._screen.arrange(
@@ -304,11 +305,11 @@ class FeedView(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no type
 
     @property
     def _added(self) -> list[SampleWidget]:
-        """The widgets that were asked for."""
+        """The widgets that were requested."""
         return [widget for choice, widget in self._shown.items() if choice.takes_messages]
 
     def _change_topics(self, widget: SampleWidget, before: WidgetChoice | None, after: WidgetChoice | None) -> None:
-        """Show in a widget the topics of another choice, each in its role."""
+        """Connect a widget to the topics of another choice, each in its role."""
         old, new = (
             {} if one is None else {name: one.method(role) for role, name in one.parts} for one in (before, after)
         )
@@ -318,7 +319,7 @@ class FeedView(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no type
             self._connection.connect(topic, getattr(widget, new[topic]))
 
     def _show_status(self) -> None:
-        """Show the status of the topics without a widget; a widget shows the status of its own topic."""
+        """Show the status of the topics without a widget. A widget shows the status of its topic itself."""
         there = {topic.name: topic for topic in self._connection.topics}
         shown = {name for choice in self._shown for name in choice.topics}
         asked = wishes(self._names, [*there])
@@ -340,15 +341,13 @@ class FeedView(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no type
         ]:
             lines = troubles
         elif shown or any(topic.widget for topic in self._known.values()):
-            lines = []  # or a person has taken all of them off
+            lines = []  # or the user has removed all widgets
         elif there:
-            lines = [f"no widget shows any of the topics there are: {', '.join(there)}"]
+            lines = [f"no widget can show any of these topics: {', '.join(there)}"]
         elif self._connection.is_listed:
-            lines = [f"connected to {self._connection.where}, where there is no topic yet"]
+            lines = [f"connected to {self._connection.where}, which has no topics yet"]
         else:
-            lines = [
-                f"connected to {self._connection.where}, waiting to hear which topics there are; connect() takes any"
-            ]
+            lines = [f"connected to {self._connection.where}, waiting for its topics; connect() accepts any name"]
         text = "<br>".join(escape(line) for line in lines)
         if text != self._status.value:
             self._status.value = text
@@ -356,24 +355,24 @@ class FeedView(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no type
 
 
 def _on_page(widgets: Sequence[Any]) -> list[Any]:
-    """Those of them that are there, and that nobody closed."""
+    """Return the widgets that exist and are not closed."""
     return [widget for widget in widgets if widget is not None and widget.comm is not None]
 
 
 def _row(topic: FeedTopic) -> TopicRow:
-    """A topic for the list."""
+    """Return a topic for the list."""
     asked = asked_of_type(topic.type)
     row = topic.widget or (asked.name if asked else "")
     return TopicRow(topic.name, topic.type, widget=row, problem="" if row else _not_shown(topic))
 
 
-def _now(topic: FeedTopic, heard: Heard, now: float) -> TopicNow:
-    """What a topic says now, for the list."""
-    if not heard.count:
-        return TopicNow("" if heard.is_glanced_at else "nothing yet")
-    count = None if heard.is_glanced_at else heard.count
-    age = heard.age(now) if heard.tells_silence else None
-    return TopicNow(brief_of(heard.message, topic), heard.rate, count, age)
+def _now(topic: FeedTopic, stats: TopicStats, now: float) -> TopicNow:
+    """Return the newest value of a topic, for the list."""
+    if not stats.count:
+        return TopicNow("" if stats.is_probed else "nothing yet")
+    count = None if stats.is_probed else stats.count
+    age = stats.age(now) if stats.shows_silence else None
+    return TopicNow(brief_of(stats.message, topic), stats.rate, count, age)
 
 
 def _not_shown(topic: FeedTopic) -> str:

@@ -1,4 +1,4 @@
-"""Conditions that are judged on all that a robot sends."""
+"""Conditions that are evaluated on everything that a robot sends."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ log = logging.getLogger("robowidgets")
 
 
 class Reader(Protocol):
-    """Reads topics for a watch until it is closed."""
+    """A reader of topics for a watch, until it is closed."""
 
     def close(self) -> None:
         """End the subscriptions."""
@@ -42,16 +42,16 @@ R = TypeVar("R", bound=Reader)
 
 
 class FeedWatch(Watch):
-    """A condition that is judged whenever a message comes of which it reads; `Feed.watch` returns it.
+    """A condition that is evaluated with each message of the topics that it reads. `Feed.watch` returns it.
 
     Args:
-        connection: that of the feed.
+        connection: the connection of the feed.
         given: the condition or function.
         name: its name.
-        topics: of parameters of the function, the topics that they are read from.
+        topics: for parameters of the function, the topics that they are read from.
 
     Raises:
-        TypeError: it is no condition, asks for something unknown, or needs more than one moment.
+        TypeError: it is not a condition, reads an unknown name, or needs more than one moment.
     """
 
     def __init__(self, connection: Connection, given: Any, name: str, topics: Mapping[str, str]) -> None:
@@ -60,12 +60,12 @@ class FeedWatch(Watch):
             raise TypeError(f"{self.condition}: an EventsWidget that is connected watches it: events.watch(condition)")
         self.connection, self._topics = connection, topics
         self._inputs: dict[str, FeedInputs] = {}
-        """By the name under which they are read."""
+        """The readers of samples, by the name under which they are read."""
         self._messages: dict[str, _Newest] = {}
         self._began: dict[str, float] = {}
-        """What odometry said when it was first read, for metres and radians since then."""
+        """The first values of odometry, because metres and radians count from there."""
         self._missing: set[str] = set()
-        """What could not be read when it was judged last."""
+        """The names that could not be read in the last evaluation."""
         self._runner = Runner(self._turn, self._lock, "robowidgets-judge", CONDITION, on_look=lambda: None)
         self._log = LogOnce(log.error)
         try:
@@ -78,22 +78,22 @@ class FeedWatch(Watch):
             self.end("it could not begin")
             raise
         connection.observe(self._on_change)
-        self._wake()
+        self._wake_judge()
 
     @property
     def names(self) -> tuple[str, ...]:
-        """What a moment has, beside topics by their names."""
+        """The names that a moment has, in addition to topics."""
         return (*_known(), *self._topics)
 
     def topic_names(self) -> list[str]:
-        """The topics that are known now."""
+        """Return the topics that are known now."""
         return [topic.name for topic in self.connection.topics]
 
     def read(self, name: str) -> Any:
-        """The newest value of one of the `names`, or the newest sample or message of a topic.
+        """Return the newest value of one of the `names`, or the newest sample or message of a topic.
 
         Raises:
-            NoSampleYetError: it is not there yet, or too old.
+            NoSampleYetError: the value has not come yet, or is too old.
         """
         inputs = self._reader(name, self._inputs, self._make_inputs)
         try:
@@ -104,10 +104,10 @@ class FeedWatch(Watch):
         return value - self._began.setdefault(name, value) if name in (DRIVEN, TURNED) else value
 
     def message(self, topic: str) -> Any:
-        """The newest message of a topic as received.
+        """Return the newest message of a topic as received.
 
         Raises:
-            NoSampleYetError: none has come, or none comes any more from a topic that is steady.
+            NoSampleYetError: no message has come, or a topic with a steady rate sends no more.
         """
         newest = self._reader(topic, self._messages, self._make_newest)
         if newest.why_missing():
@@ -116,7 +116,7 @@ class FeedWatch(Watch):
         return newest.message
 
     def judge(self, sample: Any) -> None:
-        """See `Watch`: what is unknown before the first verdict is none."""
+        """See `Watch`. An unknown value before the first verdict is not counted."""
         super().judge(sample)
         if self._verdict.value is None and not self._changes:
             self._sample = None
@@ -132,10 +132,10 @@ class FeedWatch(Watch):
             reader.close()
 
     def _reader(self, name: str, there: dict[str, R], make: Callable[[str], R]) -> R:
-        """Return what reads a name, which is made when it is read first.
+        """Return the reader of a name. It is made on the first read.
 
         Raises:
-            NoSampleYetError: the watch has ended, though its condition is still at work.
+            NoSampleYetError: the watch has ended while its condition still runs.
         """
         reader = there.get(name)
         if reader is not None:
@@ -150,23 +150,23 @@ class FeedWatch(Watch):
         return kept
 
     def _make_inputs(self, name: str) -> FeedInputs:
-        inputs = FeedInputs(self.connection, self._wake, silence=LIVE, wakes_each=True)
+        inputs = FeedInputs(self.connection, self._wake_judge, silence=LIVE, wakes_each=True)
         inputs.choose({name: self._topics.get(name, None if name in self.names else name)}, None)
         return inputs
 
     def _make_newest(self, topic: str) -> _Newest:
-        return _Newest(self.connection, topic, self._wake)
+        return _Newest(self.connection, topic, self._wake_judge)
 
-    def _wake(self) -> None:
+    def _wake_judge(self) -> None:
         if not self._why_off:
             self._runner.wake()
 
     def _on_change(self) -> None:
-        """Judge it again, since topics may have appeared; end it with its feed."""
+        """Evaluate it again, because topics may have appeared; end it if its feed is closed."""
         if self.connection.is_closed:
             self.end("its feed is closed")
         else:
-            self._wake()
+            self._wake_judge()
 
     def _turn(self, call: Call) -> None:
         self._missing = set()
@@ -179,13 +179,13 @@ class FeedWatch(Watch):
             return f"has not returned for {self._runner.busy_for:.1f} s{self._runner.where(self.condition)}"
         inputs = {name: one.why_not_ready() for name, one in list(self._inputs.items())}
         messages = {topic: one.why_missing() for topic, one in list(self._messages.items())}
-        is_known = self._verdict.value is not None  # then what was missing did not matter
+        is_known = self._verdict.value is not None  # then the missing values did not matter
         left_out = self._missing if is_known else ()
         return next((why for name, why in {**inputs, **messages}.items() if why and name not in left_out), "")
 
 
 class FeedMoment:
-    """What a robot sent last: ``moment.scan``, ``moment.pose``, ``moment["/imu"]``. What was read of it stays.
+    """The newest data of a robot: ``moment.scan``, ``moment.pose``, ``moment["/imu"]``. A value that was read stays.
 
     Attributes:
         messages: by topic, the newest message as received.
@@ -241,17 +241,17 @@ class _Newest:
     """The newest message of a topic as received."""
 
     def __init__(self, connection: Connection, topic: str, wake: Callable[[], None]) -> None:
-        self._connection, self._topic, self._wake = connection, topic, wake
+        self._connection, self._topic, self._on_message = connection, topic, wake
         self.message: Any = None
         self._times: deque[float] = deque(maxlen=STEPS)
         self._target = connection.attach(topic, self._put)
 
     def close(self) -> None:
-        """Take no more messages."""
+        """Stop receiving messages."""
         self._connection.detach(self._topic, self._target)
 
     def why_missing(self) -> str:
-        """Why there is no message, or only one that is too old; empty where there is one."""
+        """Return why the message is missing or too old, or empty if there is a recent message."""
         times = np.array(self._times)
         if not times.size:
             return self._connection.status_of(self._topic) or f"waiting for {self._topic}"
@@ -265,7 +265,7 @@ class _Newest:
     def _put(self, message: Any) -> None:
         self.message = message
         self._times.append(time.monotonic())
-        self._wake()
+        self._on_message()
 
 
 def _known() -> tuple[str, ...]:
@@ -273,10 +273,10 @@ def _known() -> tuple[str, ...]:
 
 
 def _condition(given: Any, topics: Mapping[str, str]) -> Condition:
-    """What is judged: a condition, or a function of what its parameters name, or of a moment."""
+    """Return the condition to evaluate. It may be a function of the values that its parameters name, or of a moment."""
     if isinstance(given, (Condition, Watch)) or not callable(given):
         if topics:
-            raise TypeError(f"watch: {', '.join(topics)}: topics are named for the parameters of a function")
+            raise TypeError(f"watch: {', '.join(topics)}: only parameters of a function can name topics")
         return condition(given)
     name = name_of(given)
     if inspect.iscoroutinefunction(given):

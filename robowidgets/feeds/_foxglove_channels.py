@@ -17,7 +17,7 @@ _OURS = "foxglove_bridge"
 
 
 def channel_of(offer: Any) -> Channel | None:
-    """The channel in an entry of ``advertise``; None if the entry is invalid."""
+    """Return the channel in an entry of ``advertise``, or None if the entry is invalid."""
     if not isinstance(offer, Mapping):
         return None
     number, topic, encoding = (offer.get(name) for name in ("id", "topic", "encoding"))
@@ -29,7 +29,7 @@ def channel_of(offer: Any) -> Channel | None:
 
 
 def decoder(channel: Channel) -> Callable[[bytes], Any]:
-    """A function that decodes the messages of a channel; both raise UnreadableError."""
+    """Return a function that decodes the messages of a channel. Both raise UnreadableError."""
     if channel.encoding == "json":
         return partial(_json, channel.type)
     if not channel.type:
@@ -39,7 +39,7 @@ def decoder(channel: Channel) -> Callable[[bytes], Any]:
     if channel.encoding not in ROS:
         raise UnreadableError(
             f"{channel.topic} comes as {one_line(channel.type)} in {one_line(channel.encoding)}, "
-            "which is not read; what foxglove_bridge sends is (cdr, ros1, json)"
+            "which cannot be read; foxglove_bridge sends cdr, ros1 or json"
         )
     from ..messages.decoding import DecodeError, decoder_of  # Imported lazily: a guard reads no topic.
 
@@ -49,7 +49,7 @@ def decoder(channel: Channel) -> Callable[[bytes], Any]:
         raise UnreadableError(
             f"{channel.topic} comes as {one_line(channel.type)}, which is not a known type, "
             "and the server does not define it in a way that can be understood; "
-            "robowidgets.messages.add_definitions(folder) takes its .msg files"
+            "add its .msg files with robowidgets.messages.add_definitions(folder)"
         ) from None
 
     def read(raw: bytes) -> Any:
@@ -65,9 +65,9 @@ def _json(kind: str, raw: bytes) -> Any:
     try:
         message = json.loads(raw)
     except (ValueError, RecursionError) as error:
-        raise UnreadableError(f"a message cannot be read: {len(raw)} bytes that are no JSON: {error}") from None
+        raise UnreadableError(f"a message cannot be read: {len(raw)} bytes that are not JSON: {error}") from None
     if not isinstance(message, dict):
-        raise UnreadableError(f"a message cannot be read: it is no JSON object but {one_line(str(message)[:100])!r}")
+        raise UnreadableError(f"a message cannot be read: expected a JSON object, got {one_line(str(message)[:100])!r}")
     from ..messages.encoding import as_message  # Imported lazily: a guard reads no topic.
 
     return as_message("cdr", kind, message)
@@ -97,7 +97,7 @@ class Graph:
                     nodes[entry["name"]] = other_nodes(strings(entry.get(ids)), _OURS)
 
     def adverts(self, channels: Iterable[Channel]) -> list[Advert]:
-        """All topics: the channels, and topics that only have subscribers, whose types the server does not report."""
+        """Return all topics: the channels, and the topics with only subscribers, whose types are not reported."""
         found = {(c.topic, c.type): None for c in channels}
         names = {topic for topic, _ in found}
         if self.known:

@@ -1,4 +1,4 @@
-"""Where the robot of a feed is, and its sensors on it, for the widgets that need to know."""
+"""The poses of a robot and of its sensors on it, for the widgets that need them."""
 
 from __future__ import annotations
 
@@ -15,23 +15,23 @@ from ._topics import FeedTopic
 from .middleware import FeedError
 
 _WATCHED = ("trail", "overlay", "_lasers")
-"""Traits of widgets that decide what they need."""
+"""Traits of widgets that determine which poses they need."""
 
 
 class Attaching(Protocol):
-    """A connection, as this knows it."""
+    """The part of a connection that is used here."""
 
     @property
     def is_closed(self) -> bool:
-        """True once no message comes any more."""
+        """True once no message can come any more."""
 
     @property
     def topics(self) -> tuple[FeedTopic, ...]:
-        """The topics that are known."""
+        """The known topics."""
 
     @property
     def widgets(self) -> Sequence[Any]:
-        """The widgets that are connected."""
+        """The connected widgets."""
 
     def attach(
         self, topic: str, take: Callable[[Any], object], on_missed: Callable[[int], object] | None = None
@@ -39,14 +39,14 @@ class Attaching(Protocol):
         """Pass the messages of a topic to a function."""
 
     def detach(self, topic: str, target: Target) -> None:
-        """End that."""
+        """Stop passing them."""
 
 
 class FrameTopics:
-    """Gives the widgets that need it the odometry and tf of their robot; see `TakesFrames`.
+    """The subscriptions of widgets that need the odometry and tf of their robot. See `TakesFrames`.
 
     Attributes:
-        look: attaches what widgets need now, and detaches what they need no longer, in one thread at a time.
+        look: attaches the topics that widgets need now and detaches the others, in one thread at a time.
     """
 
     def __init__(self, connection: Attaching) -> None:
@@ -72,7 +72,7 @@ class FrameTopics:
                 continue
             for topic, target in before:
                 connection.detach(topic, target)
-            with suppress(FeedError):  # it was closed meanwhile, and looks once more
+            with suppress(FeedError):  # the connection was closed in the meantime, and calls this again
                 if wanted:
                     self._attached[widget] = [(topic, connection.attach(topic, take, _miss)) for topic, take in wanted]
 
@@ -81,7 +81,7 @@ class FrameTopics:
 
 
 def _wanted(topics: Iterable[FeedTopic], widget: TakesFrames) -> list[tuple[str, Callable[[Any], object]]]:
-    """The topics that a widget needs besides its own, and what takes their messages."""
+    """Return the topics that a widget needs in addition to its topics, with the methods that get their messages."""
     by, there = widget.frame_topics, list(topics)
     odometry = sorted(topic.name for topic in there if topic.type in ODOMETRY_TYPES and topic.widget)[:1]
     frames = sorted(topic.name for topic in there if topic.type in TRANSFORM_TYPES)
@@ -95,4 +95,4 @@ def _wanted(topics: Iterable[FeedTopic], widget: TakesFrames) -> list[tuple[str,
 
 
 def _miss(_count: int) -> None:
-    """The next message says where the robot is then."""
+    """Ignore missed messages, because the next message contains the pose."""

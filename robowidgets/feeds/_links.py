@@ -1,4 +1,4 @@
-"""The connection of a feed, for what it is made of: its driver, and what takes the messages of its topics."""
+"""The connection of a feed, as its parts see it: its driver, and the receivers of its messages."""
 
 from __future__ import annotations
 
@@ -14,27 +14,27 @@ from .middleware import Advert
 
 
 class TopicLink(Protocol):
-    """The connection, for what takes the messages of its topics. See `Connection`, which describes each of these."""
+    """The connection, for receivers of messages. See `Connection`, which describes each method."""
 
     @property
     def status(self) -> str:
-        """Why no message comes on any topic; empty while messages can come."""
+        """The reason why no message can come on any topic, or empty."""
 
     @property
     def topics(self) -> tuple[FeedTopic, ...]:
         """The known topics."""
 
     def check_open(self, *topics: Any) -> None:
-        """FeedError unless the feed is open."""
+        """Raise FeedError unless the feed is open."""
 
     def topic_of(self, name: str) -> FeedTopic:
-        """A topic as it is known now."""
+        """Return a topic as it is known now."""
 
     def status_of(self, topic: str) -> str:
-        """The problems of a topic."""
+        """Return the problems of a topic."""
 
     def mounted(self, sample: Any) -> Any:
-        """A scan with the angles of the robot, if it is known how its scanner stands; another sample as it is."""
+        """Return a scan with the angles of the robot if the mount of its scanner is known, or any sample unchanged."""
 
     def attach(
         self, topic: str, take: Callable[[Any], object], on_missed: Callable[[int], object] | None = None
@@ -42,17 +42,17 @@ class TopicLink(Protocol):
         """Pass on the messages of a topic."""
 
     def attach_target(self, topic: str, target: Target) -> None:
-        """Do so for a target that is known before its first message."""
+        """Attach a target that the caller knows before its first message."""
 
     def detach(self, topic: str, target: Target) -> None:
-        """End that."""
+        """End an `attach`."""
 
     def decide(self, topic: FeedTopic, message: Any) -> None:
         """List the widget that shows the messages of a topic."""
 
 
 class DriveLink(Protocol):
-    """The connection, for its driver. See `Connection`, which describes each of these."""
+    """The connection, for its driver. See `Connection`, which describes each method."""
 
     clock: Clock
     adverts: tuple[Advert, ...]
@@ -60,28 +60,28 @@ class DriveLink(Protocol):
 
     @property
     def where(self) -> str:
-        """What the feed is connected to."""
+        """The address or name that the feed is connected to."""
 
     @property
     def status(self) -> str:
-        """Why no message comes on any topic; empty while messages can come."""
+        """The reason why no message can come on any topic, or empty."""
 
     @property
     def is_listed(self) -> bool:
-        """Whether the topics are listed."""
+        """True once the topics are listed."""
 
     @property
     def is_settled(self) -> bool:
-        """Whether they are known, as far as they are discovered a moment after opening."""
+        """True once the topics are listed and there was time to discover them after opening."""
 
     def check_open(self, *topics: Any) -> None:
-        """FeedError unless the feed is open."""
+        """Raise FeedError unless the feed is open."""
 
     def wait_until(self, condition: Callable[[], bool], seconds: float) -> None:
-        """Wait until a condition is true, for some seconds at most."""
+        """Wait for at most some seconds until a condition is true."""
 
     def await_subscriber(self, topic: str) -> None:
-        """Wait, on a feed that was just opened, for a subscriber."""
+        """Wait on a newly opened feed for a subscriber."""
 
     def list_driven(self, topic: str) -> None:
         """List a topic on which only this feed publishes."""
@@ -93,7 +93,7 @@ class DriveLink(Protocol):
         """Show a speed that another feed of this process has sent."""
 
     def on_unheard(self, topic: str, reason: str) -> None:
-        """Note why a subscriber does not receive speeds."""
+        """Note the reason why a subscriber does not receive speeds."""
 
     def on_driving(self) -> None:
-        """Show other settings of driving."""
+        """Show changed settings of driving."""

@@ -1,4 +1,4 @@
-"""Closing open feeds when the process ends: a robot may be driving."""
+"""Closing open feeds when the process ends, because a robot may be moving."""
 
 from __future__ import annotations
 
@@ -17,25 +17,25 @@ END_TIMEOUT = 4.0
 
 
 class Closes(Protocol):
-    """What can be closed."""
+    """An object that can be closed."""
 
     def close(self) -> object:
         """Close it."""
 
 
 class EndsDriving(Closes, Protocol):
-    """What drives the robot of a feed."""
+    """The driver of a feed."""
 
     def end(self) -> object:
-        """Send zero if one is owed, and refuse every speed from now on; it does not wait."""
+        """Send zero if one is owed, and refuse every speed from now on, without waiting."""
 
 
 class OpenFeed(Closes, Protocol):
-    """The connection of a feed, as far as it is closed."""
+    """The part of a feed's connection that closes it."""
 
     @property
     def where(self) -> str:
-        """What it is connected to."""
+        """The address or name that it is connected to."""
 
     @property
     def programs(self) -> Closes:
@@ -50,12 +50,12 @@ class OpenFeed(Closes, Protocol):
 
 
 open_feeds: set[OpenFeed] = set()
-"""The feeds that are closed at the end of the process; a forked process has none."""
+"""The feeds that are closed at the end of the process. A forked process has none."""
 
 
 def _close_all() -> None:
     there, until = list(open_feeds), time.monotonic() + END_TIMEOUT
-    for one in there:  # nobody may drive after the zeros
+    for one in there:  # nothing may drive after the zeros
         _try(one.programs.close)
         _try(one.driver.end)
     stop_all()  # before closing, which may take seconds for each feed

@@ -1,4 +1,4 @@
-"""Whether a foxglove server or a rosbridge listens at an address, to tell a person who has taken one for the other."""
+"""Detecting a foxglove server or a rosbridge at an address, in case the user has confused the two."""
 
 from __future__ import annotations
 
@@ -12,23 +12,23 @@ from .._core.platform_fixes import close_when_connected
 FOXGLOVE = ["foxglove.sdk.v1", "foxglove.websocket.v1"]
 """The names of the foxglove protocol."""
 
-PATIENCE = 1.0
-"""Seconds for an answer."""
+ANSWER_TIMEOUT_S = 1.0
+"""Seconds to wait for an answer."""
 
 _GOODBYE = 0.5
 
 
 async def is_foxglove(address: str) -> bool:
-    """Whether a foxglove server listens there."""
-    with suppress(Exception):  # whatever tornado and the other side raise
-        return await asyncio.wait_for(_knows_foxglove(address), PATIENCE)
+    """Return True if a foxglove server listens at an address."""
+    with suppress(Exception):  # any error of tornado or of the server
+        return await asyncio.wait_for(_knows_foxglove(address), ANSWER_TIMEOUT_S)
     return False
 
 
 async def is_rosbridge(address: str) -> bool:
-    """Whether a rosbridge listens there."""
+    """Return True if a rosbridge listens at an address."""
     with suppress(Exception):
-        return await asyncio.wait_for(_answers_as_rosbridge(address), PATIENCE)
+        return await asyncio.wait_for(_answers_as_rosbridge(address), ANSWER_TIMEOUT_S)
     return False
 
 
@@ -43,7 +43,7 @@ async def _knows_foxglove(address: str) -> bool:
 async def _answers_as_rosbridge(address: str) -> bool:
     connection = await _connected(address, None)
     try:
-        # It answers, too, where no rosapi runs.
+        # A rosbridge answers even if rosapi is not running.
         service = "/rosapi/topics"
         asked = {"op": "call_service", "service": service, "id": "who", "args": {}}
         await connection.write_message(json.dumps(asked))

@@ -1,4 +1,4 @@
-"""Topics whose widget only a message can decide."""
+"""Topics whose widget is decided by their first message."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ from ._topics import FeedTopic, is_open
 
 
 class Probes:
-    """Subscriptions to topics for the message that decides their widget; each ends with its first.
+    """Subscriptions to topics for the message that decides their widget. Each ends with its first message.
 
     Args:
-        connection: that of the feed, which lists what is decided.
+        connection: the connection of the feed, which lists the decided widgets.
     """
 
     def __init__(self, connection: TopicLink) -> None:
@@ -25,15 +25,15 @@ class Probes:
 
     @property
     def topics(self) -> frozenset[str]:
-        """The names of the topics that were or are looked at."""
+        """The names of the topics that are or were probed."""
         return frozenset(self._targets)
 
     def waits_for(self, topic: str) -> bool:
-        """Whether a message is still to decide the widget of a topic."""
+        """Return True while the widget of a topic waits for a message."""
         return topic in self._targets and topic not in self._decided
 
     def add(self, topics: Iterable[FeedTopic]) -> None:
-        """Look at those of some topics that are open, each once."""
+        """Probe each topic that is open, once."""
         for topic in topics:
             if topic.name not in self._targets and is_open(topic):
                 # Known before the first message, which may come from another thread at once.
@@ -41,13 +41,13 @@ class Probes:
                 self._connection.attach_target(topic.name, target)
 
     def close(self) -> None:
-        """Wait for no message any more."""
+        """Stop waiting for messages."""
         targets, self._targets = self._targets, {}
         for name, target in targets.items():
             self._connection.detach(name, target)
 
     def _decide(self, topic: FeedTopic, message: Any) -> None:
-        if target := self._targets.get(topic.name):  # else it was closed meanwhile
+        if target := self._targets.get(topic.name):  # otherwise it was closed in the meantime
             self._decided.add(topic.name)
             self._connection.detach(topic.name, target)
             self._connection.decide(topic, message)

@@ -35,11 +35,11 @@ from ._topics import queue_length, sample_of
 _CLOCK = RealClock()
 
 MOST_POSES = 1000
-"""Messages of odometry that wait for a step, each of which counts for the way."""
+"""The number of odometry messages that may wait for a step. Each of them counts for the distance."""
 
 
 class _Latest:
-    """The newest message of a topic, read as a sample when the program asks for it."""
+    """The newest message of a topic, decoded when the program reads it."""
 
     def __init__(
         self,
@@ -50,32 +50,32 @@ class _Latest:
         silence: SilenceRule | None,
     ) -> None:
         self.odometer = odometer
-        """What each pose of the topic is added to; None: only the newest message counts."""
+        """The odometer that gets each pose of the topic, or None if only the newest message counts."""
         self._connection, self.topic, self._on_message, self._silence = connection, topic, on_message, silence
         self._lock = threading.Lock()
         self._messages: deque[Any] = deque()
         self._times: deque[float] = deque(maxlen=STEPS)
         self._slept = 0.0
-        """Seconds for which the computer had slept when the newest message came."""
+        """Seconds for which the computer had slept in total when the newest message came."""
         self._sample: Any = None
         self._unread = ""
-        """Why the newest message could not be read; empty: it was, or there is none."""
+        """The reason why the newest message could not be read, or empty."""
         self._kind: Kind | None = None
-        """That of its samples; None: there is no widget for them, so nobody knows what its silence means."""
+        """The kind of its samples, or None if no widget shows them. Then the meaning of its silence is unknown."""
         self._gathered: Gathered | None = None
         self._target: Target = connection.attach(topic, self._put)
 
     def close(self) -> None:
-        """Take no more messages."""
+        """Stop receiving messages."""
         self._connection.detach(self.topic, self._target)
 
     @property
     def came_at(self) -> float:
-        """When the newest message came, by the monotonic clock."""
+        """The time of the newest message on the monotonic clock."""
         return self._times[-1]
 
     def read(self, name: str) -> Any:
-        """The newest sample. NotReadyError if there is none, if it is too old, or if a newer one cannot be read."""
+        """Return the newest sample. Raise NotReadyError if it is missing or too old, or a newer one is unreadable."""
         with self._lock:
             messages, self._messages = self._messages, deque()
         if messages:
@@ -85,7 +85,7 @@ class _Latest:
         return self._sample if self._gathered is None else self._gathered.take()
 
     def why_not_ready(self, name: str) -> str:
-        """Why there is no newest sample that can be read, or only one that is too old; empty where there is one."""
+        """Return why the newest sample is missing, unreadable or too old, or empty if it is ready."""
         with self._lock:
             times, slept = list(self._times), _CLOCK.slept() - self._slept
         if not times:
@@ -98,7 +98,7 @@ class _Latest:
         return self._unread
 
     def _take(self, messages: Sequence[Any]) -> None:
-        """Read messages, past those that cannot be read."""
+        """Decode messages, and skip unreadable ones."""
         topic = self._connection.topic_of(self.topic)
         for message in messages:
             try:
@@ -115,7 +115,7 @@ class _Latest:
                 self._gathered.add(sample)
 
     def _put(self, message: Any) -> None:
-        """Store a message; of some kinds each one counts. In the transport's thread."""
+        """Store a message, or every message for some kinds. It runs in the thread of the transport."""
         with self._lock:
             if not self._messages:
                 kept = queue_length(self._connection.topic_of(self.topic).type)
@@ -127,13 +127,13 @@ class _Latest:
 
 
 class FeedInputs:
-    """The newest samples of a feed that a program asks for: see `robowidgets.behaviors.robot.Inputs`.
+    """The newest samples of a feed that a program reads. See `robowidgets.behaviors.robot.Inputs`.
 
     Args:
-        connection: that of the feed.
+        connection: the connection of the feed.
         wake: called on each message of the topic ``on``.
-        silence: when a sample is too old; None: as for programs, which drive by it.
-        wakes_each: whether it is called on each message of any of its topics.
+        silence: the rule for samples that are too old, or None for the rule of programs, which drive by samples.
+        wakes_each: True to call `wake` on each message of any of its topics.
     """
 
     def __init__(
@@ -144,14 +144,14 @@ class FeedInputs:
         silence: SilenceRule | None = None,
         wakes_each: bool = False,
     ) -> None:
-        self._connection, self._wake, self._wakes_each = connection, wake, wakes_each
+        self._connection, self._wake_reader, self._wakes_each = connection, wake, wakes_each
         self._silence = silence
         self._lock = threading.RLock()
-        """Held by the thread that chooses and by that of the program, never by one of the transport."""
+        """Held by the thread that chooses and by the program's thread, never by a thread of the transport."""
         self._wanted: dict[str, str | None] = {}
         self._on: str | None = None
         self._latest: dict[str, _Latest] = {}
-        """By topic."""
+        """The newest messages, by topic."""
         self._chosen: dict[str, Sequence[str]] = {}
         """The topics of each parameter."""
         self._probes = Probes(connection)
@@ -177,7 +177,7 @@ class FeedInputs:
             return {name: self._odometry(name) if name in ODOMETRY else value for name, value in values.items()}
 
     def _read(self, name: str, topics: Sequence[str]) -> Any:
-        """The newest sample of a parameter. NotReadyError if there is none, or if it is too old."""
+        """Return the newest sample of a parameter. Raise NotReadyError if it is missing or too old."""
         latest = {topic: self._latest[topic] for topic in topics}
         if (each := _each(name)) is None:
             return latest[topics[0]].read(name)
@@ -185,7 +185,7 @@ class FeedInputs:
         return each(samples, {sensor_of(topic): one.came_at for topic, one in latest.items()})
 
     def why_not_ready(self) -> str:
-        """Why one of the samples is missing or too old; empty where all are there. It takes none."""
+        """Return why a sample is missing or too old, or empty if all are ready. It consumes no sample."""
         with self._lock:
             for name in self._wanted:
                 if name not in self._chosen:
@@ -213,7 +213,7 @@ class FeedInputs:
             self._probes.close()
 
     def _find(self) -> None:
-        """Find the topics that are not chosen yet; they may appear at any time."""
+        """Find the topics that are not chosen yet, because they may appear at any time."""
         for name, topic in self._wanted.items():
             if name in self._chosen and not _each(name):
                 continue
@@ -228,7 +228,7 @@ class FeedInputs:
     def _attach(self, topic: str, *, is_odometry: bool = False) -> None:
         def wake() -> None:
             if self._wakes_each or self._on == topic:
-                self._wake()
+                self._wake_reader()
 
         if topic not in self._latest:
             self._latest[topic] = _Latest(self._connection, topic, wake, None, self._silence)
@@ -239,7 +239,7 @@ class FeedInputs:
             self._latest[topic].odometer = self._odometer
 
     def _odometry(self, name: str) -> Any:
-        """A value of the odometer. NotReadyError while there is none."""
+        """Return a value of the odometer. Raise NotReadyError before its first pose."""
         if self._odometer.pose is None:
             raise NotReadyError(f"no pose comes on {self._chosen[name][0]}: is it odometry?")
         return self._odometer.pose if name == POSE else getattr(self._odometer, name)
@@ -250,9 +250,9 @@ class FeedInputs:
             self._latest.pop(topic).close()
 
     def _candidates(self, name: str) -> list[list[str]]:
-        """The topics with a kind of sample, those together that a parameter gets together.
+        """Return the topics with a kind of sample, grouped if a parameter gets all topics of a namespace.
 
-        The topic that wakes the program comes before the others.
+        A group with the topic that wakes the program comes alone.
         """
         kind, named = _kind(name), self._wanted[name]
         self._probes.add(topic for topic in self._connection.topics if topic.type in kind.undecided)
@@ -282,11 +282,11 @@ class FeedInputs:
 
 def _kind(name: str) -> Kind:
     kind = SPEED if name in ODOMETRY else kind_of_parameter(name)
-    assert kind is not None  # the parameters of a program are checked before
+    assert kind is not None  # the parameters of a program were checked before
     return kind
 
 
 def _each(name: str) -> Callable[..., Any] | None:
-    """What makes the value of a parameter that gets all topics of a namespace; None for any other."""
+    """Return the function that combines all topics of a namespace for a parameter, or None for one topic."""
     kind = kind_of_parameter(name)
     return None if kind is None else kind.roles[0].each

@@ -1,4 +1,4 @@
-"""Recording what a robot sends, the speeds it gets, and the states and text of its program."""
+"""Recording everything that a robot sends, the speeds that it gets, and the states and text of its program."""
 
 from __future__ import annotations
 
@@ -28,24 +28,24 @@ if TYPE_CHECKING:
     from ._connection import Connection
 
 _MOST_NAMED = 12
-"""Topics that the text of a recorder names at most of those that it leaves out."""
+"""The largest number of omitted topics that the text of a recorder names."""
 
 
 class Recorder:
-    """A file that records a feed until it is closed; `Feed.record` returns it.
+    """A file that records a feed until it is closed. `Feed.record` returns it.
 
-    What carries speeds never waits for the disk. As a context manager it closes the file; so do closing the feed, and
-    running its cell again.
+    A thread that sends speeds never waits for the disk. As a context manager it closes the file at the end. Closing the
+    feed or running its cell again closes the file, too.
 
     Args:
-        connection: that of the feed.
+        connection: the connection of the feed.
         path: the file.
-        topics: names of topics; none: all that a widget shows.
-        everything: whether, without names, it records all topics whose type is known.
+        topics: names of topics, or none for all topics that a widget shows.
+        everything: True to record, without names, all topics with a known type.
 
     Attributes:
         path: the file.
-        refresh: begins to record topics that have appeared; the feed calls it.
+        refresh: begins to record topics that have appeared. The feed calls it.
     """
 
     def __init__(
@@ -55,16 +55,16 @@ class Recorder:
         self.path = checked_output("record", path, (".mcap",))
         self._targets: dict[str, Target] = {}
         self._missed: Counter[str] = Counter()
-        """By topic, the number of messages that did not come here."""
-        # A simulated robot and a recording lose nothing on the way.
+        """By topic, the number of messages that did not arrive here."""
+        # A simulated robot and a recording lose no messages in transit.
         self._gaps: dict[str, Gaps] | None = {} if isinstance(connection.middleware, HasOutlet) else None
         self._version: Version | None = None
         self._states: dict[str, str] = {}
         self._lock = threading.Lock()
-        """Held while the state of the program is compared, for microseconds."""
+        """Held for microseconds, while the state of the program is compared."""
         self._closed = False
         self._left_out: tuple[str, ...] | None = None
-        """The names of the topics that were left out at the end; None while it records."""
+        """The names of the topics that were omitted when it was closed, or None while it records."""
         self.refresh = CoalescedCall(self._refresh)
         try:
             self._writer = LiveWriter(self.path, self.close, connection.clock)
@@ -79,12 +79,12 @@ class Recorder:
 
     @property
     def closed(self) -> bool:
-        """True once it records no more; the file may still lack its end, as the recorder's text shows."""
+        """True once it records no more. The end of the file may still be unwritten, as the recorder's text shows."""
         return self._closed
 
     @property
     def left_out(self) -> tuple[str, ...]:
-        """The names of the topics that the robot publishes and this does not record, now or when it was closed."""
+        """The names of the published topics that this file does not contain, now or when it was closed."""
         if self._left_out is not None:
             return self._left_out
         topics = (topic.name for topic in self._connection.topics if topic.offered)
@@ -97,7 +97,7 @@ class Recorder:
 
     @property
     def problems(self) -> tuple[str, ...]:
-        """What is missing in the file, one line each."""
+        """The problems of the file and what it lacks, one line each."""
         there = [topic.name for topic in self._connection.topics]
         missing = (no_such(name, there) for name in self._names if name not in self._targets)
         missed = (
@@ -115,7 +115,7 @@ class Recorder:
         return (*self._writer.problems, *missed, *gaps, *missing, *unread)
 
     def close(self) -> None:
-        """Complete the file; doing it again does nothing. It waits for the disk for two seconds at most."""
+        """Complete the file. Calling it again does nothing. It waits for the disk for at most two seconds."""
         with self._lock:
             if self._closed:
                 return
@@ -149,20 +149,20 @@ class Recorder:
             return "closed"
         return "incomplete" if self._writer.has_failed else "still being written"
 
-    # -- in the threads of the feed and of the program: they wait for nothing ------------------------------------------
+    # -- in the threads of the feed and of the program: they never wait ------------------------------------------------
 
     def _refresh(self) -> None:
         if self._connection.is_closed:
             self.close()
         for topic in () if self._closed else self._connection.topics:
             if topic.name not in self._targets and topic.type and self._is_wanted(topic):
-                # A topic of ROS has no blanks in its name, and one type.
+                # A ROS topic has one type, and no spaces in its name.
                 name, type_name = topic.name.replace(YOURS, "_by_program"), topic.type.split(", ")[0]
                 take = partial(self._take, name, type_name)
                 try:
                     miss = partial(self._miss, name)
                     self._targets[topic.name] = self._connection.attach(topic.name, take, miss)
-                except FeedError:  # closed meanwhile, of which it tells in a moment
+                except FeedError:  # the feed was closed in the meantime, and will report it
                     return
 
     def _is_wanted(self, topic: FeedTopic) -> bool:
@@ -179,7 +179,7 @@ class Recorder:
         self._missed[name] += count
 
     def _on_step(self) -> None:
-        """Note another version of the program, and the states that it is in now."""
+        """Record a new version of the program, and changes of its states."""
         program = self._connection.programs.current
         if program is None or self._closed:
             return

@@ -1,4 +1,4 @@
-"""Requests to a ROS 1 master, with a time-out: rospy's own calls wait forever if a master hangs."""
+"""Requests to a ROS 1 master, with a timeout. The functions of rospy wait forever if a master hangs."""
 
 from __future__ import annotations
 
@@ -9,15 +9,15 @@ from urllib.parse import urlsplit
 from xml.parsers.expat import ExpatError
 
 TIMEOUT = 1.5
-"""Seconds for an answer."""
+"""Seconds to wait for an answer."""
 
 
 class MasterError(Exception):
-    """A master, or a node that it names, gave no valid answer; the text says why, for a person."""
+    """A master, or a node that it lists, gave no valid answer. The text gives the reason to the user."""
 
 
 class SystemState(NamedTuple):
-    """The names of the publishing and the subscribing nodes and the type of each topic, by topic."""
+    """The publishing nodes, the subscribing nodes and the type of each topic, by topic."""
 
     publishers: dict[str, list[str]]
     subscribers: dict[str, list[str]]
@@ -25,21 +25,21 @@ class SystemState(NamedTuple):
 
 
 class Master:
-    """The master at a URI, and the nodes that it knows. Every call raises MasterError without a valid answer."""
+    """The master at a URI, and the nodes that it knows. Every method raises MasterError without a valid answer."""
 
     def __init__(self, uri: str) -> None:
         self.uri = uri
 
     def state(self) -> SystemState:
-        """All publishers, subscribers and types."""
-        # Types are requested last: a topic that appears in between has a type, but is not listed yet. Without its type
-        # a robot would get a publisher of another one. A subscriber that takes any type gives `*`.
+        """Return all publishers, subscribers and types."""
+        # Types are requested last: a topic that appears in between has a type, but is not listed yet. Without its type,
+        # the robot would get a publisher of another type. A subscriber of any type reports `*`.
         publishers, subscribers, _ = _call(self.uri, "getSystemState")
         types = {name: kind for name, kind in _call(self.uri, "getTopicTypes") if "/" in kind}
         return SystemState(dict(publishers), dict(subscribers), types)
 
     def register_subscriber(self, node: str, topic: str, kind: str, node_uri: str) -> None:
-        """Register a subscriber with the master again, and send the node the list of publishers."""
+        """Register a subscriber with the master again, and send the list of publishers to the node."""
         publishers = _call(self.uri, "registerSubscriber", topic, kind, node_uri, caller=node)
         _call(node_uri, "publisherUpdate", topic, publishers, caller="/master")
 
@@ -48,11 +48,11 @@ class Master:
         _call(self.uri, "registerPublisher", topic, kind, node_uri, caller=node)
 
     def unreachable(self, nodes: list[str]) -> str:
-        """The reason why the first unreachable one of these nodes cannot be reached; empty if all can."""
+        """Return the reason why the first unreachable node among these cannot be reached, or empty if all can."""
         return next(filter(None, map(self._unreachable, nodes)), "")
 
     def has_ended(self, node: str) -> bool:
-        """Return True if nothing listens at the address of a node any more. One that does not answer may be there."""
+        """Return True if nothing listens at the address of a node any more. A silent node may still be alive."""
         try:
             _call(_call(self.uri, "lookupNode", node), "getPid")
         except MasterError as error:
@@ -62,11 +62,11 @@ class Master:
     def _unreachable(self, node: str) -> str:
         try:
             uri = _call(self.uri, "lookupNode", node)
-        except MasterError:  # the node has just left, and the next state lacks it
+        except MasterError:  # the node has just left, and the next state will not contain it
             return ""
         where = urlsplit(uri).netloc
         try:
-            # Another program may have the port now; rospy would wait for its answer for ever.
+            # Another program may use the port now, and rospy would wait forever for its answer.
             _call(uri, "getPid")
         except MasterError as error:
             if isinstance(error.__cause__, ConnectionRefusedError):
@@ -76,7 +76,7 @@ class Master:
 
 
 def master_of(node_uri: str) -> str:
-    """The URI of the master of a node."""
+    """Return the URI of a node's master."""
     return str(_call(node_uri, "getMasterUri"))
 
 

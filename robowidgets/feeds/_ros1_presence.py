@@ -1,4 +1,4 @@
-"""Finding the nodes that have ended without a word, which a ROS 1 master lists until somebody cleans up."""
+"""Detecting nodes that have ended without unregistering. A ROS 1 master lists them until ``rosnode cleanup``."""
 
 from __future__ import annotations
 
@@ -9,11 +9,11 @@ from ._ros1_master import Master
 
 
 class Presence:
-    """Asks nodes in a short thread of its own whether they are still there: each may take a while to answer.
+    """A check if nodes are still alive. It runs in a short-lived thread, because each node may take a while to answer.
 
     Args:
         master: the master that knows their addresses.
-        on_change: called in that thread when other nodes than before have ended.
+        on_change: called in that thread if the set of ended nodes has changed.
 
     Attributes:
         ended: the names of the nodes that have ended.
@@ -25,7 +25,7 @@ class Presence:
         self.ended: frozenset[str] = frozenset()
 
     def look(self, nodes: Collection[str]) -> None:
-        """Ask these nodes, unless others are still being asked."""
+        """Check these nodes, unless a check is running."""
         if not nodes:
             self.ended = frozenset()
         elif not self._is_asking:

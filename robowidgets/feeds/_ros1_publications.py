@@ -1,4 +1,4 @@
-"""Publishing through rospy: a feed's thread sets publishers up, the thread that publishes sends."""
+"""Publishing through rospy. The thread of a feed sets up publishers, and the publishing thread sends."""
 
 from __future__ import annotations
 
@@ -16,45 +16,45 @@ from .middleware import SEND_TIMEOUT, FeedError, NotConnectedYetError
 SHUT_DOWN = "rospy was shut down in this process and cannot start again: restart the kernel"
 
 UNREACHED = 2.0
-"""Seconds after which a subscriber without a connection is asked to connect again; each further pause is doubled."""
+"""Seconds after which a subscriber without a connection is asked to connect again. Each further pause is doubled."""
 
 LONGEST = 30.0
-"""Seconds of the longest pause between two such requests: publisher and subscriber log each failed one."""
+"""The longest pause between two such requests, in seconds. Publisher and subscriber log each failed request."""
 
 _publishers: dict[str, Any] = {}
-"""The publishers of the process's one node, by topic. They stay when a feed is closed.
+"""The publishers of the only node of the process, by topic. They stay when a feed is closed.
 
 A rospy subscriber that connects while its publisher is being unregistered may never connect to that node again: it
 keeps the dead connection in its list, and makes no second connection to a node.
 """
 
 _moving: set[str] = set()
-"""The topics whose last message was not all zeros."""
+"""The topics whose last message was not zero."""
 
 _sending = threading.RLock()
-"""Held while a message is sent. RLock: a signal handler may shut rospy down while the same thread is sending."""
+"""Held while a message is sent. It is an RLock, because a signal handler may shut down rospy in the sending thread."""
 
 
 class Publications:
     """The topics that one feed publishes.
 
     Args:
-        on_unheard: called with the reason why a subscriber does not receive a topic; see `Listener`.
-        wake: makes the feed's thread call `look_after` soon.
+        on_unheard: called with the reason why a subscriber does not receive a topic. See `Listener`.
+        wake: makes the thread of the feed call `look_after` soon.
 
     Attributes:
         state: the state that the master reported last.
-        master_lost: the reason why the master does not answer; empty while it answers.
+        master_lost: the reason why the master does not answer, or empty while it answers.
     """
 
     def __init__(
         self, rospy: Any, master: Master, on_unheard: Callable[[str, str], None], wake: Callable[[], None]
     ) -> None:
-        self._rospy, self._master, self._on_unheard, self._wake = rospy, master, on_unheard, wake
+        self._rospy, self._master, self._on_unheard, self._wake_feed = rospy, master, on_unheard, wake
         self._asked: dict[str, tuple[str, float]] = {}
-        """For each topic, the type that was published last, and the time of its first message."""
+        """By topic, the type that was published last, and the time of its first message."""
         self._due: dict[str, tuple[float, float]] = {}
-        """For each topic, the time of the next request to subscribers without a connection, and the pause before it."""
+        """By topic, the time of the next request to subscribers without a connection, and the pause before it."""
         self._unheard: dict[str, str] = {}
         self.state = SystemState({}, {}, {})
         self.master_lost = ""
@@ -64,7 +64,7 @@ class Publications:
 
     @property
     def connected(self) -> bool:
-        """Whether another node is connected to a topic that was published."""
+        """True while another node is connected to a topic that was published."""
         return any(map(self._connections, list(self._asked)))
 
     def publish(self, topic: str, message_type: str, message: Mapping[str, Any]) -> None:
@@ -74,7 +74,7 @@ class Publications:
         filled, moves = fill(_class_of(kind)(), message), not is_zero(message)
         if self._asked.get(topic, ("",))[0] != kind:
             self._asked[topic] = kind, time.monotonic()
-            self._wake()
+            self._wake_feed()
         while not self._connections(topic):
             if why := self._why_unconnected(topic):
                 raise FeedError(f"cannot publish {kind} on {topic}: {why}")
@@ -90,7 +90,7 @@ class Publications:
             connections = self._connections(topic)
             there = _publishers[topic].impl.type if connections else kind
             if there != kind:
-                raise FeedError(f"cannot publish {kind} on {topic}: {there} is published there already")
+                raise FeedError(f"cannot publish {kind} on {topic}: it is already published as {there}")
             if moves:
                 _moving.add(topic)
             try:
@@ -101,10 +101,10 @@ class Publications:
                 _moving.discard(topic)
 
     def look_after(self) -> None:
-        """Set up publishers for topics with subscribers, and ask subscribers to connect. Called in the feed's thread.
+        """Set up publishers for topics with subscribers, and ask subscribers to connect, in the thread of the feed.
 
-        A topic gets a publisher only once it has a subscriber. The first publisher settles the type of a topic, and
-        before that the type that the robot expects is unknown.
+        A topic gets a publisher only once it has a subscriber, because the first publisher settles the type of a topic,
+        and before that the type that the robot expects is unknown.
         """
         for topic, (kind, _) in list(self._asked.items()):
             publisher = _publishers.get(topic)
@@ -123,7 +123,7 @@ class Publications:
                 _publishers[topic] = self._rospy.Publisher(topic, _class_of(kind), queue_size=1)
 
     def _connections(self, topic: str) -> list[Any]:
-        """The connections to other nodes. Dead ones are removed first; rospy itself does so only every half second."""
+        """Return the connections to other nodes. It removes dead ones, which rospy does only every half second."""
         publisher = _publishers.get(topic)
         if publisher is None:
             return []
@@ -134,17 +134,17 @@ class Publications:
         return [node for node in self.state.subscribers.get(topic, ()) if node != self._rospy.get_name()]
 
     def _why_unconnected(self, topic: str) -> str:
-        """The reason why no subscriber is connected; empty while one may be connecting."""
+        """Return the reason why no subscriber is connected, or empty while a subscriber may be connecting."""
         kind, _ = self._asked[topic]
         there = self.state.types.get(topic, kind)
         if self._rospy.core.is_shutdown_requested():
             return SHUT_DOWN
         if self.master_lost:
-            return f"nobody is connected, and there is {self.master_lost}"
+            return f"no subscriber is connected, and there is {self.master_lost}"
         if not self._listening(topic):
-            return "nobody listens to it"
+            return "it has no subscriber"
         if there != kind and topic not in self:
-            return f"it is {there}"
+            return f"its type is {there}"
         return ""
 
     def _ask_to_connect(self, topic: str, kind: str) -> None:
@@ -174,14 +174,14 @@ class Publications:
             if not why:
                 return f"{node} listens to {topic}, but does not connect; it is asked again"
             if not connected:  # a node that has ended does not matter while a robot is connected
-                return f"{topic} is listened to, but {why}"
+                return f"{topic} has a subscriber, but {why}"
         return ""
 
 
 def _send(topic: str, message: Any, connections: Sequence[Any], deadline: float, *, to_all: bool) -> None:
-    """Write to each socket in this thread, because a busy cell may keep rospy's own thread from running for long.
+    """Write to each socket in this thread, because a busy cell may block the thread of rospy for long.
 
-    A node that does not read delays no other node. A speed counts as sent when one node has it, a zero when all do.
+    A node that does not read delays no other node. A speed counts as sent if one node has it, a zero only if all have.
     """
     impl, late, taken = _publishers[topic].impl, list(connections), 0
     while True:
@@ -201,14 +201,14 @@ def _send(topic: str, message: Any, connections: Sequence[Any], deadline: float,
 
 
 def _takes(connection: Any) -> bool:
-    """Whether a socket takes a message as short as a speed without blocking, or has ended."""
+    """Return True if a socket accepts a message of the size of a speed without blocking, or has ended."""
     poll = select.poll()
     poll.register(connection.fileno(), select.POLLOUT)
     return connection.done or bool(poll.poll(0))
 
 
 def _transports(impl: Any) -> list[Any]:
-    """The connections of a publisher, without the queues that rospy puts before them and empties in another thread."""
+    """Return the connections of a publisher, without the queues of rospy, which another thread empties."""
     return [getattr(connection, "_connection", connection) for connection in impl.connections]
 
 

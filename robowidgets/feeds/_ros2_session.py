@@ -1,4 +1,4 @@
-"""A node in a context of its own, with its subscriptions and publishers. Importing this module imports no rclpy."""
+"""A node with a separate rclpy context, its subscriptions and publishers. Importing this module imports no rclpy."""
 
 from __future__ import annotations
 
@@ -19,9 +19,9 @@ from .middleware import MOST_UNREAD, SEND_TIMEOUT, Advert, Listener, NotConnecte
 
 
 class _Wish(NamedTuple):
-    """A subscription to create. ``kept`` asks for earlier messages (transient local), ``each`` for every message.
+    """A subscription to create. ``kept`` requests earlier messages (transient local), ``each`` requests every message.
 
-    ``reliable`` asks for lost packets again. That needs publishers that all offer it.
+    ``reliable`` requests lost packets again, which works only if all publishers offer it.
     """
 
     topic: str
@@ -32,37 +32,37 @@ class _Wish(NamedTuple):
 
 
 DISCOVERY = 2.0
-"""Seconds after which a new participant has discovered the others, at most."""
+"""The longest time in which a new participant discovers the others, in seconds."""
 
 _MATCH_POLL = 0.005
 _MATCH_LAG = 0.05
-"""Seconds after which a subscriber has matched a new publisher, too; a best-effort one misses what comes before."""
+"""Seconds after which a subscriber has also matched a new publisher. A best-effort one misses earlier messages."""
 
 _ACK_POLL = 0.02
 
 _OURS = re.compile(r"robowidgets_\d+_[0-9a-f]{6}")
-"""The names of our nodes. Those of a kernel may subscribe to what its guard publishes: they are no robot."""
+"""The names of our nodes. Nodes of a kernel may subscribe to what its guard publishes, but they are not a robot."""
 
 _UNKNOWN = ("_NODE_NAME_UNKNOWN_", "_CREATED_BY_BARE_DDS_APP_")
-"""Names of an unknown node, and of a program that has none."""
+"""The names of an unknown node, and of a program without a node."""
 
 
 class Ros2Session:
-    """A node with its executor in a context of its own, which no program spins, destroys or shuts down.
+    """A node with its executor in a separate context, which no program spins, destroys or shuts down.
 
-    Only rclpy's signal handler does: it shuts down every context of the process, and `ok` is False then. Any thread may
-    call `publish`, `wake` and `ok`; everything else belongs to the thread that made the session.
+    Only the signal handler of rclpy shuts down every context of the process; then `ok` is False. Any thread may call
+    `publish`, `wake` and `ok`. Everything else belongs to the thread that made the session.
 
     Args:
         domain_id: the domain.
         listener: gets messages and reports.
-        is_wanted: returns whether messages of a topic are still wanted.
-        matched: topics and types of which a publisher has been matched with a subscriber, also in earlier sessions.
-        clock: what its waits go by, but for those in rclpy.
-        name: the name of the node; empty: one of its own.
+        is_wanted: returns True if messages of a topic are still wanted.
+        matched: the topics and types with a publisher that has matched a subscriber, including earlier sessions.
+        clock: the clock of its waits, except for waits in rclpy.
+        name: the name of the node, or empty for a generated name.
 
     Raises:
-        Exception: rclpy does not start; it has a class of its own for each reason.
+        Exception: rclpy does not start. The class depends on the reason.
     """
 
     def __init__(
@@ -80,7 +80,7 @@ class Ros2Session:
         from rclpy.signals import SignalHandlerOptions
 
         self._listener, self._is_wanted, self._matched, self._clock = listener, is_wanted, matched, clock
-        # Random, because processes in containers often have the same id, and rcl warns of two nodes with one name.
+        # Random, because processes in containers often have the same id, and rcl warns about duplicate node names.
         self._name = name or f"robowidgets_{os.getpid()}_{secrets.token_hex(3)}"
         self._opened = self._clock.now()
         self._context = Context()
@@ -89,10 +89,10 @@ class Ros2Session:
         self._publishers: dict[tuple[str, str], Any] = {}
         self._unmatched: set[tuple[str, str]] = set()
         self._missed: set[tuple[str, str]] = set()
-        """Topics and types with a message that was not published, because its subscriber is not discovered again."""
+        """Topics and types with an unpublished message, because their subscriber has not been discovered again."""
         self._zeros = Zeros(self._clock)
         self._counts: dict[str, int] = {}
-        """For each topic, the number of its subscribers at the last look, without those of ours."""
+        """By topic, the number of its subscribers at the last look, except ours."""
         self._publishing = threading.Lock()
         self._published_at = float("-inf")
         self._unheard: set[str] = set()
@@ -107,7 +107,7 @@ class Ros2Session:
             self._made = made.pop_all()
 
     def ok(self) -> bool:
-        """Whether it was not shut down."""
+        """Return True until it is shut down."""
         return bool(self._context.ok())
 
     @property
@@ -117,11 +117,11 @@ class Ros2Session:
 
     @property
     def is_young(self) -> bool:
-        """Whether other participants may not be discovered yet."""
+        """True while other participants may not have been discovered yet."""
         return self.age < DISCOVERY
 
     def wake(self) -> None:
-        """Make `spin_once` return. After `Executor.wake` it would only rebuild its wait set and wait on."""
+        """Make `spin_once` return. `Executor.wake` would only rebuild its wait set and continue to wait."""
         self._executor.create_task(lambda: None)
 
     def spin_once(self, seconds: float) -> None:
@@ -133,7 +133,7 @@ class Ros2Session:
                 raise
 
     def look(self) -> list[Advert]:
-        """The topics that other nodes publish or subscribe to."""
+        """Return the topics that other nodes publish or subscribe to."""
         from rclpy.exceptions import NameValidationException
 
         self._offers.clear()
@@ -145,7 +145,7 @@ class Ros2Session:
                 offers = self._others(self._node.get_publishers_info_by_topic(topic))
                 wants = self._node.get_subscriptions_info_by_topic(topic)
             except (NameValidationException, ValueError):
-                continue  # a DDS program without ROS may use names that rclpy refuses
+                continue  # a DDS program without ROS may use names that rclpy rejects
             self._offers[topic] = offers
             for info in offers:
                 offered.setdefault((topic, info.topic_type), set()).add(_full_name(info))
@@ -165,7 +165,10 @@ class Ros2Session:
         return adverts_of(offered, wanted)
 
     def follow(self, topics: frozenset[str], each: frozenset[str]) -> None:
-        """Subscribe to these topics, with the types that `look` found last, twice for each message; to no others."""
+        """Subscribe to these topics with the types of the last `look`, and again if every message is wanted.
+
+        All other subscriptions end.
+        """
         wishes = {wish for topic in topics for wish in _wishes(topic, self._offers.get(topic, ()))}
         wishes |= {_wish_for_each(wish, self._offers.get(wish.topic, ())) for wish in wishes if wish.topic in each}
         for wish in self._subscriptions.keys() - wishes:
@@ -174,11 +177,11 @@ class Ros2Session:
             self._subscribe(wish)
 
     def publish(self, topic: str, message_type: str, message: Mapping[str, Any], until: float) -> None:
-        """Publish a message. The first one on a topic waits, up to a time, for matched subscribers.
+        """Publish a message. The first message on a topic waits until a time for matched subscribers.
 
         Raises:
             NotConnectedYetError: a subscriber of an earlier session has not been discovered again.
-            TimeoutError: it is a zero that nobody receives any more.
+            TimeoutError: the message is a zero that has no subscriber any more.
             Exception: rclpy does not publish, for example because the session was shut down.
         """
         key = (topic, message_type)
@@ -209,7 +212,7 @@ class Ros2Session:
                 raise TimeoutError(nobody_left(topic))
 
     def _repeat_zeros(self, heard: Mapping[str, list[Any]]) -> None:
-        """Publish the zeros again that subscribers may have missed; at the next look where one publishes now.
+        """Repeat the zeros that subscribers may have missed. If another thread is publishing, do it at the next look.
 
         Args:
             heard: the subscribers of each topic.
@@ -227,7 +230,7 @@ class Ros2Session:
             self._publishing.release()
 
     def close(self) -> None:
-        """Wait until every subscriber has what was published just now, perhaps a zero; then end everything."""
+        """Wait until every subscriber has the last message, which may be a zero; then end everything."""
         with self._publishing:
             with suppress(Exception):  # the session was shut down, or its middleware has no acknowledgements
                 self._await_acknowledgements()
@@ -237,9 +240,10 @@ class Ros2Session:
             self._listener.on_unheard(topic, "")
 
     def _create_publishers(self, topic: str, types: Iterable[str]) -> None:
-        """Create those that are missing. Called with the lock held.
+        """Create the missing publishers. Called with the lock held.
 
-        Awaited are the first ones of a topic, and those whose subscriber an earlier session had: it is owed a zero.
+        A message waits for the first publishers of a topic, and for publishers with a subscriber of an earlier session,
+        which is owed a zero.
         """
         is_first = all(name != topic for name, _ in self._publishers)
         for key in {(topic, kind) for kind in types} - self._publishers.keys():
@@ -263,7 +267,7 @@ class Ros2Session:
         return _with_events(make, "PublisherEventCallbacks", refused)
 
     def _await_match(self, key: tuple[str, str], until: float) -> bool:
-        """Wait for a subscriber of another node, which would miss earlier messages; returns whether there is one."""
+        """Wait for a subscriber of another node, which would miss earlier messages. Return True if it is matched."""
         topic, message_type = key
         while not self._is_matched(self._publishers[key], key):
             wanted = self._types_wanted(topic)
@@ -277,7 +281,7 @@ class Ros2Session:
         return {info.topic_type for info in self._others(self._node.get_subscriptions_info_by_topic(topic))}
 
     def _is_matched(self, publisher: Any, key: tuple[str, str]) -> bool:
-        """Whether a subscriber of another node is matched."""
+        """Return True if a subscriber of another node is matched."""
         ours = sum((wish.topic, wish.type) == key for wish in list(self._subscriptions))
         return bool(publisher.get_subscription_count() > ours)
 
@@ -292,14 +296,14 @@ class Ros2Session:
     def _await_acknowledgements(self) -> None:
         from rclpy.duration import Duration
 
-        until = self._published_at + SEND_TIMEOUT  # who has not confirmed by then may be gone
+        until = self._published_at + SEND_TIMEOUT  # a subscriber that has not confirmed by then may be gone
         for publisher in self._publishers.values() if self._clock.now() < until else ():
             # In short steps, because rclpy holds the GIL while it waits.
             while not publisher.wait_for_all_acked(Duration(seconds=_ACK_POLL)) and self._clock.now() < until:
                 pass
 
     def _all_matched(self, topic: str, wants: Iterable[Any]) -> bool:
-        """Whether all subscribers of a topic are matched with our publishers."""
+        """Return True if all subscribers of a topic are matched with our publishers."""
         types = [info.topic_type for info in wants]
         return all(
             publisher.get_subscription_count() >= types.count(message_type)
@@ -319,7 +323,7 @@ class Ros2Session:
         except LookupError as error:
             self._listener.on_trouble(topic, f"{topic} comes as {kind}: {error}")
             return
-        # A best-effort subscription matches reliable publishers, too; only transient local needs a reliable one.
+        # A best-effort subscription also matches reliable publishers. Only transient local needs a reliable one.
         reliable = reliable or kept
         qos = QoSProfile(
             history=HistoryPolicy.KEEP_LAST,
@@ -329,7 +333,7 @@ class Ros2Session:
         )
         try:
             self._subscriptions[wish] = self._subscription(known, wish, qos)
-        except Exception as error:  # a package that is half installed raises anything
+        except Exception as error:  # a partly installed package may raise any error
             self._listener.on_trouble(topic, f"{topic} cannot be subscribed to as {kind}: {one_line(error)}")
 
     def _subscription(self, known: Any, wish: _Wish, qos: Any) -> tuple[Any, Any]:
@@ -350,7 +354,7 @@ class Ros2Session:
             self._listener.on_trouble(topic, not_coming(topic, _policy(event)))
 
         def make(on_event: Any) -> tuple[Any, Any]:
-            group = MutuallyExclusiveCallbackGroup()  # of its own: see `_drop_unreadable`
+            group = MutuallyExclusiveCallbackGroup()  # one for each subscription: see `_drop_unreadable`
             create = self._node.create_subscription
             return create(known, topic, receive, qos, callback_group=group, event_callbacks=on_event), group
 
@@ -359,9 +363,9 @@ class Ros2Session:
         return made
 
     def _drop_unreadable(self, error: Exception) -> bool:
-        """End the subscription whose message led to an error, until the next `look`; returns whether there is one.
+        """End the subscription whose message caused an error, until the next `look`. Return True if one was ended.
 
-        Otherwise its callback group in rclpy would wait for ever for the end of a callback that never began.
+        Otherwise its callback group in rclpy would wait forever for the end of a callback that never began.
         """
         stuck = [wish for wish, (entity, group) in self._subscriptions.items() if not group.can_execute(entity)]
         for wish in stuck:
@@ -371,7 +375,7 @@ class Ros2Session:
 
 
 def message_class(message_type: str) -> Any:
-    """The class of a message; LookupError, with a text for a person, where it is not installed."""
+    """Return the class of a message. Raise LookupError with a text for the user if it is not installed."""
     from rosidl_runtime_py.utilities import get_message
 
     try:
@@ -385,7 +389,7 @@ def message_class(message_type: str) -> Any:
 
 
 def one_line(error: Exception) -> str:
-    """The text of an error in one line, or its class if it has none."""
+    """Return the text of an error in one line, or its class if it has no text."""
     return " ".join(str(error).split()) or type(error).__name__
 
 
@@ -396,12 +400,12 @@ def _is_reliable(info: Any) -> bool:
 
 
 def _full_name(info: Any) -> str:
-    """The name of the node of an endpoint, with its namespace; empty where it is unknown."""
+    """Return the name of an endpoint's node with its namespace, or empty if it is unknown."""
     return "" if info.node_name in _UNKNOWN else f"{info.node_namespace.rstrip('/')}/{info.node_name}"
 
 
 def _wishes(topic: str, offers: Iterable[Any]) -> set[_Wish]:
-    """A subscription for each type; transient local only if all its publishers are, so that it receives from all."""
+    """Return a subscription for each type. It is transient local only if all publishers are, so that it matches all."""
     from rclpy.qos import DurabilityPolicy, ReliabilityPolicy
 
     by_type: dict[str, bool] = {}
@@ -413,7 +417,7 @@ def _wishes(topic: str, offers: Iterable[Any]) -> set[_Wish]:
 
 
 def _wish_for_each(wish: _Wish, offers: Iterable[Any]) -> _Wish:
-    """The subscription to each message that goes with one; a reliable one matches no best-effort publisher."""
+    """Return the subscription to every message for a subscription. It is reliable only if all publishers are."""
     same = [info for info in offers if info.topic_type == wish.type]
     return wish._replace(each=True, reliable=all(map(_is_reliable, same)))
 
@@ -421,9 +425,9 @@ def _wish_for_each(wish: _Wish, offers: Iterable[Any]) -> _Wish:
 def _with_events(
     make: Callable[[Any], Any], callbacks: str, refused: Callable[[Any], None], **more: Callable[[Any], None]
 ) -> Any:
-    """What a function makes of event callbacks, of which one is called for an endpoint with an incompatible QoS.
+    """Return what ``make`` makes with event callbacks. ``refused`` is called for an endpoint with an incompatible QoS.
 
-    Without those that this middleware of ROS does not have, such as Zenoh, where every endpoint is compatible.
+    Events that the ROS middleware does not support are left out. With Zenoh, every endpoint is compatible.
     """
     try:
         from rclpy import event_handler as events
@@ -437,7 +441,7 @@ def _with_events(
 
 
 def _policy(event: Any) -> str:
-    """The name of the policy by which an endpoint was last incompatible with ours."""
+    """Return the name of the policy that last made an endpoint incompatible with ours."""
     from rclpy.qos import qos_policy_name_from_kind
 
     return str(qos_policy_name_from_kind(event.last_policy_kind)).lower()

@@ -1,6 +1,6 @@
 """Frames of a rosbridge server: JSON text, or CBOR with typed arrays.
 
-The topic of a message stands at the start of its frame, so it is read without decoding the rest.
+The topic of a message is at the start of its frame, so it is read without decoding the rest.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ _ARRAYS = {69: "<u2", 70: "<u4", 71: "<u8", 72: "i1", 77: "<i2", 78: "<i4", 79: 
 
 
 def topic_of(frame: Frame) -> str | None:
-    """The topic of a message in the layout that servers use; None for other frames, which must be decoded to know."""
+    """Return the topic of a message in the usual layout of servers, or None if the frame must be decoded to know it."""
     if isinstance(frame, str):
         start = _TEXT_START.match(frame)
         return _text(start[1]) if start else None
@@ -35,21 +35,21 @@ def topic_of(frame: Frame) -> str | None:
 
 
 def read(frame: Frame) -> dict[str, Any]:
-    """The operation in a frame; UnreadableError when there is none."""
+    """Return the operation in a frame. Raise UnreadableError if it contains none."""
     try:
         operation = json.loads(frame) if isinstance(frame, str) else _from_cbor(frame)
     except UnreadableError:
         raise
     except Exception as error:  # cbor2 raises errors of many classes for malformed CBOR
         kind = "JSON" if isinstance(frame, str) else "CBOR"
-        raise UnreadableError(f"{len(frame)} bytes came that are no {kind}: {one_line(str(error))}") from None
+        raise UnreadableError(f"{len(frame)} bytes came that are not {kind}: {one_line(str(error))}") from None
     if not isinstance(operation, dict):
-        raise UnreadableError(f"no rosbridge message came but {one_line(repr(operation)[:80])}")
+        raise UnreadableError(f"expected a rosbridge message, got {one_line(repr(operation)[:80])}")
     return operation
 
 
 def has_cbor() -> bool:
-    """Whether cbor2 is installed."""
+    """Return True if cbor2 is installed."""
     try:
         import cbor2  # noqa: F401
     except ImportError:

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 log = logging.getLogger("robowidgets")
 
 FIRST_TIMEOUT = 10.0
-"""Seconds for the first scan: the robot may have to be connected and its topic discovered."""
+"""Seconds to wait for the first scan, because the connection and the topic may not be ready."""
 
 
 def scans_of(connection: Connection, topic: str, timeout: float) -> Iterator[Scan]:
@@ -29,7 +29,7 @@ def scans_of(connection: Connection, topic: str, timeout: float) -> Iterator[Sca
     limit, told = max(timeout, FIRST_TIMEOUT), False
 
     def find_next() -> tuple[Any, float, int] | None:
-        # Not one that came early in a loop body which took long: nothing has come since.
+        # Skip a scan that came early during a slow loop body, because no scan has come since.
         with newest.lock:
             is_there = newest.sequence > taken and newest.age <= timeout
             return (newest.sample, newest.arrived, newest.sequence) if is_there else None
@@ -37,7 +37,7 @@ def scans_of(connection: Connection, topic: str, timeout: float) -> Iterator[Sca
     try:
         while True:
             found, until = None, time.monotonic() + limit
-            # In short steps, to notice when the feed is closed.
+            # Wait in short steps, to notice when the feed is closed.
             while found is None and not connection.is_closed and (left := until - time.monotonic()) > 0:
                 found = newest.waiters.wait_for(find_next, min(left, 0.1))
                 if found is None and not (taken or told) and (why := connection.why_missing(topic)):

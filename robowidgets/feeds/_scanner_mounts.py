@@ -1,4 +1,4 @@
-"""tf of a feed, from its first scan on: how the scanners of its robot stand on it."""
+"""The mounts of the scanners on the robot of a feed, from its tf and its first scans."""
 
 from __future__ import annotations
 
@@ -22,36 +22,36 @@ from ._topics import FeedTopic
 from .middleware import MOST_UNREAD, FeedError
 
 GRACE = 2.0
-"""Seconds for which scans wait for tf to name their scanner: the robot may drive by them."""
+"""Seconds for which scans wait for tf to name their scanner, because the robot may drive by them."""
 
 
 class MountLink(Protocol):
-    """A connection, as this knows it."""
+    """The part of a connection that is used here."""
 
     clock: Clock
 
     @property
     def topics(self) -> tuple[FeedTopic, ...]:
-        """The topics that are known."""
+        """The known topics."""
 
     @property
     def connected(self) -> Mapping[str, Collection[Target]]:
         """The targets of the messages of each topic, except connected functions."""
 
     def topic_of(self, name: str) -> FeedTopic:
-        """A topic as it is known now."""
+        """Return a topic as it is known now."""
 
     def attach_target(self, topic: str, target: Target) -> None:
         """Pass the messages of a topic to a target."""
 
     def detach(self, topic: str, target: Target) -> None:
-        """End that."""
+        """Stop passing them."""
 
 
 class Held(NamedTuple):
     """A message that waits for tf.
 
-    ``newest``: what takes the newest message is to get it; ``each``: functions that take each message are.
+    ``newest`` is True if targets of the newest message must get it, ``each`` if functions of every message must.
     """
 
     topic: str
@@ -61,18 +61,17 @@ class Held(NamedTuple):
 
 
 class ScannerMounts:
-    """Listens to tf while scans are wanted, and holds scans of a scanner until tf names it, for `GRACE` at most.
+    """The subscriptions to tf while scans are wanted. It holds scans of a scanner for `GRACE` until tf names it.
 
-    Topics of tf that are not static are followed until all scanners are known by static transforms. Without tf nothing
-    is held.
+    Dynamic tf topics are subscribed to until all scanners are known by static transforms. Without tf, no scan is held.
 
     Args:
-        connection: that of the feed.
+        connection: the connection of the feed.
         pass_on: passes a held message to its targets.
 
     Attributes:
-        mounts: the mounts that are known.
-        look: follows the topics of tf that are needed now, in one thread at a time.
+        mounts: the known mounts.
+        look: subscribes to the tf topics that are needed now, in one thread at a time.
     """
 
     def __init__(self, connection: MountLink, pass_on: Callable[[Held], object]) -> None:
@@ -83,11 +82,11 @@ class ScannerMounts:
         self._lock = threading.RLock()
         self._attached: dict[str, Target] = {}
         self._scanned: frozenset[str] = frozenset()
-        """The topics with scans, and those of which a laser widget makes some."""
+        """The topics with scans, and the topics from which a laser widget makes scans."""
         self._has_tf = self._has_messages = False
-        """If there are topics of tf; and if a message with a scan came, not a sample as of a recording."""
+        """True if there are tf topics, and if a message with a scan came instead of a sample from a recording."""
         self._until: dict[str, float] = {}
-        """By the frame of a scanner that tf has not named, until when its scans are held."""
+        """By the frame of a scanner that tf has not named, the time until which its scans are held."""
         self._frames: set[str] = set()
         """The frames of all scans so far."""
         self._held: deque[Held] = deque(maxlen=MOST_UNREAD)
@@ -110,17 +109,17 @@ class ScannerMounts:
             self._attached |= targets
         for name, target in gone.items():
             connection.detach(name, target)
-        with suppress(FeedError):  # it was closed meanwhile
+        with suppress(FeedError):  # the feed was closed in the meantime
             for name, target in targets.items():
                 connection.attach_target(name, target)
 
     def note(self, topic: str, targets: Collection[Target]) -> None:
-        """Note, before its first message, that a topic is connected to these targets."""
+        """Note that a topic is connected to these targets, before its first message."""
         if self._has_scans(topic, targets):
             self._scanned |= {topic}
 
     def holds(self, topic: str, message: Any, *, newest: bool, each: bool) -> bool:
-        """Return True for a message that waits, because tf is yet to say how its scanner stands."""
+        """Return True for a message that must wait, because tf has not given the mount of its scanner yet."""
         if topic not in self._scanned or isinstance(unwrap(message), Scan):
             return False
         frame = frame_id(message).lstrip("/")
@@ -141,7 +140,7 @@ class ScannerMounts:
         return True
 
     def close(self) -> None:
-        """Follow and hold nothing any more."""
+        """Stop following tf and holding scans."""
         with self._lock:
             self._is_closed, self._scanned = True, frozenset()
             self._held.clear()
@@ -152,7 +151,7 @@ class ScannerMounts:
             self._release()
 
     def _release(self) -> None:
-        """Pass on the messages that wait no longer, in their order; of each topic one is the newest."""
+        """Pass on the messages that need not wait any more, in their order. One of each topic is its newest."""
         now = self._connection.clock.now()
         waiting: deque[Held] = deque(maxlen=MOST_UNREAD)
         passed: list[Held] = []
@@ -178,4 +177,4 @@ def _is_static(topic: str) -> bool:
 
 
 def _miss(_count: int) -> None:
-    """A later message says the same."""
+    """Ignore a missed message, because a later one repeats it."""

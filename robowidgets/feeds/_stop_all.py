@@ -1,4 +1,4 @@
-"""One Stop for several robots, as a teacher needs it."""
+"""One Stop for several robots, for example for a teacher."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from .feed import Feed
 from .middleware import FeedError
 
 REPEAT = 0.2
-"""Seconds after which zero is sent again: sooner than a twist_mux takes its topic for silent."""
+"""Seconds after which zero is sent again, before a twist_mux regards the topic as silent."""
 
 TIMEOUT = 2.0
 """Seconds for which `stop` waits for all robots together."""
@@ -25,26 +25,26 @@ _LOOK = 0.01
 class StopAll:
     """One Stop for several robots. A notebook shows it as a button, with a line for each robot.
 
-    It sends zero to all of them at once, and again five times a second until it is released. Each robot has a thread of
-    its own: one that cannot be reached holds up no other. Until then its feeds refuse to drive, and their programs are
-    paused, which they stay.
+    It sends zero to all robots at once, and repeats it five times a second until it is released. Each robot has a
+    thread, so a robot that cannot be reached does not delay the others. Until the release, the feeds refuse to drive.
+    Their programs are paused, and stay paused after it.
 
-    Who else sends speeds to a robot goes on sending them. The robot stands for sure where zeros come first there, as
-    those of a topic of their own with the greatest priority of a twist_mux.
+    Other nodes that send speeds to a robot continue to send them. The robot is certain to stand only if its zeros have
+    priority, for example on a topic with the highest priority of a twist_mux.
 
     Args:
         robots: the feed of each robot, by its name.
-        scheduler: has the threads, and the time.
+        scheduler: the scheduler of its threads, with their clock.
 
     Raises:
-        TypeError: these are no feeds with names.
-        ValueError: there is none.
+        TypeError: ``robots`` does not contain feeds by name.
+        ValueError: ``robots`` is empty.
 
     Example:
         >>> from robowidgets import feeds
         >>> with feeds.simulator() as red, feeds.simulator() as blue:
-        ...     everybody = feeds.StopAll({"red": red, "blue": blue})
-        ...     print(everybody.stop())
+        ...     all_robots = feeds.StopAll({"red": red, "blue": blue})
+        ...     print(all_robots.stop())
         {'red': '', 'blue': ''}
     """
 
@@ -62,22 +62,22 @@ class StopAll:
 
     @property
     def stopped(self) -> bool:
-        """Whether zeros are sent now."""
+        """True while it sends zeros."""
         return any(robot.holds for robot in self._robots.values())
 
     @property
     def problems(self) -> dict[str, str]:
-        """What is wrong with the last zero of each robot; empty where nothing is."""
+        """The problem of the last zero for each robot, or empty."""
         return {name: robot.problem for name, robot in self._robots.items()}
 
     def stop(self, timeout: float = TIMEOUT) -> dict[str, str]:
-        """Send zero to all robots, and go on with it until `release`.
+        """Send zero to all robots, and repeat it until `release`.
 
         Args:
-            timeout: seconds for which it waits for all of them together.
+            timeout: seconds for which it waits for all robots together.
 
         Returns:
-            `problems`: by name of each robot why it was not sent zero, or who else drives it; empty if all is well.
+            `problems`: by name of the robot, why zero was not sent or which node also drives it, or empty.
         """
         for robot in self._robots.values():
             robot.hold()
@@ -86,14 +86,14 @@ class StopAll:
             self._clock.sleep(_LOOK)
         for robot in self._robots.values():
             if not robot.answered:
-                robot.tell(f"zero was not sent within {timeout:g} s; it is tried on")
+                robot.tell(f"zero was not sent within {timeout:g} s; sending is tried again")
         return self.problems
 
     def release(self) -> None:
-        """Send no more zeros, and let the feeds drive again, except those that someone else has stopped as well.
+        """Stop sending zeros, and let the feeds drive again, except feeds with another latch.
 
-        No program of these feeds goes on by that alone: somebody runs it. Whoever else sends speeds all the time moves
-        the robot again, such as a program in another notebook.
+        The programs of these feeds stay paused until the user runs them. A program in another notebook, or any other
+        node that sends speeds all the time, moves its robot again.
         """
         for robot in self._robots.values():
             robot.let_go()
@@ -125,7 +125,7 @@ class StopAll:
 
 
 class _Standstill:
-    """Sends zero to one robot until it is let go."""
+    """A sender of zeros to one robot, until it is released."""
 
     def __init__(self, feed: Feed, show: Callable[[], None], scheduler: Scheduler) -> None:
         self.problem = ""
@@ -135,7 +135,7 @@ class _Standstill:
         self._show = show
         self._scheduler = scheduler
         self._hold: object = None
-        """Another object each time that it is held; None while it is not."""
+        """A new object for each hold, or None while it does not hold."""
         self._ticket: Ticket | None = None
 
     @property
@@ -163,7 +163,7 @@ class _Standstill:
         if hold is not None:
             if self._ticket is not None:
                 self._ticket.leave()
-            self._pause()  # one that was started since the last zero, too
+            self._pause()  # also pause a program that was started since the last zero
             self._feed.watchdog.release(self)
             self.tell("")
 
@@ -172,7 +172,7 @@ class _Standstill:
         self._show()
 
     def _pause(self) -> None:
-        """Pause the program of the feed: it would drive as soon as it may again."""
+        """Pause the program of the feed, because it would drive again after the release."""
         program = self._feed.programs.current
         if program is not None and program.mode == RUNNING:
             program.pause("paused, because all robots were stopped")
@@ -188,7 +188,7 @@ class _Standstill:
                     try:
                         watchdog.latch(self)
                     finally:
-                        if self._hold is not hold:  # it was let go meanwhile
+                        if self._hold is not hold:  # it was released in the meantime
                             watchdog.release(self)
                 self._pause()
                 self._feed.stop()

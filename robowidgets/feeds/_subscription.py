@@ -16,25 +16,25 @@ from ._topics import FeedTopic, no_such
 from ._two_scanners import TwoScanners
 
 SOON = 5.0
-"""Seconds within which a message comes that a publisher kept, from a robot of hundreds of topics, too."""
+"""Seconds within which a message arrives that a publisher kept, even from a robot with hundreds of topics."""
 
 RARE = 2.0
-"""Seconds between messages of a topic of which the last is kept, at least."""
+"""The least seconds between messages of a topic whose last message is kept."""
 
 _PACKAGE = __name__.partition(".")[0]
 
 
 class OfSensor:
-    """A method of a widget of several sensors or topics, as what takes the messages of one of them.
+    """A method of a widget with several sensors or topics, bound to one of them, so that it takes only a message.
 
     Args:
-        method: it takes the name of the sensor or topic, and a message.
+        method: a method that takes the name of the sensor or topic, and a message.
         sensor: the name.
     """
 
     def __init__(self, method: Callable[[str, Any], object], sensor: str) -> None:
         update_wrapper(self, method)
-        del vars(self)["__wrapped__"]  # what it needs is a message alone
+        del vars(self)["__wrapped__"]  # its signature is a message only
         self._method, self._sensor = method, sensor
 
     def __call__(self, message: Any) -> object:
@@ -48,10 +48,10 @@ class OfSensor:
 
 
 class Target(NamedTuple):
-    """What takes the messages of a topic, and its widget, if any. Functions of a program are no targets.
+    """A function that gets the messages of a topic, and its widget, if any. Functions of a program are not targets.
 
-    With ``on_missed`` it takes each message, and not just the newest one, and that is told how many are missing.
-    ``on_replaced`` is called with the number of messages that were left out for the next one.
+    With ``on_missed`` it gets every message instead of the newest, and ``on_missed`` gets the number of lost messages.
+    ``on_replaced`` gets the number of messages that were replaced by the next one.
     """
 
     call: Callable[[Any], object]
@@ -61,7 +61,7 @@ class Target(NamedTuple):
 
     @property
     def is_primary(self) -> bool:
-        """Whether the widget shows the topic itself; a commanded speed, for one, is shown beside the measured one."""
+        """True for the main topic of the widget, False for a commanded speed next to a measured one, for example."""
         return self.widget is not None and self.title == "title"
 
     @property
@@ -72,20 +72,20 @@ class Target(NamedTuple):
 
     @property
     def is_of_sensor(self) -> bool:
-        """Whether the topic is one of several that the widget shows together."""
+        """True if the topic is one of several that the widget shows together."""
         return isinstance(self.call, OfSensor)
 
     @property
     def is_ours(self) -> bool:
-        """Whether it is code of this package, which the transport's thread and the one that sends speeds may call.
+        """True if it is code of this package, which the transport's thread and the thread that sends speeds may call.
 
-        Methods that a user's class of widget defines are called by `FunctionCaller`, as functions are.
+        `FunctionCaller` calls methods that a user's widget class defines, as it calls functions.
         """
         return self.widget is None or str(getattr(self.call, "__module__", "")).partition(".")[0] == _PACKAGE
 
 
 def _target_of(topic: str, given: Any) -> Target | Callable[[Any], object]:
-    """The target for a widget, or for a method of one (`SpeedWidget.command`); a function as it is."""
+    """Return the target for a widget or a method of a widget (`SpeedWidget.command`), or a function unchanged."""
     if _is_widget(given):
         update = getattr(given, "update", None)
         if callable(update):
@@ -102,7 +102,7 @@ def _target_of(topic: str, given: Any) -> Target | Callable[[Any], object]:
 
 
 def _is_widget(given: Any) -> TypeGuard[SampleWidget]:
-    """Whether it shows the messages of topics: as a kind of sensor, or where it is asked for."""
+    """Return True if it shows the messages of topics, as a kind of sensor or on request."""
     return isinstance(given, RobotWidget) or asked_of_widget(type(given)) is not None
 
 
@@ -121,12 +121,12 @@ def _of_widget(topic: str, method: Callable[..., object], widget: SampleWidget) 
 
 
 def _counter(widget: SampleWidget) -> Callable[[int], object] | None:
-    """The method by which a widget that shows a rate counts the messages that were left out."""
+    """Return the method with which a widget that shows a rate counts replaced messages, or None."""
     return widget.count_replaced if isinstance(widget, RobotWidget) else None
 
 
 def sorted_targets(topic: str, targets: Sequence[Any]) -> tuple[list[Target], list[Callable[[Any], object]]]:
-    """The targets of `connect` to a topic, separated into those of widgets and functions."""
+    """Return the targets of `connect` to a topic, separated into targets of widgets and functions."""
     every = [_target_of(topic, target) for target in targets]
     of_widgets = [one for one in every if isinstance(one, Target)]
     return of_widgets, [one for one in every if not isinstance(one, Target)]
@@ -141,14 +141,14 @@ class Subscription:
 
     Attributes:
         trouble: the reason why no message comes or can be read, as the middleware reports it.
-        receives: whether messages come now.
-        has_received: whether one ever came.
+        receives: True while messages come.
+        has_received: True once a message has come.
     """
 
     def __init__(self, topic: str, now: Callable[[], float]) -> None:
         self.topic, self._now = topic, now
         self._since = now()
-        """When messages could come at the earliest: somebody connects, the robot is there, the topic appears."""
+        """The earliest time at which messages could come, with a connection, a robot and the topic."""
         self._is_offered = self._is_of_sensor = False
         self._count, self._first_at, self._last_at = 0, 0.0, 0.0
         self._last: Any = None
@@ -164,17 +164,17 @@ class Subscription:
 
     @property
     def passes_each(self) -> bool:
-        """Whether a target takes each message."""
+        """True if a target gets every message."""
         return any(target.on_missed for target in self.targets)
 
     def take(self, message: Any, *, newest: bool = True, each: bool = True, replaced: int = 0) -> bool:
-        """Pass a message to the targets that are ours; returns whether the status may have changed. Raises nothing.
+        """Pass a message to the targets that are ours. Return True if the status may have changed. Raises nothing.
 
         Args:
             message: the message.
-            newest: whether those get it that take the newest one.
-            each: whether those get it that take each.
-            replaced: the number of messages that were left out for it.
+            newest: True to pass it to the targets of the newest message.
+            each: True to pass it to the targets of every message.
+            replaced: the number of messages that this message replaced.
         """
         if newest:
             self._note(message)
@@ -198,34 +198,34 @@ class Subscription:
 
     @property
     def kept(self) -> tuple[Any, ...]:
-        """The last message, where a publisher keeps it for those who come later; else nothing.
+        """The last message if its publisher keeps it for new subscribers, or nothing.
 
-        A publisher keeps it, as far as this can be told of any middleware, that sent the first one as soon as it was
-        asked and others rarely. Of a sensor nothing is kept: what comes late may drive by it.
+        This works for any middleware: a publisher is assumed to keep its last message if the first one came as soon as
+        it was requested, and later ones rarely. A sensor's message is not kept, because a program may drive by it.
         """
         came_at_once = self._count and self._first_at - self._since < SOON
         is_rare = self._count == 1 or self._last_at - self._first_at > RARE * (self._count - 1)
         return (self._last,) if came_at_once and is_rare and self.receives and not self._is_of_sensor else ()
 
     def pass_kept(self, kept: tuple[Any, ...], targets: Sequence[Target]) -> None:
-        """Pass what was `kept` to targets that came later, but to those that take each message."""
+        """Pass the `kept` message to new targets, except targets of every message."""
         for message in kept:
             for target in targets:
                 if target.is_ours and target.on_missed is None:
                     self._pass_on(target, message)
 
     def begin(self) -> None:
-        """Messages can come from now on: the robot is connected, perhaps again."""
+        """Note that messages can come from now on, because the robot is connected, perhaps again."""
         self._since, self._count, self._last = self._now(), 0, None
 
     def miss(self, count: int) -> None:
-        """Tell those who take each message how many they do not get."""
+        """Report the number of lost messages to the targets of every message."""
         for target in self.targets:
             if target.on_missed is not None:
                 target.on_missed(count)
 
     def update(self, topic: FeedTopic | None) -> None:
-        """Update the type of the topic; None: the topic is missing."""
+        """Update the type of the topic, or note that the topic is missing if None."""
         is_offered = topic is not None and topic.offered
         if not is_offered:
             self.receives = False
@@ -238,9 +238,9 @@ class Subscription:
         self.type = kind or self.type
 
     def status(self, topics: dict[str, FeedTopic] | None, *, is_primary: bool = True) -> str:
-        """The problems of the topic; empty if there are none.
+        """Return the problems of the topic, or empty.
 
-        A topic that is not primary may stay silent: commanded speeds come only while somebody drives.
+        A topic that is not primary may stay silent: commanded speeds come only while the robot is driven.
         """
         if self.receives:
             several = f"{self.topic} is published as {self.type.replace(', ', ' and as ')}" if ", " in self.type else ""
@@ -254,19 +254,19 @@ class Subscription:
         if not is_primary:
             return ""
         if topics is not None and (topic is None or not topic.offered):
-            return f"nobody publishes {self.topic} {'any more' if self.has_received else 'yet'}"
+            return f"{self.topic} has no publisher {'any more' if self.has_received else 'yet'}"
         return f"waiting for {self.topic}"
 
     def why_missing(self, topics: dict[str, FeedTopic] | None) -> str:
-        """Text for a topic that does not exist and never did; empty if it does, or may."""
+        """Return a text for a topic that does not exist and never did, or empty if it may exist."""
         is_missing = topics is not None and self.topic not in topics and not self.has_received
         return no_such(self.topic, topics) if topics is not None and is_missing else ""
 
     def _pass_on(self, target: Target, message: Any) -> str:
-        """Call a target; returns its error as text, empty if it raised none."""
+        """Call a target. Return its error as text, or empty if it raised none."""
         try:
             target.call(message)
-        except (Exception, SystemExit) as error:  # it would end the transport's thread, and so the feed
+        except (Exception, SystemExit) as error:  # otherwise the transport's thread and the feed would end
             failure = f"a message of {self.topic} could not be used: {type(error).__name__}: {error}"
             self._log(failure)
             return failure

@@ -1,4 +1,4 @@
-"""The subscriptions of a feed, and the status that each widget shows of them."""
+"""The subscriptions of a feed, and their status on each widget."""
 
 from __future__ import annotations
 
@@ -22,13 +22,13 @@ class SubscriptionTable:
     Args:
         down: the initial reason why no message comes on any topic.
         functions: the connected functions.
-        titles: calls the observers of titles that have changed, when the feed has released its lock.
+        titles: calls the observers of changed titles after the feed has released its lock.
         now: the clock.
 
     Attributes:
-        robot: the name by which the page knows all widgets of the feed.
-        topics: the known topics, by name; None until they are listed.
-        down: the reason why no message comes on any topic; empty while messages can come.
+        robot: the name that all widgets of the feed share on the page.
+        topics: the known topics by name, or None until they are listed.
+        down: the reason why no message can come on any topic, or empty.
     """
 
     def __init__(self, down: str, functions: FunctionCaller, titles: TitleObservers, now: Callable[[], float]) -> None:
@@ -41,14 +41,14 @@ class SubscriptionTable:
 
     @property
     def widgets(self) -> tuple[SampleWidget, ...]:
-        """The widgets that are connected, once each."""
+        """The connected widgets, once each."""
         return tuple(self._widgets)
 
     def connect(self, topic: str, targets: Sequence[Target]) -> tuple[Any, ...]:
-        """Add targets to a topic, except those that it has already; returns what its publisher keeps for latecomers.
+        """Add new targets to a topic. Return the message that its publisher keeps for new subscribers.
 
         Raises:
-            ValueError: a widget has the sensor of this name from another topic.
+            ValueError: a widget has a sensor of this name from another topic.
         """
         for target in targets:
             connected = [] if target.widget is None else self._widgets.get(target.widget, [])
@@ -72,14 +72,14 @@ class SubscriptionTable:
         return kept
 
     def begin(self) -> None:
-        """Have messages come: the robot is connected, perhaps again."""
+        """Note that messages can come, because the robot is connected, perhaps again."""
         self.down = ""
         for subscription in self.by_topic.values():
             subscription.begin()
         self.show_all()
 
     def disconnect(self, topic: str, targets: Sequence[Target] | None) -> None:
-        """Remove these targets from a topic; None: its widgets."""
+        """Remove these targets from a topic, or its widgets if None."""
         subscription = self.by_topic.get(topic)
         if subscription is None:
             return
@@ -95,7 +95,7 @@ class SubscriptionTable:
         self.prune()
 
     def prune(self) -> None:
-        """Remove the subscriptions without a target and a function."""
+        """Remove the subscriptions without a target and without a function."""
         used = {function.topic for function in self._functions.functions}
         self.by_topic = {topic: one for topic, one in self.by_topic.items() if one.targets or topic in used}
 
@@ -114,13 +114,13 @@ class SubscriptionTable:
         self.show_all()
 
     def close(self) -> None:
-        """Have no message come any more."""
+        """Report that no message can come any more."""
         self.lose("the feed is closed")
         for widget in self._widgets:
             widget.on_source_closed()
 
     def status_of(self, topic: str) -> str:
-        """The problems of a topic, connected or not; empty if there are none."""
+        """Return the problems of a topic, connected or not, or empty."""
         status = self.down or (self.by_topic.get(topic) or Subscription(topic, self._now)).status(self.topics)
         return "; ".join(filter(None, (status, self._functions.status_of(topic))))
 
@@ -155,7 +155,7 @@ class SubscriptionTable:
         widget.set_source(source, self.down or first.why_missing(self.topics))
 
     def _set_titles(self, widget: SampleWidget, connected: Sequence[_Connected]) -> None:
-        """Name a widget after the first topic of each of its methods, or after the namespace of several."""
+        """Name a widget after the first topic of each of its methods, or after the namespace of several topics."""
         titled: dict[str, list[str]] = {}
         for subscription, target in connected:
             topics = titled.setdefault(target.title, [])
@@ -166,7 +166,7 @@ class SubscriptionTable:
                 self._titles.add(widget.name_quietly(title_of(topics), title))
 
     def _without_replaced(self, widget: SampleWidget, connected: Sequence[_Connected]) -> list[Subscription]:
-        """The subscriptions, except those to missing topics whose target gets messages of a topic connected later."""
+        """Return the subscriptions without missing topics whose target gets messages of a topic connected later."""
         in_order = self._widgets[widget]
         return [
             subscription
@@ -181,11 +181,11 @@ class SubscriptionTable:
 
 
 def _rank(connected: _Connected) -> tuple[bool, bool, bool]:
-    """Sorts primary topics first, and of those the ones that receive messages, or once did."""
+    """Return a sort key: primary topics first, and among them topics that receive messages, or did."""
     subscription, target = connected
     return not target.is_primary, not subscription.receives, not subscription.has_received
 
 
 def _other_topic(topic: str, target: Target, connected: Sequence[_Connected]) -> str:
-    """Another topic that has the target already; empty without any."""
+    """Return another topic that has the target already, or empty."""
     return next((one.topic for one, other in connected if other == target and one.topic != topic), "")

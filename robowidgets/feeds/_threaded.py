@@ -14,10 +14,10 @@ from .middleware import CLOSE_TIMEOUT, Listener
 log = logging.getLogger("robowidgets")
 
 FIRST = 0.5
-"""Seconds of the first pause between two sessions."""
+"""The first pause between two sessions, in seconds."""
 
 LONGEST = 8.0
-"""Seconds of the longest pause."""
+"""The longest pause between two sessions, in seconds."""
 
 
 class Backoff:
@@ -27,20 +27,20 @@ class Backoff:
         self._pause = FIRST
 
     def next_pause(self) -> float:
-        """Seconds to wait before the next attempt."""
+        """Return the seconds to wait before the next attempt."""
         pause, self._pause = self._pause, min(2 * self._pause, LONGEST)
         return pause
 
     def reset(self) -> None:
-        """Reset: after the next loss, the first pause is the short one again."""
+        """Start with the shortest pause after the next loss."""
         self._pause = FIRST
 
 
 class ThreadedMiddleware(ABC):
-    """The wanted topics of a `Middleware`, and its thread, which runs a session, and after a pause the next one.
+    """A `Middleware` with its wanted topics and a thread that runs a session, and after a pause the next one.
 
     Args:
-        clock: what its waits go by; None: the clock of the computer.
+        clock: the clock of its waits, or None for the clock of the computer.
     """
 
     def __init__(self, clock: Clock | None = None) -> None:
@@ -50,22 +50,22 @@ class ThreadedMiddleware(ABC):
         self._changed = self._clock.condition(self._lock)
         self._wanted: frozenset[str] = frozenset()
         self._each: frozenset[str] = frozenset()
-        """The wanted topics of which each message is passed on."""
+        """The wanted topics whose every message is passed on."""
         self._asks_for_nodes = False
         self._backoff = Backoff()
         """Reset by a session that has reached the robot."""
         self._thread: threading.Thread | None = None
         self._is_hurried = False
-        """Whether the next session need not wait for the end of the pause."""
+        """True if the next session need not wait for the end of the pause."""
         self._is_over = False
-        """Whether the thread has ended, but for its last step."""
+        """True once the thread has ended, except for its last step."""
 
     def follow(self, topics: frozenset[str], each: frozenset[str] = frozenset()) -> None:
         """See `Middleware`."""
         with self._lock:
             if (topics, each) != (self._wanted, self._each):
                 self._wanted, self._each = topics, each
-                self._wake()
+                self._wake_session()
 
     def ask_for_nodes(self, wanted: bool) -> None:
         """See `Middleware`."""
@@ -83,7 +83,7 @@ class ThreadedMiddleware(ABC):
             if not self._closed.is_set():
                 self._closed.set()
                 self._changed.notify_all()
-                self._wake()
+                self._wake_session()
             if self._thread is None or self._thread is threading.current_thread():
                 return
             until = self._clock.now() + CLOSE_TIMEOUT
@@ -111,7 +111,7 @@ class ThreadedMiddleware(ABC):
         while not self._closed.is_set():
             try:
                 reason = self._run_session(listener)
-            except Exception as error:  # the next session may work; without one a robot that moves gets no zero
+            except Exception as error:  # the next session may work; without it, a moving robot gets no zero
                 reason = f"{type(error).__name__}: {error}"
                 log_once(f"the thread of a feed failed: {reason}")
             if not self._closed.is_set():
@@ -129,8 +129,8 @@ class ThreadedMiddleware(ABC):
 
     @abstractmethod
     def _run_session(self, listener: Listener) -> str:
-        """Run a session until `_closed` is set, or it fails; returns the reason of the failure."""
+        """Run a session until `_closed` is set or it fails. Return the reason of the failure."""
 
     @abstractmethod
-    def _wake(self) -> None:
+    def _wake_session(self) -> None:
         """Wake the session after a change of the wanted topics, or to end it. Called with the lock held."""

@@ -1,4 +1,4 @@
-"""The topics of a feed, and reading their messages."""
+"""The topics of a feed, and decoding their messages."""
 
 from __future__ import annotations
 
@@ -23,9 +23,9 @@ class FeedTopic(NamedTuple):
     """A topic of a running robot.
 
     ``type`` is written as ``sensor_msgs/msg/LaserScan``; several types are joined by a comma, and an unknown type is
-    empty. ``widget`` is the kind of the widget that shows the topic, None without one. ``commanded`` marks a commanded
-    speed, as opposed to a measured one. ``offered`` is True if another node publishes it, ``wanted`` if another node
-    subscribes to it (None: unknown).
+    empty. ``widget`` is the kind of the widget that shows the topic, or None. ``commanded`` is True for a commanded
+    speed, False for a measured one. ``offered`` is True if another node publishes it, ``wanted`` if another node
+    subscribes to it, or None if unknown.
     """
 
     name: str
@@ -37,19 +37,19 @@ class FeedTopic(NamedTuple):
 
 
 def unlisted(name: str) -> FeedTopic:
-    """A topic of which nothing is known but its name."""
+    """Return a topic with a known name and nothing else."""
     return FeedTopic(name, "", None, False, True, None)
 
 
 def is_open(topic: FeedTopic) -> bool:
-    """Whether only a message can decide the widget of a topic, because its type has several kinds, or is unknown."""
+    """Return True if only a message can decide the widget, because the type is unknown or has several kinds."""
     if topic.widget or not topic.offered or not topic.type:
         return False
     return is_undecided(topic.type) or not is_standard(topic.type)
 
 
 def decided(topic: FeedTopic, message: Any) -> FeedTopic:
-    """The topic with the widget that shows its messages, if one does."""
+    """Return the topic with the widget that can show its messages, if any."""
     kind = kind_of_message(message, topic.type)
     if kind is None:
         return topic
@@ -57,17 +57,17 @@ def decided(topic: FeedTopic, message: Any) -> FeedTopic:
 
 
 def sample_of(message: Any, topic: FeedTopic) -> Any:
-    """The sample in a message of a topic; the message itself if no widget shows it.
+    """Return the sample in a message of a topic, or the message itself if no widget shows it.
 
     Raises:
-        TypeError, ValueError: it cannot be read.
+        TypeError, ValueError: the message cannot be read.
     """
     widget = topic.widget or (decided(topic, message).widget if is_open(topic) or not topic.type else None)
     return message if widget is None else KINDS[widget].read(message)
 
 
 def brief_of(message: Any, topic: FeedTopic | None) -> str:
-    """A message in a few words, as the sample in it where there is one."""
+    """Return a short text for a message, or for the sample in it."""
     try:
         return brief(message if topic is None else sample_of(message, topic))
     except (TypeError, ValueError):
@@ -75,12 +75,12 @@ def brief_of(message: Any, topic: FeedTopic | None) -> str:
 
 
 def queue_length(type_name: str) -> int:
-    """The length of a queue of messages: the newest replaces the others, unless every message of the type counts."""
+    """Return the length of a queue of messages, which is 1 unless every message of the type counts."""
     return EVENTS if counts_every_message(type_name) else 1
 
 
 def topics_of(adverts: Iterable[Advert]) -> dict[str, FeedTopic]:
-    """The topics that a middleware lists, by name, in its order."""
+    """Return the topics that a middleware lists, by name, in its order."""
     by_name: dict[str, list[Advert]] = {}
     for advert in adverts:
         by_name.setdefault(advert.name, []).append(advert)
@@ -102,7 +102,7 @@ def _topic(name: str, adverts: Sequence[Advert]) -> FeedTopic:
 
 
 def table_of(where: str, topics: Sequence[FeedTopic], status: str, sender: str = "") -> Table:
-    """The topics of a feed, a row for each, with the status of the connection and what sends speeds, if known."""
+    """Return a table of the topics of a feed, with the status of the connection and the sender of speeds, if known."""
     heading = f"{where}: {many(len(topics), 'topic')}"
     rows = [_cells(topic) for topic in topics]
     return Table(heading, _HEADS, rows, notes=[sender] if sender else (), problems=[status] if status else ())
@@ -115,10 +115,10 @@ def _cells(topic: FeedTopic) -> tuple[str, ...]:
 
 
 def no_such(name: str, there: Iterable[str]) -> str:
-    """Text for a topic that does not exist, with those that do."""
+    """Return a text for a topic that does not exist, with the existing topics."""
     names = list(there)
     if not names:
-        return f"no topic {name} yet; there is none at all"
+        return f"no topic {name} yet; no topics are known"
     near = difflib.get_close_matches(name, names)
     hint = f"; did you mean {' or '.join(near)}?" if near else ""
     rest = ", …" if len(names) > _MANY else ""
@@ -126,7 +126,7 @@ def no_such(name: str, there: Iterable[str]) -> str:
 
 
 def check_name(topic: Any) -> None:
-    """TypeError or ValueError for anything but the name of a topic."""
+    """Raise TypeError or ValueError unless it is the name of a topic."""
     if not isinstance(topic, str):
         raise TypeError(f"expected the name of a topic as text, got {topic!r}")
     if not topic:

@@ -11,7 +11,7 @@ from ..messages.fields import frame_id, reader, unwrap
 
 
 class ScanGeometry(NamedTuple):
-    """The geometry of a scan: rays, first angle and increment in radians, frame."""
+    """The geometry of a scan: number of rays, first angle and increment in radians, and frame."""
 
     rays: int
     first: float
@@ -20,22 +20,22 @@ class ScanGeometry(NamedTuple):
 
 
 TOLERANCE = 0.05
-"""Share by which rays and increment of one scanner may differ, and its first angle by this share of its sweep.
+"""The relative difference within which the rays and the increment of two scans belong to one scanner.
 
-Some scanners publish each turn as it was measured: 359, 360 or 361 rays.
+For the first angle, it is relative to the sweep. Some scanners publish each turn as measured: 359, 360 or 361 rays.
 """
 
 FORGET = 3.0
-"""Seconds without a change of geometry after which there is one scanner again."""
+"""Seconds without a change of geometry after which only one scanner is assumed again."""
 
 
 class TwoScanners:
-    """Compares the geometry of the scans that come: alternating geometries belong to two scanners.
+    """A comparison of the geometries of scans. Geometries that alternate belong to two scanners.
 
     A scanner that is reconfigured changes its geometry once.
 
     Attributes:
-        status: text that describes both scanners; empty while there is one.
+        status: text that describes both scanners, or empty if there is only one.
     """
 
     def __init__(self, clock: Callable[[], float] = time.monotonic) -> None:
@@ -46,7 +46,7 @@ class TwoScanners:
         self.status = ""
 
     def see(self, message: Any) -> None:
-        """Take a message into account, if it is a scan."""
+        """Compare a message, if it is a scan."""
         shape = _shape(message)
         if shape is None:
             return
@@ -75,7 +75,7 @@ def _shape(message: Any) -> ScanGeometry | None:
 
 
 def _is_same(shape: ScanGeometry, other: ScanGeometry | None) -> bool:
-    """Whether two shapes may come from one scanner."""
+    """Return True if two geometries may belong to one scanner."""
     if other is None or shape.frame_id != other.frame_id:
         return False
     return (

@@ -1,7 +1,7 @@
 """A connection over a websocket.
 
-Not built on `websockets`: with release 17, this had 352 lines in place of 385, but a speed in a flood of scans took 1.3
-to 2.4 times as long, and every Jupyter kernel has tornado already.
+It does not use `websockets`: with release 17, this module had 352 lines instead of 385, but a speed in a flood of scans
+took 1.3 to 2.4 times as long, and every Jupyter kernel has tornado already.
 """
 
 from __future__ import annotations
@@ -26,49 +26,49 @@ from .middleware import SEND_TIMEOUT, FeedError
 Frame = str | bytes
 
 LARGEST = 50_000_000
-"""Bytes of the largest message that is read; larger ones are skipped."""
+"""The size of the largest message that is read, in bytes. Larger messages are skipped."""
 
-PATIENCE = 5.0
+CONNECT_TIMEOUT_S = 5.0
 """Seconds within which a robot must answer a connection attempt."""
 
 COMPARE = "is the robot on, and in this network? Is the address right? Does a firewall block the port?"
 
-_PINGS = 10  # in the time after which a connection is given up
+_PINGS = 10  # the number of pings until a connection is given up
 _OVERDUE = 0.005  # seconds for which a flood of frames may delay everything else in the thread
 _GOODBYE = 0.5
-_TIMED_OUT = 599  # tornado's code for a time-out, which no server sends
+_TIMED_OUT = 599  # tornado's code for a timeout, which no server sends
 
 
 class BridgeCalls(Protocol):
-    """What a `WebSocket` calls of the bridge that speaks over it."""
+    """The methods of a bridge that its `WebSocket` calls."""
 
     def on_open(self) -> None:
-        """The connection is established."""
+        """React to an established connection."""
 
     def on_frame(self, frame: Frame) -> None:
-        """A frame was received."""
+        """Handle a received frame."""
 
     def on_too_large(self, start: bytes, size: int) -> None:
-        """A frame larger than `LARGEST` was skipped, of which these are the first bytes."""
+        """Handle a frame larger than `LARGEST` that was skipped, with its first bytes and its size."""
 
     def deliver(self) -> None:
-        """Decode the frames that were kept, and pass them on."""
+        """Decode the queued frames, and pass them on."""
 
     def on_silence(self, is_silent: bool) -> None:
-        """The robot has not answered for a while; or it has answered again."""
+        """Note that the robot has not answered for a while, or that it has answered again."""
 
     def on_no_answer(self) -> None:
-        """Nobody has answered for a moment."""
+        """Note that no answer has come for a moment."""
 
     async def other_bridge(self) -> str:
-        """Text for the bridge of another protocol that listens at the address; empty if none is known to."""
+        """Return a text for a bridge of another protocol that listens at the address, or empty."""
 
     async def finish(self) -> None:
         """Return when the robot has processed what was published."""
 
 
 class _Ping:
-    """A ping, which its pong repeats. The robot has then read every frame before it."""
+    """A ping. Its pong shows that the robot has read every frame before it."""
 
     def __init__(self, mark: bytes, sent_at: float) -> None:
         self.mark, self.sent_at = mark, sent_at
@@ -76,18 +76,18 @@ class _Ping:
 
 
 class WebSocket:
-    """A connection to an address, made in the event loop of a thread that runs it. Only that thread may use it.
+    """A connection to an address in the event loop of a thread. Only that thread may use it.
 
     Any thread may call `publish`, `call_soon` and `cancel`.
 
     Args:
         address: the address; see `checked`.
-        bridge: what speaks over it; `BridgeCalls` describes the methods that are called.
-        subprotocols: names of the protocol; the robot must know one of them.
-        clock: that of the event loop, by which `publish` waits, too.
+        bridge: the bridge, whose methods in `BridgeCalls` are called.
+        subprotocols: the names of the protocol. The robot must support one of them.
+        clock: the clock of the event loop, which `publish` also uses.
 
     Attributes:
-        is_cancelled: whether `cancel` was called.
+        is_cancelled: True once `cancel` was called.
     """
 
     def __init__(self, address: str, bridge: BridgeCalls, subprotocols: list[str] | None, clock: Clock) -> None:
@@ -107,32 +107,32 @@ class WebSocket:
         self._written: asyncio.Future[None] | None = None
         self._pings = itertools.count()
         self._unanswered: tuple[_Ping, ...] = ()
-        """The pings without a pong, from the oldest on. Other frames are no answer: a robot that no longer reads may
-        still send."""
+        """The pings without a pong, oldest first. Other frames do not count as an answer, because a robot that no
+        longer reads may still send."""
         self._is_heard = False
-        """Whether anything came since the last look."""
+        """True if anything was received since the last look."""
         self._silence_noted = False
-        """Whether the bridge is told that there has been no answer for a while."""
+        """True while the bridge knows that the robot has not answered for a while."""
         self._ended = asyncio.Event()
         self._kept_since: float | None = None
         self._opened_at = math.inf
         self._silent = False
         self._is_refused = False
-        """Whether a server answered that speaks another protocol."""
+        """True if a server with another protocol answered."""
         self.is_cancelled = False
 
     @property
     def is_open(self) -> bool:
-        """Whether frames can be written."""
+        """True while frames can be written."""
         return self._connection is not None
 
     @property
     def has_lasted(self) -> bool:
-        """Whether it was open for a while: a robot that accepts a connection may drop it at once."""
-        return self._clock.now() - self._opened_at > PATIENCE
+        """True if it was open for a while, because a robot that accepts a connection may drop it at once."""
+        return self._clock.now() - self._opened_at > CONNECT_TIMEOUT_S
 
     async def run(self) -> str:
-        """Connect, and run until the connection ends; returns the reason."""
+        """Connect, and run until the connection ends. Return the reason."""
         try:
             reason = await self._run_to_end()
             return (self._is_refused and await self._bridge.other_bridge()) or reason
@@ -143,24 +143,24 @@ class WebSocket:
     async def _run_to_end(self) -> str:
         try:
             return await self._run_connection(await self._connect())
-        except Exception as error:  # whatever the network, tornado or the other side raise
+        except Exception as error:  # any error of the network, of tornado or of the server
             self._is_refused = getattr(error, "code", _TIMED_OUT) != _TIMED_OUT
             return self._failure(error)
 
     def cancel(self) -> None:
-        """End the connection, and so what runs it."""
+        """End the connection and the task that runs it."""
         if self._task is not None:
             self.is_cancelled = True
             self.call_soon(self._task.cancel)
 
     def call_soon(self, function: Callable[[], object]) -> None:
-        """Call a function in the thread that runs the connection, unless that has ended."""
+        """Call a function in the thread that runs the connection, unless the connection has ended."""
         with self._lock:
             if self._loop is not None:
                 self._loop.call_soon_threadsafe(function)
 
     def later(self, seconds: float, function: Callable[[], object]) -> None:
-        """Call a function after a while, unless the connection has ended by then."""
+        """Call a function after a while, unless the connection has ended before."""
         if self._loop is not None:
             self._loop.call_later(seconds, function)
 
@@ -170,22 +170,22 @@ class WebSocket:
             self._send(frame)
 
     def publish(self, frame: Callable[[], Frame], confirm: bool) -> None:
-        """Send a frame and return when the system has taken it, or the robot has answered. Called in another thread.
+        """Send a frame, and return when the system has accepted it or the robot has answered. Called in another thread.
 
         Args:
-            frame: makes the frame, in the thread of the connection; it may `write` other frames that must precede it.
-            confirm: whether to wait for an answer of the robot after the frame. The system also takes frames for a
-                robot that is gone.
+            frame: makes the frame, in the thread of the connection. It may `write` frames that must be sent before.
+            confirm: True to wait for an answer of the robot after the frame. The system also accepts frames for a robot
+                that is gone.
 
         Raises:
-            FeedError: there is no connection, or nothing could be sent within `SEND_TIMEOUT`; the frame is dropped.
-            TimeoutError, ConnectionError: the frame may have reached the robot, or may still. One to be confirmed is
-                sent as soon as this connection allows it.
+            FeedError: the connection is closed, or nothing could be sent within `SEND_TIMEOUT`. The frame is dropped.
+            TimeoutError, ConnectionError: the frame may have reached the robot, or may still reach it. A frame to
+                confirm is sent as soon as this connection allows it.
         """
-        taken = threading.Lock()  # by the thread of the connection to send the frame, or by this one to drop it
+        taken = threading.Lock()  # acquired by the thread of the connection to send the frame, or here to drop it
         with self._lock:
             if self._connection is None or self._loop is None:
-                raise FeedError(f"there is no connection to {self._shown}")
+                raise FeedError(f"not connected to {self._shown}")
             sending = asyncio.run_coroutine_threadsafe(self._publish(frame, confirm, taken), self._loop)
         sending.add_done_callback(self._note_published)
         until = self._clock.now() + SEND_TIMEOUT
@@ -199,7 +199,7 @@ class WebSocket:
             late = TimeoutError(self._why_late())
         except FeedError:
             raise
-        except Exception:  # whatever the network and tornado raise, or it was cancelled
+        except Exception:  # any error of the network or of tornado, or a cancellation
             late = ConnectionError(f"the connection to {self._shown} ended")
         if not confirm and taken.acquire(blocking=False):
             sending.cancel()
@@ -216,7 +216,7 @@ class WebSocket:
 
         connecting = asyncio.ensure_future(
             websocket_connect(
-                HTTPRequest(self._address, connect_timeout=PATIENCE, request_timeout=PATIENCE),
+                HTTPRequest(self._address, connect_timeout=CONNECT_TIMEOUT_S, request_timeout=CONNECT_TIMEOUT_S),
                 on_message_callback=self._on_frame,
                 max_message_size=LARGEST,
                 subprotocols=self._subprotocols,
@@ -255,11 +255,11 @@ class WebSocket:
         return self._ending(connection)
 
     async def _watch(self) -> None:
-        """Return when the connection has ended, or nothing came for `ROBOT_GONE` seconds.
+        """Return when the connection has ended, or when nothing has come for `ROBOT_GONE` seconds.
 
-        Where more data come than the network carries, answers are late, but the data are good.
+        If more data come than the network can carry, answers are late, but the data are good.
         """
-        # Counts intervals without a frame, not seconds: while this process stalls, nothing is read either.
+        # Counts intervals without a frame instead of seconds, because a stalled process reads nothing either.
         silent = 0
         while silent < _PINGS and not self._ended.is_set():
             self._is_heard = False
@@ -271,7 +271,7 @@ class WebSocket:
         self._silent = not self._ended.is_set()
 
     async def _end(self, connection: Any) -> None:
-        """Close a connection by the closing handshake, within a moment."""
+        """Close a connection with the closing handshake, within a moment."""
         if self.is_cancelled and not self._ended.is_set():
             with contextlib.suppress(asyncio.TimeoutError):
                 await asyncio.wait_for(self._bridge.finish(), _GOODBYE)
@@ -283,11 +283,11 @@ class WebSocket:
                 await asyncio.wait_for(self._ended.wait(), _GOODBYE)
 
     def _on_part(self) -> None:
-        """Note a part of a large message: it may take longer than a silence may."""
+        """Note a part of a large message, which may take longer than the limit for silence."""
         self._is_heard = True
 
     def _on_frame(self, frame: Frame | None) -> Any:
-        """Take a frame; tornado reads the next one when the returned future, if any, is done."""
+        """Handle a frame. tornado reads the next one when the returned future, if any, is done."""
         if self._stream is None:  # tornado passes on the first frames before `websocket_connect` returns
             self._early.append(frame)
         elif frame is None:
@@ -300,7 +300,7 @@ class WebSocket:
 
     @property
     def _silence(self) -> float:
-        """Seconds for which the oldest ping without an answer has waited for it."""
+        """Seconds since the oldest unanswered ping, or 0."""
         return self._clock.now() - self._unanswered[0].sent_at if self._unanswered else 0.0
 
     def _note_silence(self) -> None:
@@ -318,7 +318,7 @@ class WebSocket:
         return ping
 
     def _on_pong(self, mark: bytes) -> None:
-        """Take the answer to a ping and to those before it: a robot need not answer each of several that waited."""
+        """Handle the answer to a ping and all earlier pings. A robot may answer only the last of several pings."""
         self._is_heard = True
         count = next((i for i, ping in enumerate(self._unanswered, 1) if ping.mark == mark), 0)
         for ping in self._unanswered[:count]:
@@ -327,8 +327,8 @@ class WebSocket:
         self._note_silence()
 
     def _deliver_soon(self) -> asyncio.Future[None] | None:
-        # While the network has more frames, tornado reads on and nothing else runs in this thread, so that only the
-        # newest frames are decoded. After `_OVERDUE` it pauses, so that other calls can run.
+        # While the network has more frames, tornado continues to read, and nothing else runs in this thread, so that
+        # only the newest frames are decoded. After `_OVERDUE` it pauses, so that other calls can run.
         loop, now = asyncio.get_running_loop(), self._clock.now()
         if self._kept_since is None:
             self._kept_since = now
@@ -351,12 +351,12 @@ class WebSocket:
 
     def _why_late(self) -> str:
         if self._written is not None and not self._written.done():
-            return f"{self._shown} does not take what is sent"
+            return f"{self._shown} does not accept data"
         return f"{self._shown} has not answered for {max(SEND_TIMEOUT, self._silence):.1f} s"
 
     async def _publish(self, frame: Callable[[], Frame], confirm: bool, taken: threading.Lock) -> None:
         # A speed that cannot be sent now must not reach the robot later, and tornado cannot cancel a write. So tornado
-        # gets a frame only when it has written the one before, and a speed only while the robot answers.
+        # gets a frame only after it has written the previous one, and a speed only while the robot answers.
         if self._written is not None:
             await asyncio.shield(self._written)
         if not confirm and self._silence >= ROBOT_SILENCE:
@@ -374,13 +374,13 @@ class WebSocket:
     def _failure(self, error: BaseException) -> str:
         if isinstance(error, ConnectionRefusedError):
             return (
-                f"nothing listens at {self._shown}; is the robot's bridge running, and the port right? Usual are 8765 "
-                "for foxglove_bridge and 9090 for rosbridge"
+                f"nothing listens at {self._shown}; is the robot's bridge running, and the port right? The usual ports "
+                "are 8765 for foxglove_bridge and 9090 for rosbridge"
             )
         if isinstance(error, socket.gaierror):
             return f"the name {urlsplit(self._address).hostname} cannot be resolved; try the robot's IP address"
         if getattr(error, "code", None) == _TIMED_OUT or isinstance(error, asyncio.TimeoutError):
-            return f"no answer from {self._shown} within {PATIENCE:g} s: {COMPARE}"
+            return f"no answer from {self._shown} within {CONNECT_TIMEOUT_S:g} s: {COMPARE}"
         return f"{self._shown} cannot be connected to: {redacted(one_line(str(error))) or type(error).__name__}"
 
     def _ending(self, connection: Any) -> str:
@@ -391,14 +391,14 @@ class WebSocket:
 
 
 def checked(address: object) -> str:
-    """The address itself; TypeError or ValueError if it is invalid."""
+    """Return the address. Raise TypeError or ValueError if it is invalid."""
     expected = "address: expected one like ws://192.168.1.5:8765"
     if not isinstance(address, str):
         raise TypeError(f"{expected}, got {redacted(repr(address))}")
     try:
         parts = urlsplit(address)
         good = parts.scheme in ("ws", "wss") and bool(parts.hostname) and parts.port != 0
-    except ValueError:  # a port that is no number
+    except ValueError:  # a port that is not a number
         good = False
     if not good or address != address.strip() or not address.isprintable():
         raise ValueError(f"{expected} (wss:// for an encrypted one), got {redacted(repr(address))}")
@@ -406,6 +406,6 @@ def checked(address: object) -> str:
 
 
 def one_line(text: str) -> str:
-    """Text from another machine as one printable line of at most 160 characters."""
+    """Return text from another machine as one printable line of at most 160 characters."""
     line = " ".join("".join(c if c.isprintable() else " " for c in text[:2000]).split())
     return line if len(line) <= 160 else f"{line[:159]}…"

@@ -1,4 +1,4 @@
-"""The wires of a running robot: who publishes and subscribes to what, and what the notebook does with it."""
+"""The graph of a running robot: publishers and subscribers of each topic, and the parts of the notebook that use it."""
 
 from __future__ import annotations
 
@@ -21,16 +21,16 @@ from ._topics import FeedTopic, brief_of, unlisted
 from .middleware import FeedError
 
 _MOST_GOT = 120
-"""Characters for all that a step got."""
+"""The largest number of characters for the inputs of a step."""
 
 
 class FeedWires(Observed):
-    """The wires of a feed, for its widget: see `robowidgets.wires_widget.WiresSource`.
+    """The graph of a feed, for its widget. See `robowidgets.wires_widget.WiresSource`.
 
-    It listens to topics, and has the middleware ask for nodes, while somebody looks, and for a moment after that.
+    It follows topics, and makes the middleware request nodes, while the widget is in view and for a moment after that.
 
     Args:
-        connection: that of the feed.
+        connection: the connection of the feed.
     """
 
     def __init__(self, connection: Connection) -> None:
@@ -54,7 +54,7 @@ class FeedWires(Observed):
 
     def look(self, is_seen: bool) -> None:
         """See `WiresSource`."""
-        self._connection.listening.look(self._on_heard, self._worth_hearing if is_seen else None)
+        self._connection.listening.look(self._on_update, self._topics_to_follow if is_seen else None)
 
     def show(self, topic: str, widget: MessageWidget) -> None:
         """See `WiresSource`."""
@@ -86,20 +86,20 @@ class FeedWires(Observed):
         ]
         note = ""
         if not tells and topics:
-            note = "the robot tells no nodes: topics alone"
+            note = "the robot does not report nodes, only topics"
         elif tells and unasked:
             asked = len(connection.adverts) - unasked
-            note = f"asking who publishes what: {asked} of {many(len(connection.adverts), 'topic')} so far"
+            note = f"requesting publishers and subscribers: {asked} of {many(len(connection.adverts), 'topic')} so far"
         return Wiring(tuple(wires), parts, tells, note)
 
-    def _on_heard(self, is_seen: bool) -> None:
-        """Have what was heard shown; or end that. In the thread of timers."""
-        with suppress(FeedError):  # it was closed meanwhile, and says so
+    def _on_update(self, is_seen: bool) -> None:
+        """Show the newest values, or end that. It runs in the thread of timers."""
+        with suppress(FeedError):  # the feed was closed in the meantime, and reports it itself
             self._connection.middleware.ask_for_nodes(is_seen)
         self._call_observers()
 
-    def _worth_hearing(self) -> list[str]:
-        """The topics to listen to: not those that every node has, unless something takes their messages anyway."""
+    def _topics_to_follow(self) -> list[str]:
+        """Return the topics to follow. Topics that every node has are followed only if another target gets them."""
         topics, used = self._connection.topics, self._connection.listening.used
         others = [topic.name for topic in topics if topic.name not in used and not is_infrastructure(topic.name)]
         return [*used, *others]
@@ -115,18 +115,18 @@ class FeedWires(Observed):
             is_infrastructure=is_infrastructure(topic.name),
         )
         listening = self._connection.listening
-        heard = listening.of(topic.name)
-        if heard is None:
+        stats = listening.of(topic.name)
+        if stats is None:
             return wire
         note = self._connection.trouble_of(topic.name)
-        if not heard.count:
+        if not stats.count:
             return wire._replace(is_heard=True, note=note)
         return wire._replace(
             is_heard=True,
-            rate=heard.rate,
-            value=brief_of(heard.message, topic),
-            age=heard.age(listening.now),
-            is_glanced_at=not heard.tells_silence,
+            rate=stats.rate,
+            value=brief_of(stats.message, topic),
+            age=stats.age(listening.now),
+            is_glanced_at=not stats.shows_silence,
             note=note,
         )
 

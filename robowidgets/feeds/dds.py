@@ -22,21 +22,21 @@ if TYPE_CHECKING:
     from .feed import Feed
 
 _TURN = 0.01
-"""Seconds for which the messages of one topic are passed on, if each is wanted, before other topics have their turn."""
+"""Seconds for which every message of one topic is passed on before other topics get their turn."""
 
 
 class Dds(ThreadedMiddleware):
     """A `Middleware` that is a participant in a DDS domain.
 
-    A thread of its own reads; `publish` writes in the thread that calls it.
+    A thread reads; `publish` writes in the thread that calls it.
 
     Args:
         domain, interface: see `dds`.
-        mark: of a guard, what its publishers carry.
-        clock: what its waits go by, but for those in Cyclone DDS.
+        mark: for a guard, the mark of its publishers.
+        clock: the clock of its waits, except for waits in Cyclone DDS.
 
     Raises:
-        TypeError, ValueError: no such domain, or no name of an interface.
+        TypeError, ValueError: the domain does not exist, or the interface is not a name.
     """
 
     def __init__(
@@ -78,7 +78,7 @@ class Dds(ThreadedMiddleware):
             raise FeedError(f"{self.where} is not connected")
         session.publish(topic, message_type, raw, is_zero=is_zero(message))
 
-    def _wake(self) -> None:
+    def _wake_session(self) -> None:
         if self._session is not None:
             self._session.wake()
 
@@ -112,13 +112,13 @@ class Dds(ThreadedMiddleware):
 
     def _no_robot(self) -> str:
         if self._interface == "lo":
-            return no_robot(self._domain, "On 'lo' only this machine is heard.")
+            return no_robot(self._domain, "'lo' reaches only this machine.")
         others = [name for name in _interfaces() if name not in ("lo", self._interface)]
         if not others:
             return no_robot(self._domain)
-        likely = min(others, key=lambda name: not name.startswith(("e", "w")))  # cable or radio, not of containers
-        asked = f"Is it in another network, as in dds({self._domain}, interface={likely!r})?"
-        return no_robot(self._domain, f"{asked} There are {', '.join(others)}.")
+        likely = min(others, key=lambda name: not name.startswith(("e", "w")))  # a cable or radio, not a container
+        asked = f"Is it in another network? Then use dds({self._domain}, interface={likely!r})."
+        return no_robot(self._domain, f"{asked} The interfaces are {', '.join(others)}.")
 
     def _step(self, session: DdsSession) -> None:
         session.look()
@@ -133,12 +133,12 @@ class Dds(ThreadedMiddleware):
 
 
 def _interfaces() -> list[str]:
-    """The names of the network interfaces of this machine."""
+    """Return the names of the network interfaces of this machine."""
     return [name for _, name in socket.if_nameindex()]
 
 
 def _why_not(interface: str) -> str:
-    """Text for a name or an address that no interface of this machine has; empty if one has it."""
+    """Return a text for a name or an address that no interface of this machine has, or empty if one has it."""
     try:
         has_it = _is_ours(ip_address(interface))
     except ValueError:
@@ -156,20 +156,20 @@ def _is_ours(address: IPv4Address | IPv6Address) -> bool:
 
 
 def dds(domain: int = 0, *, interface: str | None = None) -> Feed:
-    """A feed of ROS 2 over DDS; ROS need not be installed.
+    """Open a feed of ROS 2 over DDS. ROS need not be installed.
 
     Args:
         domain: the robot's ``ROS_DOMAIN_ID``, 0 to 232.
         interface: the network interface to use, by name (``"eth0"``) or address. The default is the interface in
-            ``CYCLONEDDS_URI``, else the first that works. With ``"lo"`` nothing is sent beyond this machine. Cyclone
-            DDS listens on all interfaces in any case; it has no setting against that.
+            ``CYCLONEDDS_URI``, or the first that works. With ``"lo"`` nothing is sent beyond this machine. Cyclone DDS
+            listens on all interfaces in any case, because it has no setting against that.
 
     Raises:
-        TypeError, ValueError: no such domain, or no name of an interface.
+        TypeError, ValueError: the domain does not exist, or the interface is not a name.
         FeedError: cyclonedds is not installed.
 
     Source: https://design.ros2.org/articles/topic_and_service_names.html
     """
-    from .feed import Feed  # a guard needs the middleware alone
+    from .feed import Feed  # a guard imports only the middleware
 
     return Feed(Dds(domain, interface=interface))

@@ -36,15 +36,15 @@ if TYPE_CHECKING:
 class Feed:
     """A connection to a robot, a simulated robot or a recording; each function of `robowidgets.feeds` returns one.
 
-    Its printed form is a table of its topics. It reconnects by itself and shows its status on its widgets. All methods
-    may be called from any thread. A context manager closes it; so does a new run of the cell that opened it.
+    Its printed form is a table of its topics. It reconnects by itself and shows its status on its widgets. Any thread
+    may call any method. As a context manager it closes at the end; a new run of the cell that opened it closes it, too.
 
     Args:
         middleware: the connection, which the feed opens.
-        clock: for tests, what its waits and its driving go by; a middleware has its own.
+        clock: for tests, the clock of its waits and its driving. A middleware has another clock.
 
     Raises:
-        FeedError: it can never work. The text gives the reason and the next step.
+        FeedError: the feed can never work. The text gives the reason and the next step.
 
     Examples:
         >>> from robowidgets import LaserWidget, feeds
@@ -62,7 +62,7 @@ class Feed:
         self._watches: dict[str, FeedWatch] = {}
         self.connection.open()
 
-    # -- what a person uses --------------------------------------------------------------------------------------------
+    # -- for users -----------------------------------------------------------------------------------------------------
 
     @property
     def where(self) -> str:
@@ -76,12 +76,12 @@ class Feed:
 
     @property
     def status(self) -> str:
-        """The problem of the connection; empty if there is none."""
+        """The problem of the connection, or empty."""
         return self.connection.status
 
     @property
     def driving(self) -> Driving:
-        """The settings of `drive`: topic, limits, and the hold of a speed. Setting it stops the robot."""
+        """The settings of `drive`: topic, limits, and how long a speed is valid. Setting it stops the robot."""
         return self.driver.driving
 
     @driving.setter
@@ -90,7 +90,7 @@ class Feed:
 
     @property
     def drive_status(self) -> str:
-        """The reasons why the robot may not move as commanded; empty if there are none.
+        """The reasons why the robot may not move as commanded, or empty.
 
         Reasons are a topic without subscribers, incompatible subscribers, other publishers, and a cut of the last
         speed.
@@ -99,14 +99,14 @@ class Feed:
 
     @property
     def idle_motion(self) -> str:
-        """The cause that moves the robot while no speeds are sent, or "" if it stands still then."""
+        """The cause that moves the robot while no speeds are sent, or "" if it stands still."""
         return ""
 
     @property
     def stopped(self) -> bool:
-        """Whether stop is latched: all driving is refused until it is released.
+        """True while stop is latched: all driving is refused until it is released.
 
-        True sends zero and latches, False releases; so do the buttons on the page.
+        Setting it to True sends zero and latches, False releases. The buttons on the page do the same.
         """
         return self.watchdog.stopped
 
@@ -116,29 +116,29 @@ class Feed:
 
     @property
     def functions(self) -> tuple[ConnectedFunction, ...]:
-        """The functions that are connected."""
+        """The connected functions."""
         return self.connection.functions.functions
 
     def connect(self, topic: str, *targets: Any, raw: bool = False, each: bool = False) -> None:
-        """Pass the messages of a topic to widgets and functions; the topic may appear later.
+        """Pass the messages of a topic to widgets and functions. The topic may appear later.
 
-        Functions are called in a thread of their own, one at a time, with the newest message: a `Scan`, `Speed` or
-        `Touch` if a widget can show the topic, else the message as received. Functions of a touch sensor get every
-        message. A function that needs two arguments also gets the time at which the message came, in nanoseconds since
-        the epoch. The widgets of a topic name a function that raises, and one that has not returned for a second. A
-        function replaces the one that had its name before, in the notebook or in a module that is loaded again, and the
-        functions that an earlier run of the same cell connected.
+        Functions are called in a separate thread, one at a time, with the newest message: a `Scan`, `Speed` or `Touch`
+        if a widget can show the topic, or the message as received. Functions of a touch sensor get every message. A
+        function with two required arguments also gets the time at which the message arrived, in nanoseconds since the
+        epoch. The widgets of a topic report a function that raises an error or has not returned for a second. A
+        function replaces a previous function of its name, in the notebook or in a reloaded module, and the functions
+        that an earlier run of the same cell connected.
 
         Args:
             topic: its name.
-            *targets: widgets, whose `update` takes the messages and whose title becomes the topic if it is empty; their
+            *targets: widgets, whose `update` gets the messages and whose title becomes the topic if it is empty; their
                 methods, such as `speed.command`; or functions of a sample.
-            raw: whether functions get the messages as received.
-            each: whether functions get each message in its order, and not just the newest. At most 1,000 wait for them;
-                the printed feed says how many they did not get.
+            raw: True to pass messages to functions as received.
+            each: True to pass every message to functions, in order, instead of the newest. At most 1,000 messages wait;
+                the printed feed shows how many were lost.
 
         Raises:
-            TypeError: the topic is no text, there is no target, or a target is neither a widget nor a function.
+            TypeError: the topic is not text, no target is given, or a target is neither a widget nor a function.
             ValueError: the topic is empty.
             FeedError: the feed is closed.
         """
@@ -147,38 +147,38 @@ class Feed:
         self.connection.connect(topic, *targets, raw=raw, each=each)
 
     def disconnect(self, topic: str, *targets: Any) -> None:
-        """Pass no more messages of a topic to these targets of `connect`; without targets, to none of them.
+        """Stop passing messages of a topic to these targets of `connect`, or to all targets by default.
 
         Programs, recorders and loops over its scans still get them.
         """
         self.connection.disconnect(topic, *targets)
 
     def mount_of(self, frame_id: str) -> Mount | None:
-        """How a scanner stands on the robot: as `mount` says, else by tf, as far as that has come; None if unknown.
+        """Return the mount of a scanner on the robot, as set by `mount` or known from tf, or None if unknown.
 
-        tf is followed once a widget, a function or a program takes scans.
+        tf is followed once a widget, a function or a program receives scans.
 
         Args:
             frame_id: the coordinate frame of its scans.
 
         Raises:
-            TypeError: frame_id is not a text.
+            TypeError: frame_id is not text.
         """
         if not isinstance(frame_id, str):
             raise TypeError(f"frame_id: expected the name of a coordinate frame, got {frame_id!r}")
         return self.connection.mounts.of(frame_id)
 
     def mount(self, frame_id: str, yaw: float | str | None, *, upside_down: bool = False) -> None:
-        """Say how a scanner stands on the robot, in place of tf: angles of its scans are the robot's from now on.
+        """Set the mount of a scanner on the robot, instead of tf. From now on, its scans have the robot's angles.
 
         Args:
             frame_id: the coordinate frame of its scans.
-            yaw: radians, or degrees as text (``"90deg"``), by which its forward is turned from the robot's,
-                counter-clockwise, or None to use tf again.
-            upside_down: True if it stands on its head.
+            yaw: radians, or degrees as text (``"90deg"``), by which its forward direction is turned from the robot's,
+                counter-clockwise; or None to use tf again.
+            upside_down: True if it is mounted upside down.
 
         Raises:
-            TypeError: frame_id is not a text, or yaw is not an angle. ValueError: yaw is beyond ±2 pi.
+            TypeError: frame_id is not text, or yaw is not an angle. ValueError: yaw is beyond ±2 pi.
 
         Examples:
             >>> feed.mount("laser", "180deg", upside_down=True)  # doctest: +SKIP
@@ -187,15 +187,15 @@ class Feed:
         self.connection.mounts.put(frame_id, None if yaw is None else Mount.by_hand(yaw, upside_down=upside_down))
 
     def scans(self, topic: str, timeout: float = 0.5) -> Iterator[Scan]:
-        """The scans of a topic from now on, each once. A loop that is slower than the scanner gets the newest.
+        """Yield the scans of a topic from now on, each once. A loop that is slower than the scanner gets the newest.
 
         Args:
             topic: its name.
-            timeout: seconds to wait for the next scan. The first one is awaited for 10 s at least.
+            timeout: seconds to wait for the next scan. The wait for the first scan is at least 10 s.
 
         Raises:
-            TimeoutError: no scan came in time; the text gives the reason, if it is known.
-            TypeError, ValueError: no name, or no number of seconds above 0, or a message is no scan.
+            TimeoutError: no scan came in time. The text gives the reason, if it is known.
+            TypeError, ValueError: the name or the timeout is invalid, or a message is not a scan.
             FeedError: the feed is closed.
 
         Examples:
@@ -208,20 +208,20 @@ class Feed:
         return scans_of(self.connection, topic, timeout)
 
     def show(self, *topics: str, beside: bool = False, arrangement: Sequence[Any] | None = None) -> FeedView:
-        """One widget per topic it knows how to show, live, and those of its program and state machine.
+        """Return a view with a live widget for each topic that has one, and for the program and its state machine.
 
         It waits a moment for the first list of topics. Without names, topics and programs that appear later get a
-        widget too; a named topic gets its own when it appears.
+        widget, too. A named topic gets its widget when it appears.
 
         Args:
-            *topics: names of the topics to show, of any type, or of fields: ``"/odom.twist.twist.linear.x"``, without
-                the program, also with the widget that is to show them: ``"/points as laser"``; none: all that have a
-                widget, or, where none has, a few that show what there is.
-            beside: whether the view stands beside the notebook, in JupyterLab; the cell has a bar with Stop then.
-            arrangement: what to show, as `FeedView.arrangement` of an earlier one returned it.
+            *topics: names of topics of any type, or of fields such as ``"/odom.twist.twist.linear.x"``; the program is
+                not shown then. A name may include the widget: ``"/points as laser"``. Without names: all topics that
+                have a widget, or, if no topic has a widget, a few that show the fields of messages.
+            beside: True to open the view next to the notebook, in JupyterLab. The cell then has a bar with Stop.
+            arrangement: the entries to show, from `FeedView.arrangement` of an earlier view.
 
         Raises:
-            TypeError: a name is no text, but a list of them, say; or beside is neither True nor False.
+            TypeError: a name is not text but, for example, a list of names; or beside is neither True nor False.
             FeedError: the feed is closed.
 
         Examples:
@@ -236,17 +236,17 @@ class Feed:
         return FeedView(self, topics, beside=beside, arrangement=arrangement)
 
     def room_view(self) -> Any:
-        """A widget that shows the room of a simulated robot from above; None for any other robot."""
+        """Return a widget that shows the room of a simulated robot from above, or None for any other robot."""
         return None
 
     def wires(self, **options: Any) -> WiresView:
-        """The nodes and topics of the robot as a graph, with what the notebook does with them: see `WiresWidget`.
+        """Return the nodes and topics of the robot as a graph, with the parts of the notebook. See `WiresWidget`.
 
         Args:
             **options: keywords of `WiresWidget`.
 
         Raises:
-            TypeError: an unknown keyword.
+            TypeError: a keyword is unknown.
             FeedError: the feed is closed.
 
         Examples:
@@ -259,21 +259,21 @@ class Feed:
         return WiresView(FeedWires(self.connection), **options)
 
     def record(self, path: str | os.PathLike[str], *topics: str, everything: bool = False) -> Recorder:
-        """Write what the robot sends into an MCAP file, until the result is closed, as a context manager or by `close`.
+        """Write the messages of the robot to an MCAP file until the result is closed, by `close` or by ``with``.
 
-        Beside the topics it has the speeds that are sent, and the text and the states of each version of the program.
-        `robowidgets.open` and other tools read it, also when the process dies before it is closed. Writing holds up
-        neither the robot nor the program: `problems` of the result says what is missing in the file.
+        In addition to topics, the file contains the sent speeds, and the text and the states of each version of the
+        program. `robowidgets.open` and other tools can read it, even if the process dies before it is closed. Writing
+        delays neither the robot nor the program: `problems` of the result lists what the file lacks.
 
         Args:
             path: the file, such as ``"run.mcap"``, which must not exist yet.
-            *topics: names of topics, which may appear later; none: all that have a widget.
-            everything: whether, without names, all topics are written, of any type: cameras and point clouds, too,
-                which then all come over the network. What cannot be, such as a type of which nobody knows the
-                definition, `problems` of the result names.
+            *topics: names of topics, which may appear later, or none for all topics that have a widget.
+            everything: True to write, without names, all topics of any type, including cameras and point clouds, which
+                then all use the network. `problems` of the result lists topics that cannot be written, for example
+                because the definition of their type is unknown.
 
         Raises:
-            TypeError: no path, a name is no text, or ``everything`` is neither True nor False.
+            TypeError: the path is not a path, a name is not text, or ``everything`` is neither True nor False.
             ValueError: the name does not end in ``.mcap``.
             OSError: the file exists, or cannot be written.
             FeedError: the feed is closed.
@@ -285,25 +285,25 @@ class Feed:
         from ._recorder import Recorder
 
         if not isinstance(everything, bool) or (everything and topics):
-            raise TypeError(f"everything: expected True or False, and no names beside it, got {everything!r}")
+            raise TypeError(f"everything: expected True or False, and no names of topics with True, got {everything!r}")
         self.connection.check_open(*topics)
         return Recorder(self.connection, path, topics, everything)
 
     def drive(self, linear: float = 0.0, angular: float = 0.0, *, lateral: float = 0.0) -> None:
-        """Publish a speed, cut to the limits of `driving`; unless it is renewed in time, zero follows.
+        """Publish a speed, cut to the limits of `driving`. Zero follows unless the speed is renewed in time.
 
-        At most 50 speeds a second are published, the newest wins; zero is published at once. `drive_status` names a cut
-        until the next speed that is not cut, and the log names it once. The first call waits two seconds at most for a
-        subscriber to connect.
+        At most 50 speeds a second are published, and the newest wins. Zero is published at once. `drive_status` reports
+        a cut until the next speed that is not cut, and the log reports it once. The first call waits at most two
+        seconds for a subscriber to connect.
 
         Args:
             linear: forward, m/s.
             angular: counter-clockwise, rad/s.
-            lateral: to the left, m/s, of a robot that moves sideways: see `max_lateral` of `driving`.
+            lateral: to the left, m/s, for a robot that moves sideways. See `max_lateral` of `driving`.
 
         Raises:
-            TypeError: no number. ValueError: NaN or infinite.
-            FeedError: the robot cannot be reached or driven, or not sideways; a hand holds a pad, or stop is latched;
+            TypeError: an argument is not a number. ValueError: it is NaN or infinite.
+            FeedError: the robot cannot be reached, driven, or driven sideways; a hand holds a pad; stop is latched; or
                 the feed is closed. Nothing is sent then.
         """
         self.driver.drive(Velocity(linear, angular, lateral))
@@ -328,7 +328,7 @@ class Feed:
 
     @property
     def variables(self) -> Variables:
-        """The values that programs read and that a person sets on the page, such as ``variables.near = 0.6``."""
+        """The values that programs read and that the user sets on the page, such as ``variables.near = 0.6``."""
         return self.programs.variables
 
     def program(
@@ -339,28 +339,28 @@ class Feed:
         on: str | None = None,
         **topics: str,
     ) -> Any:
-        """Have a function drive the robot, step by step; a decorator.
+        """Drive the robot by a function, step by step. It can be used as a decorator.
 
-        One program at a time drives a robot. Defined again under its name, usually by running its cell again, it is
-        replaced at the next step. A program of another name ends it.
+        One program at a time drives a robot. A program that is defined again under its name, usually by running its
+        cell again, is replaced at the next step. A program of another name ends it.
 
-        The function gets what it names as parameters: the newest ``scan``, ``speed`` and ``touch`` of the robot;
-        ``time``, the seconds since its first step in which it could make steps; ``state``, which it keeps from step to
-        step and from version to version; ``variables``, which a person sets. It returns a
+        The function gets the inputs that its parameters name: the newest ``scan``, ``speed`` and ``touch`` of the
+        robot; ``time``, the seconds since its first step in which it could make steps; ``state``, which it keeps from
+        step to step and from version to version; ``variables``, which the user sets. It returns a
         `robowidgets.behaviors.Drive`, or None to keep the speed. It must return at once: after half a second it is
-        abandoned. When it raises, and when a sample is
-        missing or old, the robot is stopped.
+        abandoned. The robot is stopped if the function raises an error, or if a sample is missing or old.
 
         Args:
-            function: the function, or a class that describes a state machine, see `robowidgets.behaviors.Machine`;
-                without it, `program` returns a decorator.
-            rate: steps a second, at most 200; 10 without `on`.
-            on: a topic; there is one step for each of its messages, the newest if they come too fast.
+            function: the function, or a class that describes a state machine, see `robowidgets.behaviors.Machine`.
+                Without it, `program` returns a decorator.
+            rate: steps per second, at most 200. The default is 10 without `on`.
+            on: a topic. Each of its messages causes a step, or the newest one if they come too fast.
             **topics: for a parameter, the topic that it is read from: ``scan="/base_scan"``. A parameter of any other
                 name gets the messages of its topic.
 
         Raises:
-            TypeError: no function, or it asks for something unknown. ValueError: the rate is out of range.
+            TypeError: the function is not a function, or has an unknown parameter. ValueError: the rate is out of
+                range.
             FeedError: the feed is closed.
 
         Examples:
@@ -397,23 +397,23 @@ class Feed:
         return program
 
     def watch(self, condition: Any, name: str | None = None, /, **topics: str) -> Watch:
-        """Judge a condition whenever the robot sends something that it reads, of any of its topics.
+        """Evaluate a condition whenever the robot sends a message on any of the topics that it reads.
 
-        It is judged in a thread of its own, on the newest messages. What raises is switched off, and `error` of the
-        result says why; a program may wait for it: see `robowidgets.search.conditions` and `Watch`. Unlike `watch` of a
-        widget it has no lamp.
+        It is evaluated in a separate thread, on the newest messages. A condition that raises an error is switched off,
+        and `error` of the result gives the reason. A program may wait for it: see `robowidgets.search.conditions` and
+        `Watch`. Unlike `watch` of a widget it has no lamp.
 
         Args:
-            condition: one of `robowidgets.conditions`, or several that are joined; or a function that returns True,
-                False, or None for unknown. A function takes what a program may take: ``scan``, ``speed``, ``touch``,
-                ``sonars``, ``pose``, and ``driven`` and ``turned`` since the watch began; or it has one parameter of
-                another name, and gets the moment, which has all of them, and ``moment[topic]``.
-            name: plain text; a watch of the same name is replaced. None: the name of the function, or the text of the
-                condition.
+            condition: one of `robowidgets.conditions`, several that are joined, or a function that returns True, False,
+                or None for unknown. A function may have the inputs of a program: ``scan``, ``speed``, ``touch``,
+                ``sonars``, ``pose``, and ``driven`` and ``turned`` since the watch began. Or it has one parameter of
+                another name, and gets the moment, which contains all of them, and ``moment[topic]``.
+            name: plain text. A watch of the same name is replaced. The default is the name of the function, or the text
+                of the condition.
             **topics: for a parameter, the topic that it is read from: ``imu="/imu"``.
 
         Raises:
-            TypeError: no such condition, a lambda without a name, or something unknown is asked for.
+            TypeError: the condition is invalid, a lambda without a name, or reads an unknown name.
             ValueError: the name is empty or too long. FeedError: the feed is closed.
 
         Examples:
@@ -433,18 +433,18 @@ class Feed:
         check_watch_name(named)
         watch = FeedWatch(self.connection, condition, named, topics)
         before, self._watches[named] = self._watches.get(named), watch
-        if before is not None:  # as a truth value it is its verdict
+        if before is not None:  # not `if before`, because its truth value is its verdict
             before.end("another condition has its name now")
         return watch
 
     def unwatch(self, name: str) -> None:
-        """Judge a condition no more.
+        """End a watch.
 
         Raises:
-            KeyError: there is no watch of that name.
+            KeyError: no watch has this name.
         """
         gone = self._watches.pop(name, None)
-        if gone is None:  # as a truth value it is its verdict
+        if gone is None:  # not `if not gone`, because its truth value is its verdict
             raise KeyError(f"no watch {name!r}: there are {', '.join(self._watches) or 'none'}")
         gone.end("it is watched no more")
 
@@ -454,9 +454,9 @@ class Feed:
         return MappingProxyType(self._watches)
 
     def close(self) -> None:
-        """Stop the robot if it is driven, disconnect, end every thread; doing it again does nothing.
+        """Stop the robot if it is driven, disconnect, and end every thread. Calling it again does nothing.
 
-        It takes a few seconds at most, whatever the robot and connected functions do.
+        It takes a few seconds at most, even if the robot or a connected function does not respond.
         """
         self.connection.close()
 

@@ -30,7 +30,7 @@ _DATA = Struct("<BIQ")
 _CLIENT_DATA = Struct("<BI")
 _MESSAGE = 1
 _ERROR = 2
-_SETTLE = 0.05  # seconds: the SDK's server loses one subscription in ten that follows the advertisement at once
+_SETTLE = 0.05  # seconds: the SDK's server loses one in ten subscriptions that follow the advertisement at once
 _NO_CHANNELS = 0.5  # seconds within which a server advertises its channels, if it has any
 
 
@@ -44,7 +44,7 @@ class _Stream(NamedTuple):
 
 
 class Foxglove(Bridge):
-    """A `Middleware` that speaks to a foxglove server.
+    """A `Middleware` with a connection to a foxglove server.
 
     Raises:
         TypeError, ValueError: the address is invalid.
@@ -70,18 +70,16 @@ class Foxglove(Bridge):
         """See `Middleware`."""
         info = self._info
         if info is None:
-            raise FeedError(f"there is no connection to {self.where}")
+            raise FeedError(f"not connected to {self.where}")
         if "clientPublish" not in strings(info.get("capabilities")):
             raise FeedError(
-                f"{self.where} takes no messages: its server does not offer clientPublish; "
-                "foxglove_bridge does when its parameter capabilities lists it"
+                f"{self.where} accepts no messages: its server does not offer clientPublish; "
+                "foxglove_bridge offers it if its parameter capabilities lists it"
             )
         encoding = _encoding_for(info)
         if encoding is None:
-            taken = one_line(", ".join(strings(info.get("supportedEncodings")))) or "none at all"
-            raise FeedError(
-                f"{self.where} takes messages in {taken}, of which we write none: we write cdr, ros1 and json"
-            )
+            taken = one_line(", ".join(strings(info.get("supportedEncodings")))) or "no encoding"
+            raise FeedError(f"{self.where} accepts messages in {taken}, but robowidgets writes only cdr, ros1 and json")
         is_json = encoding == "json"
         payload = json.dumps(message).encode() if is_json else encode_twist(encoding, message_type, message)
         key = topic, message_type, encoding
@@ -106,7 +104,7 @@ class Foxglove(Bridge):
             if react is not None:
                 react(operation)
         else:
-            self._report_on_all(f"{self.where} does not speak foxglove: it said {one_line(frame[:80])!r}")
+            self._report_on_all(f"{self.where} does not speak foxglove: it sent {one_line(frame[:80])!r}")
 
     def _topic_of_start(self, start: bytes) -> str:
         is_message = len(start) >= _DATA.size and start[0] == _MESSAGE
@@ -122,7 +120,7 @@ class Foxglove(Bridge):
         self._info: dict[str, Any] | None = None
         self._channels: dict[int, Channel] = {}
         self._settled_at: dict[int, float] = {}
-        """For each channel, the time from which it can be subscribed to."""
+        """By channel, the time from which it can be subscribed to."""
         self._streams: dict[int, _Stream] = {}
         self._graph = Graph()
         self._sent_on: dict[tuple[str, str, str], int] = {}
@@ -133,7 +131,7 @@ class Foxglove(Bridge):
             self._listener.on_connected()
         if "connectionGraph" in strings(operation.get("capabilities")):
             self._write({"op": "subscribeConnectionGraph"})
-        # A server without channels sends no advertise at all.
+        # A server without channels sends no advertise message.
         self._later(_NO_CHANNELS, lambda: self._change(set()))
 
     def _on_advertise(self, operation: dict[str, Any]) -> None:
@@ -164,7 +162,7 @@ class Foxglove(Bridge):
         text = operation.get("message")
         if operation.get("level") != _ERROR or not isinstance(text, str):
             return
-        reason = f"the robot's bridge says: {one_line(text)}"
+        reason = f"the robot's bridge reports: {one_line(text)}"
         for topic in self._followed:
             if _names(text, topic):
                 self._listener.on_trouble(topic, reason)
@@ -176,7 +174,7 @@ class Foxglove(Bridge):
                 self._listener.on_unheard(topic, reason)
 
     def _start(self, topic: str) -> None:
-        """Subscribe to each channel of a followed topic that can be decoded, and report when none can."""
+        """Subscribe to each channel of a followed topic that can be decoded, and report if none of them can."""
         if topic not in self._followed:
             return
         channels = [channel for channel in self._channels.values() if channel.topic == topic]
@@ -212,7 +210,7 @@ class Foxglove(Bridge):
             self._write({"op": "unsubscribe", "subscriptionIds": ids})
 
     def _frame_on(self, key: tuple[str, str, str], payload: bytes, *, is_zero: bool) -> bytes:
-        """The frame of a message on our channel for a topic, a type and an encoding; advertises the channel first."""
+        """Return the frame of a message on our channel for a topic, type and encoding. Advertise the channel first."""
         if key not in self._sent_on:
             topic, message_type, encoding = key
             self._sent_on[key] = len(self._sent_on) + 1
@@ -231,7 +229,7 @@ def _names(text: str, topic: str) -> bool:
 
 
 def _encoding_for(info: Mapping[str, Any]) -> str | None:
-    """The encoding in which a server takes messages; None if it takes none that we write."""
+    """Return the encoding in which a server accepts messages, or None if we cannot write any of its encodings."""
     encodings = strings(info.get("supportedEncodings"))
     return next((known for known in _WRITTEN if known in encodings), None)
 
@@ -241,7 +239,7 @@ def _read(decode: Read, frame: bytes) -> Any:
 
 
 def foxglove(address: str = "ws://127.0.0.1:8765") -> Feed:
-    """A feed of a robot that runs foxglove_bridge, or any other server of the Foxglove SDK. It needs tornado.
+    """Open a feed of a robot that runs foxglove_bridge, or any other server of the Foxglove SDK. It needs tornado.
 
     Args:
         address: the address of the bridge: ``ws://``, or ``wss://`` for an encrypted connection.
@@ -250,6 +248,6 @@ def foxglove(address: str = "ws://127.0.0.1:8765") -> Feed:
         TypeError, ValueError: the address is invalid.
         FeedError: tornado is not installed.
     """
-    from .feed import Feed  # a guard needs the middleware alone
+    from .feed import Feed  # a guard imports only the middleware
 
     return Feed(Foxglove(address))

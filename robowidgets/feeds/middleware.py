@@ -8,20 +8,20 @@ from typing import TYPE_CHECKING, Any, NamedTuple, Protocol, runtime_checkable
 from .._core.renamed import renamed
 
 EVENTS = 100
-"""Longest queue of messages, for kinds of which every message counts."""
+"""The longest queue of messages, for kinds that need every message."""
 
 MOST_UNREAD = 1000
-"""Longest queue of the messages of a topic of which each is passed on."""
+"""The longest queue of messages of a topic if every message is passed on."""
 
 SEND_TIMEOUT = 0.5
-"""Seconds within which the network must take a message that is published."""
+"""Seconds within which the network must accept a published message."""
 
 CLOSE_TIMEOUT = 2.0
 """Seconds that `Middleware.close` may take."""
 
 
 class FeedError(Exception):
-    """A feed cannot be opened or used. The text is one line for a person: the failure, the reason, the next step."""
+    """An error on opening or using a feed. The text is one line: the failure, the reason, and what to do next."""
 
 
 class NotConnectedYetError(FeedError):
@@ -31,11 +31,11 @@ class NotConnectedYetError(FeedError):
 class Advert(NamedTuple):
     """A topic that a middleware lists.
 
-    ``type`` is written as ``sensor_msgs/msg/LaserScan``, also for ROS 1; empty when it is unknown. ``offered`` is True
-    if another node publishes it, ``wanted`` if another node subscribes to it (None: unknown). ``publishers`` are the
-    names of the other nodes that publish it, as far as the middleware reports them; None where nobody else drives by
-    it: of a recording, and of the simulated robot itself. ``subscribers`` are the names of the other nodes that
-    subscribe to it, as far as they are reported; None where it is not known who they are.
+    ``type`` is written as ``sensor_msgs/msg/LaserScan``, also for ROS 1, or empty if it is unknown. ``offered`` is True
+    if another node publishes it, ``wanted`` if another node subscribes to it, or None if unknown. ``publishers`` are
+    the names of the other nodes that publish it, if the middleware reports them. None means that no other node drives
+    by it, as for a recording or the simulated robot itself. ``subscribers`` are the names of the other nodes that
+    subscribe to it, if they are reported, or None if they are unknown.
     """
 
     name: str
@@ -49,49 +49,48 @@ class Advert(NamedTuple):
 class Listener(Protocol):
     """The feed, as its middleware calls it. Any thread may call each method, which returns at once and never raises.
 
-    No method runs code of the user, because the calling thread may carry speeds. A method may call the middleware from
-    within, so the caller must hold no lock that the middleware's methods take. Reporting the same again costs little
-    and changes nothing.
+    No method runs code of the user, because the calling thread may send speeds. A method may call the middleware, so
+    the caller must not hold a lock that the middleware's methods take. A repeated report costs little and changes
+    nothing.
     """
 
     def on_connected(self) -> None:
-        """The robot can be reached, for the first time or again."""
+        """Report that the robot can be reached, for the first time or again."""
 
     def on_lost(self, reason: str, again_in: float) -> None:
-        """The robot cannot be reached, or no longer; the next attempt follows in so many seconds."""
+        """Report that the robot cannot be reached, or no longer, and the seconds until the next attempt."""
 
     def on_nobody(self, reason: str) -> None:
-        """The reason why nobody may be there, a moment after opening, as what to compare; empty: somebody is there."""
+        """Report a hint to show if no robot is discovered shortly after opening, or empty once a robot is."""
 
     def on_topics(self, topics: Sequence[Advert]) -> None:
-        """All topics that are known now. Called when the list changes."""
+        """Report all topics that are known now. Called when the list changes."""
 
     def on_message(
         self, topic: str, message: Any, *, newest: bool = True, each: bool = True, replaced: int = 0
     ) -> None:
-        """A message of a subscribed topic: anything that the ``update`` of a widget takes.
+        """Pass on a message of a subscribed topic, in any form that the ``update`` of a widget accepts.
 
-        A middleware that leaves out what a newer message replaces calls it with ``newest=False`` for a message that was
-        replaced already, and with ``each=False`` for one that it passes on in its place among all, too.
-        With ``replaced`` it gives the number of messages that came before this one and were left out for it, so that
-        rates count them, too.
+        If a middleware skips replaced messages for some targets, it passes ``newest=False`` with a message that a newer
+        one has replaced already, and ``each=False`` with a message that it also passes on in its order among all.
+        ``replaced`` is the number of earlier messages that this one replaced, so that rates count them, too.
         """
 
     def on_missed(self, topic: str, count: int) -> None:
-        """So many messages of a topic of which each was asked for are not passed on, as far as it is known."""
+        """Report the number of lost messages of a topic whose every message was requested, if it is known."""
 
     def on_trouble(self, topic: str, reason: str) -> None:
-        """The reason why no message of a subscribed topic comes or can be read, as a sentence; empty: none any more."""
+        """Report as a sentence why a subscribed topic's messages do not come or cannot be read; empty ends it."""
 
     def on_unheard(self, topic: str, reason: str) -> None:
-        """The reason why a subscriber does not receive our messages on a topic, as a sentence; empty: none any more.
+        """Report as a sentence why a subscriber does not receive our messages on a topic; empty ends it.
 
         The reason may be an incompatible quality of service, or a bridge that does not answer.
         """
 
 
 class Outlet(NamedTuple):
-    """What a guard publishes by: the name of a middleware in `_guard.process.MIDDLEWARES`, and arguments in JSON."""
+    """The middleware that a guard publishes by: its name in `_guard.process.MIDDLEWARES`, and its arguments in JSON."""
 
     middleware: str
     arguments: dict[str, Any]
@@ -99,11 +98,11 @@ class Outlet(NamedTuple):
 
 @runtime_checkable
 class HasOutlet(Protocol):
-    """A middleware whose robot a guard can drive by a connection of its own."""
+    """A middleware whose robot a guard can drive over another connection."""
 
     @property
     def outlet(self) -> Outlet:
-        """What the guard publishes by."""
+        """The middleware for the guard."""
 
 
 class Middleware(Protocol):
@@ -111,41 +110,41 @@ class Middleware(Protocol):
 
     @property
     def where(self) -> str:
-        """The name of the connection, for a person: ``ws://127.0.0.1:8765``, ``ROS 2, domain 0``."""
+        """The name of the connection for the user: ``ws://127.0.0.1:8765``, ``ROS 2, domain 0``."""
 
     def open(self, listener: Listener) -> None:
-        """Connect, and reconnect with growing pauses. FeedError when that can never work."""
+        """Connect, and reconnect with growing pauses. Raise FeedError if the connection can never work."""
 
     def follow(self, topics: frozenset[str], each: frozenset[str] = frozenset()) -> None:
-        """Pass on the messages of these topics, which may appear later, and of no others; also after reconnecting.
+        """Pass on the messages of these topics, which may appear later, and of no others, also after reconnecting.
 
-        Of the topics in ``each``, every message is passed on, in order, as far as `MOST_UNREAD` reaches; of others the
-        newest is enough.
+        For topics in ``each``, every message is passed on in order, within the queue of `MOST_UNREAD`. For the others,
+        the newest message is enough.
         """
 
     def ask_for_nodes(self, wanted: bool) -> None:
-        """Have `Listener.on_topics` name the nodes of all topics, or no longer; also after reconnecting.
+        """Report the nodes of all topics in `Listener.on_topics`, or stop it, also after reconnecting.
 
-        A middleware that is told who they are does nothing here. One that has to ask the robot does so slowly.
+        A middleware that knows the nodes anyway does nothing here. If it must query the robot, it does so slowly.
         """
 
     def publish(self, topic: str, message_type: str, message: Mapping[str, Any]) -> None:
-        """Send a Twist or TwistStamped, given as its fields, and return when the network has taken it.
+        """Send a Twist or TwistStamped, given as its fields, and return when the network has accepted it.
 
-        One thread at a time calls it, never a thread of the middleware. A message is never kept for a later connection:
-        it may be a speed.
+        One thread at a time calls it, never a thread of the middleware. A message is never kept for a later connection,
+        because it may be a speed.
 
         Raises:
             NotConnectedYetError: no subscriber has connected yet.
-            FeedError: there is no connection, the network does not take the message within `SEND_TIMEOUT`, or messages
-                cannot be published at all. The message is not sent.
-            TimeoutError, ConnectionError: it may have reached the robot, or may still.
+            FeedError: the middleware is not connected, the network does not accept the message within `SEND_TIMEOUT`,
+                or messages cannot be published at all. The message is not sent.
+            TimeoutError, ConnectionError: the message may have reached the robot, or may still reach it.
         """
 
     def close(self) -> None:
         """Deliver the published messages, disconnect, and end every thread, within `CLOSE_TIMEOUT`.
 
-        Doing it again does nothing. Any thread may call it, also one of the middleware.
+        Calling it again does nothing. Any thread may call it, including threads of the middleware.
         """
 
 

@@ -1,4 +1,4 @@
-"""A recording that is played like a running robot."""
+"""A recording that is played back like a running robot."""
 
 from __future__ import annotations
 
@@ -24,13 +24,13 @@ _SHORTEST_ROUND = 0.1
 
 
 class Played(ThreadedMiddleware):
-    """A recording as a `Middleware`: it plays in a thread of its own, from the moment of opening.
+    """A recording as a `Middleware`. A thread plays it from the moment of opening.
 
     Args:
-        recording: the recording; nothing else may read it meanwhile, and closing the feed closes it.
+        recording: the recording. Nothing else may read it at the same time, and closing the feed closes it.
         speed: seconds of the recording per second.
-        loop: whether it starts again at its end.
-        clock: as `ThreadedMiddleware` takes it.
+        loop: True to start again at its end.
+        clock: as for `ThreadedMiddleware`.
     """
 
     def __init__(self, recording: RecordingData, speed: float, loop: bool, clock: Clock | None = None) -> None:
@@ -56,7 +56,7 @@ class Played(ThreadedMiddleware):
         self._start_thread("robowidgets-replay", listener)
 
     def publish(self, topic: str, message_type: str, message: Mapping[str, Any]) -> None:
-        """See `Middleware`. Nothing moves; the speed is listed beside the recorded one, under a topic of its own."""
+        """See `Middleware`. Nothing moves. The speed is listed next to the recorded one, as a topic of the program."""
         if self._closed.is_set():
             raise FeedError(f"{self.where} is closed")
         if all(known.name != topic for known in self._recording.topics):
@@ -73,7 +73,7 @@ class Played(ThreadedMiddleware):
         if self._thread is None:
             self._recording.close()
 
-    def _wake(self) -> None:
+    def _wake_session(self) -> None:
         self._is_woken = True
         self._changed.notify_all()
 
@@ -95,7 +95,7 @@ class Played(ThreadedMiddleware):
                     self._is_woken_before(None)
 
     def _is_wanted(self, topic: Topic, listener: Listener) -> bool:
-        """Whether a topic is to be played; where its messages cannot be read, it is told why."""
+        """Return True if a topic is to be played. Report a wanted topic that cannot be read."""
         if topic.name not in self._wanted:
             return False
         if topic.problem and not topic.widget:
@@ -104,7 +104,7 @@ class Played(ThreadedMiddleware):
         return True
 
     def _play(self, listener: Listener, names: frozenset[str], started: float) -> bool:
-        """Pass on the samples that are due from now on, until other topics are wanted; returns whether it ended."""
+        """Pass on the samples from now on, each in time, until other topics are wanted. Return True if it ended."""
         now = max((self._clock.now() - started) * self._speed, 0.0)
         shown = names & {topic.name for topic in self._recording.topics if topic.widget}
         samples = [self._recording.samples(shown, start=now)] if shown else []
@@ -118,7 +118,7 @@ class Played(ThreadedMiddleware):
         return not self._is_woken_before(started + self._recording.duration / self._speed)
 
     def _is_woken_before(self, when: float | None) -> bool:
-        """Wait until other topics are wanted, or for a time; returns whether they are."""
+        """Wait until other topics are wanted or a time is reached. Return True if other topics are wanted."""
         with self._lock:
             while not self._is_woken and self._changed.wait_until(when):
                 pass
@@ -126,17 +126,17 @@ class Played(ThreadedMiddleware):
 
 
 def recording(path: str | os.PathLike[str], *, speed: float = 1.0, loop: bool = False) -> Feed:
-    """A feed of a recording, played as if it were live.
+    """Open a feed of a recording, played as if it were live.
 
     Args:
-        path: the recording, as `robowidgets.open` takes it.
-        speed: seconds of the recording in a second, above 0.
-        loop: whether it starts again at its end.
+        path: the recording, as for `robowidgets.open`.
+        speed: seconds of the recording per second, above 0.
+        loop: True to start again at its end.
 
     Raises:
-        RecordingError: nothing of it can be read; the text gives the reason.
-        TypeError: no path, the speed is no number, or loop is neither True nor False. ValueError: the speed is not
-            finite and above 0.
+        RecordingError: the recording cannot be read. The text gives the reason.
+        TypeError: the path is not a path, the speed is not a number, or loop is neither True nor False. ValueError:
+            the speed is not finite and above 0.
 
     Examples:
         >>> from robowidgets import SAMPLE, feeds
@@ -147,7 +147,9 @@ def recording(path: str | os.PathLike[str], *, speed: float = 1.0, loop: bool = 
     """
     if not isinstance(path, (str, bytes, os.PathLike)):
         got = "None" if path is None else f"a {type(path).__name__}"
-        hint = "; one that is open has it: feeds.recording(recording.path)" if isinstance(path, RecordingData) else ""
+        hint = (
+            "; an open recording has a path: feeds.recording(recording.path)" if isinstance(path, RecordingData) else ""
+        )
         raise TypeError(f"recording(): expected the path of a file or folder, such as 'drive.bag', got {got}{hint}")
     if not isinstance(loop, (bool, np.bool_)):
         raise TypeError(f"loop: expected True or False, got {loop!r}")

@@ -29,8 +29,8 @@ log = logging.getLogger("robowidgets")
 POLL = 1.0
 """Seconds between two requests to the master."""
 
-PATIENCE = 3.0
-"""Seconds without a connection to a publisher after which its address is tried."""
+CONNECT_TIMEOUT_S = 3.0
+"""Seconds without a connection to a publisher after which its address is checked."""
 
 DATA_COME = "master lost; data still come"
 
@@ -46,16 +46,16 @@ class _Subscription(NamedTuple):
 
 
 class Ros1(ThreadedMiddleware):
-    """A `Middleware` on the one node that a process may have, with the master that ROS_MASTER_URI names at first.
+    """A `Middleware` on the only node that a process may have, with the master in ROS_MASTER_URI at the start.
 
-    The node is the program's own if it called `rospy.init_node`, else one of ours; it stays until the process ends.
-    Every second a thread requests the state of the master, subscribes and publishes, and registers again with a
-    restarted master. Messages come in rospy's threads: as rospy's objects if the Python package of their type is
-    installed, else decoded by the definition that their publisher sends.
+    The node is the program's node if it called `rospy.init_node`, or else ours. It stays until the process ends. Every
+    second a thread requests the state of the master, subscribes and publishes, and registers again with a restarted
+    master. Messages come in threads of rospy: as rospy objects if the Python package of their type is installed, or
+    else decoded by the definition that their publisher sends.
 
     Args:
         name: see `ros1`.
-        master: of a guard, the URI of the master; ROS_MASTER_URI of its process is set to it.
+        master: for a guard, the URI of the master. It is set as ROS_MASTER_URI of its process.
     """
 
     def __init__(self, name: str = "robowidgets", master: str = "") -> None:
@@ -63,7 +63,7 @@ class Ros1(ThreadedMiddleware):
         self._name = name
         self._rospy: Any = None
         if master:
-            os.environ["ROS_MASTER_URI"] = master  # rospy takes it from nowhere else
+            os.environ["ROS_MASTER_URI"] = master  # rospy reads it only from here
         self._master = Master(master or _uri_of_environment())
         self._presence = Presence(self._master, self._look_soon)
         self._listener: Listener | None = None
@@ -85,7 +85,7 @@ class Ros1(ThreadedMiddleware):
         return Outlet("ros1", {"name": MARK, "master": self._master.uri})
 
     def open(self, listener: Listener) -> None:
-        """See `Middleware`. FeedError without rospy, or if ROS_MASTER_URI names no master, or not that of the node."""
+        """See `Middleware`. Raise FeedError without rospy, or if ROS_MASTER_URI is not the URI of the node's master."""
         if why := in_browser.no_robot("feeds.ros1"):
             raise FeedError(why)
         try:
@@ -109,23 +109,23 @@ class Ros1(ThreadedMiddleware):
         if not good:
             raise FeedError(f"ROS_MASTER_URI: expected something like http://robot:11311, got {uri!r}")
         self._rospy, self._listener = rospy, listener
-        with suppress(MasterError):  # the node is busy: it is asked again
+        with suppress(MasterError):  # the node is busy, and is asked again
             self._check_master()
         self._publications = Publications(rospy, self._master, listener.on_unheard, self._look_soon)
         logging.getLogger("rospy.internal").addHandler(self._log)
         self._start_thread(f"robowidgets {self.where}", listener)
 
     def publish(self, topic: str, message_type: str, message: Mapping[str, Any]) -> None:
-        """See `Middleware`. FeedError also if the Python package of the type is not installed."""
+        """See `Middleware`. Raise FeedError also if the Python package of the type is not installed."""
         self._publications.publish(topic, message_type, message)
 
     def close(self) -> None:
         """See `Middleware`. The node and its publishers stay."""
         logging.getLogger("rospy.internal").removeHandler(self._log)
-        super().close()  # it does not wait for the thread for ever: rospy's own calls to a master have no time-out
+        super().close()  # with a limit on the wait for the thread, because rospy's calls to a master have no timeout
 
     def failed(self, topic: str, reason: str) -> None:
-        """Report that rospy gave up a connection of a topic. Until the next attempt only the first reason counts."""
+        """Report that rospy gave up a connection of a topic. Until the next attempt, only the first reason counts."""
         if topic in self._wanted and topic not in self._failed:
             self._failed.add(topic)
             self._report(topic, reason)
@@ -134,13 +134,13 @@ class Ros1(ThreadedMiddleware):
         if self._listener is not None and not self._closed.is_set() and topic in self._wanted:
             self._listener.on_trouble(topic, reason)
 
-    def _wake(self) -> None:
+    def _wake_session(self) -> None:
         self._woken = True
         self._changed.notify_all()
 
     def _look_soon(self) -> None:
         with self._lock:
-            self._wake()
+            self._wake_session()
 
     def _run_sessions(self, listener: Listener) -> None:
         super()._run_sessions(listener)
@@ -149,7 +149,7 @@ class Ros1(ThreadedMiddleware):
         self._subscriptions.clear()
 
     def _run_session(self, listener: Listener) -> str:
-        """Poll the master until neither it nor a connection is left; returns the reason why the master is lost."""
+        """Poll the master until neither it nor a connection is left. Return the reason why the master is lost."""
         self._connected = False
         while not self._closed.is_set():
             reason = self._poll(listener)
@@ -166,7 +166,7 @@ class Ros1(ThreadedMiddleware):
         return ""
 
     def _poll(self, listener: Listener) -> str:
-        """Follow the state of the master; returns the reason if that failed."""
+        """Follow the state of the master. Return the reason if that failed."""
         try:
             state = self._master.state()
             self._start_node()
@@ -181,14 +181,14 @@ class Ros1(ThreadedMiddleware):
             reason = f"no ROS master at {self._master.uri} ({error}); {hint}"
             self._connected = self._note_master(reason) and self._connected
             return reason
-        except Exception as error:  # rospy's own, and whatever a malformed answer of a master causes
+        except Exception as error:  # an error of rospy, or any error because of a malformed answer of the master
             log.debug("%s was lost", self.where, exc_info=True)
             self._connected = False
             return f"the rospy node of this process cannot be used: {str(error) or type(error).__name__}"
         return ""
 
     def _note_master(self, reason: str) -> bool:
-        """Report a lost master, or its return, on each topic; returns whether connections are left without it."""
+        """Report a lost master, or its return, on each topic. Return True if connections are left without it."""
         before, self._publications.master_lost = self._publications.master_lost, reason
         live = {topic for topic, subscription in self._subscriptions.items() if _is_live(subscription)}
         if before or reason:
@@ -207,7 +207,7 @@ class Ros1(ThreadedMiddleware):
                 self._rospy.init_node(self._name, argv=[], anonymous=True, disable_signals=True)
 
     def _check_master(self) -> None:
-        """FeedError if the node of this process has another master, or would have."""
+        """Raise FeedError if the node of this process has another master, or would have."""
         node = self._rospy.get_node_uri()
         uri = master_of(node) if node else _uri_of_environment()
         if uri.rstrip("/") != self._master.uri.rstrip("/"):
@@ -245,17 +245,17 @@ class Ros1(ThreadedMiddleware):
         self._subscriptions[topic] = _Subscription(subscriber, kind, time.monotonic())
 
     def _look_after(self, topic: str, state: SystemState) -> None:
-        """Restore subscriptions that a restarted master or rospy dropped; report missing connections to publishers."""
+        """Restore subscriptions that a restarted master or rospy dropped. Report missing connections to publishers."""
         subscription, me = self._subscriptions[topic], self._rospy.get_name()
         impl = subscription.subscriber.impl
         for connection in impl.connections:
-            if connection.done:  # rospy keeps some refused ones, and then never connects to their node again
+            if connection.done:  # rospy keeps some refused connections, and then never connects to their node again
                 impl.remove_connection(connection)
         nodes = [node for node in state.publishers.get(topic, ()) if node != me]
         forgotten = me not in state.subscribers.get(topic, ()) or topic in self._failed
         if impl.connections:
             self._subscriptions[topic] = subscription._replace(since=time.monotonic())
-        elif nodes and time.monotonic() - subscription.since > PATIENCE:
+        elif nodes and time.monotonic() - subscription.since > CONNECT_TIMEOUT_S:
             reason = self._master.unreachable(nodes)
             if reason:
                 self._report(topic, f"{topic} is published, but {reason}")
@@ -309,7 +309,7 @@ class Ros1(ThreadedMiddleware):
 
 
 def _uri_of_environment() -> str:
-    """The URI of the master as rospy takes it; empty without rospy."""
+    """Return the URI of the master as rospy reads it, or empty without rospy."""
     try:
         import rosgraph
     except ImportError:
@@ -318,12 +318,12 @@ def _uri_of_environment() -> str:
 
 
 def _is_live(subscription: _Subscription) -> bool:
-    """Whether a publisher is connected; while rospy only tries to connect, it knows no definition."""
+    """Return True if a publisher is connected. While rospy only tries to connect, it knows no definition."""
     return any(c.md5sum and not c.done for c in subscription.subscriber.impl.connections)
 
 
 class _RospyLog(logging.Handler):
-    """Reports the errors of a topic that rospy only logs. The threads of its connections are named after the topics."""
+    """A handler that reports errors that rospy only logs. The threads of its connections are named after the topics."""
 
     def __init__(self, feed: Ros1) -> None:
         super().__init__(logging.WARNING)
@@ -340,7 +340,7 @@ class _RospyLog(logging.Handler):
 
 
 def ros1(name: str = "robowidgets") -> Feed:
-    """A feed of ROS 1 through rospy; ROS_MASTER_URI names the master.
+    """Open a feed of ROS 1 through rospy. ROS_MASTER_URI names the master.
 
     Args:
         name: the name of the node, to which a number is added. If the program has called `rospy.init_node`, its node is
@@ -354,6 +354,6 @@ def ros1(name: str = "robowidgets") -> Feed:
         >>> from robowidgets import feeds
         >>> feed = feeds.ros1()  # doctest: +SKIP
     """
-    from .feed import Feed  # a guard needs the middleware alone
+    from .feed import Feed  # a guard imports only the middleware
 
     return Feed(Ros1(name))

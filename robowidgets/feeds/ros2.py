@@ -30,17 +30,17 @@ _RANGE = "Does one have ROS_LOCALHOST_ONLY or ROS_AUTOMATIC_DISCOVERY_RANGE set?
 
 
 class Ros2(ThreadedMiddleware):
-    """A `Middleware` on a node and a context of its own, which no program spins or shuts down.
+    """A `Middleware` on a separate node and context, which no program spins or shuts down.
 
     A thread queries the topics and passes on messages; `publish` publishes in the thread that calls it.
 
     Args:
         node, domain_id: see `ros2`.
-        name: the name of its node; empty: one of its own.
-        clock: what its waits go by, but for those in rclpy.
+        name: the name of its node, or empty for a generated name.
+        clock: the clock of its waits, except for waits in rclpy.
 
     Raises:
-        TypeError, ValueError: no node, no domain, also in the environment, or both at once.
+        TypeError, ValueError: the node or the domain (possibly from the environment) is invalid, or both are given.
         FeedError: the context of the node was shut down.
     """
 
@@ -54,17 +54,17 @@ class Ros2(ThreadedMiddleware):
         if node is not None and domain_id is not None:
             raise TypeError("domain_id: a node has its domain already; give a node or a domain_id, not both")
         super().__init__(clock)
-        # Read here and once: a session or a guard that starts later is to reach the same robot.
+        # Read only once, here, so that a session or guard that starts later reaches the same robot.
         if domain_id is None:
             domain_id = domain_of_environment() if node is None else _domain_of(node)
         self._domain_id = domain_id
         self._name = name
         self._session: Ros2Session | None = None
         self._down = ""
-        """The reason why there is no session until the next attempt."""
+        """The reason why no session runs until the next attempt, or empty."""
         self._matched: set[tuple[str, str]] = set()
         self._is_alone = True
-        """Whether no robot was there so far."""
+        """True until a robot is discovered."""
 
     @property
     def where(self) -> str:
@@ -99,12 +99,12 @@ class Ros2(ThreadedMiddleware):
                 return session.publish(topic, message_type, message, until)
             except (FeedError, TimeoutError):
                 raise
-            except Exception as error:  # rclpy has a class of its own for each reason
+            except Exception as error:  # the class depends on the reason
                 if session.ok():
                     raise FeedError(f"cannot publish on {topic!r}: {one_line(error)}") from None
 
     def _await_session(self, until: float) -> Ros2Session:
-        """The session, or the next one when rclpy's signal handler has shut it down."""
+        """Return the session, or the next one if rclpy's signal handler has shut it down."""
         with self._lock:
             while True:
                 if self._closed.is_set() or self._down:
@@ -116,7 +116,7 @@ class Ros2(ThreadedMiddleware):
                 if not self._changed.wait_until(until):
                     raise FeedError(f"{self.where} is not connected yet")
 
-    def _wake(self) -> None:
+    def _wake_session(self) -> None:
         self._changed.notify_all()
         if self._session is not None:
             self._session.wake()
@@ -128,13 +128,13 @@ class Ros2(ThreadedMiddleware):
             while not self._closed.is_set():
                 self._use_session(listener, shut_down)
                 shut_down = True
-        except Exception as error:  # rclpy has a class of its own for each reason
+        except Exception as error:  # the class depends on the reason
             log.debug("%s was lost", self.where, exc_info=True)
             self._set_session(None, down=f"{self.where} cannot be used: {one_line(error)}")
         return self._down
 
     def _use_session(self, listener: Listener, one_was_shut_down: bool) -> None:
-        """Run one session until it is closed, or until an interrupt shuts it down; the next one then begins at once."""
+        """Run one session until it is closed or an interrupt shuts it down. The next one then begins at once."""
         session = Ros2Session(self._domain_id, listener, self._is_wanted, self._matched, self._clock, self._name)
         try:
             self._spin(session, listener, one_was_shut_down)
@@ -164,7 +164,7 @@ class Ros2(ThreadedMiddleware):
             session.spin_once(max(0.0, due - self._clock.now()))
 
     def _report(self, session: Ros2Session, adverts: Sequence[Advert], listener: Listener) -> None:
-        """Report the topics; none at all only when there was time to discover some."""
+        """Report the topics. Report an empty list only after there was time to discover some."""
         if not is_alone(adverts):
             if self._is_alone:
                 listener.on_nobody("")
@@ -187,23 +187,23 @@ class Ros2(ThreadedMiddleware):
 def _domain_of(node: Any) -> int:
     try:
         return int(node.context.get_domain_id())
-    except Exception:  # a class of rclpy's, which need not be installed
+    except Exception:  # a class of rclpy, which need not be installed
         raise FeedError(
             "node: its domain is not known any more, as rclpy was shut down; give a new node, or a domain_id"
         ) from None
 
 
 def ros2(node: Any = None, *, domain_id: int | None = None) -> Feed:
-    """A feed of ROS 2 through rclpy, on a node of its own.
+    """Open a feed of ROS 2 through rclpy, on a separate node.
 
     Args:
         node: a node of the program. Only its domain is used, so it need not be spun.
-        domain_id: the domain; None: the value of ``ROS_DOMAIN_ID`` now.
+        domain_id: the domain. The default is the current value of ``ROS_DOMAIN_ID``.
 
     Raises:
-        TypeError, ValueError: no node, no domain, also in ``ROS_DOMAIN_ID``, or both at once.
+        TypeError, ValueError: the node or the domain (possibly from ``ROS_DOMAIN_ID``) is invalid, or both are given.
         FeedError: rclpy cannot be imported, or was shut down for this node.
     """
-    from .feed import Feed  # a guard needs the middleware alone
+    from .feed import Feed  # a guard imports only the middleware
 
     return Feed(Ros2(node, domain_id=domain_id))

@@ -29,16 +29,16 @@ _POLL = 3.0
 """Seconds between two requests for the topics."""
 
 _NODES_AT_ONCE = 16
-"""Topics about whose nodes each request for the topics is followed by questions, where all nodes are asked for."""
+"""The largest number of topics whose nodes are requested after each request for topics, if all nodes are wanted."""
 
 _THROTTLE_MS = 16
 _SUBSCRIBE = "subscribe:"
 _OURS = "rosbridge_websocket"
 _TOPICS, _PUBLISHERS, _SUBSCRIBERS = "/rosapi/topics", "/rosapi/publishers", "/rosapi/subscribers"
 _ANSWERED = 3.0
-"""Seconds after which rosapi names the bridge as a publisher of a topic that we advertised, at the latest."""
+"""Seconds after which rosapi must name the bridge as a publisher of a topic that we advertised."""
 
-_CLOSING = "/robowidgets/closing"  # no such service exists: the robot answers so, and logs it
+_CLOSING = "/robowidgets/closing"  # this service does not exist: the robot answers so, and logs it
 _IN_CBOR = frozenset(
     (
         *("sensor_msgs/msg/LaserScan", "sensor_msgs/msg/Range", "sensor_msgs/msg/PointCloud2"),
@@ -47,11 +47,11 @@ _IN_CBOR = frozenset(
 )
 """Types that are requested in CBOR, because infinity has a meaning or the messages are large. Other types are not: most
 servers cannot encode an array of fixed size, such as any covariance, and then send nothing."""
-_ONLY_NULL = "the robot sends null for nothing in range as for no measurement: they cannot be told apart"
+_ONLY_NULL = "the robot sends null both for nothing in range and for no measurement: they cannot be distinguished"
 
 
 class Rosbridge(Bridge):
-    """A `Middleware` that speaks to a rosbridge server, in CBOR where cbor2 is installed.
+    """A `Middleware` with a connection to a rosbridge server, in CBOR if cbor2 is installed.
 
     Raises:
         TypeError, ValueError: the address is invalid.
@@ -64,7 +64,7 @@ class Rosbridge(Bridge):
             "service_response": self._on_response,
             "fragment": self._on_fragment,
         }
-        self._is_ros1 = False  # kept over connections: a speed may be sent before a new connection has listed the types
+        self._is_ros1 = False  # kept across connections: a speed may be sent before a new connection lists the types
         super().__init__(address, clock=clock)
 
     @property
@@ -100,7 +100,7 @@ class Rosbridge(Bridge):
     async def finish(self) -> None:
         """See `Bridge`."""
         await super().finish()
-        # When the connection ends, a server drops what it has not processed. It answers in order: await an answer.
+        # When the connection ends, a server drops unprocessed messages. It answers in order, so await an answer.
         if self._advertised:
             self._requests.clear()
             self._call(_CLOSING)
@@ -158,16 +158,16 @@ class Rosbridge(Bridge):
         self._types: dict[str, str] = {}
         self._nodes: dict[tuple[str, str], tuple[str, ...]] = {}
         self._asked_about: deque[str] = deque()
-        """The topics whose nodes are still to be asked for, in this round of all."""
+        """The topics whose nodes must still be requested in this round of all topics."""
         self._subscribed_as: dict[str, str] = {}
         self._with_null: set[str] = set()
         self._advertised: set[tuple[str, str]] = set()
         self._advertised_at: dict[str, tuple[float, str, tuple[str, ...] | None]] = {}
-        """For each topic that we advertised: the time, the type, and the publishers before, if they were known."""
+        """By topic that we advertised: the time, the type, and the publishers before, if they were known."""
         self._publishers: dict[str, tuple[str, ...]] = {}
-        """The publishers of topics, with the bridge."""
+        """The publishers of topics, including the bridge."""
         self._requests: deque[tuple[str, str]] = deque()
-        """Services to call, each with its topic; the first one is called."""
+        """The services to call, each with its topic. The call of the first one is running."""
         self._is_answered = True
         self._has_no_rosapi = False
         self._finished = asyncio.Event()
@@ -182,7 +182,7 @@ class Rosbridge(Bridge):
         self._later(_POLL, self._poll)
 
     def _call(self, service: str, topic: str = "") -> None:
-        # One at a time: a server may process all messages in one thread, where a speed waits for those before it.
+        # One at a time: a server may process all messages in one thread, and a speed would wait for earlier messages.
         if (service, topic) not in self._requests:
             self._requests.append((service, topic))
             if len(self._requests) == 1:
@@ -217,7 +217,7 @@ class Rosbridge(Bridge):
 
     def _change_share(self, topic: str) -> None:
         if topic in self._subscribed_as:
-            self._start(topic)  # the same id changes the subscription; the server may send one message twice then
+            self._start(topic)  # the same id changes the subscription, and the server may send one message twice
 
     def _on_publish(self, operation: dict[str, Any]) -> None:
         self._take(str(operation.get("topic")), operation)
@@ -253,7 +253,7 @@ class Rosbridge(Bridge):
             self._report_topics()
 
     def _report_refused(self, topic: str, nodes: list[str]) -> None:
-        """Report a topic that we advertised if the bridge does not publish it: it tells its clients no error."""
+        """Report a topic that we advertised if the bridge does not publish it. The bridge reports no error for it."""
         if topic not in self._advertised_at:
             return
         at, kind, before = self._advertised_at[topic]
@@ -283,7 +283,7 @@ class Rosbridge(Bridge):
             if kind in (TWIST, TWIST_STAMPED) or topic in self._followed:
                 self._call(_PUBLISHERS, topic)
             if topic in self._followed and self._subscribed_as.get(topic) != kind:
-                if topic in self._subscribed_as:  # else the server would wait for the old type for ever
+                if topic in self._subscribed_as:  # otherwise the server would wait for the old type forever
                     self._stop(topic)
                 self._start(topic)
         for topic in self._advertised_at:
@@ -292,10 +292,10 @@ class Rosbridge(Bridge):
             self._ask_about_some()
 
     def _ask_about_some(self) -> None:
-        """Ask who publishes and subscribes to some topics, so that all of many have their turn, new ones first.
+        """Request the publishers and subscribers of some topics: new topics first, then all others in turn.
 
-        Not by ``/rosapi/node_details``, which takes fewer questions: of ROS 2, asked about a node that has just ended,
-        it raises, and rosapi may end.
+        It does not use ``/rosapi/node_details``, which needs fewer requests: with ROS 2, a request for a node that has
+        just ended raises an error in rosapi, which may end.
         """
         new = [topic for topic in self._types if (_SUBSCRIBERS, topic) not in self._nodes]
         if not self._asked_about:
@@ -320,9 +320,9 @@ class Rosbridge(Bridge):
     def _without_rosapi(self) -> None:
         self._has_no_rosapi = True
         for topic in self._followed - self._received:
-            self._start(topic)  # repeatedly, because the topic may exist by now
+            self._start(topic)  # repeatedly, because the topic may exist now
             self._listener.on_trouble(
-                topic, f"waiting for {topic}; which topics there are cannot be told: the robot runs no rosapi"
+                topic, f"waiting for {topic}; the list of topics is unknown, because the robot runs no rosapi"
             )
 
 
@@ -335,7 +335,7 @@ def _fields(frame: Frame | dict[str, Any]) -> dict[str, Any]:
 
 
 def _ros1_stamps(value: Any) -> Any:
-    """A message with its times in the spelling of ROS 1."""
+    """Return a message with its times in the spelling of ROS 1."""
     if not isinstance(value, Mapping):
         return value
     if value.keys() == {"sec", "nanosec"}:
@@ -344,7 +344,7 @@ def _ros1_stamps(value: Any) -> Any:
 
 
 def rosbridge(address: str = "ws://127.0.0.1:9090") -> Feed:
-    """A feed of a robot that runs rosbridge_server, of ROS 1 or ROS 2. It needs tornado; with cbor2 it is faster.
+    """Open a feed of a robot that runs rosbridge_server, of ROS 1 or ROS 2. It needs tornado and is faster with cbor2.
 
     Args:
         address: the address of rosbridge: ``ws://``, or ``wss://`` for an encrypted connection.
@@ -353,6 +353,6 @@ def rosbridge(address: str = "ws://127.0.0.1:9090") -> Feed:
         TypeError, ValueError: the address is invalid.
         FeedError: tornado is not installed.
     """
-    from .feed import Feed  # a guard needs the middleware alone
+    from .feed import Feed  # a guard imports only the middleware
 
     return Feed(Rosbridge(address))

@@ -29,21 +29,21 @@ from .feed import Feed
 from .middleware import Advert, FeedError, Listener, NotConnectedYetError
 
 _SELF = ("/simulated_robot",)
-"""The name of the node that it would be."""
+"""The name of the node that would publish its topics."""
 
 GUARD = "robowidgets.feeds._guard.process:guard_robot"
 HELD = 3600.0
-"""Seconds for which the process of a robot holds a speed: the kernel ends it, or is silent."""
+"""Seconds for which the process of a robot holds a speed, unless the kernel ends it or is silent."""
 
 
 class Simulated(ThreadedMiddleware):
-    """A simulated robot as a `Middleware`: it runs in real time, in a thread of its own.
+    """A simulated robot as a `Middleware`. It runs in real time, in a thread.
 
     Args:
-        robot, hz, wander: as `RealTime` takes them.
-        process: whether the robot runs in a process of its own. One that has ended is started anew, with the robot as
-            it was.
-        clock: as `ThreadedMiddleware` takes it.
+        robot, hz, wander: as for `RealTime`.
+        process: True to run the robot in a separate process. If the process ends, it is started again with the robot in
+            its last state.
+        clock: as for `ThreadedMiddleware`.
     """
 
     def __init__(self, robot: Robot, hz: float, wander: bool, process: bool, clock: Clock | None = None) -> None:
@@ -61,7 +61,7 @@ class Simulated(ThreadedMiddleware):
             for offer in make(robot)
         ]
         self.guard = GuardLink(self.where) if process and os.name == "posix" else None
-        """In the process of the robot; None without one."""
+        """The guard in the process of the robot, or None without a process."""
         self._live: RealTime | RobotProcess
         if not process:
             self._live = RealTime(robot, hz, wander, offers, self._clock)
@@ -79,12 +79,12 @@ class Simulated(ThreadedMiddleware):
         """See `Middleware`."""
         self._listener = listener
         if isinstance(self._live, RealTime):
-            listener.on_connected()  # at once: the next line of a cell may drive
+            listener.on_connected()  # at once, because the next line of a cell may drive
         listener.on_topics(self._topics)
         self._start_thread("robowidgets-simulator", listener)
 
     def publish(self, topic: str, message_type: str, message: Mapping[str, Any]) -> None:  # noqa: ARG002
-        """See `Middleware`. It takes every message with a speed."""
+        """See `Middleware`. It accepts every message with a speed."""
         if topic != "/cmd_vel":
             raise FeedError(f"the simulated robot listens to /cmd_vel, not to {topic}")
         speed = to_speed(message)
@@ -105,7 +105,7 @@ class Simulated(ThreadedMiddleware):
         self._listener.on_message(topic, speed)
 
     def _listen(self, process: socket.socket) -> None:
-        """Hear the guard in the process of the robot, as long as there is one."""
+        """Read the messages of the guard in the process of the robot, while it runs."""
         with process:
             if self.guard is not None:
                 self.guard.listen(process, "open", "robot", {})
@@ -121,7 +121,7 @@ class Simulated(ThreadedMiddleware):
 
         return self._live.run(listener.on_message, on_start, listener.on_missed)
 
-    def _wake(self) -> None:
+    def _wake_session(self) -> None:
         if self._closed.is_set():
             if self.guard is not None:
                 self.guard.close()
@@ -134,7 +134,7 @@ class SimulatorFeed(Feed):
     """A feed of the built-in robot.
 
     Args:
-        robot, hz, wander, process: as `simulator` takes them.
+        robot, hz, wander, process: as for `simulator`.
 
     Attributes:
         robot: the simulated robot, for `robowidgets.simulator.View`.
@@ -156,7 +156,7 @@ class SimulatorFeed(Feed):
         return View(self)
 
     def reset(self) -> None:
-        """Start the simulation anew: robot and obstacles where they were, variables with their first values.
+        """Restart the simulation: robot and obstacles at their initial places, variables with their first values.
 
         The program restarts: in its initial state, with an empty ``state``.
         """
@@ -167,9 +167,9 @@ class SimulatorFeed(Feed):
             program.restart()
 
     def drawn(self) -> list[dict[str, Any]]:
-        """What programs draw on the laser widgets that are connected, as the page reads it.
+        """Return the drawings of programs on connected laser widgets, in the form for the page.
 
-        ``turned`` are the radians that a widget adds to the angles of the scanner.
+        ``turned`` is the angle in radians that a widget adds to the angles of the scanner.
         """
         widgets = [widget for widget in self.connection.widgets if isinstance(widget, LaserWidget)]
         return [{**form, "turned": widget.angle_offset} for widget in widgets for form in widget.forms()]
@@ -186,27 +186,28 @@ def simulator(
     process: bool = False,
     camera: bool = False,
 ) -> SimulatorFeed:
-    """A feed of the built-in robot, which needs no middleware: it wanders about a house until it is driven.
+    """Open a feed of the built-in robot, which needs no middleware. It wanders around a house until it is driven.
 
-    Its topics are /scan, /odom, /cmd_vel, /bumper where it has bumpers, and one below /sonar for each of its sonars;
+    Its topics are /scan, /odom, /cmd_vel, /bumper if it has bumpers, and a topic below /sonar for each of its sonars;
     with a camera also /camera/image_raw, /camera/depth/image_rect_raw, /camera/camera_info and /tf.
 
     Args:
-        robot: "turtlebot3", "kobuki", "create3", "pioneer" or "pr2"; or a robot of `robowidgets.simulator`; None: a
-            plain one.
-        scanner: "utm30lx", "lds01", "rplidar_a1", "urg04lx" or "neato", or a `Scanner`; None: that of the robot.
-        room: "house", "corridor", "office" or "maze"; or a `robowidgets.simulator.World`. None: the house, or the world
-            of the robot.
+        robot: "turtlebot3", "kobuki", "create3", "pioneer" or "pr2"; or a robot of `robowidgets.simulator`. The default
+            is a plain robot.
+        scanner: "utm30lx", "lds01", "rplidar_a1", "urg04lx" or "neato", or a `Scanner`. The default is the robot's
+            scanner.
+        room: "house", "corridor", "office" or "maze"; or a `robowidgets.simulator.World`. The default is the house, or
+            the world of the robot.
         hz: steps of the robot per second, above 0, at most 1000.
-        seed: the seed of everything random: of that robot, and of the maze.
-        wander: whether it wanders while nobody drives it; False: it stands still.
-        process: whether it runs in a process of its own, so that its time goes on while a cell keeps Python busy.
-        camera: whether it has a camera, which looks ahead.
+        seed: the seed of everything random, in the robot and in the maze.
+        wander: True to wander while it is not driven, False to stand still.
+        process: True to run it in a separate process, so that its time continues while a cell keeps Python busy.
+        camera: True for a camera that looks ahead.
 
     Raises:
-        TypeError: robot is no robot, room neither a name nor a world, hz or seed no number, or wander, process or
-            camera neither True nor False; a `Robot` is given with room, scanner or camera.
-        ValueError: hz is out of range, or nothing has this name.
+        TypeError: robot is not a robot; room is neither a name nor a world; hz or seed is not a number; wander, process
+            or camera is neither True nor False; or a `Robot` is given with room, scanner or camera.
+        ValueError: hz is out of range, or a name is unknown.
 
     Examples:
         >>> from robowidgets import feeds

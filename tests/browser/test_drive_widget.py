@@ -468,7 +468,7 @@ def test_what_is_wrong_is_said(plain_page: Callable[..., PlainPage]) -> None:
     pad_of(nb).focus()
     nb.page.keyboard.down("ArrowUp")
     expect(nb.widget(0).locator(".rw-notice")).to_have_text(
-        "The robot could not be driven: OSError: no route to the <b>robot</b>. Nor could it be told to stop"
+        "The robot could not be driven: OSError: no route to the <b>robot</b>. Sending zero failed, too"
     )
     says(nb, "no route to the <b>robot</b>")
     shoot(nb.widget(0), "drive-failed")

@@ -204,7 +204,7 @@ def test_names_and_messages_are_text_and_topics_alone_stand_in_rows(plain_page: 
     expect(box(widget, hostile)).to_have_count(1)
     nb.python(f"script.listener.on_message({hostile!r}, {{'data': '<b>hello</b>'}})")
     expect(box(widget, hostile)).to_contain_text('"<b>hello</b>"')
-    expect(widget.locator(".rw-wires-foot")).to_contain_text("the robot tells no nodes: topics alone")
+    expect(widget.locator(".rw-wires-foot")).to_contain_text("the robot does not report nodes, only topics")
     expect(widget.locator("img, b b")).to_have_count(0)
     assert nb.page.title() != "bad"
     shoot(widget, "wires-alone")

@@ -198,7 +198,7 @@ test("the bar shows the driver and the speed", () => {
   assert.equal(right?.replaceAll("\u00A0", " "), "a program drives: 0.20 m/s, 0.07 m/s to the right, 0.00 rad/s");
   assert.equal(say({ speed: [0, 0, 0.1] }).text, "stopping");
   assert.equal(say({ ready: false, cause: "the feed is closed" }).text, "the feed is closed");
-  assert.equal(say({ status: "nobody listens to /cmd_vel" }).hint, "nobody listens to /cmd_vel");
+  assert.equal(say({ status: "/cmd_vel has no subscriber" }).hint, "/cmd_vel has no subscriber");
   assert.equal(say({ driver: "program" }, { silence: SILENT }).text, SILENT);
   assert.deepEqual(say({ driver: "program" }, { hasKernel: false }), {
     text: "no kernel in this page",

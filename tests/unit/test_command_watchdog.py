@@ -159,7 +159,7 @@ def test_zero_is_sent_again_until_the_sink_takes_it(
     assert watchdog.owes_zero
     sink.error = None
     wait_for(lambda: not watchdog.owes_zero, "it is sent")
-    text = "the robot could not be told to stop: the wire is cut"
+    text = "sending zero to the robot failed: the wire is cut"
     wait_for(lambda: [record.message for record in caplog.records] == [text], "it is logged, once")
 
 
@@ -193,7 +193,7 @@ def test_zero_is_sent_again_also_at_the_end_of_a_process_that_starts_no_thread(
         watchdog.sent_in_time(watchdog.stop())
     sink.error = None
     wait_for(lambda: not watchdog.owes_zero, "it is sent again")
-    assert [record.message for record in caplog.records] == ["the robot could not be told to stop: the wire is cut"]
+    assert [record.message for record in caplog.records] == ["sending zero to the robot failed: the wire is cut"]
 
 
 def test_zeros_that_follow_each_other_are_sent_by_one_thread(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -243,7 +243,7 @@ def test_a_latched_stop_sends_zero_and_refuses_all_until_it_is_released(watchdog
     drive(watchdog, FORWARD)
     watchdog.stopped = True
     for refused in (lambda: watchdog.drive(FORWARD), lambda: watchdog.take("hand")):
-        with pytest.raises(RefusedError, match="stop is latched until somebody releases it"):
+        with pytest.raises(RefusedError, match="stop is latched; release it first"):
             refused()
     watchdog.sent_in_time(watchdog.drive(ZERO))
     assert set(sink.speeds[1:]) == {ZERO}
@@ -382,7 +382,7 @@ def test_after_a_standstill_zero_is_sent_and_no_speed_for_a_while(
     for _ in range(2):
         with pytest.raises(RefusedError, match=r"stood still for 0\.7 s|the computer has slept") as refused:
             watchdog.drive(FORWARD, hold=60.0)
-        assert str(refused.value).endswith("a speed may go by what came before; drive again in 2 s")
+        assert str(refused.value).endswith("the speed may be based on data from before that; drive again in 2 s")
         clock.advance(0.2)
         assert sink.speeds == [FORWARD, ZERO]
     assert watchdog.standstills == 1

@@ -325,7 +325,7 @@ class TestSink:
 
         pad = Pad(send=send)
         pad.hear("hold", token=pad.press(), forward=1)
-        wait_for(lambda: pad.told["error"].endswith(". Nor could it be told to stop"), "both are said")
+        wait_for(lambda: pad.told["error"].endswith(". Sending zero failed, too"), "both are said")
         assert pad.told["error"].startswith("The robot could not be driven: TypeError: ")
         assert pad.told["cause"].endswith("takes 1 positional argument but 2 were given")
         pad.close()
@@ -405,7 +405,7 @@ class TestFeed:
         pad.hold(forward=1, turn=1)
         wait_for(lambda: pad.told["speed"] == (0.2, 1.0, 0.0), "it drives")
         assert pad.told["topic"] == pad.title == "/base/cmd_vel"
-        unheard = "nobody listens to /base/cmd_vel, but to /cmd_vel"
+        unheard = "/base/cmd_vel has no subscriber, unlike /cmd_vel"
         assert pad.told["status"] == f"{unheard}; 0.5 m/s is cut to 0.2"
         script.listener.on_topics([CMD_VEL._replace(name="/base/cmd_vel")])
         assert pad.told["status"] == "0.5 m/s is cut to 0.2"
@@ -481,7 +481,7 @@ class TestFeed:
         script.broken = "no room"
         token = pad.hear("hold", token=token, forward=0.2)["token"]
         words = "The robot could not be driven: FeedError: no room"
-        both = f"{words}. Nor could it be told to stop"
+        both = f"{words}. Sending zero failed, too"
         wait_for(lambda: pad.told["error"] == both, "both are told")
         assert pad.told["cause"] == "no room"
         assert pad.told["speed"] == (0.1, 0.0, 0.0), "as far as is known it moves"

@@ -47,7 +47,7 @@ def test_it_tells_who_drives_and_what_is_said_against_it(feed: Feed, bar: StopWi
     wait_for(lambda: page.state["_state"]["speed"] == (0.2, 0.5, 0.0), "the speed is told")
     state = page.state["_state"]
     assert (state["driver"], state["topic"]) == (PROGRAM, "/base/cmd_vel")
-    assert state["status"] == "nobody listens to /base/cmd_vel, but to /cmd_vel"
+    assert state["status"] == "/base/cmd_vel has no subscriber, unlike /cmd_vel"
     wait_for(lambda: page.state["_state"]["driver"] == "", "the speed's time is over")
     feed.watchdog.take("hand")
     wait_for(lambda: page.state["_state"]["driver"] == "hand", "a hand holds a pad")
@@ -102,7 +102,7 @@ def test_a_zero_that_fails_is_told_until_it_was_sent(feed: Feed, script: Scripte
     feed.drive(0.2, 0.5)
     script.broken = "no room"
     bar.stopped = True
-    text = "The robot could not be told to stop: FeedError: no room"
+    text = "Sending zero to the robot failed: FeedError: no room"
     wait_for(lambda: page.state["_state"]["error"] == text, "it is told")
     assert page.state["_state"]["speed"] == (0.2, 0.5, 0.0), "as far as is known it moves"
     script.broken = ""

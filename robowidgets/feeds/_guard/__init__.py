@@ -1,1 +1,1 @@
-"""The guard: a process beside the kernel that sends speeds, and zero when the kernel is gone, frozen or late."""
+"""The guard: a process next to the kernel that sends speeds, and sends zero if the kernel is gone, frozen or late."""

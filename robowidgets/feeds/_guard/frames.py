@@ -1,4 +1,4 @@
-"""What goes between a kernel and its guard: messages in frames with a length and a checksum."""
+"""The messages between a kernel and its guard, in frames with a length and a checksum."""
 
 from __future__ import annotations
 
@@ -9,10 +9,10 @@ from typing import Any
 from zlib import crc32
 
 _HEAD = Struct(">II")
-_encode = json.JSONEncoder(allow_nan=False, separators=(",", ":")).encode  # `json.dumps` makes one for each call
+_encode = json.JSONEncoder(allow_nan=False, separators=(",", ":")).encode  # `json.dumps` would make one per call
 
 LARGEST = 60_000
-"""Bytes of the largest message."""
+"""The size of the largest message, in bytes."""
 
 TO_GUARD: dict[str, tuple[Any, ...]] = {
     "open": (str, dict),
@@ -22,16 +22,16 @@ TO_GUARD: dict[str, tuple[Any, ...]] = {
     "again": (),
     "close": (int,),
 }
-"""By the name of a message to a guard: the types of its parts.
+"""The messages to a guard by name, with the types of their parts.
 
-- ``open``: middleware, what to make it of.
+- ``open``: name of the middleware, its arguments.
 - ``beat``: the kernel is alive.
-- ``drive``: feed, number, topic, speed, the monotonic time at which it expires, the time at which it was sent by a
-  clock that goes on while the computer sleeps, count of stops of the guard that the kernel knows of, adverts of the
-  topic.
+- ``drive``: feed, number, topic, speed, the monotonic time at which the speed expires, the time at which it was sent by
+  a clock that continues while the computer sleeps, the number of stops of the guard that the kernel knows, adverts of
+  the topic.
 - ``zero``: feed, number, topic, adverts of the topic.
-- ``again``: the robot can be reached; a pause before the next attempt is over.
-- ``close``: a feed that sends no more.
+- ``again``: the robot can be reached; the guard must not wait for the next attempt.
+- ``close``: a feed that sends nothing any more.
 """
 
 FROM_GUARD: dict[str, tuple[Any, ...]] = {
@@ -44,24 +44,24 @@ FROM_GUARD: dict[str, tuple[Any, ...]] = {
     "done": (int, int, str, str, str, list),
     "stopped": (int, float, str),
 }
-"""By the name of a message from a guard: the types of its parts.
+"""The messages from a guard by name, with the types of their parts.
 
-- ``ready``: it is there. ``failed``: it cannot work, and why.
-- ``up``, ``down``: the robot can be reached, or not: why, and seconds until the next attempt.
-- ``unheard``: topic, and why a subscriber does not receive it.
-- ``slow``: the robot took long for one message of a speed, which may have others; each is waited for for a while.
-- ``done``: feed, number, class and text of the error or empty, for whom it was refused, types in which it was sent.
-- ``stopped``: count of its stops, seconds for which the kernel was silent, text for a standstill of the guard itself or
+- ``ready``: the process is ready. ``failed``: it cannot work; the reason.
+- ``up``: the robot can be reached. ``down``: it cannot; the reason, and seconds until the next attempt.
+- ``unheard``: topic, and the reason why a subscriber does not receive it.
+- ``slow``: the robot took long for one message of a speed, which may consist of several. The kernel waits for each.
+- ``done``: feed, number, class and text of the error or empty, subscribers that refused it, types in which it was sent.
+- ``stopped``: number of stops, seconds for which the kernel was silent, text for a standstill of the guard itself or
   empty.
 """
 
 
 class DamagedError(Exception):
-    """Bytes that are no message; the text says why."""
+    """Bytes that are not a valid message. The text gives the reason."""
 
 
 def packed(name: str, *parts: Any) -> bytes:
-    """The frame of a message."""
+    """Return the frame of a message."""
     text = _encode([name, *parts]).encode()
     if len(text) > LARGEST:
         raise ValueError(f"a message of {len(text)} bytes is too large for a guard")
@@ -69,10 +69,10 @@ def packed(name: str, *parts: Any) -> bytes:
 
 
 class Unpacker:
-    """Finds the messages in what came.
+    """A decoder of the messages in a stream of bytes.
 
     Args:
-        known: the messages that may come, as `TO_GUARD`.
+        known: the valid messages, as `TO_GUARD`.
     """
 
     def __init__(self, known: dict[str, tuple[Any, ...]]) -> None:
@@ -80,10 +80,10 @@ class Unpacker:
         self._rest = b""
 
     def take(self, data: bytes) -> Iterator[tuple[str, Sequence[Any]]]:
-        """The messages that are complete with these bytes: their names and parts.
+        """Yield the name and parts of each message that is complete with these bytes.
 
         Raises:
-            DamagedError: the bytes are no message. What follows them cannot be read either.
+            DamagedError: the bytes are not a message. The bytes after them cannot be read either.
         """
         self._rest += data
         while len(self._rest) >= _HEAD.size:
@@ -110,5 +110,5 @@ class Unpacker:
 
 
 def _is(part: Any, kind: type) -> bool:
-    """Whether a part has a type; JSON has whole numbers for some others."""
+    """Return True if a part has a type. A whole number is valid for a float, because JSON may write it so."""
     return isinstance(part, (float, int) if kind is float else kind) and not isinstance(part, bool)

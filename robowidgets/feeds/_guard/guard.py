@@ -1,4 +1,4 @@
-"""A guard's process: starts it, and shares it among the feeds to one robot."""
+"""The process of a guard: starting it, and sharing it among the feeds to one robot."""
 
 from __future__ import annotations
 
@@ -23,21 +23,21 @@ from .mark import SERVER_ENDED
 log = logging.getLogger("robowidgets")
 
 OFF = os.environ.get("ROBOWIDGETS_GUARD", "").strip().lower() == "off"
-"""Whether the kernel sends all speeds by itself, as the environment asks for."""
+"""True if the environment variable turns the guard off: then the kernel sends all speeds itself."""
 
 NONE_HERE = {"emscripten": "in a browser no process can be started", "win32": "on Windows there is no guard"}.get(
     sys.platform, ""
 )
-"""Why there is no guard on this system; empty where there can be one."""
+"""The reason why this system has no guard, or empty if it can have one."""
 
 STARTS, OVER = 3, 60.0
-"""Number of times that a guard is started, at most, within so many seconds."""
+"""A guard is started at most this many times within this many seconds."""
 
 READY_TIMEOUT = 25.0
-"""Seconds within which its process must be ready; else the kernel sends speeds."""
+"""Seconds within which the process must be ready. After that the kernel sends speeds."""
 
 END = 14.0
-"""Seconds after which a guard that was told to end is killed: it may go on trying to send zero."""
+"""Seconds after the request to end at which a guard is killed. Until then it may try to send zero."""
 
 START = """
 import sys, types
@@ -48,39 +48,39 @@ for name, folder in {packages!r}:
 from robowidgets.feeds._guard.process import main
 main({server})
 """
-"""Starts the process without the ``__init__`` of packages, which import widgets, and much else.
+"""Starts the process without the ``__init__`` modules of packages, which import widgets and many other modules.
 
-The standard library comes first in its path: a file of the user with such a name is not imported.
+The standard library comes first in its path, so a user's file with the name of a standard module is not imported.
 """
 
 
 class Guard(GuardLink):
-    """A process that publishes the speeds of one robot, for all feeds of this process to that robot.
+    """A process that publishes the speeds of one robot for all feeds of this process to that robot.
 
-    A thread of its own starts the process, and another one when it ends.
+    A thread starts the process, and starts another one if it ends.
 
     Args:
-        outlet: what the process publishes by.
-        where: the robot, for a person.
+        outlet: the middleware that the process publishes by, with its arguments.
+        where: text for the robot.
 
     Attributes:
-        pid: the number of the process; 0 while there is none.
+        pid: the number of the process, or 0 if it is not running.
     """
 
     def __init__(self, outlet: Outlet, where: str) -> None:
         super().__init__(where)
         self.unavailable, self._is_starting = NONE_HERE, not NONE_HERE
         self._outlet = outlet
-        # That in which the feed was opened: a process that is started later is like the first.
+        # The environment when the feed was opened, so that a process that is started later is like the first.
         self._environment = dict(os.environ)
         self._server = _server()
         self._server_has_ended = False
-        """True if the process ended because the server of this kernel has: the kernel ends, too, and sends nothing."""
+        """True if the process ended because the server of the kernel ended. The kernel ends, too, and sends nothing."""
         self.pid = 0
         self._thread: threading.Thread | None = None
 
     def start(self) -> None:
-        """Start it, unless that was done."""
+        """Start the process unless it is started already."""
         with self._lock:
             if self._thread is None and not self._is_closed and not self.unavailable:
                 self._thread = threading.Thread(target=self._run, name="robowidgets-guard", daemon=True)
@@ -114,16 +114,16 @@ class Guard(GuardLink):
                 self._say(log.error, f"{reason}; another one is started")
 
     def _hear_no_more(self, reason: str) -> None:
-        self._is_starting = not self._is_closed  # another one: from now on, so that a drive waits for it
+        self._is_starting = not self._is_closed  # set now, so that a drive waits for the next process
         super()._hear_no_more(reason)
 
     def _guard_once(self) -> str:
-        """Run a process until it ends; returns why, empty where it should."""
+        """Run a process until it ends. Return the reason, or empty if it was asked to end."""
         ours, its = socket.socketpair()
         with ours, its, tempfile.TemporaryFile() as said:
-            # -I: no module is imported from the folder of the notebook. -S: what sitecustomize and .pth files of a user
-            # do is not done. In a session of its own an interrupt of a terminal, and a signal to the group of the
-            # kernel, does not reach it.
+            # -I: no module is imported from the folder of the notebook. -S: neither sitecustomize nor .pth files of a
+            # user run. In a new session, an interrupt of the terminal or a signal to the process group of the kernel
+            # does not reach it.
             command = [sys.executable, "-I", "-S", "-c", _code(self._server)]
             process = subprocess.Popen(
                 command,
@@ -149,23 +149,23 @@ class Guard(GuardLink):
 
 
 def _code(server: int) -> str:
-    """What the process runs."""
+    """Return the code that the process runs."""
     return START.format(path=_path(), packages=_packages(), server=server)
 
 
 def _server() -> int:
-    """The number of the server that has started this kernel, which ends itself a second after it; 0 if none has."""
+    """Return the number of the server process that started this kernel, or 0. The kernel ends 1 s after its server."""
     told = os.environ.get("JPY_PARENT_PID", "")
     return os.getppid() if told == str(os.getppid()) else 0
 
 
 def _path() -> list[str]:
-    """Where the process finds modules: as here, but not in the folder of a notebook, whose files are the user's."""
+    """Return the import path of the process: the path here without the folder of the notebook and its user files."""
     return [entry for entry in import_path() if entry and Path(entry).absolute() != Path.cwd()]
 
 
 def _packages() -> list[tuple[str, str]]:
-    """The packages that import more than a guard needs, and their folders."""
+    """Return the packages that import more than a guard needs, with their folders."""
     root = Path(__file__).parents[2]
     return [("robowidgets", str(root)), *((f"robowidgets.{name}", str(root / name)) for name in _LARGE)]
 
@@ -179,12 +179,12 @@ class _Shared(NamedTuple):
 
 
 _shared: dict[str, _Shared] = {}
-"""The guards in use, by what they publish by."""
+"""The guards in use, by their outlets."""
 _sharing = threading.Lock()
 
 
 def guard_for(feed: int, outlet: Outlet, where: str) -> Guard:
-    """The guard of a robot, for one more feed. It does not start by this."""
+    """Return the guard of a robot, shared with one more feed. This does not start it."""
     key = json.dumps(outlet)
     with _sharing:
         there = _shared.get(key)
@@ -195,7 +195,7 @@ def guard_for(feed: int, outlet: Outlet, where: str) -> Guard:
 
 
 def release(feed: int, outlet: Outlet) -> None:
-    """Use it no more for a feed; after the last one it ends."""
+    """Stop using the guard for a feed. After the last feed, the guard ends."""
     with _sharing:
         there = _shared.get(json.dumps(outlet))
         if there is None or feed not in there.feeds:
@@ -208,7 +208,7 @@ def release(feed: int, outlet: Outlet) -> None:
 
 
 def _forget_all() -> None:
-    """Forget the guards of the parent of this forked process, a thread of which may have held the lock."""
+    """Forget the guards of the parent of this forked process, whose thread may have held the lock."""
     global _sharing
     _sharing = threading.Lock()
     _shared.clear()

@@ -1,4 +1,4 @@
-"""The kernel's side of the connection to a guard: hands it speeds, and hears what became of them."""
+"""The kernel's side of the connection to a guard: it sends speeds, and receives the results."""
 
 from __future__ import annotations
 
@@ -28,13 +28,13 @@ BEAT = 0.1
 """Seconds between two signs of life while a robot moves."""
 
 ANSWER = 0.8
-"""Seconds within which a guard answers, or says that one message took long; each waits for half a second at most."""
+"""Seconds within which a guard answers, or reports a slow message. Each message waits for at most half a second."""
 
 LOOK = 0.1
-"""Seconds between two looks whether it has answered."""
+"""Seconds between two checks for an answer."""
 
 WORKS = 0.05
-"""Seconds of processor time per second by which a process works whose threads wait for the GIL."""
+"""A process whose threads wait for the GIL uses at least this many seconds of processor time per second."""
 
 ENDED = "the guard that sends speeds has ended"
 
@@ -48,7 +48,7 @@ class NoAnswerError(TimeoutError):
 
 
 class Sent(NamedTuple):
-    """What became of a speed: whom it did not reach, and the types in which speeds were sent on its topic."""
+    """The result of a speed: the subscribers that it did not reach, and the types in which its topic got speeds."""
 
     refused: str
     moved: list[str]
@@ -64,19 +64,19 @@ class _Answer:
 class GuardLink(Observed):
     """The connection to a guard, over a socket.
 
-    Any thread may call each method. A thread calls `listen`, which hears the guard and tells it that the kernel is
-    alive.
+    Any thread may call each method. One thread runs `listen`, which reads the messages of the guard and reports to it
+    that the kernel is alive.
 
     Args:
-        where: the robot, for a person.
+        where: text for the robot.
 
     Attributes:
-        unavailable: why no guard can be had here, so that the kernel sends speeds; empty if one can.
-        down: why no speed can be sent now; empty if one can be.
-        told: text for the last standstill, of the kernel or of the guard; empty before the first.
-        stops: number of times that it stopped the robot for that.
-        ends: number of its processes that ended, though they should not.
-        up_at: the monotonic time at which it reached the robot last.
+        unavailable: the reason why a guard cannot run here, so that the kernel sends speeds; or empty.
+        down: the reason why no speed can be sent now, or empty if speeds can be sent.
+        told: text for the last standstill of the kernel or the guard, or empty before the first.
+        stops: the number of stops of the robot because of a standstill.
+        ends: the number of guard processes that ended unexpectedly.
+        up_at: the monotonic time at which the robot was reached last.
     """
 
     def __init__(self, where: str) -> None:
@@ -87,54 +87,54 @@ class GuardLink(Observed):
         self.stops = self.ends = 0
         self.up_at = float("-inf")
         self.on_unheard: dict[int, Callable[[str, str], object]] = {}
-        """By feed: called with a topic, and the reason why a subscriber does not receive it."""
+        """By feed, a function that is called with a topic and the reason why a subscriber does not receive it."""
         self.on_sent: dict[int, Callable[[str, Velocity], object]] = {}
-        """By feed: called with each topic and speed that another feed has sent by this guard."""
+        """By feed, a function that is called with each topic and speed that another feed has sent by this guard."""
         self._lock = threading.RLock()
         self._changed = threading.Condition(self._lock)
         self._socket: socket.socket | None = None
         self._is_ready = self._is_up = self._is_closed = self._hangs = self._has_been_ready = False
         self._is_starting = True
         self._known_stops = 0
-        """Those of the process that is there now, which it has told."""
+        """The number of stops that the current process has reported."""
         self._numbers = itertools.count()
         self._answers: dict[int, _Answer] = {}
         self._slow = 0
-        """Number of messages that took long."""
+        """The number of slow messages."""
         self._moving: set[int] = set()
         """The feeds whose last speed was not zero."""
         self._beat_at, self._worked, self._share = 0.0, 0.0, 0.0
-        """When the last sign of life was sent, the processor time until then, its share in the last silence."""
+        """The time of the last sign of life, the processor time at it, and the share of it in the last silence."""
         _links.add(self)
 
     @property
     def is_starting(self) -> bool:
-        """Whether a process is about to take speeds and to reach the robot for the first time."""
+        """True while a process is about to accept speeds and to reach the robot for the first time."""
         return self._is_starting
 
     @property
     def is_up(self) -> bool:
-        """Whether it reaches the robot."""
+        """True while it reaches the robot."""
         return self._is_up
 
     @property
     def is_there(self) -> bool:
-        """Whether its process takes speeds, though the robot may not be reached."""
+        """True while its process accepts speeds, even if the robot cannot be reached."""
         return self._is_ready
 
     def send(self, feed: int, topic: str, velocity: Velocity, expires: float, adverts: Sequence[Advert]) -> Sent:
-        """Have a speed, or zero, sent, and return when it is.
+        """Send a speed, or zero, and return when it is sent.
 
         Args:
             feed: the number of the feed.
-            topic: where it goes.
+            topic: the topic of the speed.
             velocity: the speed.
             expires: the monotonic time at which zero is due after it.
-            adverts: the topic, as it is advertised.
+            adverts: the adverts of the topic.
 
         Raises:
-            NotConnectedYetError: it has not started, or not reached the robot.
-            NoAnswerError: it does not answer.
+            NotConnectedYetError: the guard has not started, or not reached the robot.
+            NoAnswerError: the guard does not answer.
             FeedError, TimeoutError, ConnectionError: as `Middleware.publish`.
         """
         answer, number = _Answer(), next(self._numbers)
@@ -166,22 +166,22 @@ class GuardLink(Observed):
             raise answer.error
 
     def tell_others(self, feed: int, topic: str, velocity: Velocity) -> None:
-        """Tell the other feeds what a feed has sent. They do not hear it of the robot: a guard is no other program."""
+        """Report to the other feeds what a feed has sent. They ignore what a guard publishes on the network."""
         for number, call in list(self.on_sent.items()):
             if number != feed:
                 call(topic, velocity)
 
     def is_driven_beside(self, feed: int) -> bool:
-        """Whether another feed of this process drives the robot now."""
+        """Return True if another feed of this process drives the robot now."""
         return bool(self._moving - {feed})
 
     def listen(self, guard: socket.socket, *first: Any, ready_timeout: float = float("inf")) -> None:
-        """Hear what a guard says, and tell it that the kernel is alive, until it hangs up.
+        """Read the messages of a guard, and report that the kernel is alive, until the guard hangs up.
 
         Args:
             guard: the socket.
-            first: the name of the first message to it, and its parts.
-            ready_timeout: seconds within which it must say that it is ready.
+            first: the name of the first message to the guard, and its parts.
+            ready_timeout: seconds within which the guard must report that it is ready.
         """
         guard.setblocking(False)
         with self._lock:
@@ -191,16 +191,16 @@ class GuardLink(Observed):
                 self._hang_up()
         reason = ENDED
         try:
-            with suppress(OSError):  # it ended before it had read all
+            with suppress(OSError):  # the guard ended before it had read everything
                 if not self._hear(guard, time.monotonic() + ready_timeout):
                     reason, self._hangs = f"it is not ready after {ready_timeout:g} s", True
         except DamagedError as error:
-            reason = f"the guard that sends speeds said what makes no sense: {error}"
+            reason = f"the guard that sends speeds sent an invalid message: {error}"
             self._hangs = True
         self._hear_no_more(reason)
 
     def hurry(self) -> None:
-        """Have it reach the robot now, which can be reached again."""
+        """Make the guard connect now, because the robot can be reached again."""
         with self._lock:
             if self._is_ready and not self._is_up:
                 self._write(packed("again"))
@@ -215,14 +215,14 @@ class GuardLink(Observed):
                 self._write(packed("close", feed))
 
     def close(self) -> None:
-        """Have it end, with zero."""
+        """Make the guard send zero and end."""
         with self._lock:
             self._is_closed = True
             self._hang_up()
             self._changed.notify_all()
 
     def leave(self) -> None:
-        """Leave it to the parent of this forked process, a thread of which may have held the lock."""
+        """Leave the guard to the parent of this forked process, whose thread may have held the lock."""
         self._lock = threading.RLock()
         self._changed = threading.Condition(self._lock)
         self._is_closed = True
@@ -232,12 +232,12 @@ class GuardLink(Observed):
     # -- within --------------------------------------------------------------------------------------------------------
 
     def _await(self, answer: _Answer) -> None:
-        """Wait for an answer as long as the guard is at work. Called with the lock held."""
+        """Wait for an answer while the guard is at work. Called with the lock held."""
         waited, at, slow = 0.0, time.monotonic(), self._slow
         while not answer.is_there and waited < ANSWER:
             if not self._changed.wait(LOOK):
-                self._beat()  # the thread that hears the guard does so for a robot that moves already
-            # Where a look comes late, this process stood still, and the answer may wait to be read.
+                self._beat()  # once the robot moves, the thread that reads the guard's messages sends beats
+            # If a check comes late, this process stood still, and the answer may be waiting in the socket.
             waited, at = waited + min(time.monotonic() - at, 2 * LOOK), time.monotonic()
             if slow != self._slow:
                 waited, slow = 0.0, self._slow
@@ -254,7 +254,7 @@ class GuardLink(Observed):
             self._call_observers()
 
     def _hear(self, guard: socket.socket, ready_by: float) -> bool:
-        """Hear a guard until it hangs up; returns False if it is not ready in time."""
+        """Read the messages of a guard until it hangs up. Return False if it is not ready in time."""
         frames, poll = Unpacker(FROM_GUARD), select.poll()
         poll.register(guard, select.POLLIN)
         while True:
@@ -280,7 +280,7 @@ class GuardLink(Observed):
             self._write(packed("beat"))
 
     def _write(self, frame: bytes) -> None:
-        """Send a message. Called with the lock held. It never waits: a guard that does not read is ended."""
+        """Send a message without waiting: a guard that does not read is ended. Called with the lock held."""
         try:
             if self._socket is not None and self._socket.send(frame) != len(frame):
                 raise BlockingIOError
@@ -293,7 +293,7 @@ class GuardLink(Observed):
                 self._socket.shutdown(socket.SHUT_RDWR)
 
     def _say(self, write: Callable[[str], object], text: str) -> None:
-        """Write a line. Not in this thread, which tells that the kernel is alive: a log may hang."""
+        """Log a line from another thread, because a log may hang and this thread sends the signs of life."""
         call_in_thread(partial(write, f"{self._where}: {text}"))
 
     def _on_ready(self) -> None:
@@ -348,10 +348,10 @@ class GuardLink(Observed):
 
 @runtime_checkable
 class HasGuard(Protocol):
-    """A middleware that sends by a guard of its own."""
+    """A middleware that sends by a guard."""
 
     guard: GuardLink | None
-    """None: this one has none."""
+    """The guard, or None if this middleware has none."""
 
 
 _links: WeakSet[GuardLink] = WeakSet()

@@ -1,6 +1,6 @@
 """The process of a guard. It runs no code of a user, and imports neither Jupyter nor widgets.
 
-`robowidgets.feeds._guard.start` starts it. It ends by itself, with zero, when the kernel is gone.
+`robowidgets.feeds._guard.guard` starts it. It sends zero and ends by itself when the kernel is gone.
 """
 
 from __future__ import annotations
@@ -28,22 +28,22 @@ from .frames import TO_GUARD, DamagedError, Unpacker, packed
 from .mark import SERVER_ENDED
 
 SILENCE = HOLD
-"""Seconds without a word of the kernel after which zero is sent while the robot moves."""
+"""Seconds without a message of the kernel after which zero is sent while the robot moves."""
 
 GRACE = 0.03
-"""Seconds by which a speed holds longer here than in the kernel, whose zero comes first where the kernel is well."""
+"""Seconds by which a speed is valid longer here than in the kernel, so that a healthy kernel sends zero first."""
 
 DISCOVERY = ALONE + 0.6
-"""Seconds after the start in which a subscriber that the kernel knows of may not have been discovered."""
+"""Seconds after the start in which a subscriber that the kernel knows may not have been discovered yet."""
 
 LAST_ZERO = 10.0
-"""Seconds for which it goes on trying to send zero when the kernel is gone."""
+"""Seconds for which it tries to send zero after the kernel is gone."""
 
 SLOW = 0.05
-"""Seconds after which the kernel is told that one message took long, so that it waits for the next one, too."""
+"""Seconds after which a slow message is reported to the kernel, so that it waits for the next one, too."""
 
 ALIVE = 1.0
-"""Seconds between two looks whether the kernel is there."""
+"""Seconds between two checks if the kernel is alive."""
 
 MIDDLEWARES = {
     "dds": ("dds", "Dds"),
@@ -55,41 +55,41 @@ MIDDLEWARES = {
 """The module in ``feeds`` and the class of each middleware that a guard can publish by."""
 
 Tell = Callable[..., None]
-"""Tells the kernel a message: its name and its parts."""
+"""A function that sends the kernel a message: its name and its parts."""
 
 MakeMiddleware = Callable[[str, dict[str, Any]], Middleware]
 
 
 class Guarding:
-    """What a guard does with the messages of its kernel. It is the listener of the middleware by which it publishes.
+    """The reactions of a guard to the messages of its kernel. It is the listener of its middleware.
 
     Args:
-        tell: tells the kernel something; any thread may call it.
-        clock: what it goes by.
-        make: makes a middleware by its name in `MIDDLEWARES` and its arguments.
+        tell: sends the kernel a message; any thread may call it.
+        clock: the clock.
+        make: makes a middleware from its name in `MIDDLEWARES` and its arguments.
     """
 
     def __init__(self, tell: Tell, clock: Clock, make: MakeMiddleware | None = None) -> None:
         self._tell, self._clock, self._make = tell, clock, make or _made
         self._middleware: Middleware | None = None
         self._publishing = threading.Lock()
-        """Held while the middleware publishes: one thread at a time may."""
+        """Held while the middleware publishes: only one thread at a time may."""
         self._feeds: dict[int, _Feed] = {}
         self._ending: list[_Feed] = []
-        """Those that are closed, whose robot has not got its zero yet."""
+        """The closed feeds whose robot has not received its zero yet."""
         self._heard_at = clock.now()
         self._stops = self._standstills = 0
         self._silent_since: float | None = None
         self._up_at: float | None = None
-        """The time at which the robot was reached first."""
+        """The time at which the robot was reached for the first time."""
         self._wanted: frozenset[str] = frozenset()
-        """The topics to which somebody listens, as the middleware reports them."""
+        """The topics that have a subscriber, as the middleware reports them."""
 
     def take(self, name: str, parts: Sequence[Any]) -> None:
-        """Do what a message of the kernel asks for.
+        """Handle a message of the kernel.
 
         Raises:
-            DamagedError: a part of it makes no sense.
+            DamagedError: a part of it is invalid.
         """
         self._find_standstill()
         now = self._clock.now()
@@ -109,7 +109,7 @@ class Guarding:
             self._close(*parts)
 
     def look(self) -> float:
-        """Send zero after a standstill, of this process or of the kernel; returns the seconds until the next look."""
+        """Send zero after a standstill of this process or the kernel. Return the seconds until the next check."""
         self._find_standstill()
         if self._silent_since is not None or not any(feed.moves for feed in self._all):
             return ALIVE
@@ -123,7 +123,7 @@ class Guarding:
         return ALIVE
 
     def _find_standstill(self) -> None:
-        """Refuse what the kernel requested before a standstill of this process, after which a watchdog sends zero."""
+        """Detect a standstill of this process, and refuse what the kernel requested before it."""
         found = [(feed.watchdog.look(), feed.watchdog.stood) for feed in self._all]
         standstills, before = sum(count for count, _ in found), self._standstills
         self._standstills = standstills
@@ -136,7 +136,7 @@ class Guarding:
             self._tell("stopped", self._stops, 0.0, stood.replace("this process", "the guard"))
 
     def finish(self) -> None:
-        """Send zero for all that moves, and go on trying for a while; then disconnect."""
+        """Send zero for every feed that moves, and try again for a while; then disconnect."""
         until = self._clock.now() + LAST_ZERO
         there = self._all
         for feed in there:
@@ -164,7 +164,7 @@ class Guarding:
             feed.watchdog.on_lost()
 
     def on_nobody(self, reason: str) -> None:
-        """See `Listener`. The kernel hears it of its own middleware."""
+        """See `Listener`. The kernel gets the report from its own middleware."""
 
     def on_topics(self, topics: Sequence[Advert]) -> None:
         """See `Listener`."""
@@ -200,7 +200,7 @@ class Guarding:
                     self._tell("slow")
 
     def why_too_early(self, topic: str, adverts: Sequence[Advert]) -> str:
-        """Why a subscriber that the kernel knows of would miss a speed; empty if none would."""
+        """Return the reason why a subscriber that the kernel knows would miss a speed, or empty if none would."""
         is_wanted = any(advert.wanted for advert in adverts)
         if is_wanted and topic not in self._wanted and self._clock.now() < (self._up_at or 0.0) + DISCOVERY:
             return f"the guard that sends speeds has not discovered the subscriber of {topic} yet"
@@ -221,7 +221,7 @@ class Guarding:
 
     @property
     def _all(self) -> list[_Feed]:
-        """The feeds whose robot may need a zero, also those that are closed."""
+        """The feeds whose robot may need a zero, including closed ones."""
         return [*self._feeds.values(), *self._ending]
 
     def _close(self, number: int) -> None:
@@ -275,7 +275,7 @@ def _made(kind: str, arguments: dict[str, Any]) -> Middleware:
 
 
 class _Feed:
-    """The speeds of one feed of the kernel: a watchdog, and what publishes for it."""
+    """The speeds of one feed of the kernel: a watchdog, and the publisher that it uses."""
 
     def __init__(self, number: int, guarding: Guarding, tell: Tell, clock: Clock) -> None:
         self._number, self._tell = number, tell
@@ -284,22 +284,22 @@ class _Feed:
         self._asked: list[tuple[int, Request]] = []
         self._answering = threading.Lock()
         self._twists = TwistPublisher(guarding, clock)
-        # The kernel refuses what may go by what came before a standstill. Here only what it requested before is old.
+        # The kernel refuses speeds based on data from before a standstill. Here only earlier requests are old.
         self.watchdog = CommandWatchdog(self._send, not_sent=FeedError, clock=clock, settle=0.0)
         self.watchdog.observe(self._answer)
 
     @property
     def moves(self) -> bool:
-        """Whether a speed other than zero was sent, or may have been, without a zero since."""
+        """True while a speed other than zero was sent, or may have been, without a zero since."""
         return self.watchdog.owes_zero
 
     def drive(self, number: int, topic: str, adverts: Sequence[Advert], velocity: Velocity, hold: float) -> None:
-        """Send a speed, and tell when it is done."""
+        """Send a speed, and report when it is done."""
         self._topic, self._adverts[topic] = topic, adverts
         self._await(number, self.watchdog.drive(velocity, hold))
 
     def zero(self, number: int, topic: str, adverts: Sequence[Advert]) -> None:
-        """Send zero, and tell when it is done."""
+        """Send zero, and report when it is done."""
         self._topic, self._adverts[topic] = topic, adverts
         self._await(number, self.watchdog.stop())
 
@@ -309,7 +309,7 @@ class _Feed:
         self.watchdog.on_connected()
 
     def end(self) -> None:
-        """Tell nothing more."""
+        """Report nothing any more."""
         self.watchdog.unobserve(self._answer)
 
     def _send(self, linear: float, angular: float, lateral: float) -> None:
@@ -323,7 +323,7 @@ class _Feed:
         self._answer()
 
     def _answer(self) -> None:
-        """Tell the kernel which of its requests are done. The watchdog calls it after each speed."""
+        """Report to the kernel which of its requests are done. The watchdog calls it after each speed."""
         with self._answering:
             done = [(number, request.error) for number, request in self._asked if request.done]
             self._asked = [(number, request) for number, request in self._asked if not request.done]
@@ -334,14 +334,14 @@ class _Feed:
 
 
 def _kind_of(error: BaseException) -> str:
-    """The class of an error that a sink raises, as the kernel raises it again."""
+    """Return the class of an error of a sink, in the form in which the kernel raises it again."""
     kinds = (NotConnectedYetError, FeedError, TimeoutError)
     return next((kind.__name__ for kind in kinds if isinstance(error, kind)), ConnectionError.__name__)
 
 
 def _velocity(speed: list[Any]) -> Velocity:
     if len(speed) != 3 or not all(isinstance(part, (int, float)) for part in speed):
-        raise DamagedError(f"no speed: {speed!r:.80}")
+        raise DamagedError(f"not a speed: {speed!r:.80}")
     return Velocity(*map(float, speed))
 
 
@@ -349,16 +349,16 @@ def _adverts(given: list[Any]) -> list[Advert]:
     try:
         return [Advert(str(name), str(kind), bool(offered), wanted) for name, kind, offered, wanted in given]
     except (TypeError, ValueError):
-        raise DamagedError(f"no topics: {given!r:.80}") from None
+        raise DamagedError(f"not a list of topics: {given!r:.80}") from None
 
 
 def serve(kernel: socket.socket, ends: Collection[Any], make: MakeMiddleware | None = None) -> None:
-    """Guard until the kernel is gone, says what makes no sense, or something else asks for the end; with zero then.
+    """Guard until the kernel is gone or sends an invalid message, or until another source asks for the end; send zero.
 
     Args:
-        kernel: the connection to it, which does not block.
-        ends: sockets and files, as `select` takes them, any of which asks for the end when it can be read.
-        make: as `Guarding` takes it.
+        kernel: the connection to the kernel, a non-blocking socket.
+        ends: sockets and files, as `select` accepts them. The guard ends when any of them can be read.
+        make: as for `Guarding`.
     """
     parent, writing = os.getppid(), threading.Lock()
 
@@ -366,7 +366,7 @@ def serve(kernel: socket.socket, ends: Collection[Any], make: MakeMiddleware | N
         try:
             with writing:
                 kernel.sendall(packed(name, *parts))
-        except OSError:  # it does not read any more: nothing can be told, and nothing must wait for it
+        except OSError:  # the kernel does not read any more; nothing may wait for it
             with suppress(OSError):
                 kernel.shutdown(socket.SHUT_RDWR)
 
@@ -384,7 +384,7 @@ def serve(kernel: socket.socket, ends: Collection[Any], make: MakeMiddleware | N
                     guarding.take(name, parts)
     except OSError:
         pass  # the kernel is gone
-    finally:  # also when it said what makes no sense
+    finally:  # also after an invalid message
         guarding.finish()
 
 
@@ -415,7 +415,7 @@ class _Robot:
 
 
 def guard_robot(kernel: socket.socket, drive: Callable[[float, float, float], object]) -> None:
-    """Guard a simulated robot in its own process: it runs no code of a user either, and needs no other one."""
+    """Guard a simulated robot in its process, which runs no code of a user either and so needs no extra process."""
     kernel.setblocking(False)
     with kernel:
         serve(kernel, (), lambda *_: _Robot(drive))
@@ -425,8 +425,8 @@ def main(server: int = 0) -> None:
     """Run the process: standard input is the socket to the kernel.
 
     Args:
-        server: the number of the process without which the kernel ends itself, if there is one. The kernel looks for it
-            once a second; the robot is to stop at once.
+        server: the number of the process whose end ends the kernel, or 0. The kernel checks it once a second, but the
+            robot must stop at once.
     """
     faulthandler.enable()
     ended, signalled = socket.socketpair()
@@ -434,7 +434,7 @@ def main(server: int = 0) -> None:
     signal.set_wakeup_fd(signalled.fileno(), warn_on_full_buffer=False)
     for number in (signal.SIGINT, signal.SIGHUP):  # the kernel may survive them
         signal.signal(number, signal.SIG_IGN)
-    signal.signal(signal.SIGTERM, lambda *_: None)  # `serve` is told of it
+    signal.signal(signal.SIGTERM, lambda *_: None)  # the wakeup descriptor reports it to `serve`
     sys.setswitchinterval(0.0005)
     kernel = socket.socket(fileno=os.dup(0))
     kernel.setblocking(False)
@@ -455,7 +455,7 @@ class _ServerEndedError(RuntimeError):
 
 
 def _end_of(server: int) -> list[int]:
-    """A file that can be read when a process has ended, where the system has such files."""
+    """Return a file that can be read when a process has ended, if the system supports such files; else nothing."""
     if not server or not hasattr(os, "pidfd_open"):
         return []
     try:
@@ -463,7 +463,7 @@ def _end_of(server: int) -> list[int]:
         has_ended = bool(select.select([end], (), (), 0)[0])
     except ProcessLookupError:
         has_ended = True
-    except OSError:  # of a system that forbids it
+    except OSError:  # the system forbids it
         return []
     if has_ended:
         raise _ServerEndedError("the server that started this kernel has ended, and so will the kernel")

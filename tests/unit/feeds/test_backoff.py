@@ -34,7 +34,7 @@ class Failing(ThreadedMiddleware):
         self._closed.wait()
         return ""
 
-    def _wake(self) -> None:
+    def _wake_session(self) -> None:
         pass
 
 

@@ -246,7 +246,8 @@ def test_a_type_that_nobody_defines_is_named(dds: Dds, heard: Ears, robot: Robot
     publish_until(robot, lambda: heard.troubles, "it is said", "/riddle", "Mystery", "?")
     assert heard.words("/riddle") == (
         "/riddle comes as nobody_msgs/msg/Mystery, a type that is not known here: "
-        "robowidgets.messages.add_definitions(folder) takes its .msg files; feeds.ros2 and feeds.foxglove need none"
+        "add its .msg files with robowidgets.messages.add_definitions(folder), or use feeds.ros2 or feeds.foxglove, "
+        "which do not need them"
     )
 
 
@@ -516,7 +517,9 @@ def test_a_robot_that_comes_back_gets_the_zero_that_was_sent_meanwhile(
     assert robot.heard()["linear"]["x"] == 0.5
     robot.do("end")
     wait_for(lambda: heard.topics == [], "it is gone")
-    with pytest.raises(TimeoutError, match="nobody listens to /cmd_vel any more: who was driven may not be reached"):
+    with pytest.raises(
+        TimeoutError, match="/cmd_vel has no subscriber any more: the robot that was driven may be unreachable"
+    ):
         dds.publish("/cmd_vel", TWIST, {"linear": {"x": 0.0}})
     again = start()
     again.do("hear", "/cmd_vel", "Twist", reliable)
@@ -787,7 +790,7 @@ def test_a_domain_without_a_robot_says_what_to_compare_until_there_is_one(
     first = 7400 + 250 * DOMAIN
     assert heard.nobody == (
         f"no robot in domain {DOMAIN}. Is {DOMAIN} the robot's ROS_DOMAIN_ID? Does a firewall block the UDP ports "
-        f"{first} to {first + 249}? On 'lo' only this machine is heard."
+        f"{first} to {first + 249}? 'lo' reaches only this machine."
     )
     wait_for(lambda: heard.topics == [], "then the topics count as known")
     robot = start(lease="1s")  # after which others miss it, not after Cyclone's ten seconds
@@ -802,7 +805,7 @@ def test_a_domain_without_a_robot_says_what_to_compare_until_there_is_one(
 def test_on_other_interfaces_what_to_compare_names_them(monkeypatch: pytest.MonkeyPatch) -> None:
     names = [(1, "lo"), (2, "docker0"), (3, "wlan0"), (4, "eth0")]
     monkeypatch.setattr(socket, "if_nameindex", lambda: names)
-    network = "Is it in another network, as in dds(7, interface='wlan0')? There are docker0, wlan0"
+    network = "Is it in another network? Then use dds(7, interface='wlan0'). The interfaces are docker0, wlan0"
     assert Dds(7)._no_robot().endswith(f" {network}, eth0.")
     assert Dds(7, interface="eth0")._no_robot().endswith(f" {network}.")
     names[:] = names[:1]
@@ -838,7 +841,7 @@ def test_each_line_of_rosout_is_an_event(robot: Robot) -> None:
 
 
 def test_the_guard_of_another_kernel_is_another_publisher_and_ours_is_not(robot: Robot) -> None:
-    told = "somebody else publishes /cmd_vel, too"
+    told = "another node publishes /cmd_vel, too"
     with Feed(Dds(DOMAIN, interface="lo")) as feed:
         robot.hear("/cmd_vel", "Twist")
         wait_for(lambda: any(topic.name == "/cmd_vel" for topic in feed.topics), "the robot is found")

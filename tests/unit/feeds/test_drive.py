@@ -33,7 +33,7 @@ def driven(monkeypatch: pytest.MonkeyPatch) -> Iterator[Driven]:
 
     Their speeds hold for long where a test names no hold: a busy machine may send one late.
     """
-    monkeypatch.setattr("robowidgets.feeds._connection.PATIENCE", 0.02)
+    monkeypatch.setattr("robowidgets.feeds._connection.DISCOVERY_TIMEOUT_S", 0.02)
     there: list[Feed] = []
 
     def open_one(
@@ -406,7 +406,7 @@ def test_driving_otherwise_does_not_forget_the_zero_that_another_topic_is_owed(d
 def test_stopping_waits_a_moment_for_the_robot_and_for_somebody_who_listens(
     driven: Driven, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("robowidgets.feeds._connection.PATIENCE", 240.0)
+    monkeypatch.setattr("robowidgets.feeds._connection.DISCOVERY_TIMEOUT_S", 240.0)
     feed, script = driven(connected=False)
     heard = threading.Timer(0.1, lambda: script.listener.on_topics([SCAN, STAMPED]))
     listed = threading.Timer(0.05, lambda: (script.listener.on_topics([SCAN]), heard.start()))
@@ -440,7 +440,7 @@ def test_an_error_of_any_kind_does_not_keep_the_next_zero_from_being_sent(
         patch.setattr(script, "publish", cut)
         clock.advance(0.2)
         wait_for(lambda: caplog.records, "it is logged")
-        assert caplog.records[0].message == "the robot could not be told to stop: the wire is cut"
+        assert caplog.records[0].message == "sending zero to the robot failed: the wire is cut"
     clock.advance(RETRY)
     assert script.speeds[-1] == (0.0, 0.0)
     wait_for(lambda: clock.advance(0.1) or _driving_threads() == [], "the thread ends")
@@ -476,7 +476,7 @@ def test_the_middleware_is_closed_whatever_keeps_zero_from_being_sent(
 def test_driving_waits_two_seconds_for_the_robot_and_no_longer(
     driven: Driven, clock: ManualClock, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("robowidgets.feeds._connection.PATIENCE", 2.0)
+    monkeypatch.setattr("robowidgets.feeds._connection.DISCOVERY_TIMEOUT_S", 2.0)
     feed, script = driven(connected=False, clock=clock)
     driving = clock.beside(lambda: feed.drive(0.1))
     clock.advance(1.999)
@@ -572,7 +572,9 @@ def test_who_drives_on_after_the_computer_slept_is_refused_until_what_came_befor
     clock.advance(0.1)
     clock.asleep += 3600.0
     for _ in range(2):
-        assert words_of(feed).startswith("cannot drive: the computer has slept, and a speed may go by what came before")
+        assert words_of(feed).startswith(
+            "cannot drive: the computer has slept, and the speed may be based on data from before that"
+        )
         feed.drive(0.0)
         clock.advance(0.9)
     assert {speed for speed, _ in script.speeds} == {0.0}
@@ -644,7 +646,7 @@ def test_a_zero_that_cannot_be_sent_is_logged(driven: Driven, caplog: pytest.Log
     script.broken = "the script is read only"
     with pytest.raises(FeedError, match="cannot stop: the script is read only; zero follows when it can be sent"):
         feed.stop()
-    text = "the robot could not be told to stop: the script is read only"
+    text = "sending zero to the robot failed: the script is read only"
     wait_for(lambda: [record.message for record in caplog.records] == [text], "it is logged")
 
 
@@ -652,15 +654,15 @@ def test_a_robot_that_nobody_hears_is_told_once(driven: Driven, caplog: pytest.L
     feed, _ = driven(SCAN)
     feed.drive(0.1)
     feed.drive(0.1)
-    assert feed.drive_status == "nobody listens to /cmd_vel"
-    assert [r.message for r in caplog.records] == ["the script: nobody listens to /cmd_vel"]
+    assert feed.drive_status == "/cmd_vel has no subscriber"
+    assert [r.message for r in caplog.records] == ["the script: /cmd_vel has no subscriber"]
 
 
 def test_a_stop_that_nobody_hears_is_told_once(driven: Driven, caplog: pytest.LogCaptureFixture) -> None:
     feed, _ = driven(SCAN)
     feed.stop()
     feed.stop()
-    assert [r.message for r in caplog.records] == ["the script: nobody listens to /cmd_vel"]
+    assert [r.message for r in caplog.records] == ["the script: /cmd_vel has no subscriber"]
 
 
 def test_that_nobody_listens_is_not_said_while_nothing_is_connected(
@@ -674,7 +676,7 @@ def test_that_nobody_listens_is_not_said_while_nothing_is_connected(
     feed.drive(0.1)
     assert (feed.drive_status, caplog.records) == ("", [])
     script.listener.on_topics([SCAN])
-    assert feed.drive_status == "nobody listens to /cmd_vel"
+    assert feed.drive_status == "/cmd_vel has no subscriber"
 
 
 def test_where_no_robot_is_driving_and_stopping_say_what_to_compare(
@@ -698,7 +700,9 @@ def test_where_no_robot_is_driving_and_stopping_say_what_to_compare(
 
 ROBOT_1, ROBOT_2 = (CMD_VEL._replace(name=f"/robot{number}/cmd_vel") for number in (1, 2))
 NAME_IT = r"; name the topic of your robot: feed.driving = feeds.Driving\(topic='/robot1/cmd_vel'\)"
-TAKEN = "the script: nobody listens to /cmd_vel: speeds go to /robot1/cmd_vel, where alone somebody does"
+TAKEN = (
+    "the script: /cmd_vel has no subscriber; sending speeds to /robot1/cmd_vel, the only velocity topic that has one"
+)
 
 
 def test_the_only_topic_of_speeds_that_is_heard_is_driven_and_that_is_said_once(
@@ -735,7 +739,7 @@ def test_stop_pads_and_programs_take_the_only_topic_that_is_heard_as_drive_does(
 
 def test_of_several_topics_that_are_heard_none_is_driven_and_all_are_named(driven: Driven) -> None:
     feed, script = driven(SCAN, ROBOT_1, ROBOT_2)
-    words = f"nobody listens to /cmd_vel, but to /robot1/cmd_vel and /robot2/cmd_vel{NAME_IT}"
+    words = f"/cmd_vel has no subscriber, unlike /robot1/cmd_vel and /robot2/cmd_vel{NAME_IT}"
     with pytest.raises(FeedError, match=f"cannot drive: {words}"):
         feed.drive(0.1)
     with pytest.raises(FeedError, match=f"cannot stop: {words}"):
@@ -744,10 +748,10 @@ def test_of_several_topics_that_are_heard_none_is_driven_and_all_are_named(drive
     pad = Pad(send=None)
     pad.connect(feed)
     pad.hear("hold", token=pad.press(), forward=0.2)
-    wait_for(lambda: "but to /robot1/cmd_vel and /robot2/cmd_vel" in pad.told["error"], "the pad says so")
+    wait_for(lambda: "unlike /robot1/cmd_vel and /robot2/cmd_vel" in pad.told["error"], "the pad says so")
     pad.hear("release")
     program = feed.program(lambda: Drive(0.1))
-    wait_for(lambda: "but to /robot1/cmd_vel and /robot2/cmd_vel" in program.waiting, "the program says so")
+    wait_for(lambda: "unlike /robot1/cmd_vel and /robot2/cmd_vel" in program.waiting, "the program says so")
     assert set(script.speeds) == {(0.0, 0.0)}
     feed.driving = Driving(topic="/robot2/cmd_vel")
     feed.drive(0.1)
@@ -757,7 +761,7 @@ def test_of_several_topics_that_are_heard_none_is_driven_and_all_are_named(drive
 def test_a_topic_that_was_set_stays_and_stopping_where_nobody_hears_it_says_who_is_heard(driven: Driven) -> None:
     feed, script = driven(SCAN, ROBOT_1, topic="/cmd_vel")
     feed.drive(0.1)
-    with pytest.raises(FeedError, match=f"cannot stop: nobody listens to /cmd_vel, but to /robot1/cmd_vel{NAME_IT}"):
+    with pytest.raises(FeedError, match=f"cannot stop: /cmd_vel has no subscriber, unlike /robot1/cmd_vel{NAME_IT}"):
         feed.stop()
     assert {topic for topic, _, _ in script.sent} == {"/cmd_vel"}
 
@@ -781,7 +785,7 @@ def test_what_was_driven_once_is_driven_on_whoever_else_is_heard(driven: Driven)
 def test_no_topic_is_chosen_before_the_usual_one_had_time_to_be_found(
     driven: Driven, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("robowidgets.feeds._connection.PATIENCE", 60.0)
+    monkeypatch.setattr("robowidgets.feeds._connection.DISCOVERY_TIMEOUT_S", 60.0)
     feed, script = driven(ROBOT_1)
     feed.stopped = True
     wait_for(lambda: script.sent, "zero is sent")
@@ -888,7 +892,7 @@ def test_stop_latches_until_it_is_released(driven: Driven) -> None:
     feed.stopped = True
     wait_for(lambda: script.speeds == [(0.3, 0.0), (0.0, 0.0)], "zero is sent")
     assert feed.stopped
-    with pytest.raises(FeedError, match="cannot drive: stop is latched until somebody releases it"):
+    with pytest.raises(FeedError, match="cannot drive: stop is latched; release it first"):
         feed.drive(0.2)
     feed.stop()
     feed.stopped = False
@@ -916,7 +920,7 @@ def test_a_robot_that_needs_a_page_is_not_driven_without_one(driven: Driven, mon
     [
         (("/teleop",), "/teleop publishes /cmd_vel, too"),
         (("/nav", "/teleop"), "/nav, /teleop publishes /cmd_vel, too"),
-        ((), "somebody else publishes /cmd_vel, too"),
+        ((), "another node publishes /cmd_vel, too"),
     ],
 )
 def test_who_else_publishes_speeds_is_named(driven: Driven, others: tuple[str, ...], words: str) -> None:

@@ -334,8 +334,8 @@ def test_a_widget_says_what_it_waits_for_and_then_nothing(opened: Opened) -> Non
     [
         ("/scna", [SCAN, ODOM], "no such topic /scna; there are /scan, /odom; did you mean /scan?"),
         ("/scan", [IMU], "no such topic /scan; there are /imu"),
-        ("/scan", [], "no topic /scan yet; there is none at all"),
-        ("/scan", [SCAN._replace(offered=False)], "nobody publishes /scan yet"),
+        ("/scan", [], "no topic /scan yet; no topics are known"),
+        ("/scan", [SCAN._replace(offered=False)], "/scan has no publisher yet"),
     ],
 )
 def test_a_widget_names_what_is_there_instead(opened: Opened, asked: str, there: list[Advert], words: str) -> None:
@@ -351,7 +351,7 @@ def test_a_publisher_that_ends_and_comes_back_is_told(opened: Opened) -> None:
     feed.connect("/scan", laser)
     script.listener.on_message("/scan", scan())
     script.listener.on_topics([SCAN._replace(offered=False)])
-    assert source(laser)["status"] == "nobody publishes /scan any more"
+    assert source(laser)["status"] == "/scan has no publisher any more"
     script.listener.on_topics([SCAN])
     assert source(laser)["status"] == "waiting for /scan"
     script.listener.on_message("/scan", scan())
@@ -364,7 +364,7 @@ def test_a_topic_that_vanishes_with_its_publisher_is_told_as_one_that_nobody_pub
     feed.connect("/scan", laser)
     script.listener.on_message("/scan", scan())
     script.listener.on_topics([ODOM])
-    assert source(laser)["status"] == "nobody publishes /scan any more"
+    assert source(laser)["status"] == "/scan has no publisher any more"
 
 
 def test_a_connection_that_is_lost_and_found_is_told(opened: Opened) -> None:
@@ -557,7 +557,7 @@ def test_a_forked_process_is_told_that_the_feed_stayed_behind_whoever_held_its_l
     with open(reading) as answer:
         said = answer.read().splitlines()
     os.waitpid(child, 0)
-    words = "the feed of the script stayed with the process that was forked: open it again"
+    words = "the feed of the script belongs to the parent of this forked process: open it again"
     assert said == [words] * 4 + ["[(0.1, 0.0)] 0"]
     feed.stop()
     assert script.speeds == [(0.1, 0.0), (0.0, 0.0)]

@@ -235,8 +235,8 @@ def test_a_refused_connection_is_told_and_tried_again_ever_more_rarely(ears: Ear
     wait_for(lambda: len(ears.lost) == 2, "it was tried twice")
     middleware.close()
     assert ears.lost[0] == (
-        f"nothing listens at {address}; is the robot's bridge running, and the port right? Usual are 8765 for "
-        "foxglove_bridge and 9090 for rosbridge"
+        f"nothing listens at {address}; is the robot's bridge running, and the port right? The usual ports are 8765 "
+        "for foxglove_bridge and 9090 for rosbridge"
     )
     assert ears.pauses[0] < ears.pauses[1]
     assert ears.connected == 0
@@ -260,8 +260,8 @@ def test_a_truncated_message_is_told_until_a_whole_one_comes(real: Real, ears: E
     [
         (
             {"kind": "foxglove.LaserScan", "encoding": "protobuf"},
-            "/scan comes as foxglove.LaserScan in protobuf, which is not read; what foxglove_bridge sends is "
-            "(cdr, ros1, json)",
+            "/scan comes as foxglove.LaserScan in protobuf, which cannot be read; foxglove_bridge sends "
+            "cdr, ros1 or json",
         ),
         (
             {"kind": "", "encoding": "", "schemaEncoding": ""},
@@ -270,7 +270,7 @@ def test_a_truncated_message_is_told_until_a_whole_one_comes(real: Real, ears: E
         (
             {"kind": "my_msgs/msg/<b>Odd</b>", "schema": "no definition"},
             "/scan comes as my_msgs/msg/<b>Odd</b>, which is not a known type, and the server does not define it in a "
-            "way that can be understood; robowidgets.messages.add_definitions(folder) takes its .msg files",
+            "way that can be understood; add its .msg files with robowidgets.messages.add_definitions(folder)",
         ),
     ],
 )
@@ -288,9 +288,9 @@ def test_json_that_is_none_or_no_object_is_named(ears: Ears) -> None:
         middleware = opened(server.address, ears, "/scan")
         wait_for(lambda: server.subscribed, "it subscribed")
         server.log(1, b"{")
-        wait_for(lambda: "that are no JSON: " in ears.troubles.get("/scan", ""), "it was told")
+        wait_for(lambda: "that are not JSON: " in ears.troubles.get("/scan", ""), "it was told")
         server.log(1, b"[1]")
-        wait_for(lambda: "it is no JSON object but '[1]'" in ears.troubles["/scan"], "it was told, too")
+        wait_for(lambda: "expected a JSON object, got '[1]'" in ears.troubles["/scan"], "it was told, too")
         middleware.close()
 
 
@@ -346,7 +346,7 @@ def test_a_message_of_100_mb_costs_its_topic_and_no_other(ears: Ears) -> None:
         middleware.close()
         assert server.opened == 1
     assert ears.lost == []
-    assert ears.troubles["/huge"] == "/huge sent a message of 100 MB, larger than 50 MB: it is not listened to"
+    assert ears.troubles["/huge"] == "/huge sent a message of 100 MB, larger than 50 MB, and was unsubscribed"
 
 
 def test_what_piled_up_is_not_read_but_the_newest(ears: Ears, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -394,7 +394,7 @@ def test_a_publisher_that_the_bridge_cannot_make_is_told(text: str, is_told: boo
         server.log(1, cdr())
         wait_for(lambda: ears.messages, "what follows came")
         middleware.close()
-    assert ears.unheard.get("/cmd_vel", "") == (f"the robot's bridge says: {text}" if is_told else "")
+    assert ears.unheard.get("/cmd_vel", "") == (f"the robot's bridge reports: {text}" if is_told else "")
 
 
 class Taken(ServerListener):
@@ -527,8 +527,14 @@ def _speeds(server: OldFoxglove) -> list[float]:
 @pytest.mark.parametrize(
     ("info", "words"),
     [
-        ({}, "takes no messages: its server does not offer clientPublish; foxglove_bridge does when its parameter"),
-        ({"capabilities": ["clientPublish"]}, "takes messages in none at all, of which we write none"),
+        (
+            {},
+            "accepts no messages: its server does not offer clientPublish; foxglove_bridge offers it if its parameter",
+        ),
+        (
+            {"capabilities": ["clientPublish"]},
+            "accepts messages in no encoding, but robowidgets writes only cdr, ros1 and json",
+        ),
     ],
 )
 def test_a_robot_that_takes_no_messages_is_an_error(info: dict[str, Any], words: str, ears: Ears) -> None:
@@ -543,7 +549,7 @@ def test_a_robot_that_takes_no_messages_is_an_error(info: dict[str, Any], words:
 def test_without_a_connection_publishing_is_an_error(ears: Ears) -> None:
     address = f"ws://127.0.0.1:{free_port()}"
     middleware = opened(address, ears)
-    with pytest.raises(FeedError, match=f"there is no connection to {address}"):
+    with pytest.raises(FeedError, match=f"not connected to {address}"):
         middleware.publish("/cmd_vel", TWIST, {})
     middleware.close()
 
@@ -570,7 +576,7 @@ def test_a_server_that_says_odd_things_is_heard_no_less(ears: Ears) -> None:
         wait_for(lambda: ears.of(name), "the message came")
         middleware.close()
         assert server.opened == 1
-    assert f"{server.address} does not speak foxglove: it said 'no JSON'" in ears.said
+    assert f"{server.address} does not speak foxglove: it sent 'no JSON'" in ears.said
 
 
 def test_what_the_robot_says_of_a_topic_is_told_of_that_topic(ears: Ears) -> None:
@@ -581,7 +587,7 @@ def test_what_the_robot_says_of_a_topic_is_told_of_that_topic(ears: Ears) -> Non
         server.send({"op": "status", "level": 2, "message": "no\npublisher of /scan_2"})
         wait_for(lambda: ears.said, "it was told")
         middleware.close()
-    assert ears.troubles == {"/scan_2": "the robot's bridge says: no publisher of /scan_2"}
+    assert ears.troubles == {"/scan_2": "the robot's bridge reports: no publisher of /scan_2"}
 
 
 def test_every_event_of_a_bumper_is_handed_on(ears: Ears) -> None:

@@ -33,7 +33,7 @@ def gate() -> Iterator[threading.Event]:
 @pytest.fixture
 def opened(monkeypatch: pytest.MonkeyPatch) -> Iterator[Opened]:
     """Opens feeds on a script, and closes them."""
-    monkeypatch.setattr("robowidgets.feeds._connection.PATIENCE", 0.02)
+    monkeypatch.setattr("robowidgets.feeds._connection.DISCOVERY_TIMEOUT_S", 0.02)
     there: list[Feed] = []
 
     def open_one(*topics: Advert) -> tuple[Feed, Scripted]:
@@ -408,7 +408,7 @@ def test_a_feed_that_was_opened_anew_says_which_functions_of_other_cells_it_drop
     first.connect("/scan", in_notebook(lambda _: None, "behave"))
     cell[:] = "feed", "run 3"
     with Feed(Scripted(SCAN)):
-        words = "the feed was opened anew; no longer connected: `behave` (/scan). Run their cells again"
+        words = "the feed was opened again; no longer connected: `behave` (/scan). Run their cells again"
         assert [record.message for record in caplog.records] == [words]
         assert first.connection.is_closed
 
@@ -481,8 +481,8 @@ class TestScans:
     def test_a_topic_that_is_not_there_is_told_while_it_is_awaited_and_may_come_late(
         self, opened: Opened, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture, how: str
     ) -> None:
-        for module in ("feeds._connection", "_core.robot_widget"):
-            monkeypatch.setattr(f"robowidgets.{module}.PATIENCE", 0.02)
+        monkeypatch.setattr("robowidgets.feeds._connection.DISCOVERY_TIMEOUT_S", 0.02)
+        monkeypatch.setattr("robowidgets._core.robot_widget.PATIENCE", 0.02)
         feed, script = opened(SCAN, ODOM)
         laser, got = LaserWidget(), []
         feed.connect("/scna", laser)

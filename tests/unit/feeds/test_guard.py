@@ -423,12 +423,12 @@ def test_a_guard_publishes_by_a_connection_of_its_own_and_confirms_zero(
 ) -> None:
     feed, guard = opened(with_guards, robot)
     assert guard.pid not in (0, os.getpid())
-    assert robot.opened == 2
+    wait_for(lambda: robot.opened == 2, "the server has opened both connections")
     feed.drive(0.3)
     feed.stop()
     wait_for_speeds(robot, 0.3, 0.0)
     assert feed.drive_status == ""
-    assert "a guard beside the kernel sends speeds" in repr(feed)
+    assert "a guard next to the kernel sends speeds" in repr(feed)
 
 
 @pytest.mark.slow
@@ -623,7 +623,7 @@ def test_a_forked_process_refuses_to_drive_whoever_held_the_locks(robot: Rosbrid
             try:
                 signal.alarm(20)
                 for use in (lambda: feed.drive(0.2), feed.stop, lambda: feed.program(print)):
-                    with pytest.raises(FeedError, match="stayed with the process that was forked"):
+                    with pytest.raises(FeedError, match="belongs to the parent of this forked process"):
                         use()
                 feed.driving = Driving(hold=1.0)
                 feed.stopped = True
@@ -739,7 +739,7 @@ def test_a_pad_says_what_sends_the_speeds(robot: Rosbridge, with_guards: ExitSta
     feed, _ = opened(with_guards, robot)
     pad = DriveWidget()
     pad.connect(feed)
-    assert pad.get_state()["_state"]["sender"].startswith("a guard beside the kernel sends speeds")
+    assert pad.get_state()["_state"]["sender"].startswith("a guard next to the kernel sends speeds")
     pad.close()
     alone = DriveWidget(send=lambda *_: None)
     assert alone.get_state()["_state"]["sender"] == ""

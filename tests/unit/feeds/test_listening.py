@@ -11,7 +11,7 @@ import pytest
 from robowidgets import LaserWidget, MessageWidget
 from robowidgets._core.clock import Threads
 from robowidgets.feeds import Advert, Feed
-from robowidgets.feeds._listening import FAST, PATIENCE, PAUSE, PERIOD, Listening
+from robowidgets.feeds._listening import PROBE_PAUSE_S, PROBE_TIMEOUT_S, PROBED_RATE_HZ, UPDATE_PERIOD_S, Listening
 from robowidgets.feeds._subscription import RARE, SOON
 from robowidgets.feeds._wires import FeedWires
 from robowidgets.samples.staleness import LISTED, SEEN_FOR
@@ -125,25 +125,25 @@ def test_two_views_of_a_list_each_have_what_they_show(script: Scripted, page: Lo
     look("other", "/scan")
     clock.advance()
     script.listener.on_message("/temperature", {"data": 21.5})
-    clock.advance(PERIOD)
+    clock.advance(UPDATE_PERIOD_S)
     assert page.says("/temperature")["value"] == "21.5"
     look("other")
-    clock.advance(PERIOD)
+    clock.advance(UPDATE_PERIOD_S)
     assert page.says("/temperature")["value"] == "21.5", "also where the other is scrolled away"
     look("one", "/scan")
-    clock.advance(PERIOD)
+    clock.advance(UPDATE_PERIOD_S)
     assert page.says("/temperature") == {"value": None}
     look("one")
-    clock.advance(PERIOD)
+    clock.advance(UPDATE_PERIOD_S)
     assert page.told[-1] == {"values": {}, "now": {}}
     look("one", "/temperature")
     clock.advance(SEEN_FOR / 2)
     look("other", "/scan")
-    clock.advance(PERIOD)
+    clock.advance(UPDATE_PERIOD_S)
     assert page.says("/temperature")["value"] == "nothing yet"
     clock.advance(SEEN_FOR / 2)
     look("other", "/scan")
-    clock.advance(PERIOD)
+    clock.advance(UPDATE_PERIOD_S)
     assert page.says("/temperature") == {"value": None}, "a page that is gone looks no longer"
 
 
@@ -155,13 +155,13 @@ def test_large_topics_are_glanced_at_one_after_the_other_for_a_few_messages(
     assert script._followed == {"/scan", "/left"}
     send(script, clock, "/left", PICTURE, 8, 0.04)
     assert script._followed == {"/scan"}
-    clock.advance(PERIOD)
+    clock.advance(UPDATE_PERIOD_S)
     assert page.says("/left") == {"value": "height 480, width 640", "rate": 25.0, "messages": None}
     assert script._followed == {"/scan", "/right"}  # which is silent
-    clock.advance(PATIENCE + PERIOD)
+    clock.advance(PROBE_TIMEOUT_S + UPDATE_PERIOD_S)
     assert script._followed == {"/scan"}
     assert page.says("/right") == {"value": "", "rate": None, "messages": None}
-    clock.advance(PAUSE)
+    clock.advance(PROBE_PAUSE_S)
     assert script.asked.count(("subscribe", "/left")) == 2
 
 
@@ -171,12 +171,12 @@ def test_a_topic_that_is_very_fast_is_glanced_at_once_its_rate_is_known(
     page.look("/imu")
     clock.advance()
     send(script, clock, "/imu", {"data": 1.0}, 400, 0.005)
-    assert page.says("/imu")["rate"] == pytest.approx(2 * FAST, rel=0.02)
+    assert page.says("/imu")["rate"] == pytest.approx(2 * PROBED_RATE_HZ, rel=0.02)
     assert script._followed == {"/scan"}
-    clock.advance(PAUSE)
+    clock.advance(PROBE_PAUSE_S)
     assert script._followed == {"/scan", "/imu"}
     send(script, clock, "/imu", {"data": 1.0}, 150, 0.01)
-    assert page.says("/imu")["rate"] == pytest.approx(FAST, rel=0.02)
+    assert page.says("/imu")["rate"] == pytest.approx(PROBED_RATE_HZ, rel=0.02)
 
 
 def test_a_large_topic_that_is_shown_anyway_is_counted_in_full(
@@ -187,7 +187,7 @@ def test_a_large_topic_that_is_shown_anyway_is_counted_in_full(
     clock.advance()
     send(script, clock, "/left", PICTURE, 20, 0.1)
     assert page.says("/left")["messages"] == 20
-    clock.advance(PATIENCE + 1)
+    clock.advance(PROBE_TIMEOUT_S + 1)
     assert "/left" in script._followed
 
 
@@ -210,15 +210,18 @@ def test_a_large_topic_is_silent_once_a_whole_glance_has_missed_it(
     page.look("/left")
     clock.advance()
     send(script, clock, "/left", PICTURE, 8, 0.04)
-    clock.advance(PAUSE - 1)
+    clock.advance(PROBE_PAUSE_S - 1)
     assert ("silent" in page.says("/left"), page.says("/left")["rate"]) == (False, 25.0)
-    assert (wire().is_glanced_at, wire().rate, wire().age) == (True, 25.0, pytest.approx(PAUSE - 1, abs=0.1))
-    clock.advance(1 + PATIENCE + PERIOD)
-    assert (page.says("/left")["rate"], page.says("/left")["silent"]) == (0.0, pytest.approx(PAUSE + PATIENCE, abs=1))
-    assert (wire().is_glanced_at, wire().age) == (False, pytest.approx(PAUSE + PATIENCE, abs=1))
-    clock.advance(PAUSE + PERIOD)
+    assert (wire().is_glanced_at, wire().rate, wire().age) == (True, 25.0, pytest.approx(PROBE_PAUSE_S - 1, abs=0.1))
+    clock.advance(1 + PROBE_TIMEOUT_S + UPDATE_PERIOD_S)
+    assert (page.says("/left")["rate"], page.says("/left")["silent"]) == (
+        0.0,
+        pytest.approx(PROBE_PAUSE_S + PROBE_TIMEOUT_S, abs=1),
+    )
+    assert (wire().is_glanced_at, wire().age) == (False, pytest.approx(PROBE_PAUSE_S + PROBE_TIMEOUT_S, abs=1))
+    clock.advance(PROBE_PAUSE_S + UPDATE_PERIOD_S)
     script.listener.on_message("/left", PICTURE)
-    clock.advance(PERIOD)
+    clock.advance(UPDATE_PERIOD_S)
     assert "silent" not in page.says("/left")
 
 
@@ -278,7 +281,7 @@ def test_one_who_looks_and_raises_is_called_again_and_holds_up_no_other(
 
     feed.connection.listening.look(fail, lambda: ["/temperature"])
     feed.connection.listening.look(told.append, lambda: ["/temperature"])
-    clock.advance(2 * PERIOD)
+    clock.advance(2 * UPDATE_PERIOD_S)
     assert failed[:2] == told[:2] == [True, True]
     assert len([one for one in caplog.records if "ValueError: no number" in one.message]) == 1
 
@@ -293,7 +296,7 @@ def test_the_topics_to_look_at_are_asked_for_again_after_an_error(feed: Feed, cl
         return ["/temperature"]
 
     feed.connection.listening.look(told.append, names)
-    clock.advance(2 * PERIOD)
+    clock.advance(2 * UPDATE_PERIOD_S)
     assert told
 
 
@@ -310,7 +313,7 @@ def test_messages_that_newer_ones_replaced_count_for_the_rates_of_list_and_card(
             script.listener.on_message(name, message, replaced=4)
         clock.advance(0.025)
         rate = card.rate
-    clock.advance(PERIOD)
+    clock.advance(UPDATE_PERIOD_S)
     assert page.says("/scan")["rate"] == pytest.approx(200, rel=0.02)
     assert page.says("/imu")["rate"] == pytest.approx(200, rel=0.02)
     assert rate == pytest.approx(200, rel=0.02)

@@ -409,7 +409,7 @@ def test_everything_is_recorded_also_what_no_widget_shows_by_the_definition_of_t
             wait_for(lambda: recorder.written["/arm"] == 1 and len(recorder.problems) == 1, "all is written")
             assert recorder.problems[0].startswith("/odd cannot be recorded: my_msgs/msg/Unknown is not a known type")
             assert "takes the .msg files of my_msgs" in recorder.problems[0]
-        with pytest.raises(TypeError, match="no names beside it"):
+        with pytest.raises(TypeError, match="no names of topics with True"):
             feed.record(tmp_path / "other.mcap", "/imu", everything=True)
     with robowidgets.open(tmp_path / "run.mcap") as recording:
         assert recording.fields("/imu")["linear_acceleration.x"].tolist() == [1.5]

@@ -152,7 +152,7 @@ def test_words_for_what_cannot_be_played(tmp_path: Path) -> None:
         feeds.recording(None)
     with (
         robowidgets.open(SAMPLE) as opened,
-        pytest.raises(TypeError, match=f"{expected} a Recording; one that is open"),
+        pytest.raises(TypeError, match=f"{expected} a Recording; an open recording"),
     ):
         feeds.recording(opened)
     with feeds.recording(SAMPLE) as feed, pytest.raises(TypeError, match=f"{expected} a Feed$"):

@@ -105,7 +105,7 @@ def test_in_json_null_is_no_measurement_and_what_it_hides_is_told(ears: Ears, in
         assert server.subscribed["/scan"]["compression"] == "none"
     assert validities(ears.of("/scan")[0]) == [Validity.READING, Validity.NO_MEASUREMENT, Validity.NO_MEASUREMENT]
     assert ears.said == [
-        "the robot sends null for nothing in range as for no measurement: they cannot be told apart; "
+        "the robot sends null both for nothing in range and for no measurement: they cannot be distinguished; "
         "with cbor2 installed here they can"
     ]
 
@@ -227,7 +227,7 @@ def test_a_topic_may_come_after_it_was_connected_and_change_its_type(
 def test_without_rosapi_topics_are_heard_and_the_lack_is_told(ears: Ears, quick: None) -> None:
     with Server({}, rosapi=False) as server:
         middleware = opened(server.address, ears, "/scan")
-        words = "waiting for /scan; which topics there are cannot be told: the robot runs no rosapi"
+        words = "waiting for /scan; the list of topics is unknown, because the robot runs no rosapi"
         wait_for(lambda: words in ears.said, "it was told")
         server.topics = {"/scan": SCAN}
         wait_for(lambda: "/scan" in server.subscribed, "it asked again until it was there")
@@ -243,7 +243,7 @@ def test_a_server_that_answers_no_question_is_one_without_rosapi(ears: Ears, qui
         server._call_service = lambda *_: None  # type: ignore[method-assign]
         middleware = opened(server.address, ears, "/scan")
         wait_for(lambda: "/scan" in server.subscribed, "it subscribed all the same")
-        assert ears.said == ["waiting for /scan; which topics there are cannot be told: the robot runs no rosapi"]
+        assert ears.said == ["waiting for /scan; the list of topics is unknown, because the robot runs no rosapi"]
         middleware.close()
 
 
@@ -294,7 +294,7 @@ def test_a_message_of_100_mb_costs_its_topic_and_no_other(ears: Ears, binary: bo
         middleware.close()
         assert server.opened == 1
     assert (ears.lost, ears.missed["/huge"]) == ([], 1)
-    assert ears.troubles["/huge"] == "/huge sent a message of 100 MB, larger than 50 MB: it is not listened to"
+    assert ears.troubles["/huge"] == "/huge sent a message of 100 MB, larger than 50 MB, and was unsubscribed"
 
 
 def test_a_message_that_is_too_large_and_names_no_topic_is_skipped_in_words(ears: Ears) -> None:
@@ -303,7 +303,7 @@ def test_a_message_that_is_too_large_and_names_no_topic_is_skipped_in_words(ears
         wait_for(lambda: server.subscribed, "it subscribed")
         server.send(b"\0" * 60_000_000)
         wait_for(lambda: ears.said, "it is told")
-        assert ears.said == ["a message of 60 MB came, larger than 50 MB, and was skipped"]
+        assert ears.said == ["skipped a message of 60 MB, which is larger than 50 MB"]
         server.publish("/scan", scan(1.0))
         wait_for(lambda: ears.messages, "a scan came")
         middleware.close()
@@ -313,16 +313,16 @@ def test_a_message_that_is_too_large_and_names_no_topic_is_skipped_in_words(ears
 @pytest.mark.parametrize(
     ("frame", "words"),
     [
-        ('{"op": "publish", "topic": "/scan", "msg": {"ranges": [1', "56 bytes came that are no JSON: "),
-        (cbor2.dumps({"op": "publish", "topic": "/scan", "msg": {"a": 1}})[:-2], "30 bytes came that are no CBOR: "),
+        ('{"op": "publish", "topic": "/scan", "msg": {"ranges": [1', "56 bytes came that are not JSON: "),
+        (cbor2.dumps({"op": "publish", "topic": "/scan", "msg": {"a": 1}})[:-2], "30 bytes came that are not CBOR: "),
         ('{"op": "publish", "topic": "/scan", "msg": [1]}', "a message without fields came: [1]"),
         ('{"msg": "no", "topic": "/scan", "op": "publish"}', "a message without fields came: 'no'"),
         (
             json.dumps({"op": "fragment", "id": "1", "data": '{"op": "publish", "topic": "/scan", "m', "num": 0}),
             "/scan comes in fragments, which are not read: its messages are too large",
         ),
-        ("no JSON", "does not speak rosbridge: 7 bytes came that are no JSON: "),
-        ("[1]", "does not speak rosbridge: no rosbridge message came but [1]"),
+        ("no JSON", "does not speak rosbridge: 7 bytes came that are not JSON: "),
+        ("[1]", "does not speak rosbridge: expected a rosbridge message, got [1]"),
     ],
 )
 def test_what_cannot_be_read_is_told_until_something_can(frame: Any, words: str, ears: Ears) -> None:
@@ -504,7 +504,7 @@ def test_raw_messages_of_ros_1_have_its_fields_and_the_stamps_of_all(ears: Ears,
 def test_without_a_connection_publishing_is_an_error_and_nothing_is_kept(ears: Ears) -> None:
     port = free_port()
     middleware = Rosbridge(f"ws://127.0.0.1:{port}")
-    words = f"there is no connection to ws://127.0.0.1:{port}"
+    words = f"not connected to ws://127.0.0.1:{port}"
     with pytest.raises(FeedError, match=words):
         middleware.publish("/cmd_vel", TWIST, {"linear": {"x": 1.0}})
     middleware.open(ears)

@@ -101,7 +101,7 @@ def test_a_guard_in_its_process_stops_it_while_a_call_holds_the_interpreter() ->
         assert robot.pose.x - place < 0.3 * (robot.time - before) / 2
 
         def drives() -> bool:
-            with suppress(feeds.FeedError):  # at first: a speed may go by what came before
+            with suppress(feeds.FeedError):  # at first: the speed may be based on data from before that
                 feed.drive(0.2)
             return bool(robot.command().linear[0] == 0.2)
 

@@ -55,7 +55,7 @@ class TestStopAll:
         everybody = feeds.StopAll({"red": red, "lost": lost, "<b>hangs</b>": Feed(hanging), "closed": closed})
         opened.callback(everybody.release)
         said = everybody.stop(timeout=0)
-        assert said["<b>hangs</b>"] == "zero was not sent within 0 s; it is tried on"
+        assert said["<b>hangs</b>"] == "zero was not sent within 0 s; sending is tried again"
         said = everybody.stop(timeout=60)
         assert said["red"] == ""
         assert said["lost"].startswith("cannot stop: ")

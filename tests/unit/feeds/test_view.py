@@ -29,7 +29,7 @@ Opened = Callable[..., tuple[Feed, Scripted]]
 @pytest.fixture
 def opened(monkeypatch: pytest.MonkeyPatch) -> Iterator[Opened]:
     """Opens feeds on a script, which wait in vain for a moment only, and closes them."""
-    monkeypatch.setattr("robowidgets.feeds._connection.PATIENCE", 0.02)
+    monkeypatch.setattr("robowidgets.feeds._connection.DISCOVERY_TIMEOUT_S", 0.02)
     there: list[Feed] = []
 
     def open_one(*topics: Advert, connected: bool = True) -> tuple[Feed, Scripted]:
@@ -84,9 +84,9 @@ def test_topics_that_appear_later_get_a_widget_too(opened: Opened) -> None:
     script.listener.on_lost("refused", 1.0)
     assert words(view) == "cannot reach the script, trying again in 1 s: refused"
     script.listener.on_connected()
-    assert words(view) == ("connected to the script, waiting to hear which topics there are; connect() takes any")
+    assert words(view) == ("connected to the script, waiting for its topics; connect() accepts any name")
     script.listener.on_topics([])
-    assert words(view) == "connected to the script, where there is no topic yet"
+    assert words(view) == "connected to the script, which has no topics yet"
     script.listener.on_topics([IMU])
     assert on_page(view) == ["/imu"], "as no topic has a widget for its kind"
     assert words(view) == ""
@@ -345,7 +345,7 @@ def test_the_cell_of_a_view_beside_the_notebook_shows_a_bar_which_is_closed_with
 
 
 def test_showing_waits_for_the_first_topics(opened: Opened, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("robowidgets.feeds._connection.PATIENCE", 240.0)
+    monkeypatch.setattr("robowidgets.feeds._connection.DISCOVERY_TIMEOUT_S", 240.0)
     feed, script = opened()
     threading.Timer(0.05, lambda: script.listener.on_topics([SCAN])).start()
     assert on_page(feed.show()) == ["/scan"]

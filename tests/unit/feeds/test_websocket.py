@@ -486,7 +486,7 @@ def test_what_is_published_while_nobody_is_there_is_an_error_and_never_sent(
     server, middleware = taking
     server.drop()
     wait_for(lambda: ears.lost, "it was lost")
-    with pytest.raises(FeedError, match=f"there is no connection to {server.address}"):
+    with pytest.raises(FeedError, match=f"not connected to {server.address}"):
         middleware.publish("/cmd_vel", TWIST, {"linear": {"x": 1.0}})
     clock.advance(0.5)
     wait_for(lambda: ears.connected == 2, "it is back")
@@ -522,7 +522,7 @@ def test_what_a_robot_does_not_take_in_time_is_an_error_and_not_sent_later(
             stream.socket.setsockopt(socket.SOL_SOCKET, buffer, 65_536)
     go_on = server.stall()
     errors = [late(middleware, clock, {"data": 4_000_000 * "x", "i": i}) for i in range(6)]
-    assert {str(error) for error in errors} == {f"{server.address} does not take what is sent"}
+    assert {str(error) for error in errors} == {f"{server.address} does not accept data"}
     begun, *dropped = map(type, errors)
     assert begun is TimeoutError, "a part of it is sent, and the rest follows"
     assert set(dropped) == {FeedError}
@@ -533,7 +533,7 @@ def test_what_a_robot_does_not_take_in_time_is_an_error_and_not_sent_later(
 
 
 def test_a_server_that_never_answers_is_told(ears: Ears, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(_websocket, "PATIENCE", 0.2)
+    monkeypatch.setattr(_websocket, "CONNECT_TIMEOUT_S", 0.2)
     with Raw(lambda _: None) as server:
         middleware = Foxglove(server.address)
         middleware.open(ears)
@@ -584,7 +584,7 @@ def test_a_server_that_is_no_websocket_server_is_told(
 
 
 def test_a_server_of_another_protocol_is_told(ears: Ears, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(_other_bridge, "PATIENCE", 0.1)
+    monkeypatch.setattr(_other_bridge, "ANSWER_TIMEOUT_S", 0.1)
     with Server() as server:
         middleware = Foxglove(server.address)
         middleware.open(ears)
@@ -597,7 +597,7 @@ def test_a_server_of_another_protocol_is_told(ears: Ears, monkeypatch: pytest.Mo
 
 
 def test_a_server_that_answers_too_late_to_be_told_from_others_is_left(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(_other_bridge, "PATIENCE", 0.01)
+    monkeypatch.setattr(_other_bridge, "ANSWER_TIMEOUT_S", 0.01)
     monkeypatch.setattr(_other_bridge, "_GOODBYE", 120.0)
     leave = _other_bridge.close_when_connected
     with Server() as server:

@@ -13,7 +13,7 @@ from robowidgets._core.clock import Threads
 from robowidgets._core.timed_frame import FRAME_HEADER
 from robowidgets.behaviors import Drive
 from robowidgets.feeds import Advert, Feed, FeedError
-from robowidgets.feeds._listening import MOST_HEARD, Listening
+from robowidgets.feeds._listening import MAX_TOPICS, Listening
 from robowidgets.feeds._wires import FeedWires
 from robowidgets.messages.infrastructure import is_infrastructure
 from robowidgets.samples.staleness import SEEN_FOR
@@ -81,9 +81,9 @@ def test_nodes_and_topics_are_as_the_middleware_names_them(wires: FeedWires) -> 
 def test_a_robot_that_tells_no_nodes_shows_topics_alone_and_says_so(script: Scripted, wires: FeedWires) -> None:
     script.listener.on_topics([Advert("/scan", LASER.type)])
     assert (wires.wiring.nodes, wires.wiring.tells_nodes) == ((), False)
-    assert wires.wiring.note == "the robot tells no nodes: topics alone"
+    assert wires.wiring.note == "the robot does not report nodes, only topics"
     script.listener.on_topics([LASER, Advert("/odom", "nav_msgs/msg/Odometry")])
-    assert wires.wiring.note == "asking who publishes what: 1 of 2 topics so far"
+    assert wires.wiring.note == "requesting publishers and subscribers: 1 of 2 topics so far"
 
 
 def test_rates_and_values_come_while_somebody_looks_and_cost_nothing_after(
@@ -138,11 +138,11 @@ def test_of_many_topics_some_are_listened_to_beside_those_that_are_connected(
     script.listener.on_topics([CAMERA, *(Advert(f"/number_{i}", NUMBER) for i in range(200))])
     wires.look(True)
     clock.advance()
-    assert len(script.asked) == MOST_HEARD
+    assert len(script.asked) == MAX_TOPICS
     feed.connect("/image", take)
     clock.advance(1)
     assert ("subscribe", "/image") in script.asked
-    assert len(script._followed) == MOST_HEARD + 1
+    assert len(script._followed) == MAX_TOPICS + 1
     script.listener.on_message("/number_0", {"data": -0.25})
     assert wire(wires, "/number_0").value == "\N{MINUS SIGN}0.25"
 
