@@ -27,18 +27,18 @@ from .kinds import (
 )
 
 FEW = 4
-"""Most widgets of those that are asked for, where nobody asked and no topic has another."""
+"""The most on-demand widgets that are shown by default if no topic has another widget."""
 
 AS = " as "
-"""Between a topic and the name of the widget that is to show it."""
+"""The separator between a topic and the name of a widget for it."""
 
 
 _ALONG = Role(name="along", take="put")
-"""Of what joins or completes the topics that a widget gathers."""
+"""The role of topics that connect or complete the topics of a shared widget."""
 
 
 class Shown(Protocol):
-    """The properties of a topic that decide its widget."""
+    """A topic in a list, with the properties that decide its widget."""
 
     @property
     def name(self) -> str:
@@ -46,22 +46,22 @@ class Shown(Protocol):
 
     @property
     def type(self) -> str:
-        """Its message type; several are joined by a comma."""
+        """Its message type. Several types are joined by commas."""
 
     @property
     def widget(self) -> str | None:
-        """The name of its kind; None if no widget shows it."""
+        """The name of its kind, or None if no widget shows it."""
 
     @property
     def commanded(self) -> bool:
-        """Whether its samples are commanded, not measured."""
+        """True if its samples are commanded, not measured."""
 
 
 class WidgetChoice(NamedTuple):
-    """A widget, and the topics that it shows in their roles: those in its first role, then those that go with them.
+    """A widget, and its topics with their roles: the topics in its first role, then the topics that go with them.
 
-    Where a widget shows another role alone, that is its first. ``second`` is None for the widget of the kind. Of a
-    widget of fields, ``fields`` are those that it shows, as they were asked for.
+    If a widget shows only another role, that is its first. ``second`` is None for the widget of the kind. ``fields``
+    are the requested fields, for a widget of fields.
     """
 
     kind: Kind | Asked
@@ -71,17 +71,17 @@ class WidgetChoice(NamedTuple):
 
     @property
     def shown(self) -> TopicWidget:
-        """The row with the widget, and with what a player shows in it."""
+        """The row with the widget, and with its frames in a player."""
         return self.second or self.kind
 
     @property
     def takes_messages(self) -> bool:
-        """Whether the widget takes messages as they are, and not samples."""
+        """True if the widget takes messages unchanged, and not samples."""
         return isinstance(self.kind, Asked)
 
     @property
     def gathers(self) -> bool:
-        """Whether the widget has all topics that it is asked for."""
+        """True if one widget shows all topics for which it is requested."""
         return isinstance(self.kind, Asked) and self.kind.gathers
 
     @property
@@ -96,28 +96,28 @@ class WidgetChoice(NamedTuple):
 
     @property
     def topics(self) -> tuple[str, ...]:
-        """The topics that the widget shows, the first one first."""
+        """All topics of the widget, the first one first."""
         return tuple(topic for _, topic in self.parts)
 
     @property
     def own(self) -> tuple[str, ...]:
-        """Those in its first role."""
+        """The topics in its first role."""
         return tuple(topic for role, topic in self.parts if role is self.role)
 
     @property
     def asked(self) -> tuple[str, ...]:
-        """The topics that it is there for: without those that it only takes along."""
+        """The topics for which the widget exists, without topics that only complete them."""
         return self.own if self.gathers else self.topics
 
     @property
     def titles(self) -> tuple[str, ...]:
-        """What it shows, for a person: its topics, or the namespace of several that share it, the first one first."""
+        """Its titles: its topics, or the namespace of several topics that share it, the first one first."""
         if self.gathers:
             return (", ".join(self.own),)
         return (title_of(self.own), *self.topics[len(self.own) :])
 
     def is_like(self, other: WidgetChoice) -> bool:
-        """Whether the widget of another choice is the one for this, too: not all of its topics are the same."""
+        """Return True if another choice means the same widget, although not all topics may be the same."""
         return self._place == other._place
 
     @property
@@ -127,11 +127,11 @@ class WidgetChoice(NamedTuple):
         return self.shown, self.role, namespace_of(self.topic) if self.role.each else self.topic
 
     def method(self, role: Role) -> str:
-        """The method of the widget that takes the messages of a role."""
+        """Return the method of the widget that takes the messages of a role."""
         return "update" if role is self.role else role.take
 
     def make(self) -> SampleWidget:
-        """The widget, with its titles."""
+        """Return the widget, with its titles."""
         widget: Callable[..., SampleWidget] = load(self.shown.widget)
         if self.second:
             return widget(title=self.titles[0])
@@ -143,12 +143,12 @@ class WidgetChoice(NamedTuple):
 
 
 Entry = str | Sequence[str]
-"""What is asked for: a topic, a field, either with the widget that is to show it, ``"/scan as message"``, or the fields
-that share a widget."""
+"""A request: a topic or a field, optionally with the name of a widget, as in ``"/scan as message"``; or the fields that
+share a widget."""
 
 
 class AskedFor(NamedTuple):
-    """A name that was asked for: its topic, its field or empty, and the name of the row or empty."""
+    """A requested name: its topic, its field or empty, and the name of a row or empty."""
 
     topic: str
     field: str = ""
@@ -156,7 +156,7 @@ class AskedFor(NamedTuple):
 
 
 def wish_of(name: str, known: Collection[str]) -> AskedFor:
-    """The topics that a name requests, among those that exist."""
+    """Return the request in a name, given the known topics."""
     shown, by, row = name.rpartition(AS)
     if name not in known and by and row in _rows():
         return AskedFor(*topic_and_field(shown, known), row)
@@ -164,7 +164,7 @@ def wish_of(name: str, known: Collection[str]) -> AskedFor:
 
 
 def why_no_plot(wish: AskedFor, types: str) -> str:
-    """Return why the widget that is asked for shows nothing of a topic: it needs a field; empty if it shows some."""
+    """Return why a requested widget can show nothing of a topic without a field, or empty if it can."""
     row = ASKED.get(wish.row)
     if row is None or not row.of_fields or wish.field or row.fields_of(types):
         return ""
@@ -172,24 +172,24 @@ def why_no_plot(wish: AskedFor, types: str) -> str:
 
 
 def wishes(entries: Iterable[Entry], known: Collection[str]) -> list[AskedFor]:
-    """What each of some entries asks for."""
+    """Return the requests in entries."""
     return [wish_of(name, known) for entry in entries for name in ([entry] if isinstance(entry, str) else entry)]
 
 
 def choose_widgets(topics: Iterable[Shown], entries: Sequence[Entry] | None = None) -> tuple[WidgetChoice, ...]:
-    """The widgets for topics, in the order of the kinds; then second widgets, then those that are asked for.
+    """Return the widgets for topics, in the order of the kinds; then second widgets, then requested widgets.
 
-    There is one for each topic in the first role of its kind, or for all of its namespace, and one for each topic in
-    another role that goes with none of these, where the role may be alone.
+    Each topic in the first role of its kind gets a widget, or each namespace of such topics. A topic in another role
+    without such a partner gets a widget if the role can stand alone.
 
     Args:
-        topics: those there are.
-        entries: what is asked for; None: all topics that have a kind.
+        topics: the available topics.
+        entries: the requests; by default all topics that have a kind.
     """
     listed = list(topics)
     if entries is None:
         return _by_kind(listed)
-    # Of several types under one name, that which is shown.
+    # If a name has several types, prefer the type with a widget.
     known = {topic.name: topic for topic in listed} | {topic.name: topic for topic in listed if topic.widget}
     asked = wishes([entry for entry in entries if isinstance(entry, str)], known)
     whole = {wish.topic for wish in asked if not wish.field and not wish.row}
@@ -216,16 +216,16 @@ def choose_widgets(topics: Iterable[Shown], entries: Sequence[Entry] | None = No
 
 
 def choose_instead(topics: Iterable[Shown], can_show: Callable[[str], bool]) -> list[str]:
-    """The few topics that are shown where none has a kind, the most useful first."""
+    """Return the few topics to show if no topic has a kind, the most useful first."""
     known = {topic.name: topic for topic in topics if asked_of_type(topic.type) and can_show(topic.name)}
     return [name for choice in _asked_for([AskedFor(name) for name in known], known)[:FEW] for name in choice.topics]
 
 
 class OnShow:
-    """What a view shows: what it was asked for, and what a person has added and taken off since.
+    """The selection of a view: the requested entries, and the changes of the user since.
 
     Args:
-        entries: what it was asked for; none: all topics that have a kind, or a few where none has.
+        entries: the requests. If empty, all topics that have a kind, or a few if no topic has one.
     """
 
     def __init__(self, entries: Sequence[Entry] = ()) -> None:
@@ -234,20 +234,20 @@ class OnShow:
         self._off: set[Entry] = set()
 
     def keep(self, earlier: OnShow) -> None:
-        """Take over what was changed in the view of an earlier run of the cell, if it asked for the same."""
+        """Take over the user's changes from the view of an earlier run of the cell, if the requests are the same."""
         if self._asked == earlier._asked:
             self._base, self._more, self._off = list(earlier._base), list(earlier._more), set(earlier._off)
 
     def arrange(self, entries: Sequence[Entry]) -> None:
-        """Show these in place of all others."""
+        """Show only these entries."""
         self._base, self._more, self._off = _frozen(entries), [], set()
 
     def entries(self, topics: Sequence[Shown], can_show: Callable[[str], bool]) -> list[Entry]:
-        """What is to be shown of the topics that there are.
+        """Return the entries to show.
 
         Args:
-            topics: those there are.
-            can_show: whether a topic without a kind is one of the few that are shown where none has one.
+            topics: the available topics.
+            can_show: returns True for a topic without a kind that may be shown if no topic has a kind.
         """
         base: list[Entry] = list(self._base) or [topic.name for topic in topics if topic.widget]
         base = base or [*choose_instead(topics, can_show)]
@@ -255,20 +255,20 @@ class OnShow:
         return [entry for entry in every if entry not in self._off]
 
     def add(self, entry: Entry) -> None:
-        """Show a topic or a field, too, or fields together."""
+        """Add a topic, a field, or fields that share a widget."""
         self._off.discard(entry)
         if entry not in self._more:
             self._more.append(entry)
 
     def take_off(self, entries: Iterable[Entry]) -> None:
-        """Show these no more."""
+        """Remove entries."""
         for entry in entries:
             if entry in self._more:
                 self._more.remove(entry)
             self._off.add(entry)
 
     def toggle(self, entry: Entry) -> None:
-        """Show a topic that was added no more, else show it, too."""
+        """Remove an entry that was added before, else add it."""
         if entry in self._more and entry not in self._off:
             self.take_off([entry])
         else:
@@ -276,7 +276,7 @@ class OnShow:
 
 
 def of_topic(topic: str, entries: Iterable[Entry], known: Collection[str]) -> list[Entry]:
-    """Those entries that ask for a topic, or for a field of it."""
+    """Return the entries that request a topic, or a field of it."""
     return [entry for entry in entries if any(wish.topic == topic for wish in wishes([entry], known))]
 
 
@@ -285,10 +285,10 @@ def _frozen(entries: Iterable[Entry]) -> list[Entry]:
 
 
 def checked_arrangement(value: Any) -> list[Entry]:
-    """What `arrangement` of a view was, as a program gives it again.
+    """Return a checked `arrangement` of a view, which a program sets again.
 
     Raises:
-        TypeError: it is no list of names, and of lists of them.
+        TypeError: it is not a list of names and of lists of names.
     """
     each: list[Any] = [None] if isinstance(value, str) or not isinstance(value, Sequence) else list(value)
     for entry in each:
@@ -302,7 +302,7 @@ def checked_arrangement(value: Any) -> list[Entry]:
 
 
 def _by_kind(listed: list[Shown]) -> tuple[WidgetChoice, ...]:
-    """The widgets of topics that have a kind, and their second ones."""
+    """Return the widgets of topics that have a kind, and their second widgets."""
     chosen = [choice for kind in KINDS.values() for choice in _of_kind(kind, listed)]
     types = {topic.name: topic.type for topic in listed}
     more = [
@@ -315,7 +315,7 @@ def _by_kind(listed: list[Shown]) -> tuple[WidgetChoice, ...]:
 
 
 def _row_of(wish: AskedFor, topic: Shown) -> Asked | None:
-    """Return the row of the widget that a topic without a kind, or a field, has; None if it has another widget."""
+    """Return the row of the widget for a topic without a kind, or for a field; None if it has another widget."""
     if wish.row == LASER.name and not SCAN.types.isdisjoint(topic.type.split(", ")):
         return SCAN
     if wish.row:
@@ -326,7 +326,7 @@ def _row_of(wish: AskedFor, topic: Shown) -> Asked | None:
 
 
 def _fields_of(wish: AskedFor, known: Mapping[str, Shown]) -> list[AskedFor]:
-    """Return the fields that are shown of a topic that is asked for by its name alone; empty for another widget."""
+    """Return the default fields of a topic that is requested without a field; empty for another widget."""
     topic = known.get(wish.topic)
     row = _row_of(wish, topic) if topic is not None and not wish.field else None
     if topic is None or row is None or not row.of_fields:
@@ -335,7 +335,7 @@ def _fields_of(wish: AskedFor, known: Mapping[str, Shown]) -> list[AskedFor]:
 
 
 def _asked_for(asked: Sequence[AskedFor], known: Mapping[str, Shown]) -> list[WidgetChoice]:
-    """The widgets of topics without a kind, and of fields: the most useful first."""
+    """Return the widgets of topics without a kind, and of fields, the most useful first."""
     found: dict[str, list[str]] = {}
     plots: list[WidgetChoice] = []
     for wish in dict.fromkeys(asked):
@@ -348,7 +348,7 @@ def _asked_for(asked: Sequence[AskedFor], known: Mapping[str, Shown]) -> list[Wi
                 plots.append(WidgetChoice(row, ((row.roles[0], wish.topic),), fields=fields))
         elif wish.topic not in found.setdefault(row.name, []):
             found[row.name].append(wish.topic)
-    # Of topics that are not there yet, too.
+    # Including fields of topics that do not exist yet.
     fields = tuple(dict.fromkeys(f"{wish.topic}.{wish.field}" for wish in asked if wish.field))
     choices: list[WidgetChoice] = []
     for row in sorted(ASKED.values(), key=lambda row: not row.types):
@@ -362,13 +362,13 @@ def _asked_for(asked: Sequence[AskedFor], known: Mapping[str, Shown]) -> list[Wi
 
 
 def _rows() -> set[str]:
-    """The names of all widgets of topics."""
+    """Return the names of all widgets of topics."""
     seconds = (second.name for kind in KINDS.values() for second in kind.also)
     return {*KINDS, *ASKED, *seconds}
 
 
 def _of_kind(kind: Kind, listed: list[Shown]) -> list[WidgetChoice]:
-    """The widgets of one kind, in the order in which their first topics are listed."""
+    """Return the widgets of one kind, in the order of their first topics."""
     first, *others = kind.roles
     own = _in_role(kind, first, listed)
     groups = by_namespace(own).values() if first.each else [[name] for name in own]
@@ -393,7 +393,7 @@ def _in_role(kind: Kind, role: Role, listed: list[Shown]) -> list[str]:
 
 
 def _paired(own: list[str], others: list[str]) -> dict[str, str]:
-    """The topic that goes with each: the one with most of its namespace, unless another shares more with that."""
+    """Return the partner of each topic: the one that shares most of its namespace and no more with another topic."""
     goes_with = {}
     for name in own:
         best = max(others, key=lambda other: shared(name, other), default="")
@@ -403,6 +403,6 @@ def _paired(own: list[str], others: list[str]) -> dict[str, str]:
 
 
 def shared(one: str, other: str) -> int:
-    """The number of parts of the namespace that two topics share."""
+    """Return the number of parts of the namespace that two topics share."""
     parts = zip(one.strip("/").split("/")[:-1], other.strip("/").split("/")[:-1], strict=False)
     return sum(1 for _ in takewhile(lambda pair: pair[0] == pair[1], parts))
