@@ -42,7 +42,7 @@ class Together(ipywidgets.Box):  # type: ignore[misc]  # ipywidgets has no types
 
 
 def stacked(widgets: Sequence[ipywidgets.Widget]) -> Any:
-    """Return the widgets of a view in a stack of marimo, which calls this because it cannot show boxes of ipywidgets."""
+    """Return the widgets of a view in a stack of marimo, which calls this because it cannot show these boxes."""
     from marimo import vstack  # only marimo calls this
 
     return vstack(widgets)

@@ -37,8 +37,8 @@ def plot(
     """Plot fields of a recording, or of a running robot, over time: any numbers of any topics, each with its name.
 
     Args:
-        source: a recording, or a part of it, such as ``recording[2:5]``; or a feed, of which each message is added from
-            now on, in seconds since the first one.
+        source: a recording, or a part of it, such as ``recording[2:5]``; or a feed, whose messages are added from now
+            on, in seconds since the first one.
         *fields: a topic with a field, such as ``"/odom.twist.twist.linear.x"``. A field with several numbers adds all
             of them: ``"/imu.angular_velocity"``. Eight numbers in total at most. With a feed, each field is one number,
             and the topic may appear later.

@@ -46,7 +46,7 @@ class CloudWidget(LargeFrameWidget[Cloud]):
     coloured by height, distance, or any field, with a legend. Pointing at a point shows its index, its row and column,
     x, y, z, distance and every field. A box around points, or a band along the legend, shows the number of points in it
     and the code for them. Space freezes, the wheel zooms; all this works without the kernel. A cloud with more points
-    than the page can draw in time is thinned, and the picture says so; indices stay those of the whole cloud. If a
+    than the page can draw in time is thinned, and the picture says so; indices still count the whole cloud. If a
     message cannot be read, the last picture stays, with the reason above it.
 
     Args:

@@ -98,7 +98,7 @@ class TopicWidget:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Asked(TopicWidget):
-    """A widget that is shown on demand: if it is requested, by name or in the list, or if no topic has another widget.
+    """An on-demand widget: requested by name or in the list of topics, or shown if no topic has another widget.
 
     It takes unchanged messages, of topics that have no kind.
 
@@ -126,7 +126,7 @@ class Asked(TopicWidget):
     fields: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
 
     def takes_along(self, types: str) -> bool:
-        """Return True if its widget takes a topic of a type even if not requested. Several types are joined by commas."""
+        """Return True if its widget takes a topic of a type without a request. Several types are joined by commas."""
         return not self.along.isdisjoint(types.split(", "))
 
     def fields_of(self, types: str) -> tuple[str, ...]:
