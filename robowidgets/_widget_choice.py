@@ -9,19 +9,19 @@ from typing import Any, NamedTuple, Protocol
 from ._core.sample_widget import SampleWidget
 from ._layout import added_classes
 from .kinds import (
-    ASKED,
     KINDS,
     LASER,
+    ON_DEMAND,
     SCAN,
-    Asked,
     Kind,
+    OnDemandWidget,
     Role,
     TopicWidget,
-    asked_of_fields,
-    asked_of_type,
     by_namespace,
     load,
     namespace_of,
+    on_demand_for_fields,
+    on_demand_for_type,
     title_of,
     topic_and_field,
 )
@@ -33,11 +33,11 @@ AS = " as "
 """The separator between a topic and the name of a widget for it."""
 
 
-_ALONG = Role(name="along", take="put")
+_COMPANION = Role(name="companion", take="put")
 """The role of topics that connect or complete the topics of a shared widget."""
 
 
-class Shown(Protocol):
+class ListedTopic(Protocol):
     """A topic in a list, with the properties that decide its widget."""
 
     @property
@@ -64,7 +64,7 @@ class WidgetChoice(NamedTuple):
     are the requested fields, for a widget of fields.
     """
 
-    kind: Kind | Asked
+    kind: Kind | OnDemandWidget
     parts: tuple[tuple[Role, str], ...]
     second: TopicWidget | None = None
     fields: tuple[str, ...] = ()
@@ -77,12 +77,12 @@ class WidgetChoice(NamedTuple):
     @property
     def takes_messages(self) -> bool:
         """True if the widget takes messages unchanged, and not samples."""
-        return isinstance(self.kind, Asked)
+        return isinstance(self.kind, OnDemandWidget)
 
     @property
-    def gathers(self) -> bool:
+    def shared(self) -> bool:
         """True if one widget shows all topics for which it is requested."""
-        return isinstance(self.kind, Asked) and self.kind.gathers
+        return isinstance(self.kind, OnDemandWidget) and self.kind.shared
 
     @property
     def role(self) -> Role:
@@ -105,14 +105,14 @@ class WidgetChoice(NamedTuple):
         return tuple(topic for role, topic in self.parts if role is self.role)
 
     @property
-    def asked(self) -> tuple[str, ...]:
+    def requested(self) -> tuple[str, ...]:
         """The topics for which the widget exists, without topics that only complete them."""
-        return self.own if self.gathers else self.topics
+        return self.own if self.shared else self.topics
 
     @property
     def titles(self) -> tuple[str, ...]:
         """Its titles: its topics, or the namespace of several topics that share it, the first one first."""
-        if self.gathers:
+        if self.shared:
             return (", ".join(self.own),)
         return (title_of(self.own), *self.topics[len(self.own) :])
 
@@ -122,7 +122,7 @@ class WidgetChoice(NamedTuple):
 
     @property
     def _place(self) -> tuple[TopicWidget, Role, str]:
-        if self.gathers:
+        if self.shared:
             return self.shown, self.role, ", ".join(self.fields)
         return self.shown, self.role, namespace_of(self.topic) if self.role.each else self.topic
 
@@ -135,7 +135,7 @@ class WidgetChoice(NamedTuple):
         widget: Callable[..., SampleWidget] = load(self.shown.widget)
         if self.second:
             return widget(title=self.titles[0])
-        if isinstance(self.kind, Asked):
+        if isinstance(self.kind, OnDemandWidget):
             classes = added_classes(widget.column)  # type: ignore[attr-defined]  # of the class
             return widget(*self.fields, title=self.titles[0], _dom_classes=classes, **self.kind.options)
         titles = {f"{role.take}_title": topic for role, topic in self.parts if role is not self.role}
@@ -147,7 +147,7 @@ Entry = str | Sequence[str]
 share a widget."""
 
 
-class AskedFor(NamedTuple):
+class Request(NamedTuple):
     """A requested name: its topic, its field or empty, and the name of a row or empty."""
 
     topic: str
@@ -155,28 +155,29 @@ class AskedFor(NamedTuple):
     row: str = ""
 
 
-def wish_of(name: str, known: Collection[str]) -> AskedFor:
+def parse_request(name: str, known: Collection[str]) -> Request:
     """Return the request in a name, given the known topics."""
     shown, by, row = name.rpartition(AS)
     if name not in known and by and row in _rows():
-        return AskedFor(*topic_and_field(shown, known), row)
-    return AskedFor(*topic_and_field(name, known))
+        return Request(*topic_and_field(shown, known), row)
+    return Request(*topic_and_field(name, known))
 
 
-def why_no_plot(wish: AskedFor, types: str) -> str:
+def why_no_plot(request: Request, types: str) -> str:
     """Return why a requested widget can show nothing of a topic without a field, or empty if it can."""
-    row = ASKED.get(wish.row)
-    if row is None or not row.of_fields or wish.field or row.fields_of(types):
+    row = ON_DEMAND.get(request.row)
+    if row is None or not row.plots_fields or request.field or row.default_fields(types):
         return ""
-    return f"'{wish.topic}{AS}{wish.row}' names no field of its messages to show; name one, as '{wish.topic}.FIELD'"
+    name = f"{request.topic}{AS}{request.row}"
+    return f"{name!r} names no field of its messages to show; name one, as '{request.topic}.FIELD'"
 
 
-def wishes(entries: Iterable[Entry], known: Collection[str]) -> list[AskedFor]:
+def parse_requests(entries: Iterable[Entry], known: Collection[str]) -> list[Request]:
     """Return the requests in entries."""
-    return [wish_of(name, known) for entry in entries for name in ([entry] if isinstance(entry, str) else entry)]
+    return [parse_request(name, known) for entry in entries for name in ([entry] if isinstance(entry, str) else entry)]
 
 
-def choose_widgets(topics: Iterable[Shown], entries: Sequence[Entry] | None = None) -> tuple[WidgetChoice, ...]:
+def choose_widgets(topics: Iterable[ListedTopic], entries: Sequence[Entry] | None = None) -> tuple[WidgetChoice, ...]:
     """Return the widgets for topics, in the order of the kinds; then second widgets, then requested widgets.
 
     Each topic in the first role of its kind gets a widget, or each namespace of such topics. A topic in another role
@@ -191,37 +192,41 @@ def choose_widgets(topics: Iterable[Shown], entries: Sequence[Entry] | None = No
         return _by_kind(listed)
     # If a name has several types, prefer the type with a widget.
     known = {topic.name: topic for topic in listed} | {topic.name: topic for topic in listed if topic.widget}
-    asked = wishes([entry for entry in entries if isinstance(entry, str)], known)
-    whole = {wish.topic for wish in asked if not wish.field and not wish.row}
+    requests = parse_requests([entry for entry in entries if isinstance(entry, str)], known)
+    whole = {request.topic for request in requests if not request.field and not request.row}
     chosen = list(_by_kind([topic for topic in listed if topic.name in whole]))
-    for wish in asked:
-        if wish.row not in ("", *ASKED) and wish.topic in known:
-            there = [choice for choice in _by_kind([known[wish.topic]]) if choice.shown.name == wish.row]
+    for request in requests:
+        if request.row not in ("", *ON_DEMAND) and request.topic in known:
+            there = [choice for choice in _by_kind([known[request.topic]]) if choice.shown.name == request.row]
             chosen += [choice for choice in there if choice not in chosen]
-    more = _asked_for(asked, known)
+    more = _on_demand_choices(requests, known)
     for entry in entries:
         if not isinstance(entry, str):
-            fields = [one for wish in wishes(entry, known) for one in (_fields_of(wish, known) or [wish])]
-            more += [choice for choice in _asked_for(fields, known) if choice not in more]
-    gathering = {choice.shown: choice for choice in more if choice.gathers and not choice.fields}
-    joining = [choice for choice in chosen if choice.second in gathering]
+            fields = [
+                one for request in parse_requests(entry, known) for one in (_fields_of(request, known) or [request])
+            ]
+            more += [choice for choice in _on_demand_choices(fields, known) if choice not in more]
+    sharing = {choice.shown: choice for choice in more if choice.shared and not choice.fields}
+    joining = [choice for choice in chosen if choice.second in sharing]
     for choice in joining:
-        row = gathering[choice.shown]
+        row = sharing[choice.shown]
         own = tuple((row.role, name) for name in choice.own if name not in row.topics)
-        gathering[choice.shown] = row._replace(parts=(*own, *row.parts))
+        sharing[choice.shown] = row._replace(parts=(*own, *row.parts))
     return (
         *(choice for choice in chosen if choice not in joining),
-        *(choice if choice.fields else gathering.get(choice.shown, choice) for choice in more),
+        *(choice if choice.fields else sharing.get(choice.shown, choice) for choice in more),
     )
 
 
-def choose_instead(topics: Iterable[Shown], can_show: Callable[[str], bool]) -> list[str]:
+def choose_instead(topics: Iterable[ListedTopic], can_show: Callable[[str], bool]) -> list[str]:
     """Return the few topics to show if no topic has a kind, the most useful first."""
-    known = {topic.name: topic for topic in topics if asked_of_type(topic.type) and can_show(topic.name)}
-    return [name for choice in _asked_for([AskedFor(name) for name in known], known)[:FEW] for name in choice.topics]
+    known = {topic.name: topic for topic in topics if on_demand_for_type(topic.type) and can_show(topic.name)}
+    return [
+        name for choice in _on_demand_choices([Request(name) for name in known], known)[:FEW] for name in choice.topics
+    ]
 
 
-class OnShow:
+class Selection:
     """The selection of a view: the requested entries, and the changes of the user since.
 
     Args:
@@ -229,20 +234,20 @@ class OnShow:
     """
 
     def __init__(self, entries: Sequence[Entry] = ()) -> None:
-        self._asked = self._base = _frozen(entries)
+        self._requested = self._base = _frozen(entries)
         self._more: list[Entry] = []
         self._off: set[Entry] = set()
 
-    def keep(self, earlier: OnShow) -> None:
+    def keep(self, earlier: Selection) -> None:
         """Take over the user's changes from the view of an earlier run of the cell, if the requests are the same."""
-        if self._asked == earlier._asked:
+        if self._requested == earlier._requested:
             self._base, self._more, self._off = list(earlier._base), list(earlier._more), set(earlier._off)
 
     def arrange(self, entries: Sequence[Entry]) -> None:
         """Show only these entries."""
         self._base, self._more, self._off = _frozen(entries), [], set()
 
-    def entries(self, topics: Sequence[Shown], can_show: Callable[[str], bool]) -> list[Entry]:
+    def entries(self, topics: Sequence[ListedTopic], can_show: Callable[[str], bool]) -> list[Entry]:
         """Return the entries to show.
 
         Args:
@@ -277,7 +282,7 @@ class OnShow:
 
 def of_topic(topic: str, entries: Iterable[Entry], known: Collection[str]) -> list[Entry]:
     """Return the entries that request a topic, or a field of it."""
-    return [entry for entry in entries if any(wish.topic == topic for wish in wishes([entry], known))]
+    return [entry for entry in entries if any(request.topic == topic for request in parse_requests([entry], known))]
 
 
 def _frozen(entries: Iterable[Entry]) -> list[Entry]:
@@ -301,7 +306,7 @@ def checked_arrangement(value: Any) -> list[Entry]:
     return _frozen(each)
 
 
-def _by_kind(listed: list[Shown]) -> tuple[WidgetChoice, ...]:
+def _by_kind(listed: list[ListedTopic]) -> tuple[WidgetChoice, ...]:
     """Return the widgets of topics that have a kind, and their second widgets."""
     chosen = [choice for kind in KINDS.values() for choice in _of_kind(kind, listed)]
     types = {topic.name: topic.type for topic in listed}
@@ -314,49 +319,49 @@ def _by_kind(listed: list[Shown]) -> tuple[WidgetChoice, ...]:
     return (*chosen, *more)
 
 
-def _row_of(wish: AskedFor, topic: Shown) -> Asked | None:
+def _row_of(request: Request, topic: ListedTopic) -> OnDemandWidget | None:
     """Return the row of the widget for a topic without a kind, or for a field; None if it has another widget."""
-    if wish.row == LASER.name and not SCAN.types.isdisjoint(topic.type.split(", ")):
+    if request.row == LASER.name and not SCAN.types.isdisjoint(topic.type.split(", ")):
         return SCAN
-    if wish.row:
-        return ASKED.get(wish.row)
-    if wish.field:
-        return asked_of_fields()
-    return None if topic.widget else asked_of_type(topic.type)
+    if request.row:
+        return ON_DEMAND.get(request.row)
+    if request.field:
+        return on_demand_for_fields()
+    return None if topic.widget else on_demand_for_type(topic.type)
 
 
-def _fields_of(wish: AskedFor, known: Mapping[str, Shown]) -> list[AskedFor]:
+def _fields_of(request: Request, known: Mapping[str, ListedTopic]) -> list[Request]:
     """Return the default fields of a topic that is requested without a field; empty for another widget."""
-    topic = known.get(wish.topic)
-    row = _row_of(wish, topic) if topic is not None and not wish.field else None
-    if topic is None or row is None or not row.of_fields:
+    topic = known.get(request.topic)
+    row = _row_of(request, topic) if topic is not None and not request.field else None
+    if topic is None or row is None or not row.plots_fields:
         return []
-    return [AskedFor(topic.name, field) for field in row.fields_of(topic.type)]
+    return [Request(topic.name, field) for field in row.default_fields(topic.type)]
 
 
-def _asked_for(asked: Sequence[AskedFor], known: Mapping[str, Shown]) -> list[WidgetChoice]:
+def _on_demand_choices(requests: Sequence[Request], known: Mapping[str, ListedTopic]) -> list[WidgetChoice]:
     """Return the widgets of topics without a kind, and of fields, the most useful first."""
     found: dict[str, list[str]] = {}
     plots: list[WidgetChoice] = []
-    for wish in dict.fromkeys(asked):
-        topic = known.get(wish.topic)
-        row = None if topic is None else _row_of(wish, topic)
+    for request in dict.fromkeys(requests):
+        topic = known.get(request.topic)
+        row = None if topic is None else _row_of(request, topic)
         if row is None:
             continue
-        if row.of_fields and not wish.field:
-            if fields := tuple(f"{one.topic}.{one.field}" for one in _fields_of(wish, known)):
-                plots.append(WidgetChoice(row, ((row.roles[0], wish.topic),), fields=fields))
-        elif wish.topic not in found.setdefault(row.name, []):
-            found[row.name].append(wish.topic)
+        if row.plots_fields and not request.field:
+            if fields := tuple(f"{one.topic}.{one.field}" for one in _fields_of(request, known)):
+                plots.append(WidgetChoice(row, ((row.roles[0], request.topic),), fields=fields))
+        elif request.topic not in found.setdefault(row.name, []):
+            found[row.name].append(request.topic)
     # Including fields of topics that do not exist yet.
-    fields = tuple(dict.fromkeys(f"{wish.topic}.{wish.field}" for wish in asked if wish.field))
+    fields = tuple(dict.fromkeys(f"{request.topic}.{request.field}" for request in requests if request.field))
     choices: list[WidgetChoice] = []
-    for row in sorted(ASKED.values(), key=lambda row: not row.types):
+    for row in sorted(ON_DEMAND.values(), key=lambda row: not row.types):
         names = found.get(row.name, [])
-        for group in ([names] if names else []) if row.gathers else [[name] for name in names]:
-            others = [one.name for one in known.values() if one.name not in group and row.takes_along(one.type)]
-            parts = (*((row.roles[0], name) for name in group), *((_ALONG, name) for name in others))
-            choices.append(WidgetChoice(row, parts, fields=fields if row.of_fields else ()))
+        for group in ([names] if names else []) if row.shared else [[name] for name in names]:
+            others = [one.name for one in known.values() if one.name not in group and row.is_companion(one.type)]
+            parts = (*((row.roles[0], name) for name in group), *((_COMPANION, name) for name in others))
+            choices.append(WidgetChoice(row, parts, fields=fields if row.plots_fields else ()))
         choices += [one for one in dict.fromkeys(plots) if one.kind is row and one not in choices]
     return choices
 
@@ -364,10 +369,10 @@ def _asked_for(asked: Sequence[AskedFor], known: Mapping[str, Shown]) -> list[Wi
 def _rows() -> set[str]:
     """Return the names of all widgets of topics."""
     seconds = (second.name for kind in KINDS.values() for second in kind.also)
-    return {*KINDS, *ASKED, *seconds}
+    return {*KINDS, *ON_DEMAND, *seconds}
 
 
-def _of_kind(kind: Kind, listed: list[Shown]) -> list[WidgetChoice]:
+def _of_kind(kind: Kind, listed: list[ListedTopic]) -> list[WidgetChoice]:
     """Return the widgets of one kind, in the order of their first topics."""
     first, *others = kind.roles
     own = _in_role(kind, first, listed)
@@ -388,7 +393,7 @@ def _of_kind(kind: Kind, listed: list[Shown]) -> list[WidgetChoice]:
     return sorted(chosen, key=lambda choice: place[choice.topic])
 
 
-def _in_role(kind: Kind, role: Role, listed: list[Shown]) -> list[str]:
+def _in_role(kind: Kind, role: Role, listed: list[ListedTopic]) -> list[str]:
     return [t.name for t in listed if t.widget == (role.kind or kind.name) and t.commanded == role.commanded]
 
 
@@ -396,13 +401,13 @@ def _paired(own: list[str], others: list[str]) -> dict[str, str]:
     """Return the partner of each topic: the one that shares most of its namespace and no more with another topic."""
     goes_with = {}
     for name in own:
-        best = max(others, key=lambda other: shared(name, other), default="")
-        if best and shared(name, best) == max(shared(one, best) for one in own):
+        best = max(others, key=lambda other: shared_depth(name, other), default="")
+        if best and shared_depth(name, best) == max(shared_depth(one, best) for one in own):
             goes_with[name] = best
     return goes_with
 
 
-def shared(one: str, other: str) -> int:
+def shared_depth(one: str, other: str) -> int:
     """Return the number of parts of the namespace that two topics share."""
     parts = zip(one.strip("/").split("/")[:-1], other.strip("/").split("/")[:-1], strict=False)
     return sum(1 for _ in takewhile(lambda pair: pair[0] == pair[1], parts))

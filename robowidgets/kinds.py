@@ -97,7 +97,7 @@ class TopicWidget:
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Asked(TopicWidget):
+class OnDemandWidget(TopicWidget):
     """An on-demand widget: requested by name or in the list of topics, or shown if no topic has another widget.
 
     It takes unchanged messages, of topics that have no kind.
@@ -105,12 +105,12 @@ class Asked(TopicWidget):
     Args:
         types: message types of its topics. If empty, any type that no other row names.
         nothing: the argument for its `frame_of` in a player before the first message.
-        gathers: True if one widget shows all requested topics. Its ``update`` takes the name of the topic before the
+        shared: True if one widget shows all requested topics. Its ``update`` takes the name of the topic before the
             message.
         rerun: as in a `Kind`.
-        along: for shared widgets only. Topics of these types are passed to ``put`` even if not requested, such as tf
-            for a map.
-        of_fields: for shared widgets only. True if it shows single fields of topics, such as
+        companion_types: for shared widgets only. Topics of these types are passed to ``put`` even if not requested,
+            such as tf for a map.
+        plots_fields: for shared widgets only. True if it shows single fields of topics, such as
             ``"/odom.twist.twist.linear.x"``. The widget class takes them as positional arguments.
         fields: for widgets of fields only. The default fields of a topic that is requested without a field, by message
             type. Such a topic has a widget of its own. `types` are the keys.
@@ -120,16 +120,16 @@ class Asked(TopicWidget):
     nothing: Any = None
     frames: str = _MESSAGE_FRAMES
     rerun: str = ""
-    gathers: bool = False
-    along: frozenset[str] = frozenset()
-    of_fields: bool = False
+    shared: bool = False
+    companion_types: frozenset[str] = frozenset()
+    plots_fields: bool = False
     fields: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
 
-    def takes_along(self, types: str) -> bool:
+    def is_companion(self, types: str) -> bool:
         """Return True if its widget takes a topic of a type without a request. Several types are joined by commas."""
-        return not self.along.isdisjoint(types.split(", "))
+        return not self.companion_types.isdisjoint(types.split(", "))
 
-    def fields_of(self, types: str) -> tuple[str, ...]:
+    def default_fields(self, types: str) -> tuple[str, ...]:
         """Return the default fields of a topic. Several types are joined by commas."""
         return next((self.fields[name] for name in types.split(", ") if name in self.fields), ())
 
@@ -240,7 +240,7 @@ LASER = Kind(
 )
 TRANSFORM_TYPES = frozenset({"tf2_msgs/msg/TFMessage", "tf/msg/tfMessage"})
 ODOMETRY_TYPES = frozenset({"nav_msgs/msg/Odometry"})
-PATH = Asked(
+PATH = OnDemandWidget(
     name="path",
     types=TRANSFORM_TYPES
     | {f"geometry_msgs/msg/Pose{suffix}" for suffix in ("", "Stamped", "WithCovariance", "Array", "2D")}
@@ -251,8 +251,8 @@ PATH = Asked(
     widget="robowidgets.path_widget:PathWidget",
     nothing=Speed((nan, nan, nan), (nan, nan, nan), pose=Pose(nan, nan, nan)),
     frames="robowidgets.player._map_frames:path_track",
-    gathers=True,
-    along=TRANSFORM_TYPES | {"sensor_msgs/msg/LaserScan"},
+    shared=True,
+    companion_types=TRANSFORM_TYPES | {"sensor_msgs/msg/LaserScan"},
     # Each message of tf may contain other frames.
     every_message=True,
 )
@@ -330,16 +330,16 @@ SONAR = Kind(
 KINDS: dict[str, Kind] = {kind.name: kind for kind in (LASER, SPEED, TOUCH, SONAR)}
 """The kinds by name, in the order of their widgets on a page. `add` appends another."""
 
-EVENTS = Asked(
+EVENTS = OnDemandWidget(
     name="events",
     types=SAID_TYPES,
     widget="robowidgets.events_widget:EventsWidget",
     frames="robowidgets.player._event_frames:EventFrames",
-    gathers=True,
+    shared=True,
     every_message=True,
     goes_stale=False,
 )
-IMAGE = Asked(
+IMAGE = OnDemandWidget(
     name="image",
     types=IMAGE_TYPES,
     widget="robowidgets.image_widget:ImageWidget",
@@ -348,7 +348,7 @@ IMAGE = Asked(
     rerun="robowidgets.in_rerun.image_log:ImageLog",
 )
 """On demand, because all cameras of a robot together would overload a network."""
-CLOUD = Asked(
+CLOUD = OnDemandWidget(
     name="cloud",
     types=CLOUD_TYPES,
     widget="robowidgets.cloud_widget:CloudWidget",
@@ -356,7 +356,7 @@ CLOUD = Asked(
     rerun="robowidgets.in_rerun.rerun_log:CloudLog",
     nothing=Cloud(np.empty(0, [(axis, np.float32) for axis in "xyz"])),
 )
-SCAN = Asked(
+SCAN = OnDemandWidget(
     name="scan",
     types=CLOUD_TYPES | IMAGE_TYPES,
     widget="robowidgets.laser_widget:LaserWidget",
@@ -365,7 +365,7 @@ SCAN = Asked(
     options=LASER.options,
 )
 """A band of heights of a cloud, or rows of a depth image, as a laser scan: "/points as scan", or "as laser"."""
-MESSAGE = Asked(
+MESSAGE = OnDemandWidget(
     name="message",
     widget="robowidgets.message_widget:MessageWidget",
     frames="robowidgets.player._frames:TreeFrames",
@@ -394,19 +394,19 @@ PLOTTED: dict[str, tuple[str, ...]] = {
 }
 """The default fields in a plot of a topic: the numbers of most interest."""
 
-PLOT = Asked(
+PLOT = OnDemandWidget(
     name="plot",
     types=frozenset(PLOTTED),
     widget="robowidgets.plot_widget:PlotWidget",
     frames="robowidgets.player._plot_frames:PlotFrames",
-    gathers=True,
-    of_fields=True,
+    shared=True,
+    plots_fields=True,
     fields=PLOTTED,
     goes_stale=False,
     every_message=True,
 )
 
-ASKED: dict[str, Asked] = {row.name: row for row in (PATH, EVENTS, IMAGE, CLOUD, SCAN, MESSAGE, PLOT)}
+ON_DEMAND: dict[str, OnDemandWidget] = {row.name: row for row in (PATH, EVENTS, IMAGE, CLOUD, SCAN, MESSAGE, PLOT)}
 """On-demand widgets by name, the most useful first. `add` appends another."""
 
 _RESERVED = ("time_ns", "seconds", "topic")
@@ -423,7 +423,7 @@ _STANDARD = frozenset(
 )
 
 
-def add(kind: Kind | Asked, *, replace: bool = False) -> None:
+def add(kind: Kind | OnDemandWidget, *, replace: bool = False) -> None:
     """Add a kind of sensor, or an on-demand widget, for all recordings and feeds that are opened afterwards.
 
     Args:
@@ -434,8 +434,8 @@ def add(kind: Kind | Asked, *, replace: bool = False) -> None:
         ValueError: a name is taken or not an identifier, a type is not like ``sensor_msgs/msg/Range``, or a reference
             is not ``"module:name"``.
     """
-    if isinstance(kind, Asked):
-        _add_asked(kind, replace=replace)
+    if isinstance(kind, OnDemandWidget):
+        _add_on_demand(kind, replace=replace)
         return
     others = [other for other in KINDS.values() if not (replace and other.name == kind.name)]
     for key in ("name", "sample_name", "parameter"):
@@ -449,19 +449,19 @@ def add(kind: Kind | Asked, *, replace: bool = False) -> None:
     KINDS[kind.name] = kind
 
 
-def _add_asked(row: Asked, *, replace: bool) -> None:
+def _add_on_demand(row: OnDemandWidget, *, replace: bool) -> None:
     """See `add`."""
-    taken = [name for name in (*KINDS, *ASKED) if not (replace and name == row.name and name in ASKED)]
+    taken = [name for name in (*KINDS, *ON_DEMAND) if not (replace and name == row.name and name in ON_DEMAND)]
     if not row.name.isidentifier() or row.name in taken:
         raise ValueError(
             f"name: expected an identifier other than {', '.join(taken)}, got {row.name!r}; replace=True replaces a row"
         )
-    if row.of_fields and not row.gathers:
-        raise ValueError(f"gathers: expected True, because {row.name} shows fields of several topics")
-    if row.of_fields and row.types != row.fields.keys():
+    if row.plots_fields and not row.shared:
+        raise ValueError(f"shared: expected True, because {row.name} shows fields of several topics")
+    if row.plots_fields and row.types != row.fields.keys():
         raise ValueError(f"fields: expected fields for each of the types {sorted(row.types)}, got {sorted(row.fields)}")
     _check_texts(row, row.types, ("widget", "frames", "rerun"))
-    ASKED[row.name] = row
+    ON_DEMAND[row.name] = row
 
 
 def _check_texts(row: TopicWidget, types: Iterable[str], keys: Iterable[str]) -> None:
@@ -474,7 +474,7 @@ def _check_texts(row: TopicWidget, types: Iterable[str], keys: Iterable[str]) ->
             raise ValueError(f"{key}: expected 'module:name', got {reference!r}")
 
 
-def asked_of_type(types: str) -> Asked | None:
+def on_demand_for_type(types: str) -> OnDemandWidget | None:
     """Return the on-demand widget of a topic without a kind. Several types are joined by commas.
 
     Returns None if its type is unknown, or if no row shows it.
@@ -482,20 +482,20 @@ def asked_of_type(types: str) -> Asked | None:
     if not types:
         return None
     # A row that a user adds for a type has priority over the plot of its numbers.
-    rows = sorted(ASKED.values(), key=lambda row: row.of_fields)
+    rows = sorted(ON_DEMAND.values(), key=lambda row: row.plots_fields)
     of_type = (row for row in rows if not row.types.isdisjoint(types.split(", ")))
-    return next(of_type, next((row for row in rows if not row.types and not row.of_fields), None))
+    return next(of_type, next((row for row in rows if not row.types and not row.plots_fields), None))
 
 
-def asked_of_fields() -> Asked | None:
+def on_demand_for_fields() -> OnDemandWidget | None:
     """Return the on-demand widget that shows single fields of topics, if any."""
-    return next((row for row in ASKED.values() if row.of_fields), None)
+    return next((row for row in ON_DEMAND.values() if row.plots_fields), None)
 
 
-def asked_of_widget(widget: type) -> Asked | None:
+def on_demand_row(widget: type) -> OnDemandWidget | None:
     """Return the row of an on-demand widget, or None for another widget."""
     names = {f"{base.__module__}:{base.__qualname__}" for base in widget.__mro__}
-    return next((row for row in ASKED.values() if row.widget in names), None)
+    return next((row for row in ON_DEMAND.values() if row.widget in names), None)
 
 
 def kinds_of_type(type_name: str) -> tuple[Kind, ...]:

@@ -62,7 +62,7 @@ class ShownBy(Protocol):
     """A widget on show, with the properties that the list needs."""
 
     @property
-    def asked(self) -> tuple[str, ...]:
+    def requested(self) -> tuple[str, ...]:
         """Its topics."""
 
     @property
@@ -139,7 +139,7 @@ class TopicsWidget(FrontEndWidget):
         """Mark the topics of the widgets on show."""
         titles: dict[str, dict[str, None]] = {}
         for choice in choices:
-            for topic in choice.asked:
+            for topic in choice.requested:
                 titles.setdefault(topic, {})[choice.titles[0]] = None
         self._shown = {name: [*found] for name, found in titles.items()}
 

@@ -108,7 +108,7 @@ class MessageFrames:
                 self._before[name] = time_ns
                 message = self._content(moment.message) if moment else self._choice.shown.nothing
                 with suppress(TypeError, ValueError):  # the frame of that time shows the error
-                    self._widget.update(*([name] if self._choice.gathers else []), message)
+                    self._widget.update(*([name] if self._choice.shared else []), message)
 
     def _content(self, message: Any) -> Any:
         """Return the content that the widget shows of a message: the message itself."""
@@ -118,7 +118,7 @@ class MessageFrames:
         nothing = self._choice.shown.nothing
         contents = {name: self._content(moment.sample) if moment else nothing for name, moment in now.items()}
         newest = now[self._choice.topic]
-        about, frame = self._widget.frame_of(contents if self._choice.gathers else contents[self._choice.topic])
+        about, frame = self._widget.frame_of(contents if self._choice.shared else contents[self._choice.topic])
         stamp = stamp_ns(newest.sample) if newest else None
         return TimedFrame(seconds, about, FRAME_HEADER.pack(0.0, nan, stamp or 0, 0.0) + frame)
 
