@@ -12,7 +12,7 @@ import traitlets
 from .._core.freezing import FreezableWidget
 from ..samples import Mount
 from ..samples.checks import finite, in_radians
-from ..samples.sector import Asked, to_sector
+from ..samples.sector import SectorLike, to_sector
 
 FARTHEST = 100.0
 """Metres from the middle of a robot to its outline."""
@@ -44,7 +44,7 @@ class Footprint:
 
     radius: float | None = None
     polygon: Sequence[tuple[float, float]] = ()
-    bumpers: Mapping[str, Asked] = field(default_factory=dict)
+    bumpers: Mapping[str, SectorLike] = field(default_factory=dict)
     scanner: Sequence[Any] = (0.0, 0.0)
     speed: Any = None
     touch: Any = None

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from ..samples import Ray, Scan
 from ..samples.scan import MAX_RAYS
-from ..samples.sector import ALL_ROUND, SECTORS, Asked, Sector, to_sector
+from ..samples.sector import ALL_ROUND, SECTORS, Sector, SectorLike, to_sector
 from ..samples.sector_code import for_array, for_message, for_scan
 from ..samples.stretches import expression, parse, sector_of, stretches, to_stretches
 
@@ -109,7 +109,7 @@ class HasSectors(traitlets.HasTraits):
         return Sectors(lambda: self._sectors, self._keep_sectors)
 
     @sectors.setter
-    def sectors(self, sectors: Mapping[str, Asked]) -> None:
+    def sectors(self, sectors: Mapping[str, SectorLike]) -> None:
         self._keep_sectors(
             {_name("sectors", name): _plain(to_sector(value)) for name, value in _by_name("sectors", sectors).items()}
         )
@@ -133,7 +133,7 @@ class HasSectors(traitlets.HasTraits):
         return Selection(*picked, self.scan) if picked and self.scan is not None else None
 
     @selection.setter
-    def selection(self, sector: Asked | None) -> None:
+    def selection(self, sector: SectorLike | None) -> None:
         if sector is None:
             self._selection = {}
         elif isinstance(sector, str) and sector in self._sectors:
@@ -141,7 +141,7 @@ class HasSectors(traitlets.HasTraits):
         else:
             self._selection = _plain(to_sector(sector))
 
-    def distance(self, sector: Asked = ALL_ROUND, *, percentile: float | None = None) -> float:
+    def distance(self, sector: SectorLike = ALL_ROUND, *, percentile: float | None = None) -> float:
         """Return the metres to the nearest thing in the scan on show, as `Scan.distance` does; NaN without a scan.
 
         Args:
@@ -155,7 +155,7 @@ class HasSectors(traitlets.HasTraits):
         scan: Scan | None = self.scan
         return float("nan") if scan is None else scan.distance(asked, percentile=percentile)
 
-    def code(self, sector: Asked | int | None = None, form: str = "scan") -> str:
+    def code(self, sector: SectorLike | int | None = None, form: str = "scan") -> str:
         """Return Python code that computes the distance in a sector, which is the number in the picture.
 
         Args:
@@ -227,7 +227,7 @@ class HasSectors(traitlets.HasTraits):
             return (name, Sector(**self._sectors[name])) if name in self._sectors else None
         return ("", Sector(**self._selection)) if self._selection else None
 
-    def _known(self, sector: Asked) -> Sector:
+    def _known(self, sector: SectorLike) -> Sector:
         if isinstance(sector, str) and sector in self._sectors:
             return Sector(**self._sectors[sector])
         if isinstance(sector, str) and sector not in SECTORS:
@@ -256,7 +256,7 @@ class Sectors(MutableMapping[str, Sector]):
             return SECTORS[name]
         raise KeyError(f"no sector {name!r}; there are: {', '.join([*kept, *SECTORS])}")
 
-    def __setitem__(self, name: str, sector: Asked) -> None:
+    def __setitem__(self, name: str, sector: SectorLike) -> None:
         self._keep(self._kept() | {_name("sectors", name): _plain(to_sector(sector))})
 
     def __delitem__(self, name: str) -> None:
