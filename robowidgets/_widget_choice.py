@@ -124,7 +124,7 @@ class WidgetChoice(NamedTuple):
     def _place(self) -> tuple[TopicWidget, Role, str]:
         if self.shared:
             return self.shown, self.role, ", ".join(self.fields)
-        return self.shown, self.role, namespace_of(self.topic) if self.role.each else self.topic
+        return self.shown, self.role, namespace_of(self.topic) if self.role.combine else self.topic
 
     def method(self, role: Role) -> str:
         """Return the method of the widget that takes the messages of a role."""
@@ -139,7 +139,7 @@ class WidgetChoice(NamedTuple):
             classes = added_classes(widget.column)  # type: ignore[attr-defined]  # of the class
             return widget(*self.fields, title=self.titles[0], _dom_classes=classes, **self.kind.options)
         titles = {f"{role.take}_title": topic for role, topic in self.parts if role is not self.role}
-        return widget(title=self.titles[0], **titles, **self.kind.options, **(self.role.alone or {}))
+        return widget(title=self.titles[0], **titles, **self.kind.options, **(self.role.standalone_options or {}))
 
 
 Entry = str | Sequence[str]
@@ -376,7 +376,7 @@ def _of_kind(kind: Kind, listed: list[ListedTopic]) -> list[WidgetChoice]:
     """Return the widgets of one kind, in the order of their first topics."""
     first, *others = kind.roles
     own = _in_role(kind, first, listed)
-    groups = by_namespace(own).values() if first.each else [[name] for name in own]
+    groups = by_namespace(own).values() if first.combine else [[name] for name in own]
     parts = {group[0]: [(first, name) for name in group] for group in groups}
     alone: list[WidgetChoice] = []
     for role in others:
@@ -386,7 +386,7 @@ def _of_kind(kind: Kind, listed: list[ListedTopic]) -> list[WidgetChoice]:
             parts[name].append((role, other))
         if role.required:
             parts = {name: some for name, some in parts.items() if name in goes_with}
-        if role.alone is not None:
+        if role.standalone_options is not None:
             alone += [WidgetChoice(kind, ((role, name),)) for name in there if name not in goes_with.values()]
     chosen = [*(WidgetChoice(kind, tuple(some)) for some in parts.values()), *alone]
     place = {topic.name: i for i, topic in enumerate(listed)}

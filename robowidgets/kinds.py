@@ -34,18 +34,19 @@ class Role:
     """The role of a topic in a widget: the topic that it shows, or another topic that goes with it.
 
     Args:
-        name: the name of its samples, which is their keyword for the frames of a player. With `each`, the name in
+        name: the name of its samples, which is their keyword for the frames of a player. With `combine`, the name in
             programs of the sample of all topics.
         take: the method of the widget that takes a message. A method other than ``update`` has a title of its own: the
             widget takes ``command_title`` for the method ``command``.
         kind: the kind of its topics, if it differs from the kind of the row.
         commanded: True if its samples are commanded, not measured.
         required: True if the widget needs such a topic.
-        each: for the first role of a widget that all topics of a namespace share. A function that makes one sample of
-            the newest ones. It gets the samples and the seconds at which they came, both by the names of their sensors.
-            The method takes the name of the sensor before the message. If None, each topic has a widget of its own.
-        alone: for roles other than the first. Keywords of a widget that shows such a topic by ``update`` if it goes
-            with no topic in the first role. If None, such a topic gets no widget.
+        combine: for the first role of a widget that all topics of a namespace share. A function that makes one sample
+            of the newest ones. It gets the samples and the seconds at which they came, both by the names of their
+            sensors. The method takes the name of the sensor before the message. If None, each topic has a widget of its
+            own.
+        standalone_options: for roles other than the first. Keywords of a widget that shows such a topic by ``update``
+            if it goes with no topic in the first role. If None, such a topic gets no widget.
     """
 
     name: str
@@ -53,8 +54,8 @@ class Role:
     kind: str = ""
     commanded: bool = False
     required: bool = False
-    each: Callable[[Mapping[str, Any], Mapping[str, float]], Any] | None = None
-    alone: Mapping[str, Any] | None = None
+    combine: Callable[[Mapping[str, Any], Mapping[str, float]], Any] | None = None
+    standalone_options: Mapping[str, Any] | None = None
 
 
 class Gathered(Protocol):
@@ -180,7 +181,7 @@ class Kind(TopicWidget):
     @property
     def parameter(self) -> str:
         """The name of the newest sample of its widget in programs."""
-        return self.roles[0].name if self.roles[0].each else self.sample_name
+        return self.roles[0].name if self.roles[0].combine else self.sample_name
 
     def is_command(self, topic: str, type_name: str) -> bool:
         """Return True if samples on a topic of a type are commanded, not measured."""
@@ -280,7 +281,7 @@ SPEED = Kind(
     rerun="robowidgets.in_rerun.rerun_log:SpeedLog",
     roles=(
         Role(name="measured"),
-        Role(name="commanded", take="command", commanded=True, alone={"bars": "commanded"}),
+        Role(name="commanded", take="command", commanded=True, standalone_options={"bars": "commanded"}),
     ),
     to_message=lambda: speed_message,
     simulated="robowidgets.simulator.offers:speeds",
@@ -322,7 +323,7 @@ SONAR = Kind(
     nothing=Range(nan),
     columns="robowidgets.recordings.columns.distances:Distances",
     frames="robowidgets.player._frames:SonarFrames",
-    roles=(Role(name="sonars", each=Ranges),),
+    roles=(Role(name="sonars", combine=Ranges),),
     to_message=lambda: range_message,
     simulated="robowidgets.simulator.offers:sonars",
 )

@@ -114,7 +114,7 @@ def _of_widget(topic: str, method: Callable[..., object], widget: SampleWidget) 
             call, widget, widget.miss if row.every_message else None, None if row.shared else _counter(widget)
         )
     role = role_of(type(widget), getattr(method, "__name__", ""))
-    if role is not None and role.each:
+    if role is not None and role.combine:
         return Target(OfSensor(method, sensor_of(topic)), widget)
     is_update = getattr(method, "__name__", "") == "update"
     return Target(method, widget, on_replaced=_counter(widget) if is_update else None)

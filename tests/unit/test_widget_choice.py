@@ -86,7 +86,7 @@ def listed(**widget_of: str) -> list[FeedTopic]:
 
 def test_all_topics_of_a_namespace_share_a_widget_where_the_role_is_of_each() -> None:
     with added():
-        kinds.add(replace(NUMBER, roles=(Role(name="numbers", each=lambda samples, _: samples),)), replace=True)
+        kinds.add(replace(NUMBER, roles=(Role(name="numbers", combine=lambda samples, _: samples),)), replace=True)
         topics = listed(a__left="number", b__left="number", scan="laser", a__right="number", top="number")
         chosen = choose_widgets(topics)
         assert [choice.topics for choice in chosen] == [("/scan",), ("/a/left", "/a/right"), ("/b/left",), ("/top",)]
