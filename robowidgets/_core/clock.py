@@ -20,10 +20,10 @@ log = logging.getLogger("robowidgets")
 T = TypeVar("T")
 
 Turn = Callable[[], "float | None"]
-"""Does the work that is due and returns the time of the next turn, or None to wait for a wake-up. `Left` ends it."""
+"""Does the due work and returns the time of the next turn, or None to wait for a wake-up. `Detached` ends it."""
 
 
-class Left(BaseException):
+class Detached(BaseException):
     """Raised in a turn that its owner has detached. User code never sees it."""
 
 
@@ -87,7 +87,7 @@ class Ticket(Protocol):
     def wake(self) -> None:
         """Do the turn now."""
 
-    def leave(self) -> None:
+    def detach(self) -> None:
         """Do no further turn, without waiting for a turn that is under way."""
 
 
@@ -157,15 +157,15 @@ class _RealSignal:
                 self._lock.release()
 
     def wait_until(self, when: float | None) -> None:
-        self._lock.acquire(timeout=-1 if when is None else _left(when))
+        self._lock.acquire(timeout=-1 if when is None else _remaining(when))
 
 
 class _RealCondition(threading.Condition):
     def wait_until(self, when: float | None) -> bool:
-        return self.wait(None if when is None else _left(when))
+        return self.wait(None if when is None else _remaining(when))
 
 
-def _left(when: float) -> float:
+def _remaining(when: float) -> float:
     return min(max(0.0, when - time.monotonic()), threading.TIMEOUT_MAX)
 
 
@@ -179,12 +179,12 @@ class _Worker(UserThread):
     def wake(self) -> None:
         self._signal.set()
 
-    def leave(self) -> None:
+    def detach(self) -> None:
         self.abandon()
         self.wake()
 
     def _repeat(self) -> None:
-        with suppress(Left):
+        with suppress(Detached):
             while not self.is_abandoned:
                 try:
                     when = self._turn()

@@ -7,7 +7,7 @@ import threading
 from collections.abc import Callable
 
 from . import clock
-from .clock import Left, Scheduler
+from .clock import Detached, Scheduler
 
 log = logging.getLogger("robowidgets")
 
@@ -76,7 +76,7 @@ class CoalescedCall:
             if not isinstance(error, Exception):
                 raise
             log.exception("robowidgets: error in %s", self._thread)
-        raise Left
+        raise Detached
 
     def _take_request(self) -> bool:
         with self._lock:

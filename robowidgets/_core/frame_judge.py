@@ -59,7 +59,7 @@ class FrameJudge:
         """End the thread. Waiting callers get the lamps as they are."""
         with self._lock:
             self._is_closed = True
-            self._runner.leave()
+            self._runner.detach()
             questions = [*self._questions]
             self._questions.clear()
         for question in questions:
@@ -83,5 +83,5 @@ class FrameJudge:
         late = self._runner.current
         if self._runner.is_late and isinstance(late, Watch):
             late.switch_off(f"has not returned for {RECORDED.late:g} s{self._runner.where(late.condition)}")
-            self._runner.leave()
+            self._runner.detach()
             self._runner.wake()

@@ -86,7 +86,7 @@ class Judge:
         """End the thread, and the waits for its watches."""
         with self._newest.lock:
             self._newest.on_new = None
-            self._leave_worker()
+            self._detach_worker()
             watches = list(self.watches.values())
         for watch in watches:
             watch.end("its widget is closed")
@@ -164,12 +164,12 @@ class Judge:
         self._newest.changed = True
         is_in_it = gone is not None and self._runner.current is gone
         if is_in_it or not self.watches:
-            self._leave_worker()
+            self._detach_worker()
         self._wake()
 
-    def _leave_worker(self) -> None:
+    def _detach_worker(self) -> None:
         """Detach the worker. Called with the lock."""
-        self._runner.leave()
+        self._runner.detach()
         self._newest.waiters.wake()
 
     def _judge_newest(self, call: Call) -> float | None:

@@ -22,26 +22,27 @@ class Policy(NamedTuple):
     Attributes:
         late: the time after which a function that has not returned is late.
         look: the time between two checks of a function.
-        most: the longest gap between two checks that counts as run time; a longer one means the process was suspended.
+        max_gap: the longest gap between two checks that counts as run time; a longer one means the process was
+            suspended.
         grace: the time after which a detached function is ended. If infinite, it is never ended.
     """
 
     late: float
     look: float
-    most: float = inf
+    max_gap: float = inf
     grace: float = inf
 
 
 CONDITION = Policy(late=0.1, look=0.1, grace=0.1)
 """A condition of a watch. If it is late, the picture of a sample is shown without its verdict."""
 
-RECORDED = Policy(late=1.0, look=0.1, most=0.1, grace=0.1)
+RECORDED = Policy(late=1.0, look=0.1, max_gap=0.1, grace=0.1)
 """A condition that is judged on the samples of a recording. If it is late, it is detached and switched off."""
 
 FUNCTION = Policy(late=1.0, look=1.0)
 """A function that is connected to a topic. If it is late, the widgets of the topic name it. It is never ended."""
 
-STEP = Policy(late=0.45, look=0.025, most=0.1, grace=0.5)
+STEP = Policy(late=0.45, look=0.025, max_gap=0.1, grace=0.5)
 """A step of a program. If it is late, it is detached, the robot gets zero, and the program has failed."""
 
 ANSWER = STEP

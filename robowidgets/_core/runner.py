@@ -11,7 +11,7 @@ from typing import Any, NamedTuple, Protocol
 from weakref import WeakMethod
 
 from . import clock
-from .clock import Left, Scheduler
+from .clock import Detached, Scheduler
 from .policies import Policy
 from .user_function import line_of
 from .user_threads import UserThread, frames_of
@@ -39,7 +39,7 @@ class Outcome(NamedTuple):
 class Call(Protocol):
     """Calls a function of the user in a turn of a `Runner`; `of` is the runner's `current` meanwhile.
 
-    Raises `Left` if the turn was detached.
+    Raises `Detached` if the turn was detached.
     """
 
     def __call__(self, function: Callable[..., Any], *args: Any, of: object) -> Outcome:
@@ -58,7 +58,7 @@ class _Counted(NamedTuple):
     unseen: float
 
 
-class _LeftThread(NamedTuple):
+class _DetachedThread(NamedTuple):
     thread: UserThread
     until: float
     """The run time at which it is ended, or forgotten."""
@@ -85,7 +85,7 @@ class Runner:
     Attributes:
         current: the owner of the running function, or None while no function runs.
         run: a new object for each thread of turns, or None without a thread.
-        is_interrupted: True after `interrupt`, until `leave` is called.
+        is_interrupted: True after `interrupt`, until `detach` is called.
     """
 
     def __init__(
@@ -111,7 +111,7 @@ class Runner:
         self._counted = _Counted(self._now(), 0.0, 0.0)
         self._began: float | None = None
         """The run time at which the first function of the current turn was called."""
-        self._left: list[_LeftThread] = []
+        self._detached: list[_DetachedThread] = []
         self._idle_until = 0.0
         self.current: object = None
 
@@ -153,40 +153,40 @@ class Runner:
                 self.run = None
                 raise
 
-    def leave(self, *, itself: bool = False) -> UserThread | None:
+    def detach(self, *, even_if_current: bool = False) -> UserThread | None:
         """Detach the current turn; return its thread if it is in a function, else None.
 
         A call from a function in the turn itself does nothing: the turn goes on when the function returns. With
-        ``itself``, that turn is detached, too.
+        ``even_if_current``, that turn is detached, too.
         """
         with self._lock:
-            left, is_in_function = self._ticket, self.current is not None
-            by_itself = left is threading.current_thread()
-            if by_itself and not itself:
+            ticket, is_in_function = self._ticket, self.current is not None
+            by_itself = ticket is threading.current_thread()
+            if by_itself and not even_if_current:
                 return None
             self._ticket = self.run = self._began = self.current = None
             self.is_interrupted = False
-            if left is None:
+            if ticket is None:
                 return None
-            left.leave()
-            if not isinstance(left, UserThread):
+            ticket.detach()
+            if not isinstance(ticket, UserThread):
                 return None
             if self._policy.grace < inf:
                 until = self._count().seen + self._policy.grace
-                self._left.append(_LeftThread(left, until, _ENDS if is_in_function and not by_itself else 0))
+                self._detached.append(_DetachedThread(ticket, until, _ENDS if is_in_function and not by_itself else 0))
                 self._begin_looks()
-            return left if is_in_function else None
+            return ticket if is_in_function else None
 
     def interrupt(self) -> bool:
         """Keep the current turn from driving, and do no further turn; return True if there is a current turn.
 
-        For a signal handler: it takes no lock. The owner calls `leave` at the next check.
+        For a signal handler: it takes no lock. The owner calls `detach` at the next check.
         """
         ticket = self._ticket
         if ticket is None:
             return False
         self.is_interrupted = True
-        ticket.leave()
+        ticket.detach()
         return True
 
     # -- turns ---------------------------------------------------------------------------------------------------------
@@ -212,7 +212,7 @@ class Runner:
             if now < self._idle_until:
                 return self._idle_until
             self._ticket = self.run = None
-            raise Left
+            raise Detached
 
     def _call(self, run: object, function: Callable[..., Any], *args: Any, of: object) -> Outcome:
         with self._lock:
@@ -234,17 +234,17 @@ class Runner:
             return Outcome(value, error, self._count().unseen - before.unseen)
 
     def _check(self, run: object) -> None:
-        """Raise `Left` in a turn that is detached."""
+        """Raise `Detached` in a turn that is detached."""
         if self.run is not run or self.is_interrupted:
-            raise Left
+            raise Detached
 
     # -- looks ---------------------------------------------------------------------------------------------------------
 
     def _count_on(self) -> _Counted:
         """Return the sums that a check would note now."""
-        before, now, most = self._counted, self._now(), self._policy.most
+        before, now, max_gap = self._counted, self._now(), self._policy.max_gap
         gap = now - before.at
-        return _Counted(now, before.seen + min(gap, most), before.unseen + max(0.0, gap - most))
+        return _Counted(now, before.seen + min(gap, max_gap), before.unseen + max(0.0, gap - max_gap))
 
     def _count(self) -> _Counted:
         """Note and return the sums up to now. Called with the lock held."""
@@ -273,7 +273,7 @@ class Runner:
     def _look_in_thread(self) -> float:
         when = self._look_at()
         if when is None:
-            raise Left
+            raise Detached
         return when
 
     def _look_at(self) -> float | None:
@@ -284,18 +284,18 @@ class Runner:
         policy = self._policy
         with self._lock:
             now, seen, _ = self._count()
-            over = [one for one in self._left if one.until <= seen + _ROUNDING or not one.thread.is_alive()]
-            self._left = [one for one in self._left if one not in over]
+            over = [one for one in self._detached if one.until <= seen + _ROUNDING or not one.thread.is_alive()]
+            self._detached = [one for one in self._detached if one not in over]
             for one in over:
                 if one.ends and one.thread.is_alive():
                     one.thread.end()
-                    self._left.append(one._replace(until=seen + policy.look, ends=one.ends - 1))
+                    self._detached.append(one._replace(until=seen + policy.look, ends=one.ends - 1))
             busy = policy.late if self._began is None else seen - self._began
-            due = [policy.look, *(one.until - seen for one in self._left)]
+            due = [policy.look, *(one.until - seen for one in self._detached)]
             if busy < policy.late - _ROUNDING:
                 due.append(policy.late - busy)
             is_busy = self.is_at_work if self._looks else self._began is not None
-            self._has_look = is_busy or bool(self._left)
+            self._has_look = is_busy or bool(self._detached)
             goes_on = self._has_look
         if self._looks or busy >= policy.look - _ROUNDING:  # else the check was for an earlier turn
             try:

@@ -271,7 +271,7 @@ class FunctionCaller:
         """Call no function any more; waits a moment for one that is running."""
         with self._lock:
             self._closed = True
-            left = self._runner.leave()
+            left = self._runner.detach()
         if left is not None:
             left.join(CLOSING)
 
@@ -298,7 +298,7 @@ class FunctionCaller:
         for key in self._waiting.keys() - taken:
             del self._waiting[key]
         if any(function is self._runner.current for function in gone):
-            self._runner.leave()
+            self._runner.detach()
             if self._waiting:
                 self._runner.wake()
 
@@ -334,7 +334,7 @@ class FunctionCaller:
         try:
             given = (sample, came.time_ns) if function.takes_time else (sample,)
             outcome = call(function.context.copy().run, function.drive_by, function.call, *given, of=function)
-        finally:  # also where it was left
+        finally:  # even if it was detached
             function.entered = None
             function.runs += 1
         function.error, function.got, function.gave = "", sample, outcome.value
