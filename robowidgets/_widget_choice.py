@@ -147,7 +147,7 @@ Entry = str | Sequence[str]
 share a widget."""
 
 
-class Request(NamedTuple):
+class TopicRequest(NamedTuple):
     """A requested name: its topic, its field or empty, and the name of a row or empty."""
 
     topic: str
@@ -155,15 +155,15 @@ class Request(NamedTuple):
     row: str = ""
 
 
-def parse_request(name: str, known: Collection[str]) -> Request:
+def parse_request(name: str, known: Collection[str]) -> TopicRequest:
     """Return the request in a name, given the known topics."""
     shown, by, row = name.rpartition(AS)
     if name not in known and by and row in _rows():
-        return Request(*topic_and_field(shown, known), row)
-    return Request(*topic_and_field(name, known))
+        return TopicRequest(*topic_and_field(shown, known), row)
+    return TopicRequest(*topic_and_field(name, known))
 
 
-def why_no_plot(request: Request, types: str) -> str:
+def why_no_plot(request: TopicRequest, types: str) -> str:
     """Return why a requested widget can show nothing of a topic without a field, or empty if it can."""
     row = ON_DEMAND.get(request.row)
     if row is None or not row.plots_fields or request.field or row.default_fields(types):
@@ -172,7 +172,7 @@ def why_no_plot(request: Request, types: str) -> str:
     return f"{name!r} names no field of its messages to show; name one, as '{request.topic}.FIELD'"
 
 
-def parse_requests(entries: Iterable[Entry], known: Collection[str]) -> list[Request]:
+def parse_requests(entries: Iterable[Entry], known: Collection[str]) -> list[TopicRequest]:
     """Return the requests in entries."""
     return [parse_request(name, known) for entry in entries for name in ([entry] if isinstance(entry, str) else entry)]
 
@@ -222,11 +222,13 @@ def choose_instead(topics: Iterable[ListedTopic], can_show: Callable[[str], bool
     """Return the few topics to show if no topic has a kind, the most useful first."""
     known = {topic.name: topic for topic in topics if on_demand_for_type(topic.type) and can_show(topic.name)}
     return [
-        name for choice in _on_demand_choices([Request(name) for name in known], known)[:FEW] for name in choice.topics
+        name
+        for choice in _on_demand_choices([TopicRequest(name) for name in known], known)[:FEW]
+        for name in choice.topics
     ]
 
 
-class Selection:
+class TopicSelection:
     """The selection of a view: the requested entries, and the changes of the user since.
 
     Args:
@@ -238,7 +240,7 @@ class Selection:
         self._more: list[Entry] = []
         self._off: set[Entry] = set()
 
-    def keep(self, earlier: Selection) -> None:
+    def keep(self, earlier: TopicSelection) -> None:
         """Take over the user's changes from the view of an earlier run of the cell, if the requests are the same."""
         if self._requested == earlier._requested:
             self._base, self._more, self._off = list(earlier._base), list(earlier._more), set(earlier._off)
@@ -319,7 +321,7 @@ def _by_kind(listed: list[ListedTopic]) -> tuple[WidgetChoice, ...]:
     return (*chosen, *more)
 
 
-def _row_of(request: Request, topic: ListedTopic) -> OnDemandWidget | None:
+def _row_of(request: TopicRequest, topic: ListedTopic) -> OnDemandWidget | None:
     """Return the row of the widget for a topic without a kind, or for a field; None if it has another widget."""
     if request.row == LASER.name and not SCAN.types.isdisjoint(topic.type.split(", ")):
         return SCAN
@@ -330,16 +332,16 @@ def _row_of(request: Request, topic: ListedTopic) -> OnDemandWidget | None:
     return None if topic.widget else on_demand_for_type(topic.type)
 
 
-def _fields_of(request: Request, known: Mapping[str, ListedTopic]) -> list[Request]:
+def _fields_of(request: TopicRequest, known: Mapping[str, ListedTopic]) -> list[TopicRequest]:
     """Return the default fields of a topic that is requested without a field; empty for another widget."""
     topic = known.get(request.topic)
     row = _row_of(request, topic) if topic is not None and not request.field else None
     if topic is None or row is None or not row.plots_fields:
         return []
-    return [Request(topic.name, field) for field in row.default_fields(topic.type)]
+    return [TopicRequest(topic.name, field) for field in row.default_fields(topic.type)]
 
 
-def _on_demand_choices(requests: Sequence[Request], known: Mapping[str, ListedTopic]) -> list[WidgetChoice]:
+def _on_demand_choices(requests: Sequence[TopicRequest], known: Mapping[str, ListedTopic]) -> list[WidgetChoice]:
     """Return the widgets of topics without a kind, and of fields, the most useful first."""
     found: dict[str, list[str]] = {}
     plots: list[WidgetChoice] = []

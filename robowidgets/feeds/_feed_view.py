@@ -17,7 +17,7 @@ from .._core.sample_widget import SampleWidget
 from .._layout import OneScreen, stacked
 from .._widget_choice import (
     Entry,
-    Selection,
+    TopicSelection,
     WidgetChoice,
     checked_arrangement,
     choose_widgets,
@@ -86,7 +86,7 @@ class FeedView(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no type
         self._feed: ViewedFeed | None = feed
         self._connection = feed.connection
         self._names = [*topics, *([] if arrangement is None else checked_arrangement(arrangement))]
-        self.on_show = Selection(self._names)
+        self.on_show = TopicSelection(self._names)
         self._known: dict[str, FeedTopic] = {}
         self._shown: dict[WidgetChoice, SampleWidget] = {}
         self._probes = Probes(self._connection)

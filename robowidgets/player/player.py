@@ -25,8 +25,8 @@ from .._core.traits import Flag
 from .._layout import WIDE, OneScreen, columns
 from .._widget_choice import (
     Entry,
-    Request,
-    Selection,
+    TopicRequest,
+    TopicSelection,
     WidgetChoice,
     checked_arrangement,
     choose_widgets,
@@ -136,7 +136,7 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
         asked = list(topics) if arrangement is None else [*topics, *checked_arrangement(arrangement)]
         _check(recording, asked)
         self.rerun = RerunWidget(recording, topics, layout={**_BESIDE, "flex": f"3 1 {_VIEWER}"}) if rerun else None
-        self.on_show = Selection(asked)
+        self.on_show = TopicSelection(asked)
         for player in earlier:
             if isinstance(player, Player) and player.recording.path == recording.path:
                 self.on_show.keep(player.on_show)
@@ -636,7 +636,7 @@ def _rows(recording: RecordingData) -> Iterator[TopicRow]:
         yield TopicRow(topic.name, topic.type, topic.count, topic.rate, row, problem)
 
 
-def _check_entry(recording: RecordingData, request: Request) -> None:
+def _check_entry(recording: RecordingData, request: TopicRequest) -> None:
     """Check that a topic or a field exists, and that a widget can show it."""
     topic = next((one for one in recording.topics if one.name == request.topic), None)
     if request.field and topic is not None and on_demand_for_fields():

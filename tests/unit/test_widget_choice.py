@@ -7,7 +7,7 @@ from dataclasses import replace
 import pytest
 
 from robowidgets import kinds
-from robowidgets._widget_choice import Selection, choose_instead, choose_widgets
+from robowidgets._widget_choice import TopicSelection, choose_instead, choose_widgets
 from robowidgets.feeds._topics import FeedTopic
 from robowidgets.kinds import KINDS, Role, is_command
 from robowidgets.messages.channel import Channel
@@ -118,7 +118,7 @@ def test_a_picture_needs_its_calibration_and_may_have_a_scan_which_keeps_its_own
 
 
 def test_what_was_taken_off_is_shown_again_whether_it_was_asked_for_or_added_later() -> None:
-    on_show = Selection(["/scan"])
+    on_show = TopicSelection(["/scan"])
     for entry in ("/scan", "/imu"):
         on_show.add(entry)
         on_show.take_off([entry])
