@@ -1,4 +1,4 @@
-"""The hard data of a robot's sensors, live in the notebook where the robot is programmed."""
+"""The raw data of a robot's sensors, live in the notebook in which the robot is programmed."""
 
 from __future__ import annotations
 
@@ -74,7 +74,7 @@ __version__ = "0.1.0"
 SAMPLE = Path(__file__).parent / "data" / "sample.mcap"
 """A small recording of a simulated robot that drives through rooms and bumps into things."""
 
-# Not `open`: a star import must leave Python's own.
+# Without `open`: a star import must not replace Python's `open`.
 __all__ = [
     "SAMPLE",
     "Arc",
@@ -158,7 +158,7 @@ _LATER = {
 
 
 def __getattr__(name: str) -> Any:
-    """Feeds, lessons, recordings and the simulator are imported when first used: a widget needs none of them."""
+    """Import feeds, lessons, recordings and the simulator at the first use: a widget does not need them."""
     if name in ("feeds", "fleet", "lessons", "simulator"):
         return import_module(f".{name}", __name__)
     if name == "conditions":

@@ -1,4 +1,4 @@
-"""``python -m robowidgets`` is the command ``robowidgets``."""
+"""``python -m robowidgets`` runs the command ``robowidgets``."""
 
 import sys
 

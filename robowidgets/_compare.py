@@ -22,7 +22,7 @@ from .recordings.odometry import odometry
 from .recordings.topics import UnknownTopicError, likeliest
 from .samples import Pose
 from .samples.map_item import MapItem
-from .samples.sector import ALL_ROUND, Asked
+from .samples.sector import ALL_ROUND, SectorLike
 from .samples.state_span import StateSpan, rows_of
 from .search import conditions
 from .search.base import Condition
@@ -92,7 +92,7 @@ class _Drive(NamedTuple):
 def compare(
     *drives: str | os.PathLike[str] | RecordingData,
     by: str = "time",
-    sector: Asked = ALL_ROUND,
+    sector: SectorLike = ALL_ROUND,
     marks: Condition | None = None,
     origins: Sequence[Sequence[Any]] = (),
 ) -> Comparison:
@@ -151,7 +151,7 @@ def _names(recordings: Sequence[RecordingData]) -> list[str]:
     return [f"{name} {names[:i].count(name) + 1}" if name in names[:i] else name for i, name in enumerate(names)]
 
 
-def _plot(drives: Sequence[_Drive], by: str, sector: Asked, marks: Condition | None) -> PlotWidget:
+def _plot(drives: Sequence[_Drive], by: str, sector: SectorLike, marks: Condition | None) -> PlotWidget:
     lines = {name: line for drive in drives for name, line in _lines(drive, sector)}
     lacks = [f"{name} of {drive.name}" for drive in drives for name in _LINES if f"{name} ({drive.name})" not in lines]
     if not lines:
@@ -179,7 +179,7 @@ def _plot(drives: Sequence[_Drive], by: str, sector: Asked, marks: Condition | N
     return widget
 
 
-def _lines(drive: _Drive, sector: Asked) -> Iterator[tuple[str, tuple[Floats, Floats]]]:
+def _lines(drive: _Drive, sector: SectorLike) -> Iterator[tuple[str, tuple[Floats, Floats]]]:
     """Yield the nearest distance and the speed of a drive by name, if it has them."""
     recording = drive.recording
     with suppress(UnknownTopicError):

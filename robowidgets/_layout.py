@@ -11,21 +11,21 @@ WIDE = {"flex_flow": "row wrap", "align_items": "flex-start", "width": "100%"}
 """Layout of a box that holds columns."""
 
 UNDER_MAIN = 3
-"""Small widgets that fit into one row under the main ones: usually speeds, touches and the path."""
+"""The number of small widgets in one row below the main ones: usually speeds, touches and the path."""
 
 _COLUMNS = {"wide": "2 1 460px", "narrow": "1 1 340px", "map": "1 1 340px"}
-"""How the columns share the width, from left to right."""
+"""The shares of the columns in the width, from left to right."""
 _WIDEST = "764px"
 
 
 _ROWS = ("wide", "map")
-"""Columns of which a widget that was added has a row of its own."""
+"""Columns whose widgets get a row of their own when they are added."""
 
 
 def added_classes(column: str) -> list[str]:
-    """The classes of a widget that is added to a screen.
+    """Return the classes of a widget that is added to a screen.
 
-    It has them from the start: in the page, the view of a widget that is new misses what is said soon after.
+    It needs them from the start: in the page, the view of a new widget misses changes soon after its creation.
     """
     return ["rw-added", *(["rw-added-row"] if column in _ROWS else [])]
 
@@ -42,16 +42,16 @@ class Together(ipywidgets.Box):  # type: ignore[misc]  # ipywidgets has no types
 
 
 def stacked(widgets: Sequence[ipywidgets.Widget]) -> Any:
-    """For marimo, which shows no box of ipywidgets and asks a view for this: its widgets in a stack of marimo's own."""
-    from marimo import vstack  # only marimo asks
+    """Return the widgets of a view in a stack of marimo, which calls this because it cannot show these boxes."""
+    from marimo import vstack  # only marimo calls this
 
     return vstack(widgets)
 
 
 def columns(widgets: Sequence[ipywidgets.Widget]) -> list[ipywidgets.VBox]:
-    """Widgets in their columns, one under the other.
+    """Return boxes for the columns of widgets.
 
-    Where room is short, the map stands below the others, over the whole width, then beside the narrow column.
+    On a narrow page, the map moves below the others, with the whole width, or next to the narrow column.
     """
     each = {name: [widget for widget in widgets if widget.column == name] for name in _COLUMNS}
     return [_column(name, found) for name, found in each.items() if found]
@@ -66,16 +66,16 @@ def _column(name: str, widgets: Sequence[ipywidgets.Widget]) -> ipywidgets.VBox:
 
 
 class OneScreen(ipywidgets.Box):  # type: ignore[misc]  # ipywidgets has no types
-    """Widgets in two columns that share the height of the window; the stylesheet `screen.css` gives places and heights.
+    """Widgets in two columns that share the height of the window. The stylesheet `screen.css` sets places and heights.
 
-    Left stand the main ones, side by side, with up to three small ones in a low row below them, and right the wide
-    ones; the other small ones share the width below. Without main ones the wide ones stand left, and all small ones
-    right. On a narrow page the columns stand one above the other, the wide ones first. The view around it has the
-    class ``rw-one-screen``.
+    The left column has the main widgets side by side, with up to three small ones in a low row below them. The right
+    column has the wide ones. Other small ones share the width below. Without main widgets the wide ones are on the
+    left, and all small ones on the right. On a narrow page the columns are stacked, the wide ones first. The view
+    around it has the class ``rw-one-screen``.
 
-    What was added since takes the room that is left: beside wide ones that stand alone, below the only wide one, the
-    rest of the low row, or a row below; plots, maps and what else is wide have a row of their own. Nothing that is
-    there moves for it, as its box stays the same.
+    Widgets that are added later fill free room: next to wide ones without a second column, below the only wide one, in
+    the rest of the low row, or in a row below. Plots, maps and other wide ones get a row of their own. Existing widgets
+    do not move, because their boxes stay the same.
     """
 
     def __init__(self) -> None:
@@ -93,11 +93,11 @@ class OneScreen(ipywidgets.Box):  # type: ignore[misc]  # ipywidgets has no type
         small: Sequence[ipywidgets.Widget],
         added: Sequence[ipywidgets.Widget] = (),
     ) -> None:
-        """Give widgets their places."""
+        """Put widgets in their places."""
         rows = [widget for widget in added if widget.column in _ROWS]
         more = [widget for widget in added if widget not in rows]
         if not main:
-            # Beside a laser alone is room for the picture of a camera.
+            # A single laser leaves room for the picture of a camera on its right.
             beside = rows[:1] if wide and not (small or more) else []
             right = [*small, *more, *beside]
             places = {"mains": [], "wides": [*wide], "smalls": right, "below": rows[len(beside) :]}
@@ -120,7 +120,7 @@ class OneScreen(ipywidgets.Box):  # type: ignore[misc]  # ipywidgets has no type
         self.children = [*columns, *filled["below"]]
 
     def close(self) -> None:
-        """Close it and its boxes, and leave what is in them."""
+        """Close it and its boxes, but not the widgets in them."""
         for box in self._boxes.values():
             box.layout.close()
             box.close()

@@ -34,29 +34,30 @@ def plot(
     origin: Sequence[Any] = (0, 0, 0),
     **options: Any,
 ) -> PlotWidget:
-    """Fields of a recording, or of a running robot, over time: any number of any topic, each under its name.
+    """Plot fields of a recording, or of a running robot, over time: any numbers of any topics, each with its name.
 
     Args:
-        source: a recording, or a part of it: ``recording[2:5]``; or a feed, of which each message is taken from now on,
-            in seconds since the first one came.
-        *fields: a topic with a field, such as ``"/odom.twist.twist.linear.x"``; all numbers in it, where the field
-            holds several: ``"/imu.angular_velocity"``. Up to eight numbers in all. Of a feed, each is one number, and
-            the topic may appear later.
-        derivative: of a recording, whether the change per second of each is shown, too, as
-            ``"d/dt /odom.twist.twist.linear.x"``.
+        source: a recording, or a part of it, such as ``recording[2:5]``; or a feed, whose messages are added from now
+            on, in seconds since the first one.
+        *fields: a topic with a field, such as ``"/odom.twist.twist.linear.x"``. A field with several numbers adds all
+            of them: ``"/imu.angular_velocity"``. Eight numbers in total at most. With a feed, each field is one number,
+            and the topic may appear later.
+        derivative: True to add the change per second of each line of a recording, such as ``"d/dt
+            /odom.twist.twist.linear.x"``.
         beside: another recording, whose same fields are drawn in gray; ``shift=`` moves them by seconds.
-        by: "time", or "place": the other one's values are those from when its robot was where this one was, by
-            odometry, as in `Player.follow`.
-        origin: for "place", x and y in metres and yaw in radians, or as "20deg", at which the odometry of the other
-            recording starts in that of this one.
-        **options: keywords of `PlotWidget`. Units that they name hold instead of those of the definition; ``marks`` may
-            be a condition, whose spans in the recording are marked.
+        by: "time"; or "place" to compare with the times at which the robot of the other recording was at the same
+            place, by odometry, as in `Player.follow`.
+        origin: for "place", the start of the other recording's odometry in the odometry of this recording: x and y in
+            metres and yaw in radians, or as "20deg".
+        **options: keywords of `PlotWidget`. Units in them replace the units of the definition. ``marks`` may be a
+            condition, whose spans in the recording are marked.
 
     Raises:
-        UnknownTopicError: the recording has no such topic, or its messages cannot be read; by place, no odometry.
-        KeyError: the messages have no such field; the text names the nearest ones.
-        TypeError: neither a recording nor a feed, no field, or a field that is no number.
-        ValueError: more than eight numbers; or no place of one recording is near one of the other.
+        UnknownTopicError: the recording has no such topic, or its messages cannot be read, or it has no odometry for
+            "place".
+        KeyError: the messages have no such field. The text names similar ones.
+        TypeError: neither a recording nor a feed, no field, or a field that is not a number.
+        ValueError: more than eight numbers, or the two recordings have no places in common.
 
     Examples:
         >>> import robowidgets
@@ -136,7 +137,7 @@ def _lines(source: RecordingData | TimeSlice, field: str) -> list[FieldLine]:
 def _ghosts(
     source: RecordingData | TimeSlice, other: RecordingData, fields: Sequence[str], by: str, origin: Sequence[Any]
 ) -> Iterator[FieldLine]:
-    """The lines of another recording, at its own times, or at those at which the robot of this one was there."""
+    """Yield the lines of another recording at its times, or at the times when this robot was at the same places."""
     name = other.path.name
     times: tuple[Floats, Floats] | None = None
     if by == "place":
@@ -150,11 +151,11 @@ def _ghosts(
 
 
 def same_places(one: RecordingData, other: RecordingData, origin: Pose, error: str) -> tuple[Floats, Floats]:
-    """Times of a recording, and those at which the robot of another one was there; NaN where it never was.
+    """Return times of a recording, and the times at which the robot of another one was at the same place, or NaN.
 
     Raises:
-        ValueError: no place of one is near one of the other; ``error`` has room for what is wrong.
-        UnknownTopicError: one has no odometry.
+        ValueError: the recordings have no places in common. ``error`` has a placeholder for the details.
+        UnknownTopicError: a recording has no odometry.
     """
     here, there = places_of(one), places_of(other).seen_from(origin)
     seconds, apart = there.nearest(here)
@@ -166,7 +167,7 @@ def same_places(one: RecordingData, other: RecordingData, origin: Pose, error: s
 
 
 def _live(feed: Feed, fields: Sequence[str], options: dict[str, Any]) -> PlotWidget:
-    """A plot to which each message adds its numbers."""
+    """Return a plot to which each message adds its numbers."""
     known = [topic.name for topic in feed.topics]
     split = {field: topic_and_field(field, known) for field in dict.fromkeys(fields)}
     for field, (topic, inner) in split.items():

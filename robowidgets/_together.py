@@ -12,17 +12,17 @@ from ._layout import Together
 
 
 def together(*widgets: RobotWidget[Any]) -> ipywidgets.Box:
-    """Freeze and step widgets together, so that they always show one moment; returns them side by side.
+    """Group widgets so that they are frozen and stepped together, and return them side by side.
 
-    Freezing one of them, by its button, a key or ``paused``, freezes all. A step back in one shows in the others what
-    was their newest sample then; it goes back as far as each of them remembers. All of it happens in the page, also
-    while a cell runs. `Recording.show` and `Feed.show` do so by themselves. A widget is in one group: the last.
+    Freezing one of them, by its button, a key or ``paused``, freezes all. After a step back in one, the others show
+    their newest sample at that time, as long as they keep it. All of this happens in the page, even while a cell runs.
+    `Recording.show` and `Feed.show` group their widgets by themselves. A widget belongs to its last group.
 
     Args:
         *widgets: laser, speed and touch widgets.
 
     Raises:
-        TypeError: something is no widget that can be frozen, or there is none. RuntimeError: one is closed.
+        TypeError: no widgets, or not a widget that can be frozen. RuntimeError: a widget is closed.
 
     Examples:
         >>> from robowidgets import LaserWidget, SpeedWidget, together

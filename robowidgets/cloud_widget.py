@@ -1,4 +1,4 @@
-"""The cloud view: points with every field that their sensor measured, from above, from the side, or in rows."""
+"""The cloud widget: points with every field that their sensor measured, from above, from the side, or in rows."""
 
 from __future__ import annotations
 
@@ -25,44 +25,44 @@ from .samples.cloud import AXES, MAX_POINTS, to_band
 VIEWS = ("above", "side", "behind", "rows")
 FORMS = ("points", "cloud", "array")
 DISTANCE = "distance"
-"""What colours and bounds points, besides their fields."""
+"""A value that colours and bounds points, in addition to their fields."""
 
 LIVE_POINTS = 25_000
-"""Points that the page gets of each cloud, for which 10 Hz leave it time for all else."""
+"""Points of a live cloud that the page gets. At 10 Hz it has time left for everything else."""
 
 STILL_POINTS = 100_000
-"""Of a cloud that stands alone."""
+"""Points of a single cloud that the page gets."""
 
 _LENGTH = struct.Struct("<I")
 _ALIGNED = 8
 _AS = {"b": "u1", "f2": "f4", "i8": "f8", "u8": "f8"}
-"""Types of NumPy that the page gets as others; it has those that a PointField may have."""
+"""Types of NumPy that are converted for the page, which has only the types of a PointField."""
 
 
 class CloudWidget(LargeFrameWidget[Cloud]):
-    """A cloud of points, live: from above, from the side, from behind, or as it lies in rows, with every field.
+    """A live cloud of points with every field: from above, from the side, from behind, or in its rows.
 
-    The reader sees the points to scale on a grid of metres, x forward and up in the picture, y to the left (REP-103),
-    coloured by height, distance, or any field, with a legend. Pointing at one names its index, its row and column, x,
-    y, z, distance and every field. A box drawn over points, or a band along the legend, tells how many points are in
-    it, and gives the code for them. Space freezes, the wheel zooms; none of it needs the kernel. A cloud of more points
-    than the page can draw in time is thinned there, which the picture says; indices stay those of the cloud. What
-    cannot be understood leaves the last picture and says why above it.
+    The widget shows the points to scale on a grid of metres, x forward and up in the picture, y to the left (REP-103),
+    coloured by height, distance, or any field, with a legend. Pointing at a point shows its index, its row and column,
+    x, y, z, distance and every field. A box around points, or a band along the legend, shows the number of points in it
+    and the code for them. Space freezes, the wheel zooms; all this works without the kernel. A cloud with more points
+    than the page can draw in time is thinned, and the picture says so; indices still count the whole cloud. If a
+    message cannot be read, the last picture stays, with the reason above it.
 
     Args:
-        title: what is shown, for the header; usually the topic.
-        view: "above", "side" (from the right, x to the right), "behind" (y to the left), or "rows" (as it lies in
-            rows). The view writes it, too.
+        title: title in the header; usually the topic.
+        view: "above", "side" (from the right, x to the right), "behind" (y to the left), or "rows" (the rows of the
+            cloud). The view writes it, too.
         color_by: "z" (height), "distance", the name of a field, or "" for one colour. The view writes it, too.
-        color_range: two values, between which the colours lie; None: those of the points on show.
-        selection: field to its lower and upper bound, such as {"z": (0.1, 0.5)}: the points within all of them are
+        color_range: two values at the ends of the colours; by default the range of the points on show.
+        selection: lower and upper bounds by field, such as {"z": (0.1, 0.5)}. The points within all bounds are
             selected. The view writes it, too.
-        most_points: how many points the page gets of each cloud; None: 25,000 of clouds that come again and again,
-            100,000 of one that stands alone.
-        view_range: metres from the middle to the edge of the picture; None: as far as the points reach.
-        paused: whether the picture is frozen.
+        most_points: the most points of a cloud that the page gets; by default 25,000 of repeated clouds, and 100,000 of
+            a single one.
+        view_range: metres from the middle to the edge of the picture; by default up to the farthest point.
+        paused: True while the picture is frozen.
         history: seconds for which the page keeps samples to step back through while frozen, 0 (none) to 600.
-        header, footer: whether they are there; without them the picture alone is fit for a paper.
+        header, footer: False to hide them, for example to use the picture in a paper.
 
     Raises:
         TypeError: an unknown keyword.
@@ -85,35 +85,35 @@ class CloudWidget(LargeFrameWidget[Cloud]):
     frame_traits = ("most_points",)
 
     most_bytes: int | None = None
-    """Of a frame of a player, which says so by how often clouds come; None: as many as of live clouds."""
+    """The most bytes of a frame, which a player sets by the rate of the clouds; None for the limit of live clouds."""
 
-    view = traitlets.Enum(VIEWS, "above", help="From where. Python and the view write it.").tag(sync=True)
+    view = traitlets.Enum(VIEWS, "above", help="The direction of view. Python and the view write it.").tag(sync=True)
     color_by = traitlets.Unicode("z", help="Field that colours the points. Python and the view write it.").tag(
         sync=True
     )
-    color_range = BandTrait(None, allow_none=True, help="Values between which the colours lie.").tag(sync=True)
+    color_range = BandTrait(None, allow_none=True, help="Values at the ends of the colours.").tag(sync=True)
     selection = traitlets.Dict(
-        key_trait=traitlets.Unicode(), help="Field to its bounds. Python and the view write it."
+        key_trait=traitlets.Unicode(), help="Bounds by field. Python and the view write it."
     ).tag(sync=True)
     most_points = traitlets.Int(
-        None, allow_none=True, min=1, max=MAX_POINTS, help="Points that the page gets of a cloud."
+        None, allow_none=True, min=1, max=MAX_POINTS, help="The most points of a cloud that the page gets."
     ).tag(sync=True)
     view_range = traitlets.Float(
-        None, allow_none=True, help="Metres to the edge of the picture, above 0; None: all. Python writes it."
+        None, allow_none=True, help="Metres to the edge of the picture, above 0, or None for all. Python writes it."
     ).tag(sync=True)
 
     def update(self, message: Any) -> None:
         """Show a cloud in the next animation frame.
 
-        It only stores, and may be called from any thread at any rate; the newest wins.
+        It only stores the cloud, and may be called from any thread at any rate; the newest wins.
 
         Args:
             message: a sensor_msgs/PointCloud2 or PointCloud of rclpy, rospy or rosbags, a rosbridge dictionary, numbers
                 of shape (N, 3), a structured array, or a `Cloud`.
 
         Raises:
-            TypeError: no such message. ValueError: what it holds are no points. In a callback (another thread; a task,
-                timer or button of a notebook) nothing is raised; widget and log say it.
+            TypeError: not such a message. ValueError: it does not contain points. A callback (another thread; a task,
+                timer or button of a notebook) raises nothing; the widget and the log show the error.
         """
         try:
             cloud = to_cloud(message)
@@ -124,10 +124,10 @@ class CloudWidget(LargeFrameWidget[Cloud]):
 
     @property
     def cloud(self) -> Cloud | None:
-        """The cloud on show, all of it: the frozen one while paused; None before the first.
+        """The whole cloud on show: the frozen one while paused, or None before the first.
 
-        While paused it is also None where the page has stepped back to a cloud that is no longer kept here: about the
-        last 64 MB are.
+        While paused it is also None if the page has stepped back to a cloud that is no longer kept in Python, which
+        keeps about 64 MB.
         """
         return self._sample_on_show()
 
@@ -138,10 +138,10 @@ class CloudWidget(LargeFrameWidget[Cloud]):
 
     @property
     def selected(self) -> NDArray[Any]:
-        """The points of the cloud on show that are within the bounds of `selection`, a structured array; all without.
+        """The points of the cloud on show within the bounds of `selection`, or all points, as a structured array.
 
         Raises:
-            ValueError: no cloud came, or it has no such field.
+            ValueError: no cloud has come, or it has no such field.
         """
         cloud = self.cloud
         if cloud is None:
@@ -149,20 +149,20 @@ class CloudWidget(LargeFrameWidget[Cloud]):
         return cloud.points[cloud.inside(**self.selection)]
 
     def code(self, form: str = "points") -> str:
-        """The code that selects the points of `selection`.
+        """Return the code that selects the points of `selection`.
 
         Args:
-            form: "points", with ``points``, and with each field by its name; "cloud", of a `Cloud`; "array", of numbers
-                of shape (N, 3). Where the bounds leave out x, y or z, it needs NumPy as ``np`` to leave out points that
-                were not measured, except of a `Cloud`.
+            form: "points" for an array ``points``, and an array for each field under its name; "cloud" for a `Cloud`;
+                "array" for numbers of shape (N, 3). If x, y or z has no bounds, the code uses NumPy as ``np`` to skip
+                points that were not measured, except with a `Cloud`.
 
         Raises:
-            ValueError: nothing is selected, another form, or an array has no such field.
+            ValueError: nothing is selected, an unknown form, or an array has no such field.
         """
         return selection_code(self.selection, form)
 
     def frame_of(self, sample: Any) -> tuple[dict[str, Any], bytes]:
-        """See `RobotWidget`: of a message, or a cloud."""
+        """See `RobotWidget`. The sample is a message, or a cloud."""
         try:
             cloud = to_cloud(sample)
         except (TypeError, ValueError) as error:
@@ -189,7 +189,7 @@ class CloudWidget(LargeFrameWidget[Cloud]):
 
     @traitlets.observe("selection")
     def _select(self, _change: Any) -> None:
-        """Count the points anew: of the cloud on show, too, which may be the only one that comes."""
+        """Count the selected points again, even of the cloud on show, because no other may come."""
         self._say_more()
 
     @traitlets.observe("most_points")
@@ -231,7 +231,7 @@ def selection_code(selection: Mapping[str, Any], form: str = "points") -> str:
     parts = [
         f"({_field_code(field, form)} >= {low}) & ({_field_code(field, form)} <= {high})" for field, low, high in bands
     ]
-    # Bounds leave out what is NaN or infinite; a distance has none where x, y or z is.
+    # Bounds exclude NaN and infinity. Bounds of the distance exclude them in x, y and z.
     unbounded = [axis for axis in AXES if axis not in selection and DISTANCE not in selection]
     parts += [f"np.isfinite({_field_code(axis, form)})" for axis in unbounded]
     return f"points[{' & '.join(parts)}]"
@@ -244,7 +244,7 @@ def _field_code(field: str, form: str) -> str:
 
 
 def _is_name(text: str) -> bool:
-    """Whether code may have a text as a name, in plain letters, as `js/shared/python.ts` has it."""
+    """Return True if a text is an ASCII identifier for code, as in `js/shared/python.ts`."""
     return re.fullmatch(r"[A-Za-z_]\w*", text, re.ASCII) is not None and not iskeyword(text)
 
 
@@ -253,14 +253,14 @@ def _quoted(text: str) -> str:
 
 
 def _number_code(value: float) -> str:
-    """All digits of a number, whole ones without a point."""
+    """Return a number with all digits, and whole numbers without a point."""
     return repr(value + 0.0).removesuffix(".0")
 
 
 def _pack(cloud: Cloud, most: int) -> bytes:
-    """The facts of a cloud as JSON, and a column for each field of the points that the page gets.
+    """Return the facts of a cloud as JSON, and a column for each field of the points that the page gets.
 
-    Of a cloud in rows these are every n-th row and column, else every n-th point.
+    It gets every n-th row and column of a cloud in rows, else every n-th point.
     """
     count = len(cloud)
     if cloud.rows > 1:
@@ -289,7 +289,7 @@ def _pack(cloud: Cloud, most: int) -> bytes:
     parts = [_LENGTH.pack(len(text)), text]
     size = FRAME_HEADER.size + _LENGTH.size + len(text)
     for raw in columns:
-        # Typed arrays of the page lie at multiples of their size.
+        # Typed arrays of the page must start at multiples of their size.
         gap = -size % _ALIGNED
         parts += [bytes(gap), raw]
         size += gap + len(raw)

@@ -29,7 +29,7 @@ class _Limit(traitlets.TraitType[Any, Any]):
         self.unit = unit
 
     def validate(self, _obj: Any, value: Any) -> float:
-        """The limit as a float; TraitError says what is wrong with it."""
+        """Return the limit as a float. Raise TraitError for other values."""
         is_number = isinstance(value, Real) and not isinstance(value, bool)
         if not is_number or not isfinite(value) or not 0 < value <= LARGEST:
             raise traitlets.TraitError(
@@ -41,34 +41,34 @@ class _Limit(traitlets.TraitType[Any, Any]):
 class DriveWidget(DrivingWidget):
     """A pad that drives a robot: drag its knob, or press arrow keys or W, A, S, D while it has the focus.
 
-    Up is forward and left turns to the left (REP-103: linear x and angular z above 0). The knob's place is a share of
-    the limits; keys go to the limits. The pad shows the speed that was sent, its limits, and who drives. Of a robot
-    that moves sideways it has a second knob below, and the keys Q and E (to the left: linear y above 0).
+    Up is forward and left turns to the left (REP-103: linear x and angular z above 0). The position of the knob is a
+    share of the limits; keys go to the limits. The pad shows the speed that was sent, its limits, and the current
+    driver. For a robot that moves sideways it has a second knob below, and the keys Q and E (to the left: linear y
+    above 0).
 
-    The pad stops the robot on release, when it loses the focus or the page is hidden, and when something raises. The
-    robot moves only while the page and the kernel answer each other: half a second without an answer ends a press, on
-    both sides, and no message that was delayed for longer moves the robot. After that the knob must be released and
-    pressed anew. No program can stop a robot when its whole process hangs, so a robot should also stop by itself when
-    no speed comes.
+    The pad stops the robot on release, when it loses the focus or the page is hidden, and on an error. The robot moves
+    only while the page and the kernel answer each other: half a second without an answer ends a press, on both sides,
+    and a message with a longer delay does not move the robot. Then the knob must be released and pressed again. No
+    program can stop a robot if its whole process hangs, so a robot should also stop by itself when no speed comes.
 
-    The newest press of all pads on one feed drives it. While it is held, programs are refused. Stop is latched: all
-    driving is refused until it is released, on the page or by ``stopped = False``.
+    The newest press of all pads on one feed drives the robot. During a press, programs are refused. Stop is latched:
+    all driving is refused until it is released, on the page or by ``stopped = False``.
 
     Args:
-        send: a function of linear (m/s) and angular (rad/s) that drives the robot; if it has a parameter ``lateral``,
-            also of that (m/s to the left). A thread of the pad calls it, ten times a second while the pad is held, and
-            with zero at the end.
-        title: the name of the robot for the header; usually the topic.
+        send: a function of linear (m/s) and angular (rad/s) that drives the robot, and of ``lateral`` (m/s to the left)
+            if it has a parameter of this name. A thread of the pad calls it ten times a second during a press, and with
+            zero at the end.
+        title: the name of the robot in the header; usually the topic.
         linear_limit: m/s at the edge of the pad, forward and backward.
         angular_limit: rad/s at the edge of the pad, both ways.
-        lateral_limit: m/s at the ends of the knob for moving sideways, which it adds; None: ``max_lateral`` of the
+        lateral_limit: m/s at the ends of the knob for moving sideways, which it adds. By default ``max_lateral`` of the
             feed's ``driving``, and no such knob without a feed.
-        enabled: whether the pad drives at all.
-        header: whether the header is shown.
+        enabled: False to disable the pad.
+        header: False to hide the header.
 
     Raises:
-        TypeError: an unknown keyword; ``send`` is no function, or a coroutine function.
-        traitlets.TraitError: a limit that is not a finite number above 0; ``lateral_limit``, though ``send`` has no
+        TypeError: an unknown keyword; or ``send`` is not a function, or a coroutine function.
+        traitlets.TraitError: a limit that is not a finite number above 0; or ``lateral_limit`` although ``send`` has no
             parameter ``lateral``.
 
     Source: geometry_msgs/Twist, REP-103.
@@ -85,10 +85,12 @@ class DriveWidget(DrivingWidget):
     _keywords = ("send",)
     _usual = "send=feed.drive"
 
-    linear_limit = _Limit(MAX_LINEAR, "m/s", help="At the edge of the pad, m/s.").tag(sync=True)
-    angular_limit = _Limit(MAX_ANGULAR, "rad/s", help="At the edge of the pad, rad/s.").tag(sync=True)
-    lateral_limit = _Limit(None, "m/s", help="At the ends of the knob for sideways, m/s; None: the feed's.")
-    enabled = Flag(True, help="Whether the pad drives.").tag(sync=True)
+    linear_limit = _Limit(MAX_LINEAR, "m/s", help="Speed at the edge of the pad, m/s.").tag(sync=True)
+    angular_limit = _Limit(MAX_ANGULAR, "rad/s", help="Speed at the edge of the pad, rad/s.").tag(sync=True)
+    lateral_limit = _Limit(
+        None, "m/s", help="Speed at the ends of the knob for sideways, m/s; the feed's limit by default."
+    )
+    enabled = Flag(True, help="True if the pad drives.").tag(sync=True)
 
     def __init__(self, *, send: Callable[..., Any] | None = None, **kwargs: Any) -> None:
         if send is not None and not callable(send):
@@ -96,25 +98,25 @@ class DriveWidget(DrivingWidget):
         _check_plain("send", send)
         self._lease = PressLease()
         self._driving = ""
-        """The press of this pad that drove the robot last."""
+        """The last press of this pad that drove the robot."""
         self._titles = TitleObservers()
         self._takes_lateral = send is None or _takes_lateral(send)
-        """Whether what it drives can be told to move sideways."""
+        """True if the driven robot can move sideways."""
         super().__init__(**kwargs)
         if send is not None:
             self._attach(CommandWatchdog(_sink_of(send)), owns=True)
 
     def connect(self, robot: Any) -> None:
-        """Drive this robot from now on; the one that this pad drove until now is stopped.
+        """Drive this robot from now on, and stop the robot that the pad drove before.
 
-        When a feed is closed, the pad shows it.
+        The pad shows when a feed is closed.
 
         Args:
-            robot: a feed, or anything with ``drive(linear, angular)``, perhaps with ``lateral`` as well. Its ``stop()``
-                is used where it has one.
+            robot: a feed, or an object with ``drive(linear, angular)``, optionally with ``lateral``. Its ``stop()`` is
+                used if it exists.
 
         Raises:
-            TypeError: it has no ``drive``, or one without ``lateral`` though the pad has a ``lateral_limit``.
+            TypeError: it has no ``drive``, or the pad has a ``lateral_limit`` but ``drive`` has no ``lateral``.
         """
         watchdog = getattr(robot, "watchdog", None)
         if isinstance(watchdog, CommandWatchdog):
@@ -137,7 +139,7 @@ class DriveWidget(DrivingWidget):
         return super().send_newest()
 
     def disconnect(self) -> None:
-        """Drive nothing any more; the robot that this pad drove is stopped."""
+        """Stop the robot that the pad drove, and drive no robot any more."""
         self._detach()
 
     @property
@@ -147,7 +149,7 @@ class DriveWidget(DrivingWidget):
 
     @property
     def _lateral_limit(self) -> float:
-        """M/s at the ends of the knob for sideways; 0: it has none."""
+        """M/s at the ends of the knob for sideways, or 0 without such a knob."""
         if self.lateral_limit is not None:
             return float(self.lateral_limit)
         return 0.0 if self._feed is None else self._feed.driving.max_lateral
@@ -177,7 +179,7 @@ class DriveWidget(DrivingWidget):
         self.send({"press": press, "over": over} if over else {"press": press, "token": token})
 
     def _why_not(self) -> str:
-        """Why nothing can be driven, as a key for the page; empty when it can."""
+        """Return why the pad cannot drive, as a key for the page; empty if it can."""
         if not self._is_ready:
             return "nothing"
         if not self.enabled:
@@ -187,10 +189,10 @@ class DriveWidget(DrivingWidget):
         return "hangs" if self._watchdog.busy_for > HOLD else ""
 
     def _drive(self, message: PadMessage) -> str:
-        """Send a speed of the press that holds the pad; returns why the press is over, empty when it is not.
+        """Send a speed of the current press; return why the press is over, or empty if it is not.
 
-        The first speed takes over the robot, not the press: the speed is fresh, but a press that was delayed by a busy
-        kernel must not interrupt a program.
+        The robot is taken over by the first speed and not by the press. The speed is fresh, but a press that was
+        delayed by a busy kernel must not interrupt a program.
         """
         press, watchdog = message.press, self._watchdog
         shares, limits = message[-3:], (self.linear_limit, self.angular_limit, self._lateral_limit)
@@ -211,7 +213,7 @@ class DriveWidget(DrivingWidget):
         return ""
 
     def _why_refused(self, press: str) -> str:
-        """Why a press no longer drives, though nothing failed; empty when it does."""
+        """Return why a press no longer drives although nothing failed; empty if it drives."""
         driver = self._watchdog.driver
         if self.stopped or driver == press:
             return "stopped" if self.stopped else ""
@@ -259,7 +261,7 @@ def _drive_of(robot: Any) -> Callable[..., Any]:
 
 
 def _check_plain(name: str, drive: Any) -> None:
-    """TypeError for a coroutine function: its call alone moves nothing."""
+    """Raise TypeError for a coroutine function: a call of it moves nothing."""
     if inspect.iscoroutinefunction(drive) or inspect.iscoroutinefunction(getattr(drive, "__call__", None)):  # noqa: B004
         of = getattr(drive, "__name__", type(drive).__name__)
         raise TypeError(
@@ -271,12 +273,12 @@ def _check_plain(name: str, drive: Any) -> None:
 def _takes_lateral(drive: Callable[..., Any]) -> bool:
     try:
         return "lateral" in inspect.signature(drive).parameters
-    except (TypeError, ValueError):  # of a built-in one nobody knows
+    except (TypeError, ValueError):  # unknown for built-in functions
         return False
 
 
 def _sink_of(drive: Callable[..., Any], stop: Any = None) -> Callable[[float, float, float], Any]:
-    """The sink for a function of two speeds, or, by its name, of the one to the left as well."""
+    """Return the sink for a function of two speeds, and of a third one if it has a parameter ``lateral``."""
     sideways = _takes_lateral(drive)
 
     def send(linear: float, angular: float, lateral: float) -> None:

@@ -1,4 +1,4 @@
-"""The events of a robot: what was logged, which statuses changed, what was pressed, as a list over time."""
+"""The events of a robot as a list over time: log lines, changed statuses, pressed buttons and others."""
 
 from __future__ import annotations
 
@@ -32,44 +32,44 @@ from .samples.staleness import LIVE
 from .samples.state_span import spelled
 
 MOST_ROWS = 2000
-"""Rows of a live list that are kept; the oldest are forgotten."""
+"""The most rows of a live list; the oldest are dropped."""
 
 MOST_TEXT = 2000
-"""Characters of a text that the page gets."""
+"""The most characters of a text that the page gets."""
 
 MOST_CHARACTERS = 400_000
-"""Characters of all texts that the page gets."""
+"""The most characters of all texts that the page gets."""
 
 _FRAME = struct.Struct("<dd")
-"""After the head: seconds of the moment on show, and the number of rows up to it (infinity: those up to the time)."""
+"""After the header: seconds of the moment on show, and the number of rows up to it (infinity: decided by the time)."""
 
 _SPACING = 1.0
-"""Seconds between two times that all rows are sent, at least; new ones are sent with each frame."""
+"""The shortest time in seconds between two sends of all rows. New rows are sent with each frame."""
 
 _FEW = 50
-"""New rows that are sent again and again before all are sent."""
+"""The most new rows that are sent repeatedly before all rows are sent."""
 
 _BY_NAME = 'update("/rosout", message), update(message), or add("it hit the wall", level="WARN")'
 
 
 class EventsWidget(RobotWidget[Event]):
-    """What happened to a robot, as a list over one axis of time: log lines, changed statuses, texts, buttons, touches.
+    """The events of a robot as a list on a time axis: log lines, changed statuses, texts, buttons, touches.
 
-    Each row says when, how much it matters by a sign and a word, who says it, and its text in one line that unfolds.
-    Equal rows that follow each other are one, with how often it came. The list is filtered by level and by words;
-    in the player of a recording a click goes to the moment. Space freezes. None of it needs the kernel. A message that
-    cannot be understood leaves the list as it is and says why above it.
+    Each row shows the time, the level as a sign and a word, the source, and the text in one line that unfolds. Equal
+    rows in sequence are merged, with their number. The list can be filtered by level and by words. In the player of a
+    recording a click goes to the moment. Space freezes. All this works without the kernel. If a message cannot be read,
+    the list does not change, with the reason above it.
 
-    Live, the newest 2,000 rows are kept, of each text the first 2,000 characters; the list says what it left out.
+    A live list keeps the newest 2,000 rows, and the first 2,000 characters of each text. It shows what it left out.
 
     Args:
-        title: what is shown, for the header; usually the topics.
-        level: the least level on show, one of "DEBUG", "INFO", "WARN", "ERROR", "FATAL". The view writes it too.
-        words: only rows that have these words in text, source or topic are on show; empty: all. The view writes it too.
-        time: the time cursor, in seconds; None: the newest row. A player and the view write it.
-        paused: whether the picture is frozen.
+        title: title in the header; usually the topics.
+        level: the lowest level on show, one of "DEBUG", "INFO", "WARN", "ERROR", "FATAL". The view writes it, too.
+        words: words, to show only rows with them in text, source or topic. The view writes it, too.
+        time: the time cursor in seconds, or None at the newest row. A player and the view write it.
+        paused: True while the picture is frozen.
         history: seconds for which the page keeps samples to step back through while frozen, 0 (none) to 600.
-        header, footer: whether they are there.
+        header, footer: False to hide them.
 
     Raises:
         TypeError: an unknown keyword.
@@ -96,11 +96,11 @@ class EventsWidget(RobotWidget[Event]):
     send_interval = 0.2
 
     level = traitlets.Enum(
-        list(Level.__members__), "DEBUG", help="The least level on show. Python and the view write it."
+        list(Level.__members__), "DEBUG", help="The lowest level on show. Python and the view write it."
     ).tag(sync=True)
-    words = traitlets.Unicode(help="Words that rows on show have; empty: all. Python and the view write it.").tag(
-        sync=True
-    )
+    words = traitlets.Unicode(
+        help="Words in the rows on show, or empty for all rows. Python and the view write it."
+    ).tag(sync=True)
     time = traitlets.Float(
         None, allow_none=True, help="The time cursor in seconds. A player and the view write it."
     ).tag(sync=True)
@@ -108,10 +108,10 @@ class EventsWidget(RobotWidget[Event]):
     _old = bytes_trait(echo_update=False)
     _new = bytes_trait(echo_update=False)
     _span = traitlets.List(
-        traitlets.Float(), help="Start and end of the recording in seconds; empty: live, up to the newest row."
+        traitlets.Float(), help="Start and end of the recording in seconds, or empty for a live list."
     ).tag(sync=True, echo_update=False)
     _start = traitlets.Float(
-        None, allow_none=True, help="Seconds since the epoch at second 0; None: times are seconds."
+        None, allow_none=True, help="Seconds since the epoch at second 0, or None to show seconds."
     ).tag(sync=True, echo_update=False)
 
     _programs: Programs | None = None
@@ -122,35 +122,35 @@ class EventsWidget(RobotWidget[Event]):
         self._began: float | None = None
         self._missed = 0
         self._packed_until = 0
-        """The number of the first row that is not among those that are sent seldom."""
+        """The number of the first row that is sent with each frame."""
         self._all_due = 0.0
         self._is_new = False
         self._version: Version | None = None
         self._fired: Fired | None = None
-        """The last move of the machine that was listed."""
+        """The last transition of the machine in the list."""
         self._program_error = ""
         self._whole: tuple[EventRow, ...] = ()
-        """Those of a recording."""
+        """The rows of a recording."""
         self._notes: tuple[str, ...] = ()
-        """What is said of a recording's events, at each moment of it."""
+        """Notes on the events of a recording, shown at each moment of it."""
         super().__init__(**kwargs)
 
     def update(self, topic: Any = None, message: Any = MISSING, *unnamed: Any) -> None:
         """Add the events in a message to the list.
 
-        It only stores, and may be called from any thread at any rate. Of DiagnosticArray, Joy and touch sensors each
-        change is an event, by topic.
+        It only stores the events, and may be called from any thread at any rate. For DiagnosticArray, Joy and touch
+        sensors, each change on a topic is an event.
 
         Args:
-            topic: the name of the topic; or, alone, the message.
+            topic: the name of the topic; or the message, if it is the only argument.
             message: text, a std_msgs/String, rcl_interfaces/Log, rosgraph_msgs/Log, diagnostic_msgs/DiagnosticArray,
                 sensor_msgs/Joy or a message of touch sensors, of rclpy, rospy, rosbags or rosbridge; a moment of a
                 recording; or an `Event`.
-            *unnamed: refused, with the calls that there are.
+            *unnamed: raises an error with the possible calls.
 
         Raises:
-            TypeError: no such message. ValueError: a number in it is none. In a callback (another thread; a task, timer
-                or button of a notebook) nothing is raised; widget and log say it.
+            TypeError: not such a message. ValueError: a number in it is not a number. A callback (another thread; a
+                task, timer or button of a notebook) raises nothing; the widget and the log show the error.
         """
         try:
             refuse_unnamed("update", unnamed, _BY_NAME)
@@ -173,14 +173,14 @@ class EventsWidget(RobotWidget[Event]):
         """Add an event by hand.
 
         Args:
-            text: what happened.
-            level: how much it matters: "DEBUG", "INFO", "WARN", "ERROR" or "FATAL".
-            source: who says it.
-            time: seconds, not before those of the last event; None: now.
+            text: the event.
+            level: "DEBUG", "INFO", "WARN", "ERROR" or "FATAL".
+            source: the name of the source.
+            time: seconds, not before the last event; now by default.
 
         Raises:
-            TypeError, ValueError: no text, no level, or no time. In a callback nothing is raised; widget and log say
-                it.
+            TypeError, ValueError: not a text, not a level, or not a time. A callback raises nothing; the widget and the
+                log show the error.
         """
         try:
             if not isinstance(text, str) or not isinstance(source, str):
@@ -192,13 +192,13 @@ class EventsWidget(RobotWidget[Event]):
             self._refuse(error)
 
     def follow(self, feed: Any) -> None:
-        """List what the program of a robot does, too: its versions, the states of its machine, and its errors.
+        """Add the events of a robot's program to the list: its versions, the states of its machine, and its errors.
 
         Args:
-            feed: the feed; in `Feed.show` a list of events follows its program by itself.
+            feed: the feed. In `Feed.show` a list of events follows the program by itself.
 
         Raises:
-            TypeError: it is no feed.
+            TypeError: it is not a feed.
         """
         programs = getattr(feed, "programs", None)
         if not isinstance(programs, Programs):
@@ -223,9 +223,9 @@ class EventsWidget(RobotWidget[Event]):
 
     @property
     def rows(self) -> tuple[EventRow, ...]:
-        """The rows of the list, whatever the filter: equal events that follow each other are one; frozen while paused.
+        """The rows of the list, without the filter. Equal events in sequence are one row. Frozen while paused.
 
-        In the player of a recording they are those of all of it.
+        In the player of a recording, these are all rows of the recording.
         """
         if self.shows_whole:
             return self._whole
@@ -237,27 +237,27 @@ class EventsWidget(RobotWidget[Event]):
 
     @property
     def frozen(self) -> tuple[EventRow, ...] | None:
-        """The rows on show while frozen; None while live."""
+        """The rows on show while frozen, or None while live."""
         return self.rows if self.paused else None
 
     def miss(self, count: int) -> None:
-        """Say that so many messages came too fast, and are not in the list."""
+        """Show that so many messages came too fast, and are not in the list."""
         with self._newest.lock:
             self._missed += count
         self._say_more()
 
     @property
     def shows_whole(self) -> bool:
-        """Whether it shows the events of a recording, in a player."""
+        """True if it shows the events of a recording, in a player."""
         return bool(self._span)
 
     def show_whole(self, rows: Sequence[EventRow], end: float, notes: Sequence[str] = ()) -> None:
-        """Show the events of a recording of so many seconds, of which a player then shows one moment."""
+        """Show the events of a recording that ends at ``end`` seconds. A player then shows one moment of it."""
         self._whole, self._span, self._notes = tuple(rows), [0.0, end], tuple(notes)
         self._old = _packed(rows)
 
     def show_moment(self, seconds: float) -> None:
-        """Have `wait` return the last event up to a time of a recording."""
+        """Make `wait` return the last event up to a time of a recording."""
         rows = [row for row in self._whole if row.seconds <= seconds]
         if rows:
             self._show(_event_of(rows[-1]))
@@ -268,7 +268,7 @@ class EventsWidget(RobotWidget[Event]):
         return {"_old": _packed(rows), "_span": [start, end]}
 
     def frame_at(self, seconds: float) -> tuple[dict[str, Any], bytes]:
-        """What a player shows at a time: the text on it, and its frame without the header."""
+        """Return the texts and the frame without the header, for a player at a time."""
         return ({"notes": [*self._notes]} if self._notes else {}), _FRAME.pack(seconds, inf)
 
     def _leave_program(self) -> None:
@@ -277,7 +277,7 @@ class EventsWidget(RobotWidget[Event]):
             self._programs = None
 
     def _on_step(self) -> None:
-        """Add what the program did since the last call. In the thread of the program, as a rule."""
+        """Add the events of the program since the last call. The thread of the program usually calls this."""
         programs = self._programs
         program = None if programs is None else programs.current
         if program is None:
@@ -302,16 +302,16 @@ class EventsWidget(RobotWidget[Event]):
     # -- for the base --------------------------------------------------------------------------------------------------
 
     def _put(self, event: Event, seconds: float) -> None:
-        """Called with the lock of the samples."""
+        """Add an event. Called with the lock of the samples."""
         rows = self._log.rows
         if rows and seconds < rows[-1].until:
-            seconds = rows[-1].until  # of two topics, or of a clock that was set
+            seconds = rows[-1].until  # from another topic, or after the clock was set
         self._log.add(event, seconds)
         self._is_new = True
         self._show(event)
 
     def _seconds(self, at_ns: int) -> float:
-        """Seconds of a time by the monotonic clock; the first event came at 0."""
+        """Return the seconds of a monotonic time since the first event."""
         if self._began is None:
             self._began = at_ns / 1e9
             self._start = time.time()
@@ -325,7 +325,7 @@ class EventsWidget(RobotWidget[Event]):
         return f"{many(sum(row.count for row in rows), 'event')}, the last: {last.level.name} {last.text[:60]}"
 
     def _longest_silence(self) -> float:
-        """Events come when something happens, not at a rate."""
+        """Return the longest time, because events have no rate."""
         return LIVE.longest
 
     def _pack(self, sample: Event) -> bytes:  # noqa: ARG002  # the list contains it
@@ -346,7 +346,7 @@ class EventsWidget(RobotWidget[Event]):
         return said
 
     def _bring_up_to_date(self) -> None:
-        """Have new rows sent with the newest frame, and now and then all of them."""
+        """Send new rows with the newest frame, and from time to time all rows."""
         if self._began is not None:
             self._end_touches()
         super()._bring_up_to_date()
@@ -358,7 +358,7 @@ class EventsWidget(RobotWidget[Event]):
             now = time.monotonic()
             values = self._trait_values
             if self._log.stop - self._packed_until > _FEW and now >= self._all_due:
-                # All but the last, which may come again.
+                # All but the last row, which the next event may repeat.
                 self._packed_until, self._all_due = max(0, self._log.stop - 1), now + _SPACING
                 values["_old"] = _packed(row for row in rows if row.number < self._packed_until)
                 self._unsent.add("_old")
@@ -369,7 +369,7 @@ class EventsWidget(RobotWidget[Event]):
             self._unsent.add("_new")
 
     def _end_touches(self) -> None:
-        """Add the ends of touches that no message tells, and have it sent again at the next."""
+        """Add the ends of touches without a message, and schedule a send at the next end."""
         with self._newest.lock:
             now = time.monotonic_ns()
             for reader in self._readers.values():
@@ -380,7 +380,7 @@ class EventsWidget(RobotWidget[Event]):
 
 
 def _now_ns() -> int:
-    """Where an argument is called time."""
+    """Return the monotonic time, for a method with an argument named time."""
     return time.monotonic_ns()
 
 
@@ -389,5 +389,5 @@ def _event_of(row: EventRow) -> Event:
 
 
 def _packed(rows: Iterable[EventRow]) -> bytes:
-    """Rows as JSON, for the page."""
+    """Return rows as JSON, for the page."""
     return json.dumps([(*row,) for row in rows]).encode()

@@ -1,4 +1,4 @@
-"""The image widget: what a camera sees, with the number of every pixel."""
+"""The image widget: the picture of a camera, with the number of every pixel."""
 
 from __future__ import annotations
 
@@ -19,34 +19,34 @@ from .messages import to_image
 from .samples import Image
 
 OFTEN = 5.0
-"""Pictures a second from which those of colors go as JPEGs."""
+"""The rate in pictures a second from which color pictures are sent as JPEGs."""
 
 
 class ImageWidget(HasOverlay):
-    """What a camera sees, live, as large as the card and never stretched.
+    """The live picture of a camera, as large as the card and never stretched.
 
-    The reader sees the picture, and for the pixel under the pointer its row, its column, its index in the data of the
+    The widget shows the picture, and for the pixel under the pointer its row, its column, its index in the data of the
     message and its values. A drag marks a region, with its statistics and the code that reads it. A depth image is
-    shown in false colors with their scale; 0 and NaN are nothing, and have no color. With the calibration of the camera
-    a pixel of it also has x, y and z, in metres of the frame of the camera. Space freezes, the wheel zooms; none of it
-    needs the kernel. The page gets the next picture when it has drawn the last one. Of a large picture it gets every
-    second row and column, or every third ..., which the widget says; the values under the pointer then come from
-    Python. What cannot be understood leaves the last picture and says why above it.
+    shown in false colors with their scale; 0 and NaN mean no reading, and have no color. With the calibration of the
+    camera, a pixel of a depth image also has x, y and z, in metres in the camera frame. Space freezes, the wheel zooms;
+    all this works without the kernel. The page gets the next picture when it has drawn the last one. It gets only every
+    second, third ... row and column of a large picture, and says so; the values under the pointer then come from
+    Python. If a message cannot be read, the last picture stays, with the reason above it.
 
     Args:
-        title: what is shown, for the header; usually the name of the topic.
-        color_range: metres at the ends of the colors of a depth image, or numbers at those of another one with one
-            channel; None: fitted to each picture. The view writes it, too.
-        region: first row, row after the last, first column, column after the last of what is marked; None: nothing.
-            The view writes it, too.
-        camera: fx, fy, cx and cy of the camera in pixels; `calibrate` takes them from a message. None: not known.
-        overlay: whether the readings of a laser and of sonars lie over the picture, where they are known.
-        camera_pose: where the camera is in the frame of the scanner, in place of tf: x, y, z, roll, pitch, yaw.
-        rectified: whether what is straight is straight in the picture; None: by the name of its topic.
-        paused: whether the picture is frozen.
-        history: seconds for which the page keeps pictures to step back through while frozen, 0 (none) to 600; of large
-            ones fewer, as 8 MB are kept.
-        header, footer: whether they are there.
+        title: title in the header; usually the name of the topic.
+        color_range: metres at the ends of the colors of a depth image, or numbers for another image with one channel;
+            by default fitted to each picture. The view writes it, too.
+        region: first row, row after the last, first column and column after the last of the marked region, or None. The
+            view writes it, too.
+        camera: fx, fy, cx and cy of the camera in pixels, or None if unknown. `calibrate` takes them from a message.
+        overlay: True to draw known readings of a laser and of sonars over the picture.
+        camera_pose: the pose of the camera in the frame of the scanner, instead of tf: x, y, z, roll, pitch, yaw.
+        rectified: True if straight edges are straight in the picture; by default decided by the name of its topic.
+        paused: True while the picture is frozen.
+        history: seconds for which the page keeps pictures to step back through while frozen, 0 (none) to 600; fewer of
+            large pictures, because it keeps 8 MB.
+        header, footer: False to hide them.
 
     Raises:
         TypeError: an unknown keyword.
@@ -75,29 +75,33 @@ class ImageWidget(HasOverlay):
     sample_name = "image"
 
     color_range = traitlets.Tuple(
-        traitlets.Float(), traitlets.Float(), default_value=None, allow_none=True, help="Numbers; None: fit."
+        traitlets.Float(),
+        traitlets.Float(),
+        default_value=None,
+        allow_none=True,
+        help="Numbers at the ends of the colors; fitted by default.",
     ).tag(sync=True)
     region = traitlets.Tuple(
         *(traitlets.Int() for _ in range(4)),
         default_value=None,
         allow_none=True,
-        help="First row, row after the last, first column, column after the last of what is marked; None: nothing.",
+        help="First row, row after the last, first column and column after the last of the marked region.",
     ).tag(sync=True)
     camera = traitlets.Tuple(
         *(traitlets.Float() for _ in range(4)),
         default_value=None,
         allow_none=True,
-        help="fx, fy, cx and cy of the camera in pixels; None: not known.",
+        help="fx, fy, cx and cy of the camera in pixels, or None if unknown.",
     ).tag(sync=True)
 
     most_bytes = MOST_BYTES
-    """Of a picture on its way to the page. A player, which sends many ahead, sets it."""
+    """The most bytes of a picture for the page. A player sets it, because it sends many in advance."""
 
     def __init__(self, **kwargs: Any) -> None:
         self._bad: Image | None = None
         self._picture_size: tuple[int, int] | None = None
         self._fitted: tuple[float, ...] | None = None
-        """What `calibrate` made of the camera, unlike what was set by hand."""
+        """The camera that `calibrate` has set, to distinguish it from a camera set by hand."""
         self._camera_note = ""
         self._last_good = pack(kinds.IMAGE.nothing).data
         super().__init__(**kwargs)
@@ -105,19 +109,19 @@ class ImageWidget(HasOverlay):
     def update(self, message: Any, encoding: str = "") -> None:
         """Show a picture in the next animation frame.
 
-        It only stores, and may be called from any thread at any rate; the newest wins. A message is not copied: do not
-        change it afterwards.
+        It only stores the picture, and may be called from any thread at any rate; the newest wins. A message is not
+        copied: do not change it afterwards.
 
         Args:
             message: a sensor_msgs/Image or sensor_msgs/CompressedImage of rclpy, rospy, rosbags or rosbridge; an array
                 of NumPy, which is copied; or an `Image`.
-            encoding: of an array, as of a message; empty: uint8 is mono8, rgb8 or rgba8, uint16 and float are a depth
-                image in millimetres or metres.
+            encoding: the encoding of an array, as in a message. By default uint8 is mono8, rgb8 or rgba8, and uint16
+                and float are depth images in millimetres and metres.
 
         Raises:
-            TypeError: no such message. ValueError: its encoding is unknown, or its size does not fit its data. In a
-                callback (another thread; a task, timer or button of a notebook) nothing is raised; widget and log say
-                it, and the last picture stays.
+            TypeError: not such a message. ValueError: its encoding is unknown, or its size does not fit its data. A
+                callback (another thread; a task, timer or button of a notebook) raises nothing; the widget and the log
+                show the error, and the last picture stays.
         """
         try:
             image = to_image(message, encoding)
@@ -130,10 +134,10 @@ class ImageWidget(HasOverlay):
     def calibrate(self, message: Any) -> None:
         """Take fx, fy, cx and cy from a sensor_msgs/CameraInfo, so that pixels of a depth image have x, y and z.
 
-        They are those of the pictures that come, where these are scaled.
+        If the pictures are scaled, the values are scaled with them.
 
         Raises:
-            TypeError: no such message. ValueError: the camera is not calibrated, or the picture is another one.
+            TypeError: not such a message. ValueError: the camera is not calibrated, or the pictures have another shape.
         """
         try:
             super().calibrate(message)
@@ -142,11 +146,11 @@ class ImageWidget(HasOverlay):
             self._refuse(error)
 
     def _fit_camera_to(self, image: Image) -> None:
-        """Take the calibration for pictures of the size of one that came."""
+        """Fit the calibration to the size of a picture."""
         size = (image.shape[1], image.shape[0])
         if image is not kinds.IMAGE.nothing and size != self._picture_size:
             self._picture_size = size
-            with suppress(ValueError):  # the note says so
+            with suppress(ValueError):  # the note shows it
                 self._fit_camera()
 
     def _fit_camera(self) -> None:
@@ -155,7 +159,7 @@ class ImageWidget(HasOverlay):
             return
         self._camera_note = ""
         try:
-            # A depth image is rectified where it comes from.
+            # Depth images are rectified at their source.
             model = CameraModel(info, rectified=True, size=self._picture_size)
         except ValueError as error:
             if info.is_calibrated:
@@ -168,10 +172,10 @@ class ImageWidget(HasOverlay):
 
     @property
     def image(self) -> Image | None:
-        """The picture on show, the frozen one while paused; None before the first.
+        """The picture on show: the frozen one while paused, or None before the first.
 
-        While paused it is also None where the page has stepped back to a picture that is no longer kept here: about the
-        last 64 MB are.
+        While paused it is also None if the page has stepped back to a picture that is no longer kept in Python, which
+        keeps about 64 MB.
         """
         return self._sample_on_show()
 
@@ -182,7 +186,7 @@ class ImageWidget(HasOverlay):
 
     @property
     def marked(self) -> Any:
-        """The pixels of the region that is marked, of a depth image in metres; None where nothing is marked."""
+        """The pixels of the marked region, in metres for a depth image, or None without a region."""
         image = self.image
         if image is None or self.region is None:
             return None
@@ -196,7 +200,7 @@ class ImageWidget(HasOverlay):
         return image[where].item() if np.ndim(image[where]) == 0 else image[where]
 
     def frame_of(self, sample: Any) -> tuple[dict[str, Any], bytes]:
-        """See `RobotWidget`: of a message, or of an `Image`."""
+        """See `RobotWidget`. The sample is a message, or an `Image`."""
         about: dict[str, Any] = {}
         try:
             image = to_image(sample)
@@ -228,7 +232,7 @@ class ImageWidget(HasOverlay):
     def _pack(self, sample: Image) -> bytes:
         try:
             self._last_good = pack(sample, self.most_bytes, often=self.rate > OFTEN).data
-        except ValueError as error:  # a large file that has to be unpacked
+        except ValueError as error:  # a large file that had to be decoded
             with self._newest.lock:
                 is_new = self._bad is not sample
                 self._bad = sample
@@ -237,7 +241,7 @@ class ImageWidget(HasOverlay):
         return self._last_good
 
     def _refuse_later(self, error: ValueError) -> None:
-        """Show why what was accepted cannot be shown, in place of it."""
+        """Show why a picture that was accepted cannot be shown."""
         with self._newest.lock:
             self._newest.about = {**self._newest.about, "error": f"{error}."}
         self._log_once(f"a picture could not be shown: {error}")
@@ -249,7 +253,7 @@ class ImageWidget(HasOverlay):
     # -- from the page -------------------------------------------------------------------------------------------------
 
     def _on_message(self, content: dict[str, Any]) -> None:
-        """Answer what the page asks of a picture: the values of a pixel, or the statistics of a region."""
+        """Answer a question of the page on a picture: the values of a pixel, or the statistics of a region."""
         number, pixel, region = content.get("of"), content.get("pixel"), content.get("region")
         if not isinstance(number, (int, float)):
             return

@@ -1,7 +1,7 @@
 """One row for each kind of sensor: its messages, its sample, its columns and its widget.
 
-Recordings, players, searches, feeds, Rerun and the command take from these rows what they can read and show. A row
-names what lies in the layers above it as entry points do, ``"module:name"``: reading a recording imports no widget.
+Recordings, players, searches, feeds, Rerun and the command find in these rows what they can read and show. A row refers
+to layers above it by name, as entry points do: ``"module:name"``. So reading a recording imports no widget.
 """
 
 from __future__ import annotations
@@ -31,21 +31,22 @@ _MESSAGE_FRAMES = "robowidgets.player._frames:MessageFrames"
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Role:
-    """What a topic is for a widget: the one that it shows, or another that goes with that one.
+    """The role of a topic in a widget: the topic that it shows, or another topic that goes with it.
 
     Args:
-        name: of its samples: the keyword under which the frames of a player get them; of a role with `each`, what
-            programs call the sample of all topics.
-        take: the method of the widget that takes a message. One other than ``update`` has a title of its own, which the
-            widget takes as ``command_title`` where the method is ``command``.
-        kind: the kind of its topics; empty: that of the row.
-        commanded: whether its samples are what was asked for, not what was measured.
-        required: whether there is no widget without such a topic.
-        each: of the first role, makes one sample of the newest ones of all topics of a namespace, which share a widget:
-            of the samples and of the seconds at which each came, both by the names of their sensors. The method takes
-            the name of the sensor before the message. None: each topic has a widget of its own.
-        alone: of another role than the first, the keywords of a widget that shows a topic in it by ``update`` because
-            none in the first role goes with it; None: there is no such widget.
+        name: the name of its samples, which is their keyword for the frames of a player. With `combine`, the name in
+            programs of the sample of all topics.
+        take: the method of the widget that takes a message. A method other than ``update`` has a title of its own: the
+            widget takes ``command_title`` for the method ``command``.
+        kind: the kind of its topics, if it differs from the kind of the row.
+        commanded: True if its samples are commanded, not measured.
+        required: True if the widget needs such a topic.
+        combine: for the first role of a widget that all topics of a namespace share. A function that makes one sample
+            of the newest ones. It gets the samples and the seconds at which they came, both by the names of their
+            sensors. The method takes the name of the sensor before the message. If None, each topic has a widget of its
+            own.
+        standalone_options: for roles other than the first. Keywords of a widget that shows such a topic by ``update``
+            if it goes with no topic in the first role. If None, such a topic gets no widget.
     """
 
     name: str
@@ -53,18 +54,18 @@ class Role:
     kind: str = ""
     commanded: bool = False
     required: bool = False
-    each: Callable[[Mapping[str, Any], Mapping[str, float]], Any] | None = None
-    alone: Mapping[str, Any] | None = None
+    combine: Callable[[Mapping[str, Any], Mapping[str, float]], Any] | None = None
+    standalone_options: Mapping[str, Any] | None = None
 
 
 class Gathered(Protocol):
-    """What a program gets of the messages that came since its last step, where the newest one is not all."""
+    """Collects the messages for a step of a program, if the newest message is not enough."""
 
     def add(self, sample: Any) -> None:
-        """Take the next sample."""
+        """Add the next sample."""
 
     def take(self) -> Any:
-        """What a step gets."""
+        """Return the value for a step."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -72,16 +73,17 @@ class TopicWidget:
     """A widget for the topics of some message types.
 
     Args:
-        name: of the widget and its bundle: ``"path"``.
-        types: message types of the topics that have it, as recordings name them, ``sensor_msgs/msg/LaserScan``.
+        name: the name of the widget and its bundle, such as ``"path"``.
+        types: message types of its topics, in the form of recordings: ``sensor_msgs/msg/LaserScan``.
         widget: the widget class; it takes ``title`` and has ``update(sample)``.
         nothing: the sample that a player shows before the first of a topic.
-        frames: what the player of a recording shows of a topic at each time, a `robowidgets.player._frames.Track`.
-        roles: what the topics of the widget are for it. The first is that of the topic that it shows, whose messages
-            ``update`` takes; topics in the others go with the one of the first that shares most of their namespace.
-        options: keywords of the widget where a topic gets it, in place of the widget's own defaults.
-        goes_stale: whether a sample says nothing any more once the topic is silent. What a touch sensor said holds.
-        every_message: whether each message counts, as an event does; of other rows the newest is enough.
+        frames: the frames of a topic for the player of a recording, a `robowidgets.player._frames.Track`.
+        roles: the roles of its topics. ``update`` takes messages of topics in the first role. A topic in another role
+            goes with the topic in the first role that shares most of its namespace.
+        options: keywords of the widget for topics, which replace the defaults of the widget.
+        goes_stale: True if a sample is no longer valid once the topic is silent. The state of a touch sensor stays
+            valid.
+        every_message: True if each message counts, such as each event. For other rows the newest is enough.
     """
 
     name: str
@@ -96,22 +98,22 @@ class TopicWidget:
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Asked(TopicWidget):
-    """A widget that topics have where it is asked for: by name, in the list of topics, or where no topic has a widget.
+class OnDemandWidget(TopicWidget):
+    """An on-demand widget: requested by name or in the list of topics, or shown if no topic has another widget.
 
-    It takes messages as they are, of topics that have no kind.
+    It takes unchanged messages, of topics that have no kind.
 
     Args:
-        types: message types of the topics that it shows; none: any type, for which no other row asks.
-        nothing: what a player gives its `frame_of` before the first message.
-        gathers: whether one widget has all topics that it is asked for. Its ``update`` takes the name of the topic
-            before the message.
-        rerun: as of a `Kind`.
-        along: of one that gathers, types of topics that it takes along by its method ``put``, asked for or not: what
-            joins or completes the others.
-        of_fields: of one that gathers, whether it shows single fields of topics, ``"/odom.twist.twist.linear.x"``. The
-            widget class takes them as positional arguments.
-        fields: of one of fields, the fields that it shows of a topic that is asked for by its name alone, by message
+        types: message types of its topics. If empty, any type that no other row names.
+        nothing: the argument for its `frame_of` in a player before the first message.
+        shared: True if one widget shows all requested topics. Its ``update`` takes the name of the topic before the
+            message.
+        rerun: as in a `Kind`.
+        companion_types: for shared widgets only. Topics of these types are passed to ``put`` even if not requested,
+            such as tf for a map.
+        plots_fields: for shared widgets only. True if it shows single fields of topics, such as
+            ``"/odom.twist.twist.linear.x"``. The widget class takes them as positional arguments.
+        fields: for widgets of fields only. The default fields of a topic that is requested without a field, by message
             type. Such a topic has a widget of its own. `types` are the keys.
     """
 
@@ -119,39 +121,42 @@ class Asked(TopicWidget):
     nothing: Any = None
     frames: str = _MESSAGE_FRAMES
     rerun: str = ""
-    gathers: bool = False
-    along: frozenset[str] = frozenset()
-    of_fields: bool = False
+    shared: bool = False
+    companion_types: frozenset[str] = frozenset()
+    plots_fields: bool = False
     fields: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
 
-    def takes_along(self, types: str) -> bool:
-        """Whether its widget takes along a topic of a type; several types are joined by a comma."""
-        return not self.along.isdisjoint(types.split(", "))
+    def is_companion(self, types: str) -> bool:
+        """Return True if its widget takes a topic of a type without a request. Several types are joined by commas."""
+        return not self.companion_types.isdisjoint(types.split(", "))
 
-    def fields_of(self, types: str) -> tuple[str, ...]:
-        """Return the fields that it shows of a topic by default; several types are joined by a comma."""
+    def default_fields(self, types: str) -> tuple[str, ...]:
+        """Return the default fields of a topic. Several types are joined by commas."""
         return next((self.fields[name] for name in types.split(", ") if name in self.fields), ())
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Kind(TopicWidget):
-    """A kind of sensor, with the widget that its topics have. Its name is that of the widget.
+    """A kind of sensor, with the widget of its topics. It has the name of the widget.
 
     Args:
-        sample_name: what programs call one sample: ``moment.scan``, ``--scan``.
-        noun: the plural for messages to a person: ``"laser scans"``.
+        sample_name: the name of one sample in programs: ``moment.scan``, ``--scan``.
+        noun: the plural in messages to the user: ``"laser scans"``.
         sample: the class of a sample, derived from `samples.HasAge`.
-        read: makes a sample of a message; TypeError for a message of another kind, ValueError for bad numbers.
-        has_shape: whether a message of an unknown type with these fields is of this kind; None: only `types` are.
-        undecided: those of `types` of which some messages only are of this kind: the first message of a topic decides.
+        read: converts a message to a sample. It raises TypeError for a message of another kind, and ValueError for bad
+            numbers.
+        has_shape: returns True if a message of an unknown type with these fields is of this kind. If None, only `types`
+            are.
+        undecided: the part of `types` that other kinds also have; the first message of a topic decides.
         columns: the series class of `Recording.series`.
-        rerun: what logs the topics to Rerun, a `robowidgets.in_rerun.rerun_log.TopicLog`; empty: Rerun leaves them out.
-        to_message: called for each topic that is recorded, makes what turns its samples into messages of ROS 2; None:
-            a feed that has samples, not messages, cannot record them.
-        gathered: makes what a program gets of the messages between two steps; None: the newest one.
-        simulated: what the simulated robot sends of it, a `robowidgets.simulator.offers.MakeOffers`; empty: nothing.
+        rerun: logs the topics to Rerun, a `robowidgets.in_rerun.rerun_log.TopicLog`; Rerun leaves them out if empty.
+        to_message: called for each recorded topic, returns a converter from its samples to messages of ROS 2. If None,
+            a feed of samples without messages cannot record them.
+        gathered: makes a collector of the messages between two steps of a program, which gets the newest one by
+            default.
+        simulated: the sensor of the simulated robot, a `robowidgets.simulator.offers.MakeOffers`, or empty.
         also: second widgets for the same samples.
-        command_types: those of `types` whose messages are commands, whatever the name of their topic.
+        command_types: the part of `types` whose messages are commands, independent of the name of their topic.
     """
 
     sample_name: str
@@ -170,20 +175,20 @@ class Kind(TopicWidget):
 
     @property
     def commands(self) -> bool:
-        """Whether its topics may hold what was asked for, not measured."""
+        """True if its topics may contain commands, not measurements."""
         return any(role.commanded for role in self.roles)
 
     @property
     def parameter(self) -> str:
-        """What programs call the newest sample of its widget."""
-        return self.roles[0].name if self.roles[0].each else self.sample_name
+        """The name of the newest sample of its widget in programs."""
+        return self.roles[0].name if self.roles[0].combine else self.sample_name
 
     def is_command(self, topic: str, type_name: str) -> bool:
-        """Whether samples on this topic, of messages of a type, were asked for, not measured."""
+        """Return True if samples on a topic of a type are commanded, not measured."""
         return self.commands and (type_name in self.command_types or is_command(topic))
 
     def second_widgets(self, types: str) -> tuple[TopicWidget, ...]:
-        """The second widgets of a topic of this kind that measures; several types are joined by a comma."""
+        """Return the second widgets of a measuring topic of this kind. Several types are joined by commas."""
         return tuple(second for second in self.also if not second.types.isdisjoint(types.split(", ")))
 
 
@@ -231,12 +236,12 @@ LASER = Kind(
     rerun="robowidgets.in_rerun.rerun_log:ScanLog",
     to_message=lambda: scan_message,
     simulated="robowidgets.simulator.offers:scans",
-    # A room is much smaller than what many scanners can see.
+    # A room is much smaller than the range of many scanners.
     options={"view_range": "auto"},
 )
 TRANSFORM_TYPES = frozenset({"tf2_msgs/msg/TFMessage", "tf/msg/tfMessage"})
 ODOMETRY_TYPES = frozenset({"nav_msgs/msg/Odometry"})
-PATH = Asked(
+PATH = OnDemandWidget(
     name="path",
     types=TRANSFORM_TYPES
     | {f"geometry_msgs/msg/Pose{suffix}" for suffix in ("", "Stamped", "WithCovariance", "Array", "2D")}
@@ -247,12 +252,12 @@ PATH = Asked(
     widget="robowidgets.path_widget:PathWidget",
     nothing=Speed((nan, nan, nan), (nan, nan, nan), pose=Pose(nan, nan, nan)),
     frames="robowidgets.player._map_frames:path_track",
-    gathers=True,
-    along=TRANSFORM_TYPES | {"sensor_msgs/msg/LaserScan"},
-    # Each message of tf may be of other frames.
+    shared=True,
+    companion_types=TRANSFORM_TYPES | {"sensor_msgs/msg/LaserScan"},
+    # Each message of tf may contain other frames.
     every_message=True,
 )
-"""Odometry also says where the robot is: it has a path. What else has a place is asked for, on one map."""
+"""Odometry contains the position of the robot, so it has a path. Other positions are shown on demand, on one map."""
 _STEERED = frozenset({"ackermann_msgs/msg/AckermannDrive", "ackermann_msgs/msg/AckermannDriveStamped"})
 SPEED = Kind(
     name="speed",
@@ -276,11 +281,11 @@ SPEED = Kind(
     rerun="robowidgets.in_rerun.rerun_log:SpeedLog",
     roles=(
         Role(name="measured"),
-        Role(name="commanded", take="command", commanded=True, alone={"bars": "commanded"}),
+        Role(name="commanded", take="command", commanded=True, standalone_options={"bars": "commanded"}),
     ),
     to_message=lambda: speed_message,
     simulated="robowidgets.simulator.offers:speeds",
-    # No topic says how fast its robot may be.
+    # No topic contains the speed limits of its robot.
     options={"linear_limits": None, "angular_limits": None},
     also=(PATH,),
     command_types=_STEERED,
@@ -291,7 +296,7 @@ TOUCH = Kind(
     noun="touch sensors",
     sample=Touch,
     read=to_touch,
-    # The last is of the simulator, and in no message.
+    # The last row belongs to the simulator, and has no message.
     types=TOUCH_TYPES | {"robowidgets/msg/Touch"},
     undecided=frozenset({"sensor_msgs/msg/Range"}),
     widget="robowidgets.touch_widget:TouchWidget",
@@ -312,30 +317,30 @@ SONAR = Kind(
     sample=Range,
     read=to_range,
     types=frozenset({"sensor_msgs/msg/Range"}),
-    # Of those whose limits are equal it is no distance that they tell, but a touch.
+    # A Range whose min and max are equal is a binary touch sensor (REP 117).
     undecided=frozenset({"sensor_msgs/msg/Range"}),
     widget="robowidgets.sonar_widget:SonarWidget",
     nothing=Range(nan),
     columns="robowidgets.recordings.columns.distances:Distances",
     frames="robowidgets.player._frames:SonarFrames",
-    roles=(Role(name="sonars", each=Ranges),),
+    roles=(Role(name="sonars", combine=Ranges),),
     to_message=lambda: range_message,
     simulated="robowidgets.simulator.offers:sonars",
 )
 
 KINDS: dict[str, Kind] = {kind.name: kind for kind in (LASER, SPEED, TOUCH, SONAR)}
-"""By name, in the order in which widgets stand on a page. `add` appends another."""
+"""The kinds by name, in the order of their widgets on a page. `add` appends another."""
 
-EVENTS = Asked(
+EVENTS = OnDemandWidget(
     name="events",
     types=SAID_TYPES,
     widget="robowidgets.events_widget:EventsWidget",
     frames="robowidgets.player._event_frames:EventFrames",
-    gathers=True,
+    shared=True,
     every_message=True,
     goes_stale=False,
 )
-IMAGE = Asked(
+IMAGE = OnDemandWidget(
     name="image",
     types=IMAGE_TYPES,
     widget="robowidgets.image_widget:ImageWidget",
@@ -343,8 +348,8 @@ IMAGE = Asked(
     frames="robowidgets.player._image_frames:ImageFrames",
     rerun="robowidgets.in_rerun.image_log:ImageLog",
 )
-"""Asked for, as all cameras of a robot together would fill a network."""
-CLOUD = Asked(
+"""On demand, because all cameras of a robot together would overload a network."""
+CLOUD = OnDemandWidget(
     name="cloud",
     types=CLOUD_TYPES,
     widget="robowidgets.cloud_widget:CloudWidget",
@@ -352,7 +357,7 @@ CLOUD = Asked(
     rerun="robowidgets.in_rerun.rerun_log:CloudLog",
     nothing=Cloud(np.empty(0, [(axis, np.float32) for axis in "xyz"])),
 )
-SCAN = Asked(
+SCAN = OnDemandWidget(
     name="scan",
     types=CLOUD_TYPES | IMAGE_TYPES,
     widget="robowidgets.laser_widget:LaserWidget",
@@ -361,12 +366,12 @@ SCAN = Asked(
     options=LASER.options,
 )
 """A band of heights of a cloud, or rows of a depth image, as a laser scan: "/points as scan", or "as laser"."""
-MESSAGE = Asked(
+MESSAGE = OnDemandWidget(
     name="message",
     widget="robowidgets.message_widget:MessageWidget",
     frames="robowidgets.player._frames:TreeFrames",
 )
-"""Of any type: what is left has at least this."""
+"""For messages of any type, if no other row names it."""
 
 _XYZ = ("x", "y", "z")
 _ON_THE_FLOOR = ("linear.x", "linear.y", "angular.z")
@@ -388,25 +393,25 @@ PLOTTED: dict[str, tuple[str, ...]] = {
     "geometry_msgs/msg/Wrench": _FORCES,
     "geometry_msgs/msg/WrenchStamped": tuple(f"wrench.{name}" for name in _FORCES),
 }
-"""The fields that a plot shows of a topic that is asked for by its name alone: the numbers that are looked at most."""
+"""The default fields in a plot of a topic: the numbers of most interest."""
 
-PLOT = Asked(
+PLOT = OnDemandWidget(
     name="plot",
     types=frozenset(PLOTTED),
     widget="robowidgets.plot_widget:PlotWidget",
     frames="robowidgets.player._plot_frames:PlotFrames",
-    gathers=True,
-    of_fields=True,
+    shared=True,
+    plots_fields=True,
     fields=PLOTTED,
     goes_stale=False,
     every_message=True,
 )
 
-ASKED: dict[str, Asked] = {row.name: row for row in (PATH, EVENTS, IMAGE, CLOUD, SCAN, MESSAGE, PLOT)}
-"""By name, the most useful first: widgets that topics have where they are asked for. `add` appends another."""
+ON_DEMAND: dict[str, OnDemandWidget] = {row.name: row for row in (PATH, EVENTS, IMAGE, CLOUD, SCAN, MESSAGE, PLOT)}
+"""On-demand widgets by name, the most useful first. `add` appends another."""
 
 _RESERVED = ("time_ns", "seconds", "topic")
-"""Names that a moment has already."""
+"""Names that are already attributes of a moment."""
 _TYPE = re.compile(r"\w+/msg/\w+")
 _REFERENCE = re.compile(r"\w+(\.\w+)*:\w+")
 
@@ -419,19 +424,19 @@ _STANDARD = frozenset(
 )
 
 
-def add(kind: Kind | Asked, *, replace: bool = False) -> None:
-    """Add a kind of sensor, or a widget that is asked for, for all recordings and feeds that are opened from now on.
+def add(kind: Kind | OnDemandWidget, *, replace: bool = False) -> None:
+    """Add a kind of sensor, or an on-demand widget, for all recordings and feeds that are opened afterwards.
 
     Args:
         kind: its row.
-        replace: whether it takes the place of the row with its name: a cell that adds a kind may be run again.
+        replace: True to replace the row of the same name, so that the cell that adds a kind can run again.
 
     Raises:
-        ValueError: a name is taken or no identifier, a type is not such as ``sensor_msgs/msg/Range``, or a reference is
-            not ``"module:name"``.
+        ValueError: a name is taken or not an identifier, a type is not like ``sensor_msgs/msg/Range``, or a reference
+            is not ``"module:name"``.
     """
-    if isinstance(kind, Asked):
-        _add_asked(kind, replace=replace)
+    if isinstance(kind, OnDemandWidget):
+        _add_on_demand(kind, replace=replace)
         return
     others = [other for other in KINDS.values() if not (replace and other.name == kind.name)]
     for key in ("name", "sample_name", "parameter"):
@@ -445,19 +450,19 @@ def add(kind: Kind | Asked, *, replace: bool = False) -> None:
     KINDS[kind.name] = kind
 
 
-def _add_asked(row: Asked, *, replace: bool) -> None:
+def _add_on_demand(row: OnDemandWidget, *, replace: bool) -> None:
     """See `add`."""
-    taken = [name for name in (*KINDS, *ASKED) if not (replace and name == row.name and name in ASKED)]
+    taken = [name for name in (*KINDS, *ON_DEMAND) if not (replace and name == row.name and name in ON_DEMAND)]
     if not row.name.isidentifier() or row.name in taken:
         raise ValueError(
             f"name: expected an identifier other than {', '.join(taken)}, got {row.name!r}; replace=True replaces a row"
         )
-    if row.of_fields and not row.gathers:
-        raise ValueError(f"gathers: expected True, as {row.name} shows fields of several topics")
-    if row.of_fields and row.types != row.fields.keys():
-        raise ValueError(f"fields: expected those of each of the types {sorted(row.types)}, got {sorted(row.fields)}")
+    if row.plots_fields and not row.shared:
+        raise ValueError(f"shared: expected True, because {row.name} shows fields of several topics")
+    if row.plots_fields and row.types != row.fields.keys():
+        raise ValueError(f"fields: expected fields for each of the types {sorted(row.types)}, got {sorted(row.fields)}")
     _check_texts(row, row.types, ("widget", "frames", "rerun"))
-    ASKED[row.name] = row
+    ON_DEMAND[row.name] = row
 
 
 def _check_texts(row: TopicWidget, types: Iterable[str], keys: Iterable[str]) -> None:
@@ -470,63 +475,63 @@ def _check_texts(row: TopicWidget, types: Iterable[str], keys: Iterable[str]) ->
             raise ValueError(f"{key}: expected 'module:name', got {reference!r}")
 
 
-def asked_of_type(types: str) -> Asked | None:
-    """The widget that a topic without a kind has where it is asked for; several types are joined by a comma.
+def on_demand_for_type(types: str) -> OnDemandWidget | None:
+    """Return the on-demand widget of a topic without a kind. Several types are joined by commas.
 
-    None: its type is unknown, or no row shows it.
+    Returns None if its type is unknown, or if no row shows it.
     """
     if not types:
         return None
-    # A row that somebody adds for a type comes before the plot of its numbers.
-    rows = sorted(ASKED.values(), key=lambda row: row.of_fields)
+    # A row that a user adds for a type has priority over the plot of its numbers.
+    rows = sorted(ON_DEMAND.values(), key=lambda row: row.plots_fields)
     of_type = (row for row in rows if not row.types.isdisjoint(types.split(", ")))
-    return next(of_type, next((row for row in rows if not row.types and not row.of_fields), None))
+    return next(of_type, next((row for row in rows if not row.types and not row.plots_fields), None))
 
 
-def asked_of_fields() -> Asked | None:
-    """The widget that shows single fields of topics, if there is one."""
-    return next((row for row in ASKED.values() if row.of_fields), None)
+def on_demand_for_fields() -> OnDemandWidget | None:
+    """Return the on-demand widget that shows single fields of topics, if any."""
+    return next((row for row in ON_DEMAND.values() if row.plots_fields), None)
 
 
-def asked_of_widget(widget: type) -> Asked | None:
-    """The row of a widget that topics have where it is asked for; None for a widget of another row."""
+def on_demand_row(widget: type) -> OnDemandWidget | None:
+    """Return the row of an on-demand widget, or None for another widget."""
     names = {f"{base.__module__}:{base.__qualname__}" for base in widget.__mro__}
-    return next((row for row in ASKED.values() if row.widget in names), None)
+    return next((row for row in ON_DEMAND.values() if row.widget in names), None)
 
 
 def kinds_of_type(type_name: str) -> tuple[Kind, ...]:
-    """The kinds that read messages of a type, in the order of the table."""
+    """Return the kinds that read messages of a type, in the order of the table."""
     return tuple(kind for kind in KINDS.values() if type_name in kind.types)
 
 
 def kind_of_type(type_name: str) -> Kind | None:
-    """The kind of all messages of a type; None where none reads it, or only a message tells."""
+    """Return the kind of all messages of a type; None if no kind reads it, or if the message decides."""
     kinds = kinds_of_type(type_name)
     return kinds[0] if kinds and not is_undecided(type_name) else None
 
 
 def is_undecided(type_name: str) -> bool:
-    """Whether only a message tells the kind of a topic of this type."""
+    """Return True if the kind of a topic of this type depends on its messages."""
     return any(type_name in kind.undecided for kind in kinds_of_type(type_name))
 
 
 def is_standard(type_name: str) -> bool:
-    """Whether a type belongs to a ROS package whose types are all known: its fields need no look.
+    """Return True if a type belongs to a ROS package whose types are all known, so that its fields do not count.
 
-    A geometry_msgs/Accel, say, has the fields of a Twist and is no speed.
+    For example, a geometry_msgs/Accel has the fields of a Twist but is not a speed.
     """
     return type_name.split("/")[0] in _STANDARD
 
 
 def kind_of_shape(shape: MessageShape) -> Kind | None:
-    """The kind of messages with these fields, of a type that no row names."""
+    """Return the kind of messages with these fields, for a type that no row names."""
     return next((kind for kind in KINDS.values() if kind.has_shape and kind.has_shape(shape)), None)
 
 
 def kind_of_message(message: Any, type_name: str = "") -> Kind | None:
-    """The kind that reads a message: of those that know its type, or, where none does, of those that know its fields.
+    """Return the kind that reads a message, by its type or, if no kind knows the type, by its fields.
 
-    It may be a sample, or what holds one.
+    The message may also be a sample, or an object that holds one.
     """
     of_sample = [kind] if (kind := kind_of_sample(unwrap(message))) else []
     for kind in of_sample or kinds_of_type(type_name) or [kind for kind in KINDS.values() if kind.has_shape]:
@@ -535,7 +540,7 @@ def kind_of_message(message: Any, type_name: str = "") -> Kind | None:
         except TypeError:
             continue
         except ValueError:
-            # Of an undecided type it is a message of another kind; else one of this kind, with bad numbers.
+            # A message of an undecided type is of another kind; else it is of this kind, with bad numbers.
             if type_name in kind.undecided:
                 continue
         return kind
@@ -543,36 +548,36 @@ def kind_of_message(message: Any, type_name: str = "") -> Kind | None:
 
 
 def kind_of_sample(sample: Any) -> Kind | None:
-    """The kind of a sample; None for anything else."""
+    """Return the kind of a sample, or None for anything else."""
     return next((kind for kind in KINDS.values() if isinstance(sample, kind.sample)), None)
 
 
 def sample_names() -> tuple[str, ...]:
-    """What one may ask of a moment: the only sample of a kind, and that of all topics of a namespace."""
+    """Return the attributes of a moment: the only sample of a kind, and the samples of all topics of a namespace."""
     return tuple(dict.fromkeys(name for kind in KINDS.values() for name in (kind.sample_name, kind.parameter)))
 
 
 def kind_of_parameter(name: str) -> Kind | None:
-    """The kind whose samples a program calls so; None without any."""
+    """Return the kind whose samples have this name in programs, or None."""
     return next((kind for kind in KINDS.values() if kind.parameter == name), None)
 
 
 def role_of(widget: type, method: str) -> Role | None:
-    """What the topics are whose messages a method of a widget takes; None where no row says it."""
+    """Return the role of the topics whose messages a method of a widget takes, or None if no row has it."""
     names = {f"{base.__module__}:{base.__qualname__}" for base in widget.__mro__}
     roles = (role for kind in KINDS.values() if kind.widget in names for role in kind.roles)
     return next((role for role in roles if role.take == method), None)
 
 
 def counts_every_message(type_name: str) -> bool:
-    """Whether each message of a type counts, as an event that no later one repeats; of others the newest is enough."""
+    """Return True if each message of a type counts, such as an event. For other types the newest is enough."""
     return any(kind.every_message for kind in kinds_of_type(type_name))
 
 
 def topic_and_field(name: str, known: Iterable[str]) -> tuple[str, str]:
-    """The topic of a name, which may have points itself, and the field: ``"/odom"``, ``"twist.twist.linear.x"``.
+    """Return the topic in a name, which may contain points, and the field: ``"/odom"``, ``"twist.twist.linear.x"``.
 
-    The field is empty where the name is that of a topic.
+    The field is empty if the name is a topic.
     """
     there = sorted(known, key=len, reverse=True)
     topic = next((one for one in there if name == one or name.startswith(f"{one}.")), name.partition(".")[0])
@@ -580,35 +585,35 @@ def topic_and_field(name: str, known: Iterable[str]) -> tuple[str, str]:
 
 
 def namespace_of(topic: str) -> str:
-    """The namespace of a topic: ``"/sonar"`` of ``"/sonar/left"``."""
+    """Return the namespace of a topic: ``"/sonar"`` for ``"/sonar/left"``."""
     return topic.rpartition("/")[0] or "/"
 
 
 def info_of(topic: str, topics: Mapping[str, str]) -> str:
-    """The topic with the calibration of a camera, beside that of its pictures; empty without one.
+    """Return the topic with the calibration of a camera, or empty without one.
 
     Args:
-        topic: of the pictures.
-        topics: the type of each topic there is.
+        topic: the topic of its pictures.
+        topics: the types of all topics, by name.
     """
     space = namespace_of(topic)
-    # "/camera/image_raw/compressed" has another part.
+    # "/camera/image_raw/compressed" has one part more.
     near = [name for name, kind in topics.items() if kind == CAMERA_INFO]
     return next((name for beside in (space, namespace_of(space)) for name in near if namespace_of(name) == beside), "")
 
 
 def sensor_of(topic: str) -> str:
-    """The sensor of a topic that shares its widget with all of its namespace: ``"left"`` of ``"/sonar/left"``."""
+    """Return the sensor of a topic that shares its widget with its namespace: ``"left"`` for ``"/sonar/left"``."""
     return topic.rpartition("/")[2]
 
 
 def title_of(topics: Sequence[str]) -> str:
-    """The title of a widget of one topic, or of several of a namespace."""
+    """Return the title of a widget of one topic, or of several topics of a namespace."""
     return topics[0] if len(topics) == 1 else namespace_of(topics[0])
 
 
 def by_namespace(topics: Iterable[str]) -> dict[str, list[str]]:
-    """Topics by their namespaces, in the order given."""
+    """Group topics by their namespaces, in the given order."""
     found: dict[str, list[str]] = {}
     for topic in topics:
         found.setdefault(namespace_of(topic), []).append(topic)
@@ -616,18 +621,18 @@ def by_namespace(topics: Iterable[str]) -> dict[str, list[str]]:
 
 
 def is_command(topic: str) -> bool:
-    """Whether a sample on this topic was asked for, not measured: its name holds ``cmd`` or ``command``."""
+    """Return True if samples on a topic are commanded, not measured: its name contains ``cmd`` or ``command``."""
     return "cmd" in topic.lower() or "command" in topic.lower()
 
 
 def widgets_of(kind_name: str | None, types: str, commanded: bool) -> str:
-    """The widgets of a topic, for a table: ``"speed, path"``, ``"speed (commanded)"``; empty without any."""
+    """Return the widgets of a topic for a table: ``"speed, path"``, ``"speed (commanded)"``, or empty without any."""
     if kind_name is None or commanded:
         return f"{kind_name} (commanded)" if kind_name else ""
     return ", ".join((kind_name, *(second.name for second in KINDS[kind_name].second_widgets(types))))
 
 
 def load(reference: str) -> Any:
-    """The object behind ``"module:name"``."""
+    """Import and return the object behind ``"module:name"``."""
     module, _, name = reference.partition(":")
     return getattr(import_module(module), name)

@@ -1,4 +1,4 @@
-"""The laser view: a scan as hard data, after the paper's laser visualization."""
+"""The laser widget: a scan as raw data, after the paper's laser visualization."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ _MARKS = tuple(kind.name.lower() for kind in Validity if kind is not Validity.RE
 _NO_SCAN = Scan(np.empty(0, np.float32), 0.0, 0.0, 0.0, 10.0)
 
 FARTHEST = 100_000
-"""Metres; no picture reaches farther."""
+"""The farthest metres in a picture."""
 
 
 class ViewRange(traitlets.TraitType[Any, Any]):
@@ -52,7 +52,7 @@ class ViewRange(traitlets.TraitType[Any, Any]):
     )
 
     def validate(self, obj: Any, value: Any) -> str | float:
-        """The setting, metres as a float."""
+        """Return the setting, with metres as a float."""
         if isinstance(value, str) and value in ("sensor", "data", "auto"):
             return value
         metres = _metres(value)
@@ -67,7 +67,7 @@ class ArcDistances(traitlets.TraitType[Any, Any]):
     info_text = f"up to 50 distances in metres above 0, {FARTHEST:,} at most"
 
     def validate(self, obj: Any, value: Any) -> tuple[float, ...]:
-        """The distances as floats."""
+        """Return the distances as floats."""
         try:
             metres = [_metres(v) for v in value]
         except TypeError:
@@ -79,55 +79,56 @@ class ArcDistances(traitlets.TraitType[Any, Any]):
 
 
 class LaserWidget(
-    HasTrail,  # trail, spread: scans before it; and from its bases own_angles, footprint: how scanner and robot stand
-    HasGhost,  # ghost: the scan that it is compared with
-    HasSonars,  # sonars: the ring whose cones are on its picture
-    HasDepth,  # rows, calibrate: the scan that rows of a depth image are
-    HasSectors,  # sectors, selection, pins, highlight, distance, code: what is pointed at
-    DrawsShapes[Scan],  # draw, drawn: the shapes of programs; and from RobotWidget what all widgets of samples have
+    HasTrail,  # trail, spread: earlier scans; and from its bases own_angles, footprint: the poses of scanner and robot
+    HasGhost,  # ghost: a scan to compare with
+    HasSonars,  # sonars: the cones of a ring on the picture
+    HasDepth,  # rows, calibrate: rows of a depth image as a scan
+    HasSectors,  # sectors, selection, pins, highlight, distance, code: marks
+    DrawsShapes[Scan],  # draw, drawn: the shapes of programs; and from RobotWidget the parts of all widgets of samples
 ):
-    """A laser scan, live: its detection area to scale, range arcs, labelled rays, and every ray with its number.
+    """A live laser scan: its detection area to scale, range arcs, labelled rays, and every ray with its number.
 
-    The reader sees a gray sector from range_min to range_max over the swept angle, the robot at its centre, forward up
-    and left on the left (REP-103); a red dot per reading; gray marks for rays that are too close, see nothing, hold no
-    measurement or lie outside the limits (REP-117), each counted in the legend. Hovering names a ray, clicking pins it,
-    space freezes, the wheel zooms; none of it needs the kernel. A message that cannot be shown leaves the last picture
-    and says why above it.
+    The widget shows a gray sector from range_min to range_max over the swept angle, the robot at its centre, forward up
+    and left on the left (REP-103); a red dot for each reading; and gray marks for rays that are too close, see nothing,
+    have no measurement or lie outside the limits (REP-117), with their numbers in the legend. Hovering shows a ray,
+    clicking pins it, space freezes, the wheel zooms; all this works without the kernel. If a message cannot be shown,
+    the last picture stays, with the reason above it.
 
     Args:
-        title: what is shown, for the header; usually the topic.
-        arc_count: range arcs that divide the view in equal parts, 0 to 50; None: at steps of 1, 2 or 5.
-        arc_distances: distances of the arcs in metres, instead.
-        ray_count: radial lines that divide the swept angle in equal parts, 0 to 360; None: at round angles from
-            forward, and at both ends. Each says angle and index of a ray.
-        ray_angles: angles of the lines, radians or text like "20deg", instead; each stands at the closest ray.
+        title: title in the header; usually the topic.
+        arc_count: range arcs that divide the view in equal parts, 0 to 50; by default at steps of 1, 2 or 5.
+        arc_distances: distances of the arcs in metres, instead of a count.
+        ray_count: radial lines that divide the swept angle in equal parts, 0 to 360; by default at round angles from
+            forward, and at both ends. Each shows the angle and the index of a ray.
+        ray_angles: angles of the lines, radians or text like "20deg", instead of a count; each is drawn at the closest
+            ray.
         view_range: "sensor", "data", metres, or "auto": "data" if the readings of the first scan fill less than a third
-            of range_max, else "sensor". The view writes it, too: at that scan, and when a person zooms.
-        forward: where the robot's forward is in the picture: "up", "left", "down" or "right".
-        angle_offset: radians, or text like "20deg", added to every angle, within ±2 pi, for a scanner whose header lies
-            about where it points. How the scanner stands on the robot is known by tf, or by `footprint`.
-        own_angles: whether angles are shown as the scanner counts them, if it is turned on the robot. The view writes
-            it, too.
-        marks: which rays without a reading are drawn: of "too_close", "nothing_in_range", "no_measurement",
+            of range_max, else "sensor". The view writes it, too: at that scan, and when the user zooms.
+        forward: the direction of the robot's forward in the picture: "up", "left", "down" or "right".
+        angle_offset: radians, or text like "20deg", added to every angle, within ±2 pi, for a scanner with wrong angles
+            in its messages. The mount of the scanner on the robot comes from tf, or from `footprint`.
+        own_angles: True to show angles in the frame of the scanner, if it is turned on the robot. The view writes it,
+            too.
+        marks: kinds of rays without a reading to draw: "too_close", "nothing_in_range", "no_measurement",
             "outside_limits".
-        color_by_intensity: whether the intensities colour the dots.
-        echo: which echo of each ray is shown of a scanner that sends several: "first", "last" or "strongest".
-        band: of clouds of points, the lower and the upper height in metres of those that are shown as a scan; None:
+        color_by_intensity: True to colour the dots by intensity.
+        echo: the echo of each ray to show, for a scanner that sends several: "first", "last" or "strongest".
+        band: for clouds of points, the lower and the upper height in metres of the points to show as a scan; by default
             all.
-        rows: of depth images, how many rows around the axis of the camera are shown as a scan; or the first row, and
-            the one after the last.
-        index_view: whether distance over index stands below the picture, as a program sees the array.
+        rows: for depth images, the number of rows around the axis of the camera to show as a scan; or the first row and
+            the row after the last.
+        index_view: True to show distance over index below the picture, like the array in a program.
         sectors: kept sectors by name, each drawn with its name; see `sectors`.
         pins: indices of rays by name, each drawn with its name.
-        angle_unit: in which all angles are shown, "deg" or "rad". The view writes it too.
-        formula: whether the pop-up of the pinned ray shows how its angle is worked out. The view writes it too.
-        free_space: whether the ground shows what the scanner has seen to be free.
-        trail: how many scans before the one on show are behind it, the oldest palest, 0 (none) to 100: by odometry
-            where a path is in its view, else in the scanner's frame.
-        spread: over how many scans the spread of each ray is drawn, 2 to 100; 0: it is not.
-        paused: whether the picture is frozen.
+        angle_unit: the unit of all angles, "deg" or "rad". The view writes it, too.
+        formula: True to show the formula of the angle in the pop-up of the pinned ray. The view writes it, too.
+        free_space: True to mark the ground that the scanner has seen to be free.
+        trail: the number of earlier scans behind the one on show, the oldest palest, 0 (none) to 100; placed by
+            odometry if a path is in its view, else in the scanner's frame.
+        spread: the number of scans for the spread of each ray, 2 to 100, or 0 for none.
+        paused: True while the picture is frozen.
         history: seconds for which the page keeps samples to step back through while frozen, 0 (none) to 600.
-        header, footer: whether they are there; without them the picture alone is fit for a paper.
+        header, footer: False to hide them, for example to use the picture in a paper.
 
     Raises:
         TypeError: an unknown keyword.
@@ -152,7 +153,11 @@ class LaserWidget(
     judges_frames = True
 
     arc_count = traitlets.Int(
-        None, allow_none=True, min=0, max=50, help="Range arcs that divide the view in equal parts; None: at 1, 2 or 5."
+        None,
+        allow_none=True,
+        min=0,
+        max=50,
+        help="Range arcs that divide the view in equal parts; at 1, 2 or 5 by default.",
     ).tag(sync=True)
     arc_distances = ArcDistances((), help="Distances of the range arcs in metres, instead of arc_count.").tag(sync=True)
     ray_count = traitlets.Int(
@@ -160,22 +165,24 @@ class LaserWidget(
         allow_none=True,
         min=0,
         max=360,
-        help="Radial lines that divide the swept angle in equal parts; None: at round angles.",
+        help="Radial lines that divide the swept angle in equal parts; at round angles by default.",
     ).tag(sync=True)
     ray_angles = Angles((), help="Angles of the radial lines in radians, instead of ray_count.").tag(sync=True)
-    view_range = ViewRange("sensor", help="How far the picture reaches. Python and the view write it.").tag(sync=True)
-    forward = traitlets.Enum(("up", "left", "down", "right"), "up", help="Where forward is.").tag(sync=True)
+    view_range = ViewRange("sensor", help="The range of the picture. Python and the view write it.").tag(sync=True)
+    forward = traitlets.Enum(("up", "left", "down", "right"), "up", help="The direction of forward.").tag(sync=True)
     angle_offset = Angle(0.0, help="Radians added to every angle, within ±2 pi.").tag(sync=True)
     marks = traitlets.List(traitlets.Enum(_MARKS), list(_MARKS), help="Marks that are drawn.").tag(sync=True)
-    color_by_intensity = Flag(False, help="Whether intensities colour the dots.").tag(sync=True)
-    echo = traitlets.Enum(CHOICES, "first", help="Which of several echoes of a ray is shown.").tag(sync=True)
-    band = BandTrait(None, allow_none=True, help="Heights of the points of a cloud that are a scan.").tag(sync=True)
-    free_space = Flag(False, help="Whether the ground shows what the scanner has seen to be free.").tag(sync=True)
-    index_view = Flag(False, help="Whether distance over index stands below the picture.").tag(sync=True)
+    color_by_intensity = Flag(False, help="True to colour the dots by intensity.").tag(sync=True)
+    echo = traitlets.Enum(CHOICES, "first", help="The echo to show if a ray has several.").tag(sync=True)
+    band = BandTrait(None, allow_none=True, help="Heights of the points of a cloud that are shown as a scan.").tag(
+        sync=True
+    )
+    free_space = Flag(False, help="True to mark the ground that the scanner has seen to be free.").tag(sync=True)
+    index_view = Flag(False, help="True to show distance over index below the picture.").tag(sync=True)
     angle_unit = traitlets.Enum(("deg", "rad"), "deg", help="Unit of all angles. Python and the view write it.").tag(
         sync=True
     )
-    formula = Flag(False, help="Whether the pinned pop-up shows its formula. Python and the view write it.").tag(
+    formula = Flag(False, help="True to show the formula in the pinned pop-up. Python and the view write it.").tag(
         sync=True
     )
     hovered = traitlets.Int(
@@ -207,19 +214,20 @@ class LaserWidget(
     def update(self, message: Any = None, *unnamed: Any, **fields: Any) -> None:
         """Show a scan in the next animation frame.
 
-        It only stores, and may be called from any thread at any rate; the newest wins.
+        It only stores the scan, and may be called from any thread at any rate; the newest wins.
 
         Args:
             message: a sensor_msgs/LaserScan or MultiEchoLaserScan of rclpy, rospy or rosbags, a rosbridge dictionary,
-                or a `Scan`; or a `Cloud`, or a message with one, whose points within `band` are shown: the nearest of
-                each half degree; or a depth image, of which `rows` are shown, once `calibrate` knows its camera.
-            *unnamed: refused, with the call that takes numbers by name.
+                or a `Scan`; or a `Cloud`, or a message with one, to show its nearest point within `band` in each half
+                degree; or a depth image, to show its `rows`, after `calibrate`.
+            *unnamed: raises an error with the call that takes numbers by name.
             **fields: instead of a message, its fields: ranges (R metres), angle_min and angle_increment (radians),
-                range_min and range_max (metres), and if there are any intensities (R).
+                range_min and range_max (metres), and optionally intensities (R).
 
         Raises:
-            TypeError: no such message, or an unknown field. ValueError: its numbers cannot be shown. In a callback
-                (another thread; a task, timer or button of a notebook) nothing is raised; widget and log say it.
+            TypeError: not such a message, or an unknown field. ValueError: its numbers cannot be shown. A callback
+                (another thread; a task, timer or button of a notebook) raises nothing; the widget and the log show the
+                error.
         """
         try:
             refuse_unnamed("update", unnamed, _BY_NAME)
@@ -244,19 +252,19 @@ class LaserWidget(
         return self.scan if self.paused else None
 
     def frame_of(self, sample: Any) -> tuple[dict[str, Any], bytes]:
-        """See `RobotWidget`: of a scan, or of a message with a cloud or a depth image."""
+        """See `RobotWidget`. The sample is a scan, or a message with a cloud or a depth image."""
         try:
             scan = self.mounted(self.scan_in(sample)).echo(self.echo).turned(self.angle_offset)
-        except (TypeError, ValueError) as error:  # what a recording has of a cloud or an image
+        except (TypeError, ValueError) as error:  # a cloud or an image in a recording
             return {"error": f"{error}."}, self._pack(_NO_SCAN)
         judged = self._watches.judged_on(scan if len(scan) else None)
         return about_scan(scan, self.angle_offset) | self._drawn_on(scan) | judged, self._pack(scan)
 
     def scan_in(self, given: Any) -> Scan:
-        """Return the scan that is given, or the scan of a cloud from above, or of the rows of a depth image.
+        """Return a given scan, or the scan of a cloud from above, or of rows of a depth image.
 
         Raises:
-            TypeError: no such message. ValueError: its numbers cannot be shown.
+            TypeError: not such a message. ValueError: its numbers cannot be shown.
         """
         if is_image(given):
             return self._scan_of_image(given)
@@ -281,7 +289,7 @@ class LaserWidget(
         return about
 
     def arrays_of(self, frame: bytes) -> tuple[int, int]:
-        """See `RobotWidget`: ranges, then intensities and sources if there are any."""
+        """See `RobotWidget`. The arrays are ranges, and intensities and sources if there are any."""
         *_, count = _GEOMETRY.unpack_from(frame, FRAME_HEADER.size)
         head = FRAME_HEADER.size + _GEOMETRY.size
         return head, (len(frame) - head) // (4 * int(count)) if count else 0
@@ -325,12 +333,12 @@ class LaserWidget(
 
     @traitlets.observe("band")
     def _choose_band(self, change: Any) -> None:
-        """Show these heights of the next cloud: that on show is not kept."""
+        """Use these heights from the next cloud on: the cloud on show is not kept."""
         self._band = change["new"]
 
     @traitlets.observe("echo")
     def _choose_echo(self, change: Any) -> None:
-        """Show another echo of the scan on show too: it may be the only one that comes."""
+        """Change the echo of the scan on show, too, because no other may come."""
         with self._newest.lock:
             self._echo = change["new"]
             newest = self._newest.sample
@@ -339,7 +347,7 @@ class LaserWidget(
 
     @traitlets.observe("angle_offset")
     def _turn(self, change: Any) -> None:
-        """Turn the scan on show too: it may be the only one that comes."""
+        """Turn the scan on show, too, because no other may come."""
         with self._newest.lock:
             self._offset = change["new"]
             newest = self._newest.sample
@@ -348,13 +356,13 @@ class LaserWidget(
 
 
 def about_scan(scan: Scan, offset: float = 0.0) -> dict[str, Any]:
-    """The texts on a scan: its frame, and its problems, if there are any, as pairs of words and remedy.
+    """Return the texts on a scan: its frame, and its problems, if any, as pairs of problem and remedy.
 
-    The problem of a scan without a reading is apart: it stands in the picture, where the readings would be.
+    The problem of a scan without a reading is separate: it is shown in the picture instead of the readings.
 
     Args:
         scan: the scan.
-        offset: radians that were added to the scanner's own angles.
+        offset: radians that were added to the angles of the scanner.
     """
     about: dict[str, Any] = {"frame_id": scan.frame_id, **({"angle_offset": offset} if offset else {})}
     if scan.mount and scan.mount.words:
@@ -368,19 +376,19 @@ def about_scan(scan: Scan, offset: float = 0.0) -> dict[str, Any]:
 
 
 def mount_from(about: Mapping[str, Any]) -> Mount | None:
-    """The mount in the texts on a scan, as `about_scan` wrote it; None if there is none."""
+    """Return the mount in the texts on a scan by `about_scan`, or None without one."""
     given = {name: value for name, value in about.get("mount", {}).items() if name != "words"}
     return Mount(**given) if given else None
 
 
 def _metres(value: Any) -> float | None:
-    """A distance as a float; None for what is no number, not above 0, or absurdly far."""
+    """Return a distance as a float; None if it is not a number, not above 0, or absurdly far."""
     is_number = isinstance(value, (int, float, np.integer, np.floating)) and not isinstance(value, bool)
     return float(value) if is_number and 0 < value <= FARTHEST else None
 
 
 def _refuse_array(message: Any) -> None:
-    """TypeError for plain numbers; messages pass, also those that are tuples."""
+    """Raise TypeError for plain numbers. Messages pass, even if they are tuples."""
     is_array = hasattr(message, "__array__") or (
         isinstance(message, Sequence) and not isinstance(message, (str, bytes))
     )

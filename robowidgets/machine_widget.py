@@ -1,4 +1,4 @@
-"""The state machine of a robot on the page: its states, what its events say, and what fired."""
+"""The state machine of a robot on the page: its states, its events and its transitions."""
 
 from __future__ import annotations
 
@@ -20,32 +20,32 @@ from .behaviors.version import Version
 from .samples.state_span import StateSpan, rows_of
 
 MOST_FIRED = 30
-"""Moves that are listed on the page."""
+"""The number of transitions that are listed on the page."""
 
 LATEST_BEATS = 3
-"""Beats that may have come since the one that the page names with what it asks for."""
+"""The most beats since the beat that the page sends with a request. An older request is refused."""
 
 BAND = 30.0
 """Seconds of states that the page shows as a band."""
 
 
 class MachineWidget(RobotWidget[MachineStep]):
-    """The state machine that drives a robot: its states, lit where they are active, its moves, and what fired.
+    """The state machine that drives a robot: its states, with the active ones lit, and its transitions.
 
-    Below stand the states of the last 30 s as a band.
+    A band below shows the states of the last 30 s.
 
-    It shows each machine that drives the robot from now on, and follows its new versions. A click on what fired
-    freezes this widget and those that are connected to the robot at that moment.
+    It shows each machine that drives the robot from now on, and follows its new versions. A click on a transition
+    freezes this widget and all widgets of the robot at that moment.
 
     Args:
         robot: a feed.
-        title: for the header; empty: the name of the machine.
-        paused: whether the picture is frozen.
+        title: title in the header; by default the name of the machine.
+        paused: True while the picture is frozen.
         history: seconds for which the page keeps steps to go back through, 0 (none) to 600.
-        header, footer: whether they are there.
+        header, footer: False to hide them.
 
     Raises:
-        TypeError: no feed, or an unknown keyword.
+        TypeError: not a feed, or an unknown keyword.
         traitlets.TraitError: a value out of its range.
 
     Examples:
@@ -81,11 +81,11 @@ class MachineWidget(RobotWidget[MachineStep]):
         self._program: Program | None = None
         self._in_force: Version | None = None
         self._clock = StepClock()
-        """That of the steps on show."""
+        """The clock of the steps on show."""
         self._packed: MachineStep | None = None
         """The step of the newest frame."""
         self._packed_at = self._made_after = time.monotonic()
-        """The times of that step, and of the one in the frame before it."""
+        """The time of that step, and of the step in the frame before it."""
         super().__init__(**kwargs)
         self._robot = robot.connection.page_name
         self.freeze_with_robot()
@@ -100,12 +100,12 @@ class MachineWidget(RobotWidget[MachineStep]):
         route_by_message(self.comm)
 
     def freeze_with_robot(self) -> None:
-        """Have the page freeze it with all widgets of the robot, and them with it, wherever they are."""
+        """Join the group of all widgets of the robot, which the page freezes together in all its views."""
         self._together = self._robot
 
     def close(self) -> None:
         """Remove the widget from the page; the program goes on."""
-        if "_programs" in vars(self):  # else the constructor raised before it had them
+        if "_programs" in vars(self):  # else the constructor raised before it set them
             self._programs.unobserve(self._on_step)
             super().close()
 
@@ -115,7 +115,7 @@ class MachineWidget(RobotWidget[MachineStep]):
         return machine.active_text if isinstance(machine, Machine) else ""
 
     def _on_page(self, _widget: Any, content: Any, _buffers: Any) -> None:
-        """Go to a state, unless a busy kernel delayed the message. In the main thread or a subshell's."""
+        """Go to a state, unless a busy kernel delayed the message. Called in the main thread or in a subshell's."""
         if not isinstance(content, dict) or "go" not in content:
             return
         state, beat, program = content["go"], content.get("beat"), self._program
@@ -128,7 +128,7 @@ class MachineWidget(RobotWidget[MachineStep]):
                 self.send({"refused": str(error)})
 
     def _on_step(self) -> None:
-        """Store what the last step left, for the pacer. In the thread of the program, as a rule."""
+        """Store the result of the last step for the pacer. The thread of the program usually calls this."""
         program = self._programs.current
         if program is None:
             return
@@ -138,7 +138,8 @@ class MachineWidget(RobotWidget[MachineStep]):
         if isinstance(machine, Machine):
             self._clock = program.clock
             step = error = None
-            # Where a program is paused in the middle of a step, two threads tell at once: who is last tells the newest.
+            # If a program is paused in the middle of a step, two threads call this at once. The last one stores the
+            # newest.
             while step is not machine.last_step or error != program.error:
                 step, error = machine.last_step, program.error
                 self.set_source({**self._source, "error": error})
@@ -153,7 +154,7 @@ class MachineWidget(RobotWidget[MachineStep]):
             self.name_after(machine.name)
             self._outline = {"key": key, "name": machine.name, "machines": machine.describe()}
         else:
-            status = f"{program.name} drives now, which is no state machine"
+            status = f"{program.name} drives now, which is not a state machine"
             if self._newest.sample is not None:
                 self._show(self._newest.sample, counts=False)
         self._source = {"robot": self._robot, "status": status}
@@ -177,7 +178,7 @@ class MachineWidget(RobotWidget[MachineStep]):
         if sample is not self._packed:
             self._packed, self._made_after, self._packed_at = sample, self._packed_at, self._clock.at(sample.time)
         judged = {key: (one.value, one.text) for key, one in sample.judged.items()}
-        # Not each step has a frame: events that made a move are true in the first frame after it.
+        # Not every step has a frame: the event of a transition is shown as true in the first frame after it.
         for fired in sample.fired:
             if fired.event and self._clock.at(fired.time) > self._made_after:
                 judged[fired.machine, fired.event] = True, fired.text
@@ -192,7 +193,7 @@ class MachineWidget(RobotWidget[MachineStep]):
 
 
 def _rows(step: MachineStep, clock: StepClock) -> list[list[tuple[float, float | None, str]]]:
-    """The states of the last seconds as rows, in monotonic time; one that is still active has no end."""
+    """Return the states of the last seconds as rows, in monotonic time. An active state has no end."""
     left = [span for span in step.left if span.end > step.time - BAND]
     active = [StateSpan(entered, inf, f"{machine}.{name}") for machine, (name, entered) in step.states.items()]
     return [

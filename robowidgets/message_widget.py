@@ -1,4 +1,4 @@
-"""The message view: any message as a tree of its fields, with their values live."""
+"""The message widget: any message as a tree of its fields, with live values."""
 
 from __future__ import annotations
 
@@ -18,14 +18,14 @@ from .messages.fields import stamp_ns, type_name, unwrap
 from .samples import HasAge
 
 MOST_FIELDS = 32
-"""Fields that are shown alone, or over time."""
+"""The most fields that are shown alone, or over time."""
 
 _MOST_KEPT, _MOST_KEPT_BYTES = 600, 32_000_000
-"""Messages that were sent, and about their bytes, of which one may be stepped back to."""
+"""The number and the approximate bytes of the sent messages that the page may step back to."""
 
 
 class Received:
-    """A message with what is known of it: the type that it is said to have, and its definition."""
+    """A message with a hint to its type, and its definition."""
 
     __slots__ = ("hint", "message", "schema")
 
@@ -34,42 +34,43 @@ class Received:
 
     @property
     def type(self) -> str:
-        """As a person writes it."""
+        """The type in the usual form, without ``/msg/``."""
         return self.hint.replace("/msg/", "/") if isinstance(self.message, dict) else type_name(self.message)
 
     @property
     def stamp_ns(self) -> int | None:
-        """Of its header."""
+        """The stamp of its header."""
         return stamp_ns(self.message)
 
 
 _NONE = Received(None)
-"""Before the first message of a recording."""
+"""Stands for the time before the first message of a recording."""
 
 
 class MessageWidget(RobotWidget[Received]):
-    """Any message, live: a tree of its fields, or some of them alone and large.
+    """Any live message: a tree of its fields, or some of them alone and large.
 
-    The reader sees each field under its name in the program, with its value and its unit, as far as its definition or
-    REP-103 tell it. A number that has a name in the definition is shown by it, ``OK 0``; what changed since the message
-    before has a bar at its left; an array is folded to its length, its least and its greatest value, and those that are
-    not measured (NaN), which are never a 0. The joints of a JointState, the cells of a BatteryState and the parts of a
+    The widget shows each field under its name in the program, with its value, and its unit if its definition or REP-103
+    has one. A number with a name in the definition is shown with it, ``OK 0``. Changes since the message before have a
+    bar on the left. An array is folded to its length, its minimum, its maximum and the number of missing values (NaN),
+    which are never shown as 0. The joints of a JointState, the cells of a BatteryState and the parts of a
     DiagnosticArray are rows with bars. Each field can be copied as the code that reads it, and watched over the last
-    seconds. Space freezes; none of it needs the kernel. Of a large message the page has only a part, and gets the rest
-    when it is unfolded. What cannot be understood leaves the last picture and says why above it.
+    seconds. Space freezes; all this works without the kernel. The page has only a part of a large message, and gets the
+    rest when it is unfolded. If a message cannot be read, the last picture stays, with the reason above it.
 
     Args:
-        title: what is shown, for the header; usually the name of the topic.
-        fields: paths of the fields to show alone, such as ``"pose.pose.position.x"`` or ``"ranges[0]"``; empty: all.
-        over_time: paths of numbers that are drawn over the last seconds, too. The view writes it, too.
-        rows: whether joints, cells and diagnostics are rows with bars, not a tree. The view writes it, too.
-        type: the type of messages that do not tell theirs, such as ``"sensor_msgs/msg/Imu"`` for dictionaries.
-        folds: path of a message or an array to whether it is unfolded; others are, as far as that takes little room.
-            The view writes it, too.
-        changes: whether what changed since the message before is marked. The view writes it, too.
-        paused: whether the picture is frozen.
+        title: title in the header; usually the name of the topic.
+        fields: paths of the fields to show alone, such as ``"pose.pose.position.x"`` or ``"ranges[0]"``; by default
+            all.
+        over_time: paths of numbers to draw also over the last seconds. The view writes it, too.
+        rows: True to show joints, cells and diagnostics as rows with bars, not as a tree. The view writes it, too.
+        type: the type of messages that do not contain it, such as ``"sensor_msgs/msg/Imu"`` for dictionaries.
+        folds: True for an unfolded message or array, False for a folded one, by path. Others are unfolded if they are
+            small. The view writes it, too.
+        changes: True to mark changes since the message before. The view writes it, too.
+        paused: True while the picture is frozen.
         history: seconds for which the page keeps messages to step back through while frozen, 0 (none) to 600.
-        header, footer: whether they are there.
+        header, footer: False to hide them.
 
     Raises:
         TypeError: an unknown keyword.
@@ -91,37 +92,37 @@ class MessageWidget(RobotWidget[Received]):
     frame_traits = ("fields", "_wanted")
     send_interval = 0.1
 
-    fields = traitlets.List(traitlets.Unicode(), help="Paths of the fields that are shown alone; empty: all.").tag(
+    fields = traitlets.List(traitlets.Unicode(), help="Paths of the fields that are shown alone; all by default.").tag(
         sync=True
     )
     over_time = traitlets.List(
         traitlets.Unicode(), help="Paths of numbers drawn over the last seconds. Python and the view write it."
     ).tag(sync=True)
-    rows = Flag(True, help="Whether joints, cells and diagnostics are rows. Python and the view write it.").tag(
+    rows = Flag(True, help="True to show joints, cells and diagnostics as rows. Python and the view write it.").tag(
         sync=True
     )
-    type = traitlets.Unicode(help="Type of messages that do not tell theirs: sensor_msgs/msg/Imu.").tag(sync=True)
+    type = traitlets.Unicode(help="Type of messages that do not contain it: sensor_msgs/msg/Imu.").tag(sync=True)
     folds = traitlets.Dict(
         key_trait=traitlets.Unicode(),
         value_trait=Flag(),
-        help="Path of a part to whether it is unfolded. Python and the view write it.",
+        help="True for unfolded parts, False for folded ones, by path. Python and the view write it.",
     ).tag(sync=True)
-    changes = Flag(True, help="Whether what changed is marked. Python and the view write it.").tag(sync=True)
+    changes = Flag(True, help="True to mark changes. Python and the view write it.").tag(sync=True)
 
-    _plots = Flag(False, help="Whether there is a view that can show a plot of a field.").tag(sync=True)
-    _wanted = traitlets.List(traitlets.Unicode(), help="Paths of large parts that the page asks for.").tag(
+    _plots = Flag(False, help="True if a view can show a plot of a field.").tag(sync=True)
+    _wanted = traitlets.List(traitlets.Unicode(), help="Paths of large parts that the page requests.").tag(
         sync=True, echo_update=False
     )
 
     def __init__(self, **kwargs: Any) -> None:
         self._schemas: dict[Any, Any] = {}
         self._plain: set[type] = set()
-        """Classes of messages that are taken as they are."""
+        """Classes of messages that need no conversion."""
         self._nodes: list[dict[str, Any]] = []
-        """Those of the last tree: most messages have the same, which is sent once."""
+        """The nodes of the last tree. Most messages have the same nodes, which are sent once."""
         self._tree: tuple[Received, Tree] | None = None
         self._kept: deque[tuple[bytes, Received, int]] = deque()
-        """What was packed last, with the message of each, and about its bytes."""
+        """The last packed bytes, each with its message and its approximate size."""
         self._kept_bytes = 0
         self._on_plot: Callable[[str], None] | None = None
         super().__init__(**kwargs)
@@ -130,16 +131,16 @@ class MessageWidget(RobotWidget[Received]):
     def update(self, message: Any) -> None:
         """Show a message in the next animation frame.
 
-        It only stores, and may be called from any thread at any rate. The message is not copied: do not change it
-        afterwards, unless it is a dictionary.
+        It only stores the message, and may be called from any thread at any rate. The message is not copied: do not
+        change it afterwards, unless it is a dictionary.
 
         Args:
-            message: of any type: of rclpy, rospy, rosbags or rosbridge, a dictionary, a dataclass, or another object
-                with fields; a sample of robowidgets; or a moment of a recording.
+            message: a message of any type of rclpy, rospy, rosbags or rosbridge, a dictionary, a dataclass, or another
+                object with fields; a sample of robowidgets; or a moment of a recording.
 
         Raises:
-            TypeError: no message. ValueError: it has none of the `fields`. In a callback (another thread; a task,
-                timer or button of a notebook) nothing is raised; widget and log say it.
+            TypeError: not a message. ValueError: it has none of the `fields`. A callback (another thread; a task, timer
+                or button of a notebook) raises nothing; the widget and the log show the error.
         """
         if message is None and self.driven_by_player:
             self._show(_NONE)
@@ -154,10 +155,10 @@ class MessageWidget(RobotWidget[Received]):
 
     @property
     def message(self) -> Any:
-        """The message on show, the frozen one while paused; None before the first.
+        """The message on show: the frozen one while paused, or None before the first.
 
-        While paused it is also None where the page has stepped back to a message that is no longer kept here: about the
-        last 32 MB are.
+        While paused it is also None if the page has stepped back to a message that is no longer kept in Python, which
+        keeps about 32 MB.
         """
         shown = self._sample_on_show()
         return shown.message if shown else None
@@ -168,21 +169,21 @@ class MessageWidget(RobotWidget[Received]):
         return self.message if self.paused else None
 
     def __getitem__(self, path: str) -> Any:
-        """The value of a field of the message on show.
+        """Return the value of a field of the message on show.
 
         Raises:
-            KeyError: no message has come, or it has no such field; the text has the nearest names.
+            KeyError: no message has come, or it has no such field. The text has similar names.
         """
         message = self.message
         if message is None:
-            raise KeyError(f"{path!r}: no message came")
+            raise KeyError(f"{path!r}: no message has come")
         try:
             return value_at(message, path)
         except ValueError as error:
             raise KeyError(str(error)) from None
 
     def offer_plots(self, on_plot: Callable[[str], None]) -> None:
-        """Have a button on each number that asks for a plot of it: the function gets its path."""
+        """Show a button on each number to plot it: it calls the function with the path of the number."""
         self._on_plot, self._plots = on_plot, True
 
     def close(self) -> None:
@@ -191,17 +192,17 @@ class MessageWidget(RobotWidget[Received]):
         super().close()
 
     def _on_page(self, _widget: Any, content: Any, _buffers: Any) -> None:
-        """A field of which a person wants a plot."""
+        """Plot a field at the request of the user."""
         path = content.get("plot") if isinstance(content, dict) else None
         if self._on_plot is None or not isinstance(path, str):
             return
         try:
             self._on_plot(path)
-        except Exception as error:  # whatever a view says of a name that comes from the page
+        except Exception as error:  # a view may raise anything for a name from the page
             self._refuse(ValueError(f"{path} could not be plotted: {error}"))
 
     def frame_of(self, sample: Any) -> tuple[dict[str, Any], bytes]:
-        """See `RobotWidget`: of a message."""
+        """See `RobotWidget`. The sample is a message."""
         if sample is None:
             return {}, pack(Tree([], [], b"", 0))
         received = sample if isinstance(sample, Received) else self._received(sample)
@@ -209,7 +210,7 @@ class MessageWidget(RobotWidget[Received]):
         return self._about_tree(received, tree), pack(tree)
 
     def _received(self, message: Any) -> Received:
-        """A message with what is known of it; TypeError where it is none."""
+        """Return a message with its hint and its definition, or raise TypeError if it is not a message."""
         hint = self.type or str(self._source.get("type", ""))
         if type(message) in self._plain:
             return Received(message, hint, self._schema(message, hint))
@@ -220,14 +221,14 @@ class MessageWidget(RobotWidget[Received]):
             message = dict(message)
         if not names_in(message) and isinstance(message, (type(None), str, int, float, bytes, Sequence, Mapping)):
             raise TypeError(f"expected a message with fields, such as {{'speed': 0.3}}, got {message!r:.80}")
-        if isinstance(message, HasAge):  # a sample of ours has other fields than the messages of its topic
+        if isinstance(message, HasAge):  # a sample of this package has other fields than the messages of its topic
             hint = ""
         elif message is given:
             self._plain.add(type(message))
         return Received(message, hint, self._schema(message, hint))
 
     def _schema(self, message: Any, hint: str) -> Any:
-        """What is known of a type of messages, found once for each."""
+        """Return the definition of a type of messages, which is searched once for each type."""
         kind = type(message)
         is_ros = not hint and not hasattr(kind, "__msgtype__") and not hasattr(kind, "_full_text")
         if is_ros and "msg" not in kind.__module__.split("."):
@@ -241,7 +242,7 @@ class MessageWidget(RobotWidget[Received]):
         return self._schemas[key]
 
     def _wrong_fields(self, message: Any) -> str:
-        """What is wrong with the fields that are shown alone; ValueError where the message has none of them."""
+        """Return the problem with the `fields`, or empty. Raise ValueError if the message has none of them."""
         wrong = [why for path in self.fields if (why := why_no_value(message, path))]
         if wrong and len(wrong) == len(self.fields):
             raise ValueError(wrong[0])
@@ -255,7 +256,7 @@ class MessageWidget(RobotWidget[Received]):
         return tree
 
     def _asked_for(self) -> set[str]:
-        """Paths of what is read although it is large."""
+        """Return the paths of large parts that are read nevertheless."""
         return {*self._wanted, *(path for path, is_unfolded in self.folds.items() if is_unfolded)}
 
     def _about_tree(self, received: Received, tree: Tree) -> dict[str, Any]:
@@ -281,7 +282,7 @@ class MessageWidget(RobotWidget[Received]):
         while len(self._kept) > _MOST_KEPT or (len(self._kept) > 1 and self._kept_bytes > _MOST_KEPT_BYTES):
             self._kept_bytes -= self._kept.popleft()[2]
 
-    def _unpack(self, frame: bytes) -> Received | None:  # type: ignore[override]  # it may be gone
+    def _unpack(self, frame: bytes) -> Received | None:  # type: ignore[override]  # the message may be dropped
         packed = frame[FRAME_HEADER.size :]
         return next((received for raw, received, _ in reversed(self._kept) if raw == packed), None)
 

@@ -1,4 +1,4 @@
-"""The map: where a robot was over time, on what it knows of its floor."""
+"""The map: the path of a robot over time, on layers such as maps of its floor."""
 
 from __future__ import annotations
 
@@ -41,10 +41,10 @@ from .shapes.forms import short_text
 Floats = NDArray[np.float64]
 
 _FRAME = struct.Struct("<4d")
-"""After the head: time in seconds, x and y in metres, yaw in radians."""
+"""After the header: time in seconds, x and y in metres, yaw in radians."""
 
 _SPACING = 0.25
-"""Seconds between two paths that are sent, at least. The newest pose is sent with each frame."""
+"""The shortest time in seconds between two sends of the path. The newest pose is sent with each frame."""
 
 _BY_NAME = "update(x=1.0, y=0.5, yaw=0.2, time=3.0)"
 
@@ -60,35 +60,36 @@ class PathPoint(HasAge):
     stamp_ns: int | None = None
     frame_id: str = ""
     layers: tuple[Placed, ...] | None = field(default=None, compare=False, repr=False)
-    """What the layers of the map show then; None: those of now."""
+    """The layers of the map at that time, or None for the current ones."""
 
 
 class PathWidget(DrawsShapes[PathPoint]):
-    """Where a robot was over time: its path to scale from above, with its pose now; with layers a map.
+    """The path of a robot to scale from above, with its current pose; with layers a map.
 
-    The reader sees the way up to the moment on show as a dark line from a hollow dot, the rest of a recording as a
-    faint one, and the robot with its heading; x to the right and y up, in the frame of odometry. Hovering the path, or
-    walking along it with the arrow keys, tells time, pose and way of that place; space freezes. None of it needs the
-    kernel. A message that cannot be shown leaves the last picture and says why above it.
+    The widget shows the way up to the moment on show as a dark line from a hollow dot, the rest of a recording as a
+    faint one, and the robot with its heading; x to the right and y up, in the odometry frame. Hovering over the path,
+    or walking along it with the arrow keys, shows the time, the pose and the length of the way at that point; space
+    freezes. All this works without the kernel. If a message cannot be shown, the last picture stays, with the reason
+    above it.
 
-    The whole way is kept in at most 1000 points: they lie 2 cm apart at first, and twice as far each time there are
-    more. Heights are left out. Where the pose jumps farther than a robot can drive until then, as odometry does that
-    was set back, a new stroke begins, and the way does not grow.
+    The whole way is kept in at most 1000 points. They are 2 cm apart at first, and twice as far each time there are
+    more. Heights are left out. If the pose jumps farther than a robot can drive in the time, for example after a reset
+    of odometry, a new stroke begins, and the length of the way does not grow.
 
     `put` adds layers by name: other poses with their ways, planned paths, grids, scans; `ground` is a map below them.
-    All are drawn in one frame, each by the transforms of tf at its own stamp. A layer that no transform joins to that
-    frame is on a map of its own, in the root of its frames: the list of layers names it, and a click there, or `frame`,
-    shows that map.
+    All are drawn in one frame, each by the transforms of tf at its stamp. A layer without a transform to that frame is
+    on a map of its own, in the root of its frames. The list of layers shows it, and a click there, or `frame`, shows
+    that map.
 
     Args:
-        title: what is shown, for the header; usually the topic.
-        frame: the coordinate frame in which the map is drawn; empty: "map", where tf leads there, else the root of the
-            frames of the first layer. The view writes it too.
-        hidden: names of layers that are not drawn. The view writes it too.
-        follow: whether the robot stays in the middle. The view writes it too.
-        paused: whether the picture is frozen.
+        title: title in the header; usually the topic.
+        frame: the coordinate frame of the map; by default "map" if tf leads there, else the root of the frames of the
+            first layer. The view writes it, too.
+        hidden: names of layers that are not drawn. The view writes it, too.
+        follow: True to keep the robot in the middle. The view writes it, too.
+        paused: True while the picture is frozen.
         history: seconds for which the page keeps samples to step back through while frozen, 0 (none) to 600.
-        header, footer: whether they are there.
+        header, footer: False to hide them.
 
     Raises:
         TypeError: an unknown keyword.
@@ -112,22 +113,20 @@ class PathWidget(DrawsShapes[PathPoint]):
     frame_traits = ("frame", "_edition")
     send_interval = 0.1
 
-    frame = traitlets.Unicode("", help="The frame of the map; empty: found by tf. Python and the view write it.").tag(
+    frame = traitlets.Unicode("", help="The frame of the map, found by tf if empty. Python and the view write it.").tag(
         sync=True
     )
     hidden = traitlets.List(traitlets.Unicode(), help="Names of layers not drawn. Python and the view write it.").tag(
         sync=True
     )
-    follow = Flag(False, help="Whether the robot stays in the middle. Python and the view write it.").tag(sync=True)
+    follow = Flag(False, help="True to keep the robot in the middle. Python and the view write it.").tag(sync=True)
     _path = bytes_trait(echo_update=False)
     _tracks = bytes_trait(echo_update=False)
     _grids = bytes_trait(echo_update=False)
-    _map = traitlets.Dict(help="The layers, and the frames in which they may be drawn.").tag(
-        sync=True, echo_update=False
-    )
+    _map = traitlets.Dict(help="The layers, and the possible frames of the map.").tag(sync=True, echo_update=False)
 
     whole_map: Any = None
-    """What the player of a recording keeps of all of it."""
+    """The whole map of a recording, which its player keeps."""
 
     def __init__(self, **kwargs: Any) -> None:
         self._layers = Layers()
@@ -135,10 +134,10 @@ class PathWidget(DrawsShapes[PathPoint]):
         self._grids_now: list[PackedGrid] = []
         self._grids_sent: list[PackedGrid] = []
         self._own = ""
-        """The layer of the poses that `update` takes; empty while there are no others."""
+        """The layer of the poses from `update`; empty without other layers."""
         self._map_edition = self._map_listing = 0
         self._left_out: set[str] = set()
-        """Names of layers for which there is no room."""
+        """Names of layers that do not fit."""
         self._shape_frames: dict[str, str] = {}
         self._ground: MapGrid | None = None
         self._whole_tracks: list[tuple[int, Floats]] = []
@@ -153,20 +152,20 @@ class PathWidget(DrawsShapes[PathPoint]):
     def update(self, message: Any = None, *unnamed: Any, **fields: Any) -> None:
         """Show a pose in the next animation frame, and add it to the path.
 
-        It only stores, and may be called from any thread at any rate.
+        It only stores the pose, and may be called from any thread at any rate.
 
         Args:
             message: a nav_msgs/Odometry or a geometry_msgs/Pose, PoseStamped or PoseWithCovariance(Stamped) of rclpy,
                 rospy or rosbags, a rosbridge dictionary, or a `Speed` that came with odometry.
-            *unnamed: a message, where the name of its layer comes first, as `put` takes it: feeds give it so. Others
-                are refused, with the call that takes numbers by name.
+            *unnamed: a message after the name of its layer, as for `put`, which feeds use. Others raise an error with
+                the call that takes numbers by name.
             **fields: instead of a message, x and y in metres and yaw in radians or as "20deg". With either, the time in
-                seconds; without it, that of a moment of a recording, else the seconds since the first pose came.
+                seconds; by default the time of a moment of a recording, else the seconds since the first pose.
 
         Raises:
-            TypeError: no such message, or an unknown field. ValueError: a number that is not finite, or a time before
-                the last one. In a callback (another thread; a task, timer or button of a notebook) nothing is raised;
-                widget and log say it.
+            TypeError: not such a message, or an unknown field. ValueError: a number that is not finite, or a time
+                before the last one. A callback (another thread; a task, timer or button of a notebook) raises nothing;
+                the widget and the log show the error.
         """
         if isinstance(message, str) and len(unnamed) == 1 and not fields and not self._is_own(message, unnamed[0]):
             self.put(message, unnamed[0])
@@ -180,7 +179,7 @@ class PathWidget(DrawsShapes[PathPoint]):
                 if not self.driven_by_player:
                     pose = Pose(point.x, point.y, point.yaw)
                     if self._track.add(point.time, pose, self._measured_at(point, message, fields)):
-                        self._path_due = 0.0  # until the page has the jump, it would draw a way
+                        self._path_due = 0.0  # without the jump, the page would draw a way
                     self._recent.add(pose, arrival_of(point), point.stamp_ns)
                     self._is_path_new = True
                     if self._layers:
@@ -190,7 +189,7 @@ class PathWidget(DrawsShapes[PathPoint]):
             self._refuse(error)
 
     def clear(self) -> None:
-        """Start a new path: the poses so far go, and the next one is the first."""
+        """Start a new path with the next pose."""
         with self._newest.lock:
             self._track, self._recent, self._began, self._is_path_new = Path(), RecentPoses(), None, True
             self._layers, self._own, self._map_edition, self._map_listing = Layers(), "", -1, -1
@@ -203,24 +202,24 @@ class PathWidget(DrawsShapes[PathPoint]):
     # -- layers --------------------------------------------------------------------------------------------------------
 
     def put(self, name: str, message: Any = None, *, time: float | None = None) -> None:
-        """Show a message as the layer of this name, or a frame of tf; what came before under the name was there.
+        """Show a message as the layer of this name, or a frame of tf. Earlier poses of the layer become its way.
 
-        It only stores, and may be called from any thread at any rate.
+        It only stores the message, and may be called from any thread at any rate.
 
         Args:
             name: 1 to 60 characters, usually the topic. ``"map->base_link"`` is the second frame in the first, moved by
-                the messages of tf; it needs no message.
+                the messages of tf, without a message.
             message: a nav_msgs/Odometry, Path or OccupancyGrid; a geometry_msgs/Pose, PoseStamped,
                 PoseWithCovarianceStamped (with its ellipse, which holds 95 %), PoseArray or Pose2D; a
                 nav2_msgs/Costmap; a sensor_msgs/LaserScan, of which the newest is shown, or NavSatFix, in metres east
-                and north of the first fix; a `MapGrid`, a `Scan`; or a tf2_msgs/TFMessage, which is no layer itself,
-                but joins the frames of all. Objects of rclpy, rospy or rosbags, rosbridge dictionaries, moments of a
+                and north of the first fix; a `MapGrid`, a `Scan`; or a tf2_msgs/TFMessage, which is not a layer, but
+                connects the frames of all. Objects of rclpy, rospy or rosbags, rosbridge dictionaries, moments of a
                 recording.
-            time: seconds; None: those of the moment of a recording, else since the first message came.
+            time: seconds; by default the time of a moment of a recording, else the time since the first message.
 
         Raises:
-            TypeError: no such message. ValueError: a number or a name that cannot be, or more than 30 layers. In a
-                callback nothing is raised; widget and log say it.
+            TypeError: not such a message. ValueError: an impossible number or name, or more than 30 layers. A callback
+                raises nothing; the widget and the log show the error.
 
         Examples:
             >>> path = PathWidget()
@@ -251,7 +250,7 @@ class PathWidget(DrawsShapes[PathPoint]):
             self._refuse(error)
 
     def remove(self, name: str) -> None:
-        """Remove a layer; KeyError where there is none of this name."""
+        """Remove a layer. Raise KeyError if no layer has this name."""
         with self._newest.lock:
             if name not in self._layers.names:
                 raise KeyError(f"remove({name!r}): the layers are {', '.join(self._layers.names) or 'none'}")
@@ -268,7 +267,7 @@ class PathWidget(DrawsShapes[PathPoint]):
 
     @property
     def ground(self) -> MapGrid | None:
-        """A map below all layers: what `robowidgets.load_map` returns, or an OccupancyGrid; None: none.
+        """A map below all layers, from `robowidgets.load_map` or an OccupancyGrid, or None.
 
         Raises:
             TypeError: something else is assigned.
@@ -279,7 +278,7 @@ class PathWidget(DrawsShapes[PathPoint]):
     def ground(self, ground: Any) -> None:
         item = None if ground is None else to_map_item(ground)
         if item is not None and item.grid is None:
-            raise TypeError(f"ground: expected a map, as robowidgets.load_map(path) returns it, got {ground!r}")
+            raise TypeError(f"ground: expected a map from robowidgets.load_map(path), got {ground!r}")
         self._ground = item.grid if item else None
         if item is not None:
             self.put("ground", item)
@@ -287,15 +286,15 @@ class PathWidget(DrawsShapes[PathPoint]):
             self.remove("ground")
 
     def join(self, parent: str, child: str, pose: Sequence[Any]) -> None:
-        """Say where a frame is in another, where tf does not: ``path.join("base_link", "laser", (0.1, 0, 0))``.
+        """Set the pose of a frame in another if tf lacks it: ``path.join("base_link", "laser", (0.1, 0, 0))``.
 
         Args:
             parent: the name of a frame.
-            child: the name of the frame whose pose it is.
+            child: the name of the frame with this pose.
             pose: x and y in metres, and yaw in radians or as "20deg".
 
         Raises:
-            TypeError: no pose. ValueError: it is not finite.
+            TypeError: not a pose. ValueError: it is not finite.
         """
         try:
             x, y, yaw = pose
@@ -311,19 +310,19 @@ class PathWidget(DrawsShapes[PathPoint]):
         pacer.mark(self)
 
     def distance(self, name: str, other: str) -> tuple[Floats, Floats]:
-        """How far a way is from another, or from the planned path, over time.
+        """Return the distance of a way from another, or from the planned path, over time.
 
         Args:
             name: the layer of the robot's way.
-            other: a layer with a planned path: the distance to the newest one then; or with poses: the distance to
-                where that one was at the same time.
+            other: a layer with planned paths, for the distance to the newest one at each time; or with poses, for the
+                distance to the pose at the same time.
 
         Returns:
-            Seconds, and metres, of each point of the way that the widget keeps; NaN while the other is not known, or
-            nothing joins both.
+            Seconds, and metres, of each point of the way that the widget keeps. NaN while the other layer is unknown,
+            or if tf does not connect both.
 
         Raises:
-            KeyError: there is no layer of one of the names.
+            KeyError: no layer has one of the names.
 
         Examples:
             >>> plot.set_line("off the plan", *path.distance("/odom", "/plan"))  # doctest: +SKIP
@@ -334,7 +333,7 @@ class PathWidget(DrawsShapes[PathPoint]):
                     raise KeyError(f"distance({one!r}): the layers are {', '.join(self._layers.names) or 'none'}")
             return self._layers.distance(name, other)
 
-    def draw(  # type: ignore[override]  # no function, since it is drawn in the frame of a map
+    def draw(  # type: ignore[override]  # without a function, since it is drawn in the frame of a map
         self,
         name: str,
         shape: Drawable | None,
@@ -343,20 +342,21 @@ class PathWidget(DrawsShapes[PathPoint]):
         color: str | None = None,
         lifetime: float | None = None,
     ) -> None:
-        """Draw a shape on the map, under a name; what had the name before is replaced.
+        """Draw a shape on the map, under a name. It replaces an earlier shape of this name.
 
-        It only stores, and may be called from any thread at any rate.
+        It only stores the shape, and may be called from any thread at any rate.
 
         Args:
-            name: 1 to 60 characters, which stand beside the shape.
-            shape: a shape, several, or None to remove what has the name. Places are x and y in metres of the frame.
-            frame: the coordinate frame of the shape, which moves with it; empty: that of the map.
-            color: like "#12854a" or "green"; None: the colour of all that programs draw.
-            lifetime: seconds after which it goes, unless it is drawn again; None: it stays.
+            name: 1 to 60 characters, shown next to the shape.
+            shape: a shape, several, or None to remove the shape of this name. Positions are x and y in metres in the
+                frame.
+            frame: the coordinate frame of the shape, which moves with it; by default the frame of the map.
+            color: a colour like "#12854a" or "green"; by default the colour of all shapes of programs.
+            lifetime: seconds after which it disappears unless it is drawn again, or None to keep it.
 
         Raises:
-            TypeError: no shape, or something is no text or number. ValueError: the name, the colour or the lifetime
-                cannot be, or there are too many shapes. In a callback nothing is raised; widget and log say it.
+            TypeError: not a shape, a text or a number. ValueError: an impossible name, colour or lifetime, or too many
+                shapes. A callback raises nothing; the widget and the log show the error.
 
         Examples:
             >>> from robowidgets import Line, PathWidget
@@ -365,7 +365,7 @@ class PathWidget(DrawsShapes[PathPoint]):
         """
         try:
             if callable(shape):
-                raise TypeError(f"draw({name!r}): a map takes the shape itself; draw it anew where it moves")
+                raise TypeError(f"draw({name!r}): a map takes the shape itself; draw it again when it moves")
             if not isinstance(frame, str):
                 raise TypeError(f"frame: expected the name of a coordinate frame, got {frame!r}")
         except TypeError as error:
@@ -378,7 +378,7 @@ class PathWidget(DrawsShapes[PathPoint]):
         super().draw(name, shape, color=color, lifetime=lifetime)
 
     def _put(self, name: str, message: Any, seconds: float) -> None:
-        """Take a message of a layer, or of tf. Called with the lock of the samples."""
+        """Store a message of a layer, or of tf. Called with the lock of the samples."""
         inner = getattr(message, "message", message)
         time_ns = time.monotonic_ns()
         transforms = get(inner, "transforms", None)
@@ -392,7 +392,7 @@ class PathWidget(DrawsShapes[PathPoint]):
         self._layers.put(name, to_map_item(message), seconds, time_ns)
 
     def _leave_out(self, name: str, error: TooManyLayersError) -> None:
-        """Say that there is no room for a layer: as long as that is so, and not with each of its messages."""
+        """Show that a layer does not fit, as long as that is true, but log it once."""
         if called_from_cell():
             raise error
         with self._newest.lock:
@@ -404,14 +404,14 @@ class PathWidget(DrawsShapes[PathPoint]):
             self._log_once(f"a map has at most {MOST_LAYERS} layers; remove(name) removes one")
 
     def _is_own(self, name: str, message: Any) -> bool:
-        """Whether a message of a topic is a pose of the path: that of the first topic with poses, before any layer."""
+        """Return True if a message is a pose of the path, which is of the first topic with poses before any layer."""
         if self.driven_by_player or self._own not in ("", name) or (self._layers and not self._own):
             return False
         inner = unwrap(message)
         return pose_of(inner) is not None and (self._own == name or "goal" not in name.lower())
 
     def _adopt(self) -> None:
-        """Make a layer of the poses that `update` took, now that there are others."""
+        """Make a layer of the poses from `update` when the first other layer comes."""
         point = self._newest.sample
         if self._layers or point is None or not len(self._track.points):
             return
@@ -420,7 +420,7 @@ class PathWidget(DrawsShapes[PathPoint]):
         own.track = deepcopy(self._track)
 
     def _put_own(self, point: PathPoint, message: Any) -> None:
-        """Show a pose that `update` took among the layers."""
+        """Show a pose from `update` as one of the layers."""
         self._own = self._own or self.title or "robot"
         item = MapItem("pose", point.frame_id.lstrip("/"), point.stamp_ns, Pose(point.x, point.y, point.yaw))
         if message is not None:
@@ -439,7 +439,7 @@ class PathWidget(DrawsShapes[PathPoint]):
 
     @property
     def pose(self) -> PathPoint | None:
-        """The pose on show: the frozen one while paused, else the newest; None before the first that `update` took."""
+        """The pose on show: the frozen one while paused, else the newest; None before the first from `update`."""
         return self._sample_on_show()
 
     @property
@@ -449,20 +449,20 @@ class PathWidget(DrawsShapes[PathPoint]):
 
     @property
     def points(self) -> Floats:
-        """The path: seconds, x and y in metres, yaw in radians and metres of the way so far, shape (N, 5).
+        """The path: seconds, x and y in metres, yaw in radians and the length of the way in metres, shape (N, 5).
 
-        In the player of a recording it is that of the whole recording.
+        In the player of a recording it is the path of the whole recording.
         """
         with self._newest.lock:
             return self._track.points
 
     def robot_at(self, sample: HasAge) -> Pose | None:
-        """Where the robot was at the time of a sample that came just now; None while that is unknown."""
+        """Return the pose of the robot at the time of a recent sample, or None if it is unknown."""
         with self._newest.lock:
             return self._recent.at(arrival_of(sample), getattr(sample, "stamp_ns", None))
 
     def within(self, start: float, end: float) -> dict[str, Any]:
-        """See `RobotWidget`: the points there, with the one before, which tells how far the robot had come."""
+        """See `RobotWidget`. It keeps the points in this part and the point before, which has the length of the way."""
         tracks = [(number, _part(track, start, end)) for number, track in self._whole_tracks]
         grids = [
             packed
@@ -473,14 +473,14 @@ class PathWidget(DrawsShapes[PathPoint]):
         return {"_path": path, "_tracks": pack_tracks(tracks), "_grids": pack_grids(grids)}
 
     def show_whole(self, path: Path) -> None:
-        """Show a recording's path, of which a player then shows one moment."""
+        """Show the path of a recording. A player then shows one moment of it."""
         self._track = path
         self._path = path.points.tobytes()
 
     def show_map(
         self, about: dict[str, Any], tracks: list[tuple[int, Floats]], grids: list[tuple[int, float, PackedGrid]]
     ) -> None:
-        """Show the layers of a recording, with all of their ways, and their large grids, each from seconds on."""
+        """Show the layers of a recording, with all of their ways, and their large grids with their start times."""
         self._whole_tracks, self._whole_grids = tracks, grids
         self._map, self._tracks = about, pack_tracks(tracks)
         self._grids = pack_grids(packed for _, _, packed in grids)
@@ -511,13 +511,13 @@ class PathWidget(DrawsShapes[PathPoint]):
         return PathPoint(seconds, pose.x, pose.y, pose.yaw, stamp, frame_id(inner))
 
     def _seconds(self, message: Any, fields: dict[str, Any]) -> float:
-        """Seconds of a message: as given, of a moment of a recording, or since the first one came."""
+        """Return the seconds of a message: as given, of a moment of a recording, or since the first message."""
         now = time.monotonic()
         self._began = now if self._began is None else self._began
         return finite("time", fields.get("time", getattr(message, "seconds", now - self._began)), "seconds")
 
     def _measured_at(self, point: PathPoint, message: Any, fields: dict[str, Any]) -> float | None:
-        """Seconds at which a pose was measured; None where only its arrival is known."""
+        """Return the seconds at which a pose was measured, or None if only its arrival is known."""
         if point.stamp_ns:
             return point.stamp_ns / 1e9
         return point.time if "time" in fields or hasattr(message, "seconds") else None
@@ -527,13 +527,13 @@ class PathWidget(DrawsShapes[PathPoint]):
         return f"x {at.x:.2f} m, y {at.y:.2f} m at {at.time:.2f} s" if at else ""
 
     def get_state(self, key: str | Iterable[str] | None = None, drop_defaults: bool = False) -> dict[str, Any]:
-        """See `RobotWidget`; all of the state has all of the ways."""
+        """See `RobotWidget`. The whole state includes the whole ways."""
         if key is None and "_path_due" in vars(self):
             self._path_due = 0.0
         return super().get_state(key, drop_defaults)
 
     def _texts_now(self) -> dict[str, Any]:
-        """See `RobotWidget`: the shapes, each with the pose of its frame; which layers are not drawn, and why."""
+        """See `RobotWidget`. The texts are the shapes with the poses of their frames, and why layers are missing."""
         texts = super()._texts_now()
         if self.driven_by_player:
             return texts
@@ -559,7 +559,7 @@ class PathWidget(DrawsShapes[PathPoint]):
         return {"notes": notes} if notes else {}
 
     def _at(self, frame: str) -> list[float] | None:
-        """The pose of a frame in that of the map, now; None where nothing joins them."""
+        """Return the current pose of a frame in the frame of the map, or None if tf does not connect them."""
         world = self._layers.frame
         if not frame or not world or frame == world:
             return [0.0, 0.0, 0.0]
@@ -579,18 +579,18 @@ class PathWidget(DrawsShapes[PathPoint]):
         return point
 
     def _bring_up_to_date(self) -> None:
-        """Have the path sent with the newest pose, unless it was sent just now."""
+        """Send the path with the newest pose, unless it was sent just before."""
         super()._bring_up_to_date()
         with self._newest.lock:
             layers = self._layers
             values: dict[str, Any] = {}
             if layers.listing != self._map_listing and not self.driven_by_player:
-                # At once: frames name layers by their numbers.
+                # At once, because frames refer to layers by number.
                 self._map_listing = layers.listing
                 about = [{**one.about, "number": one.number} for one in layers]
                 values = {"_map": {"layers": about, "frames": layers.known_frames}}
             if self._grids_now != self._grids_sent:
-                # At once: frames name them by their versions.
+                # At once, because frames refer to grids by version.
                 self._grids_sent = self._grids_now
                 values["_grids"] = pack_grids(self._grids_now)
             is_map_new = layers.edition != self._map_edition and not self.driven_by_player
@@ -610,6 +610,6 @@ class PathWidget(DrawsShapes[PathPoint]):
 
 
 def _part(points: Floats, start: float, end: float) -> Floats:
-    """The points of a way in a stretch of a recording, with the one before, which tells how far the robot had come."""
+    """Return the points of a way in a part of a recording, and the point before, which has the length of the way."""
     first, stop = np.searchsorted(points[:, 0], (start, end), "right")
     return points[max(0, first - 1) : stop]

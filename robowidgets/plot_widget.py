@@ -1,4 +1,4 @@
-"""The plot: any numbers over time, with their exact values."""
+"""The plot widget: any numbers over time, with their exact values."""
 
 from __future__ import annotations
 
@@ -35,52 +35,51 @@ from .samples.checks import finite
 MOST_LINES = 8
 
 COLUMNS = 1000
-"""Columns of pixels for which all of a plot is sent; a part that is looked at has those that the page asks for."""
+"""Columns of pixels of a whole plot. A part in view has as many as the page requests."""
 
 _MOST_COLUMNS = 4000
 _EXACT = 4 * COLUMNS
-"""Values of a line up to which all of them are sent."""
+"""The most values of a line that are all sent."""
 
 _OVERVIEW = 1.0
-"""Seconds between two times that all of a long, live plot is sent, at least; what is on show comes with each."""
+"""The shortest time in seconds between two sends of all of a long, live plot. The part in view is sent with each."""
 
 _SHARE = 20.0
-"""What is sent of a long, live plot is sent again after so many times the time that this took."""
+"""The pause between two sends of a long, live plot, as a multiple of the time that a send takes."""
 
 _FIELD = '"/odom.twist.twist.linear.x"'
 _BY_NAME = 'update(v=0.3, time=1.2), or update({"/odom.v": 0.3}, time=1.2)'
 
 
 class PlotWidget(PlotCard):
-    """Numbers over time: up to eight lines, in a graph for each unit, over one axis of time.
+    """Numbers over time: up to eight lines, in a graph for each unit, on one time axis.
 
-    The reader sees lines in ink, told apart by their dashes, and beside them the exact value at the pointer or the time
-    cursor, with its time, and the least, the mean and the greatest of what is on show. A value is never interpolated:
-    it is the last one up to that time. NaN and infinities are gaps, and so is a time in which nothing came for long.
-    Dragging looks at a span, the wheel zooms, space freezes. None of it needs the kernel, but finer detail comes when
-    it is free: of many values, the page has the first, last, least and greatest of each column of pixels.
+    The widget shows lines in ink with different dashes. Next to them it shows the exact value at the pointer or the
+    time cursor, with its time, and the minimum, the mean and the maximum of the span on show. A value is never
+    interpolated: it is the last one up to that time. NaN and infinities are gaps, and so is a long time without values.
+    Dragging selects a span to show, the wheel zooms, space freezes. All this works without the kernel, but finer detail
+    comes when it is free: of many values, the page has the first, last, least and greatest of each column of pixels.
 
     Args:
         *fields: up to eight fields of topics, such as ``"/odom.twist.twist.linear.x"``, whose numbers `update` takes
-            from messages, as `Feed.connect` hands them over. Their units are known by their names.
-        title: what is shown, for the header.
-        units: name of a line to its unit, such as "m/s". Lines of one unit share a graph.
-        view: (start, end) in seconds, the time on show; None: all of it, or live the last `window`. The view writes it
-            too.
-        window: seconds that are on show while values come; None: all of them. The view writes it too.
-        time: the time cursor, in seconds; None: there is none. The view writes it too.
-        marks: (start, end, text) in seconds, of what is marked behind the lines, or what `Recording.find` gives.
-        states: rows of (start, end, path), the states of a program below the lines, outer machines first; the path is
-            such as "Walker.avoid.turn".
-        steps: names of lines that hold each value until the next, as a command does, and are drawn so. Fields of topics
-            whose names say that they are commands are there.
-        off: names of lines that are not drawn. The view writes it too.
-        ghosts: names of lines that are drawn in gray, to compare the others with.
-        shift: seconds by which ghosts are moved. The view writes it too.
-        x_over_y: names of two lines of which one is drawn over the other, in place of time; None: over time. The view
-            writes it too.
-        paused: whether the picture is frozen. Values are taken all the same.
-        header, footer: whether they are there.
+            from messages of `Feed.connect`. Their units follow from their names.
+        title: title in the header.
+        units: units of lines by name, such as "m/s". Lines of one unit share a graph.
+        view: the span on show, (start, end) in seconds; by default all, or the last `window` of live values. The view
+            writes it, too.
+        window: seconds on show while values come, or None for all. The view writes it, too.
+        time: the time cursor in seconds, or None. The view writes it, too.
+        marks: marks behind the lines, (start, end, text) in seconds, or the result of `Recording.find`.
+        states: rows of (start, end, path), the states of a program below the lines, outer machines first. A path looks
+            like "Walker.avoid.turn".
+        steps: names of lines that hold each value until the next, such as commands. They are drawn as steps, and
+            include fields of topics with names of commands.
+        off: names of lines that are not drawn. The view writes it, too.
+        ghosts: names of lines that are drawn in gray, for comparison.
+        shift: seconds by which ghosts are moved. The view writes it, too.
+        x_over_y: names of two lines, to draw one over the other instead of over time. The view writes it, too.
+        paused: True while the picture is frozen. Values are still taken.
+        header, footer: False to hide them.
 
     Raises:
         TypeError: an unknown keyword.
@@ -110,16 +109,20 @@ class PlotWidget(PlotCard):
     send_interval = 0.05
 
     units = traitlets.Dict(
-        key_trait=traitlets.Unicode(), value_trait=traitlets.Unicode(), help="Name of a line to its unit."
+        key_trait=traitlets.Unicode(), value_trait=traitlets.Unicode(), help="Units of lines by name."
     ).tag(sync=True)
-    view = TimeSpan(help="Seconds on show; None: all, or live the newest. Python and the view write it.").tag(sync=True)
+    view = TimeSpan(help="Seconds on show; by default all, or the newest live ones. Python and the view write it.").tag(
+        sync=True
+    )
     window = traitlets.Float(
-        30.0, allow_none=True, help="Seconds on show while values come, above 0; None: all. The view writes it too."
+        30.0,
+        allow_none=True,
+        help="Seconds on show while values come, above 0, or None for all. The view writes it, too.",
     ).tag(sync=True)
     time = traitlets.Float(None, allow_none=True, help="The time cursor in seconds. The view writes it too.").tag(
         sync=True
     )
-    marks = Marks(help="What is marked behind the lines: (start, end, text), in seconds.").tag(sync=True)
+    marks = Marks(help="Marks behind the lines: (start, end, text), in seconds.").tag(sync=True)
     states = States(help="Rows of states below the lines, outer machines first: (start, end, path), in seconds.").tag(
         sync=True
     )
@@ -136,19 +139,19 @@ class PlotWidget(PlotCard):
         traitlets.Unicode(),
         default_value=None,
         allow_none=True,
-        help="Two lines of which the second is drawn over the first; None: all over time. The view writes it too.",
+        help="Two lines, to draw the second over the first, or None for all over time. The view writes it, too.",
     ).tag(sync=True)
-    paused = Flag(False, help="Whether the picture is frozen. Python and the view write it.").tag(sync=True)
-    footer = Flag(True, help="Whether facts stand below the picture.").tag(sync=True)
+    paused = Flag(False, help="True while the picture is frozen. Python and the view write it.").tag(sync=True)
+    footer = Flag(True, help="True to show facts below the picture.").tag(sync=True)
 
     _frozen_at = traitlets.Float(None, allow_none=True, help="The last time on show while frozen.").tag(sync=True)
     _lines = bytes_trait(echo_update=False)
     _detail = bytes_trait(echo_update=False)
     _facts = traitlets.Dict().tag(sync=True, echo_update=False)
-    _choices = traitlets.List(traitlets.Unicode(), help="Fields of which lines can be made.").tag(
+    _choices = traitlets.List(traitlets.Unicode(), help="Fields that can become lines.").tag(
         sync=True, echo_update=False
     )
-    _wanted = traitlets.List(traitlets.Float(), help="Start, end and columns that the page looks at.").tag(
+    _wanted = traitlets.List(traitlets.Float(), help="Start, end and columns of the part that the page shows.").tag(
         sync=True, echo_update=False
     )
 
@@ -161,7 +164,7 @@ class PlotWidget(PlotCard):
         self._is_live = self._is_new = False
         self._edition = 0
         self._due = self._detail_due = 0.0
-        """When all of a long plot, and what is on show of it, is sent again."""
+        """The times of the next sends of all of a long plot, and of the part in view."""
         self._error = self._png_error = ""
         self._refused: set[Any] = set()
         """The names of the lines that the error is about."""
@@ -177,16 +180,15 @@ class PlotWidget(PlotCard):
         self.on_msg(self._on_page)
 
     def set_line(self, name: str, seconds: ArrayLike, values: ArrayLike) -> None:
-        """Show an array as a line, in place of the one of this name.
+        """Show an array as a line, which replaces a line of the same name.
 
         Args:
-            name: of the line; its unit is that in `units`.
+            name: the name of the line. `units` has its unit.
             seconds: times of N values in order, from 0 on.
             values: N numbers or flags; NaN, infinities and masked values are gaps.
 
         Raises:
-            TypeError: something is no number. ValueError: shapes that do not fit, times that go back, or more than
-                eight lines.
+            TypeError: not numbers. ValueError: shapes that do not fit, times that go back, or more than eight lines.
         """
         line = GrowingLine(*checked(_name(name), seconds, values))
         with self._lock:
@@ -201,19 +203,19 @@ class PlotWidget(PlotCard):
     ) -> None:
         """Add a value to each of some lines, all at one time.
 
-        It only stores, and may be called from any thread at any rate.
+        It only stores the values, and may be called from any thread at any rate.
 
         Args:
-            values: name of a line to its number or flag; NaN and infinities are gaps. Or the name of a topic, with a
-                message of it after it: its `fields` are added.
-            *unnamed: a message; else refused, with the call that takes numbers by name.
-            time: seconds, not before the last value of these lines; None: since the first value came.
+            values: numbers or flags by the names of lines; NaN and infinities are gaps. Or the name of a topic,
+                followed by one of its messages, to add its `fields`.
+            *unnamed: a message; else raises an error with the call that takes numbers by name.
+            time: seconds, not before the last value of these lines; by default the time since the first value.
             **named: instead, numbers by the names of their lines.
 
         Raises:
-            TypeError: no number. ValueError: a time before the last one, or more than eight lines. Nothing is added
-                then. In a callback (another thread; a task, timer or button of a notebook) nothing is raised; widget
-                and log say it.
+            TypeError: not a number. ValueError: a time before the last one, or more than eight lines. Then nothing is
+                added. A callback (another thread; a task, timer or button of a notebook) raises nothing; the widget and
+                the log show the error.
         """
         own: Iterable[str] = ()
         try:
@@ -229,7 +231,7 @@ class PlotWidget(PlotCard):
             self.refuse(error, own)
 
     def refuse(self, error: Exception, names: Iterable[Any] = ()) -> None:
-        """Show why a value could not be shown, until one of these lines gets another, or any line where there are none.
+        """Show why a value could not be shown, until one of these lines, or any line without names, gets another value.
 
         In a cell the error is raised, in a callback it is logged.
         """
@@ -244,7 +246,7 @@ class PlotWidget(PlotCard):
         """Remove lines by their names, or all of them.
 
         Raises:
-            KeyError: there is no line of that name.
+            KeyError: no line has that name.
         """
         with self._lock:
             for name in names or tuple(self._by_name):
@@ -259,11 +261,11 @@ class PlotWidget(PlotCard):
         pacer.mark(self)
 
     def offer(self, fields: Iterable[str], add: Callable[[str], object]) -> None:
-        """Let a person add lines on the page, whose button shows these fields.
+        """Offer fields on the page that the user can add as lines.
 
         Args:
-            fields: names of which a line can be made.
-            add: called with the name that was chosen; what it raises is shown.
+            fields: names of fields that can become lines.
+            add: called with the chosen name; its errors are shown.
         """
         self._add_line, self._choices = add, list(fields)
 
@@ -274,19 +276,20 @@ class PlotWidget(PlotCard):
             return tuple(self._by_name)
 
     def __getitem__(self, name: str) -> Any:
-        """The times and the values of a line: arrays of shape (N,), float64."""
+        """Return the times and the values of a line: arrays of shape (N,), float64."""
         with self._lock:
             line = self._by_name[name]
             return line.times.copy(), line.values.copy()
 
     def save_png(self, path: str | os.PathLike[str]) -> Saving:
-        """Write what the widget shows now into a PNG file; see `LaserWidget.save_png`."""
+        """Save the picture of the widget as a PNG file; see `LaserWidget.save_png`."""
         return self._png.save(path)
 
     def to_html(self, path: str | os.PathLike[str], *, title: str = "", note: str = "") -> Path:
-        """Write a page with the plot, to zoom and to read without a kernel or the web; see `LaserWidget.to_html`.
+        """Write a page with the plot, to zoom and to read without a kernel or a network; see `LaserWidget.to_html`.
 
-        Of a line of more than 16,000 values, the page has the first, last, least and greatest of each of 4,000 columns.
+        For a line of more than 16,000 values, the page has the first, last, least and greatest of each of 4,000
+        columns.
         """
         target = checked_output("to_html", path, (".html", ".htm"))
         with self._send_lock:
@@ -305,7 +308,7 @@ class PlotWidget(PlotCard):
     # -- called by the pacer and the host ------------------------------------------------------------------------------
 
     def send_newest(self) -> int:
-        """Send what is new to the page; returns the number of bytes. The pacer calls it."""
+        """Send new values to the page, and return the number of bytes. The pacer calls this."""
         with self._send_lock:
             if self.comm is None:
                 return 0
@@ -315,7 +318,7 @@ class PlotWidget(PlotCard):
             return sum(len(self._trait_values[name]) for name in names if name != "_facts")
 
     def get_state(self, key: str | Iterable[str] | None = None, drop_defaults: bool = False) -> dict[str, Any]:
-        """The synced traits, with the newest values: what a new view, a reload and a saved notebook get."""
+        """Return the synced traits with the newest values, for a new view, a reload and a saved notebook."""
         if key is None:
             with self._send_lock:
                 self._due = self._detail_due = 0.0
@@ -324,7 +327,7 @@ class PlotWidget(PlotCard):
         return state
 
     def _compose(self, columns: int = COLUMNS) -> list[str]:
-        """Bring the traits for the page up to date, without sending them; returns the names of those that changed."""
+        """Update the traits for the page without sending them, and return the names of changed ones."""
         now = clock.monotonic()
         with self._lock:
             lines: Lines = [
@@ -333,7 +336,7 @@ class PlotWidget(PlotCard):
             ]
             is_long = any(len(times) > _EXACT for times, _ in lines)
             is_new, is_due = self._is_new, not is_long or now >= self._due
-            self._is_new = is_new and not is_due  # before the frame is made: meanwhile another value may come
+            self._is_new = is_new and not is_due  # before the frame is made, because another value may come meanwhile
             edition = self._edition
             error = self._png_error or self._error or self._status
             missed = f"{many(self._missed, 'message')} did not come" if self._missed else ""
@@ -362,7 +365,7 @@ class PlotWidget(PlotCard):
         return changed
 
     def _looked_at(self, first: float, last: float) -> tuple[tuple[float, float] | None, int]:
-        """The span that is to be sent finely, and for how many columns; None: all of the plot is on show."""
+        """Return the span to send in detail, or None if all of the plot is on show, and the number of columns."""
         wanted = self._wanted
         if len(wanted) == 3 and all(map(isfinite, wanted)) and wanted[0] < wanted[1]:
             return (wanted[0], wanted[1]), int(min(max(1, wanted[2]), _MOST_COLUMNS))
@@ -390,7 +393,7 @@ class PlotWidget(PlotCard):
                 if times.size and times[-1] > seconds:
                     raise ValueError(
                         f"time: {seconds:g} s is before the last value of {name!r}, at {times[-1]:g} s; "
-                        "clear() starts anew"
+                        "clear() starts again"
                     )
             for name, number in numbers.items():
                 self._by_name.setdefault(name, GrowingLine()).append(seconds, number)
@@ -414,13 +417,13 @@ class PlotWidget(PlotCard):
         return ", ".join(counts) or "nothing yet"
 
     def _on_page(self, _widget: Any, content: dict[str, Any], _buffers: Any) -> None:
-        """A line that a person adds on the page, or takes out."""
+        """Add or remove a line at the request of the user."""
         if (name := content.get("take_out")) in self.names:
             self.clear(name)
         elif (name := content.get("add")) and self._add_line is not None and name not in self.names:
             try:
                 self._add_line(str(name))
-            except Exception as error:  # whatever the source of the line says of a name that somebody typed
+            except Exception as error:  # the source of the line may raise anything for a typed name
                 self.refuse(error)
 
     @traitlets.observe("ghosts", "shift")
@@ -439,7 +442,7 @@ class PlotWidget(PlotCard):
     def _on_paused(self, _change: Any) -> None:
         if not self.paused:
             self._frozen_at = None
-        elif self._frozen_at is None:  # else the page has frozen it, at the time that it shows
+        elif self._frozen_at is None:  # else the page has frozen it, at its time on show
             with self._lock:
                 self._frozen_at = ends([(line.times, line.values) for line in self._by_name.values()])[1]
 
@@ -473,7 +476,7 @@ def _mapping(values: Any) -> Mapping[str, float]:
 
 
 def _number(name: str, value: Any) -> float:
-    """The number as float, NaN where it is not finite or None."""
+    """Return the number as a float, or NaN if it is not finite or None."""
     if value is None:
         return nan
     if not isinstance(value, Real) and not (hasattr(value, "dtype") and getattr(value, "shape", None) == ()):

@@ -1,4 +1,4 @@
-"""The program of a robot on the page: what it does, its variables, and Stop."""
+"""The program of a robot on the page: its state, its variables, and Stop."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ class ProgramWidget(DrivingWidget):
 
     It shows each program that drives the robot from now on. Run, Pause and Step act on it; Stop is latched, and Run
     releases it. The page sets the robot's variables by sliders, switches and numbers. While the widget is on the page,
-    what the program prints is shown there alone.
+    the prints of the program are shown only there.
 
     Args:
         robot: a feed.
@@ -41,7 +41,7 @@ class ProgramWidget(DrivingWidget):
     _esm, _css = bundle("program_widget")
     _unnamed = 1
     send_interval = 0.1
-    """Seconds between two messages, at least: a person reads no faster."""
+    """The shortest time in seconds between two messages. Users cannot read faster."""
     column = "narrow"
 
     def __init__(self, robot: Any, **kwargs: Any) -> None:
@@ -58,7 +58,7 @@ class ProgramWidget(DrivingWidget):
 
     @property
     def program(self) -> Program | None:
-        """The program on show; None before the first one."""
+        """The program on show, or None before the first one."""
         return self._programs.current
 
     def close(self) -> None:
@@ -70,7 +70,7 @@ class ProgramWidget(DrivingWidget):
         super().close()
 
     def _show(self, program: Program | None) -> None:
-        """Show the prints of a program, and no more those of the one before."""
+        """Show the prints of a program instead of the prints of the one before."""
         before, self._shown = self._shown, program
         if before is not None and before is not program:
             before.has_view = False
@@ -78,7 +78,7 @@ class ProgramWidget(DrivingWidget):
             program.has_view = True
 
     def _on_step(self) -> None:
-        """Have the pacer send the state. In the thread of the program, as a rule."""
+        """Mark the state for the pacer. The thread of the program usually calls this."""
         if self._shown is not self._programs.current:
             self._show(self._programs.current)
         pacer.mark(self)
@@ -117,7 +117,7 @@ class ProgramWidget(DrivingWidget):
         }
 
     def _kept(self) -> list[tuple[str, str]]:
-        """What the program keeps in its state, as texts."""
+        """Return the state of the program, as texts."""
         program = self._shown
         return [] if program is None else [(str(key), _shortened(value)) for key, value in program.state.copy().items()]
 
@@ -136,7 +136,7 @@ class ProgramWidget(DrivingWidget):
         if act == "pause" and program is not None:
             program.pause()
         elif type(content.get("token")) is not int or not self._tokens.is_fresh(content["token"]):
-            self.send({"refused": content.get("press")})  # a busy kernel delayed it: its sender may have left since
+            self.send({"refused": content.get("press")})  # a busy kernel delayed it, and the user may be gone
         elif act == "set":
             self._set(content.get("name"), content.get("value"))
         elif act in ("run", "step", "restart") and program is not None and program.mode != ENDED:
@@ -151,14 +151,14 @@ class ProgramWidget(DrivingWidget):
 
 
 class _Short(reprlib.Repr):
-    """Short texts of plain values; of others the name of their class, since their own may take any time."""
+    """Short texts of plain values, and the class names of others, because their repr may take any time."""
 
     def repr_instance(self, x: Any, level: int) -> str:  # noqa: ARG002
-        """The name of a class."""
+        """Return the name of a class."""
         return f"<{type(x).__name__}>"
 
     def repr_float(self, x: float, level: int) -> str:  # noqa: ARG002
-        """A number as a person reads it."""
+        """Return a short, readable number."""
         return f"{x:.6g}"
 
 
@@ -178,5 +178,5 @@ def _shortened(value: Any) -> str:
 
 
 def _plain(value: Any) -> Any:
-    """A value as JSON has it: inf and NaN as texts."""
+    """Return a value for JSON: inf and NaN as texts."""
     return str(value) if isinstance(value, float) and not isfinite(value) else value

@@ -29,16 +29,16 @@ from .scanogram.strips import SpeedStrip, TouchStrip
 
 
 class ScannedRecording(Protocol):
-    """A `Recording`, as far as it has scans."""
+    """A `Recording` with scans."""
 
     def scanogram(
         self, topic: str | None = None, beside: Collection[str] | None = None, **options: Any
     ) -> ScanogramWidget:
-        """All scans of a topic in one picture."""
+        """Return all scans of a topic in one picture."""
 
 
 class OpenFile(Protocol):
-    """What a picture is read from again, where it is looked at."""
+    """A file from which details of a picture are read."""
 
     def close(self) -> None:
         """Close it."""
@@ -47,30 +47,30 @@ class OpenFile(Protocol):
 class ScanogramWidget(NamedWidget):
     """Many scans as one picture: time across, ray angle up, colour for distance, speed and touch under it.
 
-    The reader sees a column per moment and a row per ray, counter-clockwise angles above (REP-103), dark where
-    something is near. A wall approached is a band that darkens, a person who walks past is a streak. Rays that are too
-    close, see nothing, hold no measurement or lie outside the limits (REP-117) have colours of their own, counted in
-    the legend. Where there is no scan there is no colour. Where several readings share a place, the nearest is shown.
+    The widget shows a column for each moment and a row for each ray, counter-clockwise angles above (REP-103), and near
+    things dark. A wall that comes nearer is a band that darkens, a passing pedestrian is a streak. Rays that are too
+    close, see nothing, have no measurement or lie outside the limits (REP-117) have colours of their own, with numbers
+    in the legend. Times without scans have no colour. If several readings share a place, the nearest is shown.
 
-    Pointing names time, index, angle and distance; a click moves the time cursor; dragging selects a span of time, with
-    shift of rays too; the wheel zooms in time down to single scans. None of it needs the kernel, but finer detail comes
-    when it is free.
+    Pointing shows time, index, angle and distance; a click moves the time cursor; dragging selects a span of time, with
+    shift of rays, too; the wheel zooms in time down to single scans. All this works without the kernel, but finer
+    detail comes when it is free.
 
     Args:
-        title: what is shown, for the header; usually the topic.
-        time: the time cursor, in seconds from the start. The view writes it too.
+        title: title in the header; usually the topic.
+        time: the time cursor, in seconds from the start. The view writes it, too.
         selection: (start, end) in seconds from the start, end not included; with rays (start, end, first, stop), index
-            stop not included; or None. The view writes it too. ``recording[selection]`` gives its samples.
-        view: (start, end) in seconds, the time on show; None: all of it. The view writes it too.
+            stop not included; or None. The view writes it, too. ``recording[selection]`` has its samples.
+        view: the span on show, (start, end) in seconds, or None for all. The view writes it, too.
         color_range: (near, far) in metres, the ends of the colors, or None to fit them to the readings of all scans
             without the nearest and the farthest hundredth.
-        pixel: what is shown where several scans or rays share a pixel: "nearest", so that nothing near is lost, or
-            "median", so that what was there most of the time is seen. The view writes it too.
-        marks: (start, end, text) in seconds from the start, of what is marked above the scans, or what
-            `Recording.find` gives; keys n and p go from one to the next.
-        states: rows of (start, end, path), the states of a program below the scans, outer machines first; the path is
-            such as "Walker.avoid.turn". Those of a recording are there.
-        header, footer: whether they are there; without them the picture alone is fit for a paper.
+        pixel: the reading to show if several scans or rays share a pixel: "nearest", to keep all near things, or
+            "median", to see what was there most of the time. The view writes it, too.
+        marks: marks above the scans, (start, end, text) in seconds from the start, or the result of `Recording.find`;
+            keys n and p go from one to the next.
+        states: rows of (start, end, path), the states of a program below the scans, outer machines first. A path looks
+            like "Walker.avoid.turn". The states of a recording are shown by default.
+        header, footer: False to hide them, for example to use the picture in a paper.
 
     Raises:
         TypeError: an unknown keyword.
@@ -91,24 +91,28 @@ class ScanogramWidget(NamedWidget):
 
     time = traitlets.Float(0.0, help="Seconds from the start. Python and the view write it.").tag(sync=True)
     selection = TimeSpan(rays=True, help="Seconds, and indices of rays. Python and the view write it.").tag(sync=True)
-    view = TimeSpan(help="Seconds on show; None: all. Python and the view write it.").tag(sync=True)
+    view = TimeSpan(help="Seconds on show, or None for all. Python and the view write it.").tag(sync=True)
     color_range = traitlets.Tuple(
-        traitlets.Float(), traitlets.Float(), default_value=None, allow_none=True, help="Metres; None: fit."
+        traitlets.Float(),
+        traitlets.Float(),
+        default_value=None,
+        allow_none=True,
+        help="Metres at the ends of the colors; fitted by default.",
     ).tag(sync=True)
     pixel = traitlets.Enum(
-        (NEAREST, MEDIAN), NEAREST, help="Which of the readings that share a pixel is shown; the view writes it too."
+        (NEAREST, MEDIAN), NEAREST, help="The reading to show if several share a pixel. The view writes it, too."
     ).tag(sync=True)
-    marks = Marks(help="What is marked above the scans: (start, end, text), in seconds from the start.").tag(sync=True)
+    marks = Marks(help="Marks above the scans: (start, end, text), in seconds from the start.").tag(sync=True)
 
     states = States(help="Rows of states below the scans, outer machines first: (start, end, path), in seconds.").tag(
         sync=True
     )
 
-    footer = Flag(True, help="Whether the legend stands below the picture.").tag(sync=True)
+    footer = Flag(True, help="True to show the legend below the picture.").tag(sync=True)
 
     _frame = bytes_trait(echo_update=False)
     _about = traitlets.Dict().tag(sync=True, echo_update=False)
-    _wanted = traitlets.List(traitlets.Float(), help="Start, end and columns that the page looks at.").tag(
+    _wanted = traitlets.List(traitlets.Float(), help="Start, end and columns of the part that the page shows.").tag(
         sync=True, echo_update=False
     )
     _detail = bytes_trait(echo_update=False)
@@ -125,21 +129,20 @@ class ScanogramWidget(NamedWidget):
     def of(
         recording: ScannedRecording, topic: str | None = None, beside: Collection[str] | None = None, **options: Any
     ) -> ScanogramWidget:
-        """The scanogram of a recording, with the speed and the touches of the same robot.
+        """Return the scanogram of a recording, with the speed and the touches of the same robot.
 
-        It reads the file by itself: the recording may be read on, or closed. Running the cell again that made it closes
-        it.
+        It reads the file separately: the recording may be used, or closed. It is closed when its cell runs again.
 
         Args:
-            recording: where the scans are.
-            topic: name of the topic with the scans; None: the first one with scans.
-            beside: names of the topics whose speed and touches may be shown; None: any, but for those that share more
-                of their namespace with other scans.
+            recording: the recording with the scans.
+            topic: name of the topic with the scans; by default the first one with scans.
+            beside: names of the topics whose speed and touches may be shown; by default all except topics that share
+                more of their namespace with other scans.
             **options: keywords of the widget.
 
         Raises:
-            UnknownTopicError: it has no such topic, or one without scans.
-            RecordingError: the file is not there any more, or holds no scan.
+            UnknownTopicError: it has no such topic, or the topic has no scans.
+            RecordingError: the file does not exist any more, or contains no scan.
         """
         return recording.scanogram(topic, beside, **options)
 
@@ -154,20 +157,19 @@ class ScanogramWidget(NamedWidget):
         range_max: float,
         start_ns: int | None = None,
     ) -> None:
-        """Show scans, instead of those before.
+        """Show scans, which replace earlier ones.
 
         Args:
             times_ns: times of N scans in nanoseconds, in the order of arrival.
             ranges: metres, shape (N, R), kept as float32; NaN and infinities as in REP-117.
             angle_min: angle of ray 0, radians or text like "-135deg".
-            angle_increment: from one ray to the next, alike.
-            range_min: metres; a range from there to range_max, both included, is a reading.
+            angle_increment: angle from one ray to the next, in the same form.
+            range_min: metres; a range from range_min to range_max, both included, is a reading.
             range_max: metres.
-            start_ns: what counts as 0 s; None: the time of the first scan.
+            start_ns: the time of 0 s; by default the time of the first scan.
 
         Raises:
-            TypeError: something is no number. ValueError: shapes that do not fit, no scan, or a geometry that `Scan`
-                would not take.
+            TypeError: not numbers. ValueError: shapes that do not fit, no scan, or a geometry that `Scan` would refuse.
         """
         distances = _array("ranges", ranges, np.float32, 2)
         times = _array("times_ns", times_ns, np.int64, 1)
@@ -195,13 +197,13 @@ class ScanogramWidget(NamedWidget):
         """Show speeds under the scans.
 
         Args:
-            times_ns: times of M speeds in nanoseconds, of the clock of the scans.
-            values: shape (M, 6): linear x, y, z in m/s, angular x, y, z in rad/s; NaN where there is no value.
-            title: where they come from; usually the topic.
-            limits: by axis, (min, max), past which a speed is marked; those left out have none.
+            times_ns: times of M speeds in nanoseconds, by the clock of the scans.
+            values: shape (M, 6): linear x, y, z in m/s, angular x, y, z in rad/s; NaN without a value.
+            title: the source of the speeds; usually the topic.
+            limits: limits (min, max) by axis. A speed past its limits is marked.
 
         Raises:
-            RuntimeError: there are no scans yet. TypeError: something is no number. ValueError: shapes do not fit.
+            RuntimeError: there are no scans yet. TypeError: not numbers. ValueError: shapes do not fit.
         """
         picture = self._scans_first("set_speeds()")
         times, speeds = _array("times_ns", times_ns, np.int64, 1), _array("values", values, np.float64, 2)
@@ -216,7 +218,7 @@ class ScanogramWidget(NamedWidget):
 
         Args:
             spans: (start, end, name of the sensor), in seconds from the start.
-            title: where they come from; usually the topic.
+            title: the source of the touches; usually the topic.
 
         Raises:
             RuntimeError: there are no scans yet. ValueError: a span that ends before it starts.
@@ -233,7 +235,7 @@ class ScanogramWidget(NamedWidget):
         self._draw(replace(picture, touch=strip))
 
     def close(self) -> None:
-        """Take the widget off the page."""
+        """Remove the widget from the page."""
         super().close()
         if self._file is not None:
             self._file.close()
@@ -253,7 +255,7 @@ class ScanogramWidget(NamedWidget):
         """Show scans, in memory or in a file, which is closed with the widget."""
         self._file = file
         clock = ScanTimes(scans.times_ns, start_ns)
-        # The last scan lasts to the end of the recording, and a while where it is the last of all.
+        # The last scan lasts to the end of the recording, or for a while if it is the last message.
         end = duration if duration > clock.starts[-1] else float(clock.ends[-1])
         self._draw(Picture(Levels(scans, sweep, budget), clock, start_ns, end, begin), (*notes, *clock.notes))
 
@@ -275,7 +277,7 @@ class ScanogramWidget(NamedWidget):
             self._about = {**self._about, "notes": [*notes, error] if error else notes}
 
     def save_png(self, path: str | os.PathLike[str]) -> Saving:
-        """Write what the widget shows now into a PNG file; the page that shows it draws the picture a moment later.
+        """Save the picture of the widget as a PNG file; the page that shows it draws the picture a moment later.
 
         To have the file within the cell, use ``await scanogram.save_png("drive.png")``. See `LaserWidget.save_png`.
         """
@@ -287,12 +289,12 @@ class ScanogramWidget(NamedWidget):
         return self._picture
 
     def frame_without_scans(self) -> bytes:
-        """The overview without its cells, for a page that has the scans themselves."""
+        """Return the overview without its cells, for a page that has the scans themselves."""
         picture = self._scans_first("frame_without_scans()")
         return pack(self._facts(picture), **picture.strips())
 
     def _pack(self, picture: Picture) -> bytes:
-        """The overview."""
+        """Return the overview."""
         return overview(picture.levels, picture.clock, self.pixel).pack(self._facts(picture), **picture.strips())
 
     def _facts(self, picture: Picture) -> dict[str, Any]:
@@ -305,7 +307,7 @@ class ScanogramWidget(NamedWidget):
 
     @traitlets.observe("_wanted")
     def _look_closer(self, change: Any) -> None:
-        """Send the part that the page looks at, as finely as it can show it."""
+        """Send the part that the page shows in its full detail."""
         picture = self._picture
         if picture is None or len(change["new"]) != 3:
             return
@@ -336,7 +338,7 @@ class ScanogramWidget(NamedWidget):
 
 
 def _is_touch(span: Any) -> bool:
-    """Whether this is (start, end, sensor)."""
+    """Return True for (start, end, sensor)."""
     try:
         start, end, name = span
         return isinstance(name, str) and isfinite(start) and isfinite(end) and start <= end
@@ -351,4 +353,4 @@ def _array(name: str, values: ArrayLike, kind: type[Any], dimensions: int) -> ND
         raise TypeError(f"{name}: expected an array of {what}, got {array.dtype}")
     if array.ndim != dimensions:
         raise ValueError(f"{name}: expected an array of {dimensions} dimensions, got shape {array.shape}")
-    return array.astype(kind)  # a copy: the caller may go on with its own
+    return array.astype(kind)  # a copy, because the caller may change the array

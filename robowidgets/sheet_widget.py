@@ -16,15 +16,15 @@ from ._core.traits import Flag, bytes_trait
 from .repair import RecordingError
 
 MOST_LOOKED_AT = 500
-"""Moments of which a page asks for pictures at once, at most."""
+"""The most moments for which a page requests pictures at once."""
 
 log = logging.getLogger("robowidgets")
 
 
 class SheetFile(NamedTuple):
-    """A recording that was searched: its path or URL, its name for a person, and what is wrong with it, if anything.
+    """A recording that was searched: its path or URL, its name, and its problem, if any.
 
-    ``is_read`` tells whether some of it could be read.
+    ``is_read`` is True if a part of it could be read.
     """
 
     path: str
@@ -34,47 +34,44 @@ class SheetFile(NamedTuple):
 
 
 class SheetWidget(NamedWidget):
-    """Moments side by side: what each looked like, its value, its file and its time.
+    """Moments side by side: the picture of each, its value, its file and its time.
 
-    Only what is seen is drawn, so that thousands stay smooth. They are sorted and filtered by column. A click opens
-    one. Arrow keys walk, Enter opens, `c` copies the code that opens it, `x` marks a false find, `l` gives it a
-    name, `/` filters. Sorting,
-    filtering and walking need no kernel.
+    Only visible moments are drawn, so that thousands stay smooth. They can be sorted and filtered by column. A click
+    opens one. Arrow keys walk, Enter opens, `c` copies the code that opens it, `x` marks a false find, `l` gives it a
+    name, `/` filters. Sorting, filtering and walking work without the kernel.
 
     Args:
-        title: what is shown, for the header.
-        condition: the text of the condition, which stands beside it.
-        header, footer: whether they are there.
-        sort: the column by which it is sorted, such as ``"nearest"``; with a minus, ``"-nearest"``, the other way
-            round. The view writes it.
-        rows: whether it is a table, not pictures. The view writes it.
-        one_per_file: whether only the first of each file is there. The view writes it.
-        every: whether only an even choice is there, which fills one screen. The view writes it.
-        filters: by column, what is there: a part of a text, or numbers as in ``"< 0.2"`` and ``"0.1 to 0.2"``. The
-            view writes it.
-        picked: the number of the moment that is kept; None: none. The view writes it.
-        false_finds: the numbers of those that are marked as false finds. The view writes it.
-        labels: by the number of a moment, as text, the name that people gave its span.
+        title: title in the header.
+        condition: the text of the condition, next to the title.
+        header, footer: False to hide them.
+        sort: the column by which it is sorted, such as ``"nearest"``, or ``"-nearest"`` for the reverse order. The view
+            writes it.
+        rows: True for a table instead of pictures. The view writes it.
+        one_per_file: True to show only the first moment of each file. The view writes it.
+        every: True to show only an even choice that fills one screen. The view writes it.
+        filters: filters by column: a part of a text, or numbers as in ``"< 0.2"`` and ``"0.1 to 0.2"``. The view writes
+            it.
+        picked: the number of the selected moment, or None. The view writes it.
+        false_finds: the numbers of moments that are marked as false finds. The view writes it.
+        labels: the names that users gave the spans of moments, by the number of the moment as text.
     """
 
     _esm, _css = bundle("sheet_widget")
 
-    condition = traitlets.Unicode(help="The condition as the program has it.").tag(sync=True)
-    footer = Flag(True, help="Whether facts stand below the moments.").tag(sync=True)
-    sort = traitlets.Unicode("nearest", help="The column it is sorted by; with a minus the other way round.").tag(
+    condition = traitlets.Unicode(help="The condition as in the program.").tag(sync=True)
+    footer = Flag(True, help="True to show facts below the moments.").tag(sync=True)
+    sort = traitlets.Unicode("nearest", help="The column by which it is sorted; with a minus in reverse order.").tag(
         sync=True
     )
-    rows = Flag(False, help="Whether it is a table, not pictures.").tag(sync=True)
-    one_per_file = Flag(False, help="Whether only the first moment of each file is there.").tag(sync=True)
-    every = Flag(False, help="Whether only an even choice is there.").tag(sync=True)
-    filters = traitlets.Dict(help="By column, what is there.").tag(sync=True)
-    picked = traitlets.Int(None, allow_none=True, help="The number of the moment that is kept; None: none.").tag(
-        sync=True
-    )
+    rows = Flag(False, help="True for a table instead of pictures.").tag(sync=True)
+    one_per_file = Flag(False, help="True to show only the first moment of each file.").tag(sync=True)
+    every = Flag(False, help="True to show only an even choice.").tag(sync=True)
+    filters = traitlets.Dict(help="Filters by column.").tag(sync=True)
+    picked = traitlets.Int(None, allow_none=True, help="The number of the selected moment, or None.").tag(sync=True)
     false_finds = traitlets.List(traitlets.Int(), help="The numbers of false finds.").tag(sync=True)
-    labels = traitlets.Dict(help="By the number of a moment, the name of its span.").tag(sync=True)
+    labels = traitlets.Dict(help="The name of the span of a moment, by the number of the moment.").tag(sync=True)
 
-    _columns = traitlets.Dict(help="The moments, by column.").tag(sync=True, echo_update=False)
+    _columns = traitlets.Dict(help="The moments by column.").tag(sync=True, echo_update=False)
     _files = traitlets.List(traitlets.List(), help="Path and name of each file with moments.").tag(
         sync=True, echo_update=False
     )
@@ -82,12 +79,12 @@ class SheetWidget(NamedWidget):
     _unread = traitlets.List(traitlets.Dict(), help="Files that were not read whole, with the reason.").tag(
         sync=True, echo_update=False
     )
-    _total = traitlets.Int(0, help="Files that were named.").tag(sync=True)
-    _done = traitlets.Int(None, allow_none=True, help="Files searched so far; None: all.").tag(sync=True)
-    _pictures = bytes_trait(echo_update=False)
-    _opened = traitlets.Int(None, allow_none=True, help="The number of the moment that is open; None: none.").tag(
+    _total = traitlets.Int(0, help="Number of files to search.").tag(sync=True)
+    _done = traitlets.Int(None, allow_none=True, help="Number of files searched so far, or None for all.").tag(
         sync=True
     )
+    _pictures = bytes_trait(echo_update=False)
+    _opened = traitlets.Int(None, allow_none=True, help="The number of the open moment, or None.").tag(sync=True)
     _status = traitlets.Unicode(help="Why a moment could not be opened.").tag(sync=True, echo_update=False)
 
     def __init__(
@@ -122,11 +119,11 @@ class SheetWidget(NamedWidget):
 
         Args:
             columns: ``file`` and ``topic`` as indices, ``start``, ``end``, ``date``, ``nearest``, ``index``, ``value``
-                and ``silent``, each with one value for each moment, which has its number from 0 on.
-            files: with moments; those that are not sound are listed below them.
-            topics: their names.
-            total: of files that were named.
-            done: of files searched so far; None: all of them.
+                and ``silent``, each with one value for each moment. Moments are numbered from 0.
+            files: the files with moments. Files with problems are listed below them.
+            topics: the names of the topics.
+            total: the number of files to search.
+            done: the number of files searched so far; by default all.
         """
         with self.hold_sync():
             self._files = [[file.path, file.name] for file in files]
@@ -140,15 +137,15 @@ class SheetWidget(NamedWidget):
         self.send({"pictures": len(packed)}, [packed])
 
     def keep_pictures(self, packed: bytes) -> None:
-        """Have pictures in the state, which a saved notebook holds."""
+        """Put pictures into the state, which is saved with a notebook."""
         self._pictures = packed
 
     def complain(self, problem: str) -> None:
-        """Show why a moment could not be opened; empty: it was."""
+        """Show why a moment could not be opened, or clear this text if it is empty."""
         self._status = problem
 
     def close(self) -> None:
-        """Remove it from the page."""
+        """Remove the widget from the page."""
         self._on_look = self._on_open = self._on_new_page = self._on_label = None
         super().close()
 
@@ -156,7 +153,7 @@ class SheetWidget(NamedWidget):
         return many(len(self._columns.get("file", ())), "moment")
 
     def _on_page(self, _widget: Any, content: Any, _buffers: Any) -> None:
-        """Make pictures that the page looks at, or open a moment. In the main thread or a subshell's."""
+        """Make pictures of visible moments, or open a moment. Called in the main thread or in a subshell's."""
         if not isinstance(content, dict):
             return
         count = len(self._columns.get("file", ()))

@@ -1,4 +1,4 @@
-"""The sonar view: a ring of sensors that measure one distance each, as cones from above."""
+"""The sonar widget: a ring of sensors that measure one distance each, as cones from above."""
 
 from __future__ import annotations
 
@@ -38,27 +38,27 @@ _BY_NAME = 'update("front", 0.42), or update(front=0.42, left=1.5)'
 
 
 class SonarWidget(RobotWidget[Ranges]):
-    """A ring of sonars or infrared sensors, live: a cone to scale for each, with its index, name, distance and angle.
+    """A live ring of sonars or infrared sensors: a cone to scale for each, with its index, name, distance and angle.
 
-    The reader sees the robot from above, forward up and left on the left (REP-103). Each cone is as wide as its beam
-    and as long as its sensor reaches, and bright up to the nearest thing in it, which is a red arc: the thing may be
-    anywhere on it. A sensor that is too close, sees nothing, has no measurement or is outside
-    its limits says so (REP-117). A distance below `near` is filled with red, with a mark. The cone of a sensor that is
-    silent turns pale. Hovering names a sensor, clicking keeps it, space freezes, the wheel zooms; none of it needs the
-    kernel. What cannot be understood leaves the last picture and says why above it.
+    The widget shows the robot from above, forward up and left on the left (REP-103). Each cone is as wide as its beam
+    and as long as the range of its sensor, and bright up to the nearest thing in it, which is a red arc: the thing may
+    be anywhere on it. A sensor that is too close, sees nothing, has no measurement or is outside its limits is labelled
+    (REP-117). A distance below `near` is filled with red, with a mark. The cone of a silent sensor turns pale. Hovering
+    shows a sensor, clicking keeps it, space freezes, the wheel zooms; all this works without the kernel. If a message
+    cannot be read, the last picture stays, with the reason above it.
 
     Args:
-        title: what is shown, for the header; usually the name of the topics.
-        poses: sensor name to its place on the robot: (x, y, yaw) in metres and radians of the robot's frame, or the
-            angle alone, in radians or text like "20deg"; in place of what their readings say. Sensors without one are
-            spread evenly by the order of their names, counter-clockwise from forward, and the picture says so.
-        near: metres; a distance below it is an alarm. None: no alarm.
-        field_of_view: the opening angle of sensors that do not tell theirs, radians or text like "20deg".
-        view_range: metres from the robot to the edge of the picture; None: as far as the sensors reach. The view writes
-            it, too.
-        paused: whether the picture is frozen.
+        title: title in the header; usually the name of the topics.
+        poses: poses of sensors on the robot by name, instead of the poses in their readings: (x, y, yaw) in metres and
+            radians in the robot's frame, or only the angle, in radians or text like "20deg". Sensors without a pose are
+            spread evenly in the order of their names, counter-clockwise from forward, and the picture says so.
+        near: metres; a distance below it is an alarm. No alarm by default.
+        field_of_view: the opening angle of sensors whose messages do not contain it, radians or text like "20deg".
+        view_range: metres from the robot to the edge of the picture; by default the range of the sensors. The view
+            writes it, too.
+        paused: True while the picture is frozen.
         history: seconds for which the page keeps samples to step back through while frozen, 0 (none) to 600.
-        header, footer: whether they are there; without them the picture alone is fit for a paper.
+        header, footer: False to hide them, for example to use the picture in a paper.
 
     Raises:
         TypeError: an unknown keyword.
@@ -86,13 +86,14 @@ class SonarWidget(RobotWidget[Ranges]):
     sample_name = "sonars"
 
     poses = traitlets.Dict(
-        key_trait=traitlets.Unicode(), help="Sensor name to x, y in metres and yaw in radians of the robot's frame."
+        key_trait=traitlets.Unicode(),
+        help="x, y in metres and yaw in radians in the robot's frame, by the name of the sensor.",
     ).tag(sync=True)
     near = traitlets.Float(None, allow_none=True, help="Metres below which a distance is an alarm, above 0.").tag(
         sync=True
     )
     field_of_view = Angle(
-        radians(15), help="Opening angle in radians of sensors that do not tell theirs, above 0 and up to 2 pi."
+        radians(15), help="Opening angle in radians of sensors without one in their messages, above 0 and up to 2 pi."
     ).tag(sync=True)
     view_range = traitlets.Float(
         None, allow_none=True, help="Metres to the edge of the picture, above 0. Python and the view write it."
@@ -101,32 +102,33 @@ class SonarWidget(RobotWidget[Ranges]):
     def __init__(self, **kwargs: Any) -> None:
         self._ranges = Ranges({})
         self._meters: dict[str, tuple[RateMeter, int]] = {}
-        """By sensor the meter of its rate, and how often it measured."""
+        """The meter of the rate of each sensor, and the number of its readings."""
         self._silences: dict[str, float] = {}
-        """By sensor the seconds without a reading after which it is silent: by its rate, or as a player tells it."""
+        """The seconds without a reading after which each sensor is silent, by its rate or set by a player."""
         self._errors: dict[str, str] = {}
         self._transforms: dict[str, Transform] = {}
         self._mounts: dict[str, Pose] = {}
-        """By frame, as tf tells them."""
+        """Poses from tf, by frame."""
         super().__init__(**kwargs)
 
     def update(self, sensor: Any = None, reading: Any = MISSING, /, *unnamed: Any, **readings: Any) -> None:
-        """Show what sensors measured in the next animation frame.
+        """Show readings of sensors in the next animation frame.
 
-        It only stores, and may be called from any thread at any rate; the newest of each sensor wins.
+        It only stores the readings, and may be called from any thread at any rate; the newest of each sensor wins.
 
         Args:
-            sensor: the name of a sensor; or a mapping of names to readings; or a message, which goes by its frame_id.
-            reading: of that sensor: metres, None for no measurement, a `Range`, or a sensor_msgs/Range of rclpy, rospy,
-                rosbags or rosbridge. A std_msgs/Float32MultiArray, or another array of metres, is one sensor for each
-                of its numbers: ``"ir_0"``, ``"ir_1"`` where ``"ir"`` is the name.
-            *unnamed: refused, with the call that takes readings by name.
+            sensor: the name of a sensor; or a mapping of names to readings; or a message, which is named by its
+                frame_id.
+            reading: the reading of that sensor: metres, None for no measurement, a `Range`, or a sensor_msgs/Range of
+                rclpy, rospy, rosbags or rosbridge. A std_msgs/Float32MultiArray, or another array of metres, is a
+                sensor for each of its numbers: ``"ir_0"``, ``"ir_1"`` for the name ``"ir"``.
+            *unnamed: raises an error with the call that takes readings by name.
             **readings: instead, readings by the names of their sensors.
 
         Raises:
-            TypeError: no such message. ValueError: its numbers cannot be shown. The readings of other sensors in the
-                same call are shown. In a callback (another thread; a task, timer or button of a notebook) nothing is
-                raised; widget and log say it.
+            TypeError: not such a message. ValueError: its numbers cannot be shown. The readings of other sensors in the
+                same call are shown. A callback (another thread; a task, timer or button of a notebook) raises nothing;
+                the widget and the log show the error.
         """
         try:
             refuse_unnamed("update", unnamed, _BY_NAME)
@@ -157,18 +159,18 @@ class SonarWidget(RobotWidget[Ranges]):
             self._refuse(next(iter(bad.values())))
 
     def expect(self, *names: str) -> None:
-        """Show sensors that have not measured yet; those in `poses` are shown anyway."""
+        """Show sensors before their first reading. Sensors in `poses` are always shown."""
         with self._newest.lock:
             if not self._ranges.keys() >= set(names):
                 self._put_up(self._ranges.expecting(names), counts=False)
 
     @property
     def frame_topics(self) -> str:
-        """See `TakesFrames` in `poses.live_frames`: of tf, unless a player tells the places."""
+        """See `TakesFrames` in `poses.live_frames`. It needs tf, unless a player sets the poses."""
         return "" if self.driven_by_player else "tf"
 
     def take_frames(self, message: Any) -> None:
-        """Take the newest message of tf, which may say where the sensors are; those in `poses` stay where they are."""
+        """Take the newest message of tf, which may contain the poses of sensors. `poses` has priority."""
         with self._newest.lock:
             with suppress(ValueError):
                 for one in transforms_in(unwrap(message), True, 0):
@@ -179,16 +181,16 @@ class SonarWidget(RobotWidget[Ranges]):
                 self._put_up(self._ranges, counts=False)
 
     def take_static_frames(self, message: Any) -> None:
-        """See `take_frames`: sensors do not move on their robot."""
+        """See `take_frames`. Sensors do not move on their robot."""
         self.take_frames(message)
 
     def be_silent_after(self, seconds: Mapping[str, float]) -> None:
-        """Take sensors for silent after so many seconds without a reading, in place of what their rates say."""
+        """Set the seconds without a reading after which sensors are silent, instead of by their rates."""
         with self._newest.lock:
             self._silences.update(seconds)
 
     def reset(self) -> None:
-        """Forget all sensors, such as one that was unplugged; each is back with its next reading."""
+        """Forget all sensors, such as an unplugged one. Each is back with its next reading."""
         with self._newest.lock:
             for kept in (self._meters, self._silences, self._errors):
                 kept.clear()
@@ -201,12 +203,12 @@ class SonarWidget(RobotWidget[Ranges]):
 
     @property
     def frozen(self) -> Ranges | None:
-        """The ranges on show while frozen, which may be stepped back to; None while live."""
+        """The ranges on show while frozen, or None while live."""
         return self.ranges if self.paused else None
 
     @property
     def nearest(self) -> str | None:
-        """The name of the sensor on show with the nearest thing; None where nothing is in range, or all is unknown."""
+        """The name of the sensor on show with the nearest thing; None if nothing is in range, or if all is unknown."""
         return self.ranges.nearest
 
     def __getitem__(self, name: str) -> Range:
@@ -216,7 +218,7 @@ class SonarWidget(RobotWidget[Ranges]):
         return iter(self.ranges)
 
     def frame_of(self, sample: Ranges) -> tuple[dict[str, Any], bytes]:
-        """See `RobotWidget`: for players, in which time stands still."""
+        """See `RobotWidget`. It is for players, in which the shown time stands still."""
         return {**self._about_sample(sample), "still": True}, self._pack(sample)
 
     def arrays_of(self, frame: bytes) -> tuple[int, int]:
@@ -228,7 +230,7 @@ class SonarWidget(RobotWidget[Ranges]):
         return repr(self.ranges).strip("<>") if self.ranges else ""
 
     def _read(self, name: Any, value: Any) -> Range | Exception:
-        """The range of a sensor in what is given for it, or why there is none."""
+        """Return the range of a sensor in a given value, or the error in it."""
         try:
             return self._range_of(name, value)
         except (TypeError, ValueError) as error:
@@ -246,24 +248,24 @@ class SonarWidget(RobotWidget[Ranges]):
         return to_range(value)
 
     def _count(self, name: str, reading: Range) -> None:
-        """Find the longest silence of a sensor."""
+        """Set the seconds after which a sensor is silent."""
         meter, count = self._meters.get(name) or (RateMeter(), 0)
         self._meters[name] = meter, count + 1
         rate = meter.rate(count + 1, arrival_of(reading))
         self._silences[name] = LIVE.after(1 / rate if rate > 0 else inf)
 
     def _put_up(self, ranges: Ranges, *, counts: bool = True) -> None:
-        """Show ranges, and what was wrong with those that could not be shown. Called with the lock of the samples."""
+        """Show ranges, and the errors of sensors that cannot be shown. Called with the lock of the samples."""
         self._ranges = ranges
         self._show(ranges, {"error": " ".join(self._errors.values())} if self._errors else {}, counts=counts)
 
     def _note(self, name: str, error: Exception) -> None:
-        """Keep the error of a sensor until it sends something better."""
+        """Keep the error of a sensor until its next good reading."""
         with self._newest.lock:
             self._errors[name] = f"{error}."
 
     def _refuse(self, error: Exception) -> None:
-        """See `RobotWidget`; the errors of other sensors stay."""
+        """See `RobotWidget`. The errors of other sensors stay."""
         try:
             super()._refuse(error)
         finally:
@@ -349,11 +351,11 @@ class SonarWidget(RobotWidget[Ranges]):
 
 
 _FARTHEST = 100_000
-"""Metres; no picture reaches farther."""
+"""The farthest metres in a picture."""
 
 
 def _by_name(sensor: Any, reading: Any, readings: Mapping[str, Any]) -> Mapping[Any, Any]:
-    """What is given to `update`, by sensor name."""
+    """Return the arguments of `update` as readings by sensor name."""
     if sensor is None:
         if not readings:
             raise TypeError(f"update() needs readings: {_BY_NAME}")
@@ -378,7 +380,7 @@ def _by_name(sensor: Any, reading: Any, readings: Mapping[str, Any]) -> Mapping[
 
 
 def _each(given: Mapping[Any, Any]) -> Mapping[Any, Any]:
-    """Readings by name, with each of an array under a name of its own."""
+    """Return readings by name, with a separate name for each number of an array."""
     found: dict[Any, Any] = {}
     for name, value in given.items():
         array = get(value, "data", value) if has(value, "layout", "data") else value
@@ -390,7 +392,7 @@ def _each(given: Mapping[Any, Any]) -> Mapping[Any, Any]:
 
 
 def _pose(name: str, given: Any) -> tuple[float, float, float]:
-    """Metres and radians of a place on the robot, also of an angle alone."""
+    """Return the metres and radians of a pose on the robot, which may be given as an angle only."""
     if isinstance(given, (str, Real)):
         return 0.0, 0.0, in_radians(name, given)
     expected = f"{name}: expected (x, y, yaw) in metres and radians, or an angle"

@@ -1,4 +1,4 @@
-"""The speed view: a velocity as bars up and down from zero, after the paper's speed visualization."""
+"""The speed widget: a velocity as bars up and down from zero, after the paper's speed visualization."""
 
 from __future__ import annotations
 
@@ -21,9 +21,9 @@ from .samples import AXES, Speed
 from .samples.age import arrival_of, note_arrival
 
 _FRAME = struct.Struct("<ddqd26d")
-"""After the head: what there is (1: measured, 2: commanded), resets of the peaks, stamp of the commanded speed in ns
-(0: none) and when it arrived, then by axis the measured, the commanded, the least and the greatest speeds; last the
-measured and the commanded steering angle, NaN without."""
+"""After the header: the known speeds (1: measured, 2: commanded), resets of the peaks, stamp of the commanded speed in
+ns (0 without one) and its time of arrival, then the measured, the commanded, the least and the greatest speed by axis;
+last the measured and the commanded steering angle, NaN without one."""
 
 _MEASURED, _COMMANDED = 1, 2
 _NO_VALUES = (nan,) * 6
@@ -48,7 +48,7 @@ class Reading:
         return self.measured.stamp_ns if self.measured else None
 
     def moved(self, speed: Speed) -> Reading:
-        """With this speed measured next; a value that is NaN leaves the peaks as they are."""
+        """Return the reading after the next measured speed. NaN does not change the peaks."""
         return replace(
             self,
             measured=speed,
@@ -59,43 +59,42 @@ class Reading:
         )
 
     def reset(self, resets: int) -> Reading:
-        """With peaks that start anew from the speed measured last."""
+        """Return the reading with peaks that restart at the last measured speed."""
         values = self.measured.values if self.measured else _NO_VALUES
         return replace(self, least=values, greatest=values, resets=resets)
 
 
 class SpeedWidget(RobotWidget[Reading]):
-    """A robot's speed, live: linear x, y, z in m/s and angular x, y, z in rad/s as bars, each with its exact number.
+    """The live speed of a robot: linear x, y, z in m/s and angular x, y, z in rad/s as bars with exact numbers.
 
-    The reader sees a bar per axis, up from zero for a positive speed and down for a negative one, in the body frame of
-    REP-103: linear x forward, y left, z up; angular about x (roll), y (pitch) and z (yaw, counter-clockwise). Limits
-    are dashed; a bar past its limit turns red and says so with a mark and in words, a bar longer than the scale is
-    drawn cut. A commanded speed is a tick on the measured bar. A car has a bar for its steering angle in rad, too, left
-    is up. NaN is shown as "no value", never as 0. Hovering an axis or walking with the arrow keys tells its exact
-    value, limits, command and peaks; space freezes; none of it needs the kernel. A message that cannot be shown leaves
-    the last picture and says why above it.
+    The widget shows a bar for each axis, up from zero for a positive speed and down for a negative one, in the body
+    frame of REP-103: linear x forward, y left, z up; angular about x (roll), y (pitch) and z (yaw, counter-clockwise).
+    Limits are dashed; a bar past its limit turns red, with a mark and a text, and a bar longer than the scale is cut
+    off. A commanded speed is a tick on the measured bar. A car also has a bar for its steering angle in rad, left is
+    up. NaN is shown as "no value", never as 0. Hovering over an axis or walking with the arrow keys shows its exact
+    value, limits, command and peaks; space freezes; all this works without the kernel. If a message cannot be shown,
+    the last picture stays, with the reason above it.
 
     Args:
-        title: what is shown, for the header; usually the topic.
-        command_title: where commanded speeds come from, for the header; usually the topic.
-        linear_limits: (min, max) in m/s with min <= 0 <= max; one number stands for both sides; None: no limits, and a
-            scale that holds the fastest speed since the last reset of the peaks.
+        title: title in the header; usually the topic.
+        command_title: title of commanded speeds in the header; usually the topic.
+        linear_limits: (min, max) in m/s with min <= 0 <= max, or one number for both sides. None for no limits, and a
+            scale up to the fastest speed since the last reset of the peaks.
         angular_limits: the same in rad/s.
-        limits: by axis, instead of those two: ``{"linear.x": (-0.2, 0.5), "angular.z": 1.8}``. To change it, set
-            another dictionary.
-        planar: whether only linear x, linear y and yaw (angular z) are shown. The view writes it too.
-        bars: "commanded" where `update` is given what was asked for, and nothing is measured: bars, legend and header
-            tell it from a measured speed; else "measured".
-        over_time: seconds of each axis that are shown as lines below the bars, 0 (none) to 600; at most those of
-            `history`.
-        hold_peaks: whether the least and the greatest speed since the last reset are marked.
-        paused: whether the picture is frozen.
+        limits: limits by axis, which replace these two: ``{"linear.x": (-0.2, 0.5), "angular.z": 1.8}``. To change it,
+            set another dictionary.
+        planar: True to show only linear x, linear y and yaw (angular z). The view writes it, too.
+        bars: "commanded" if `update` gets commanded speeds and nothing is measured, which bars, legend and header then
+            show; else "measured".
+        over_time: seconds of each axis that are shown as lines below the bars, 0 (none) to 600; at most `history`.
+        hold_peaks: True to mark the least and the greatest speed since the last reset.
+        paused: True while the picture is frozen.
         history: seconds for which the page keeps samples to step back through while frozen, 0 (none) to 600.
-        header, footer: whether they are there; without them the picture alone is fit for a paper.
+        header, footer: False to hide them, for example to use the picture in a paper.
 
     Raises:
         TypeError: an unknown keyword.
-        traitlets.TraitError: limits that are no numbers, not finite, the wrong way round, or without zero between them;
+        traitlets.TraitError: limits that are not numbers, not finite, in the wrong order, or without zero between them;
             an unknown axis.
 
     Source: geometry_msgs/Twist, nav_msgs/Odometry, REP-103; Campusano and Fabry, "From Robots to Humans: Visualizations
@@ -122,23 +121,23 @@ class SpeedWidget(RobotWidget[Reading]):
 
     sample_name = "speed"
 
-    command_title = traitlets.Unicode(help="Where commands come from, for the header. Plain text.").tag(sync=True)
+    command_title = traitlets.Unicode(help="Title of commanded speeds in the header. Plain text.").tag(sync=True)
     linear_limits = Limits((-1.0, 1.0), "m/s", help="(min, max) of the linear speeds, m/s, or None.").tag(sync=True)
     angular_limits = Limits((-1.0, 1.0), "rad/s", help="(min, max) of the angular speeds, rad/s, or None.").tag(
         sync=True
     )
-    limits = AxisLimits(help="(min, max) by axis, m/s and rad/s, instead of those two.").tag(
+    limits = AxisLimits(help="(min, max) by axis, m/s and rad/s, instead of linear_limits and angular_limits.").tag(
         sync=True, to_json=lambda value, _: dict(value)
     )
     planar = Flag(False, help="Only linear x, y and angular z. Python and the view write it.").tag(sync=True)
-    bars = traitlets.Enum(("measured", "commanded"), "measured", help="What `update` is given, and the bars show.").tag(
-        sync=True
-    )
+    bars = traitlets.Enum(
+        ("measured", "commanded"), "measured", help="The kind of speeds that `update` gets and the bars show."
+    ).tag(sync=True)
     over_time = HistorySeconds(
         0.0, help="Seconds of each axis that are shown below the bars, 0 (none) to 600. Python and the view write it."
     ).tag(sync=True)
-    hold_peaks = Flag(False, help="Whether least and greatest speeds are marked.").tag(sync=True)
-    _resets = traitlets.Int(0, help="How often the peaks were reset. Python and the view write it.").tag(sync=True)
+    hold_peaks = Flag(False, help="True to mark least and greatest speeds.").tag(sync=True)
+    _resets = traitlets.Int(0, help="Number of resets of the peaks. Python and the view write it.").tag(sync=True)
 
     def __init__(self, **kwargs: Any) -> None:
         self._reading = Reading()
@@ -149,38 +148,39 @@ class SpeedWidget(RobotWidget[Reading]):
     def update(self, message: Any = None, *unnamed: Any, **fields: Any) -> None:
         """Show a measured speed in the next animation frame.
 
-        It only stores, and may be called from any thread at any rate; the newest wins, but none is missed by the peaks.
+        It only stores the speed, and may be called from any thread at any rate; the newest wins, but the peaks include
+        all.
 
         Args:
             message: a geometry_msgs/Twist, TwistStamped, TwistWithCovariance(Stamped) or nav_msgs/Odometry of rclpy,
                 rospy or rosbags, a rosbridge dictionary, or a `Speed`; or an ackermann_msgs/AckermannDrive(Stamped).
-            *unnamed: refused, with the call that takes numbers by name.
-            **fields: instead of a message, linear (x, y, z in m/s) and angular (x, y, z in rad/s); what is left out has
+            *unnamed: raises an error with the call that takes numbers by name.
+            **fields: instead of a message, linear (x, y, z in m/s) and angular (x, y, z in rad/s); an omitted one has
                 no value.
 
         Raises:
-            TypeError: no such message, or an unknown field. ValueError: not three numbers. In a callback (another
-                thread; a task, timer or button of a notebook) nothing is raised; widget and log say it.
+            TypeError: not such a message, or an unknown field. ValueError: not three numbers. A callback (another
+                thread; a task, timer or button of a notebook) raises nothing; the widget and the log show the error.
         """
         self._take("update", message, unnamed, fields)
 
     def command(self, message: Any = None, *unnamed: Any, **fields: Any) -> None:
-        """Show a commanded speed, as a tick on each measured bar. Arguments and errors are those of `update`."""
+        """Show a commanded speed, as a tick on each measured bar. See `update` for the arguments and errors."""
         self._take("command", message, unnamed, fields)
 
     def show_used_axes(self) -> None:
-        """Be `planar` for as long as the other axes are 0, measured and commanded, or until somebody sets it."""
+        """Set `planar` while the other axes are 0, measured and commanded, or until it is set by other code."""
         self.planar = self._planar_by_itself = True
 
     def reset_peaks(self) -> None:
-        """Let the peaks start anew, from the speed measured last."""
+        """Restart the peaks at the last measured speed."""
         self._resets += 1
 
     @property
     def speed(self) -> Speed | None:
         """The measured speed on show: the frozen one while paused, else the newest; None before the first.
 
-        A frozen one has no pose; use `wait` in loops, which gives the newest with its pose, frozen or not.
+        A frozen one has no pose. Use `wait` in loops, which returns the newest one with its pose, frozen or not.
         """
         return self._sample_on_show().measured
 
@@ -191,27 +191,27 @@ class SpeedWidget(RobotWidget[Reading]):
 
     @property
     def commanded(self) -> Speed | None:
-        """The commanded speed on show; None before the first."""
+        """The commanded speed on show, or None before the first."""
         return self._sample_on_show().commanded
 
     @property
     def over_limits(self) -> dict[str, float]:
-        """The measured speeds on show that are past their limits, by axis; planar or not, all six count."""
+        """The measured speeds on show that are past their limits, by axis. All six axes count, even if planar."""
         speed = self.speed
         values = speed.values if speed else _NO_VALUES
         return {axis: v for axis, v in zip(AXES, values, strict=True) if is_past(v, self.limits_of(axis))}
 
     @property
     def peaks(self) -> dict[str, Pair]:
-        """By axis the least and the greatest speed measured since the last reset, up to what is on show.
+        """The least and the greatest measured speed by axis, from the last reset to the speed on show.
 
-        NaN where there was no value yet. They are kept whether `hold_peaks` marks them or not.
+        NaN before the first value. They are kept even if `hold_peaks` does not mark them.
         """
         reading = self._sample_on_show()
         return dict(zip(AXES, zip(reading.least, reading.greatest, strict=True), strict=True))
 
     def limits_of(self, axis: str) -> Pair | None:
-        """The limits (min, max) of one axis, like "linear.x"; None without."""
+        """Return the limits (min, max) of one axis, such as "linear.x", or None without limits."""
         group = self.linear_limits if axis.startswith("linear") else self.angular_limits
         pair: Pair | None = self.limits.get(axis, group)
         return pair
@@ -239,7 +239,7 @@ class SpeedWidget(RobotWidget[Reading]):
                 self._reading = self._reading.moved(speed)
             else:
                 self._reading = replace(self._reading, commanded=speed)
-            # Rate and count are those of the measured speed, once there is one.
+            # Rate and count belong to the measured speed, once there is one.
             self._put_up(counts=method == "update" or self._reading.measured is None)
         if self._planar_by_itself and any(value and not isnan(value) for value in speed.values[OUT_OF_PLANE]):
             self.planar = False
@@ -304,7 +304,7 @@ class SpeedWidget(RobotWidget[Reading]):
 
 
 def _in_words(speed: Speed) -> str:
-    """The axes that move, with their values, such as "linear.x 0.50 m/s"."""
+    """Return the axes that move, with their values, such as "linear.x 0.50 m/s"."""
     known = {axis: value for axis, value in zip(AXES, speed.values, strict=True) if not isnan(value)}
     moving = [f"{axis} {value:.2f} {unit_of(axis)}" for axis, value in known.items() if value]
     if speed.steering:

@@ -13,9 +13,9 @@ from .driving.driving_widget import DrivingWidget
 
 
 class StopWidget(DrivingWidget):
-    """A slim bar: Stop, who drives and how fast, and why the robot may not move as commanded.
+    """A slim bar: Stop, the driver and the speed, and why the robot may not move as commanded.
 
-    In the view of a feed it also freezes all pictures of the view, and puts the view beside the notebook. Stop is
+    In the view of a feed it also freezes all pictures of the view, and puts the view next to the notebook. Stop is
     latched: it sends zero, and all driving is refused until it is released, on the page or by ``stopped = False``.
 
     Args:
@@ -33,15 +33,13 @@ class StopWidget(DrivingWidget):
     _esm, _css = bundle("stop_widget")
     _unnamed = 1
 
-    _together = traitlets.Unicode(help="Name of the group that its Freeze freezes; empty: it has none.").tag(
+    _together = traitlets.Unicode(help="Name of the group that its Freeze freezes; empty without the button.").tag(
         sync=True, echo_update=False
     )
-    _view = traitlets.Unicode(help="Id of the model that its button puts beside the notebook; empty: it has none.").tag(
-        sync=True, echo_update=False
-    )
-    _opens = Flag(False, help="Whether that happens as soon as the bar is on the page.").tag(
-        sync=True, echo_update=False
-    )
+    _view = traitlets.Unicode(
+        help="Id of the model that its button puts next to the notebook; empty without the button."
+    ).tag(sync=True, echo_update=False)
+    _opens = Flag(False, help="True to do that as soon as the bar is on the page.").tag(sync=True, echo_update=False)
     _robot = traitlets.Unicode(help="Name of the robot of that group.").tag(sync=True, echo_update=False)
 
     def __init__(self, robot: Any, **kwargs: Any) -> None:
@@ -52,9 +50,9 @@ class StopWidget(DrivingWidget):
         self._attach(watchdog, None if robot is watchdog else robot)
 
     def stand_in(self, view: str, *, opens: bool = False) -> None:
-        """Be the bar of the view with this model: put it beside the notebook by a button, or as soon as it can."""
+        """Become the bar of the view with this model, and put the view next to the notebook by a button or at once."""
         self._view, self._opens = view, opens
 
     def freeze_with(self, group: str, robot: str) -> None:
-        """Freeze the pictures of a group of a robot by a button; without a group there is none."""
+        """Show a button that freezes the pictures of a group of a robot; no button if the group is empty."""
         self._together, self._robot = group, robot

@@ -1,4 +1,4 @@
-"""The list of all topics of a recording or a robot, beside what is shown of them."""
+"""The list of all topics of a recording or a robot, next to their widgets."""
 
 from __future__ import annotations
 
@@ -15,10 +15,10 @@ from ._core.traits import Flag
 from .samples.staleness import LISTED, SEEN_FOR
 
 MOST_LOOKED_AT = 100
-"""Topics of which values are sent at most: a page shows no more at once."""
+"""The most topics whose values are sent. A page cannot show more at once."""
 
 WIRES = "the wires"
-"""What a page asks for in place of a topic: no topic has a name with a space."""
+"""Stands for the wires in requests of a page for a topic. Names of topics have no spaces."""
 
 log = logging.getLogger("robowidgets")
 
@@ -39,9 +39,9 @@ class TopicRow(NamedTuple):
 
 
 class TopicNow(NamedTuple):
-    """What a topic of a running robot says now, in words, and how often.
+    """The current value of a topic of a running robot, as text, and its rate.
 
-    ``rate`` and ``messages`` are None while they are unknown, ``age``, the seconds since the last message, too.
+    ``rate``, ``messages`` and ``age``, the seconds since the last message, are None while they are unknown.
     """
 
     value: str
@@ -51,7 +51,7 @@ class TopicNow(NamedTuple):
 
     @property
     def told(self) -> dict[str, Any]:
-        """Rate and count as the page shows them, and for how long the topic is silent where it is."""
+        """The rate and the count for the page, and the seconds for which a silent topic has been silent."""
         told: dict[str, Any] = {"rate": self.rate, "messages": self.messages}
         if self.rate and self.age is not None and self.age > LISTED.after(1 / self.rate):
             told |= {"rate": 0.0, "silent": round(self.age)}
@@ -59,40 +59,40 @@ class TopicNow(NamedTuple):
 
 
 class ShownBy(Protocol):
-    """A widget on show, as the list knows it."""
+    """A widget on show, with the properties that the list needs."""
 
     @property
-    def asked(self) -> tuple[str, ...]:
+    def requested(self) -> tuple[str, ...]:
         """Its topics."""
 
     @property
     def titles(self) -> tuple[str, ...]:
-        """Its titles, that of the card first."""
+        """Its titles, starting with the title of the card."""
 
 
 class TopicsWidget(FrontEndWidget):
-    """A list of topics: a click shows one, or takes it off.
+    """A list of topics: a click shows one, or removes it.
 
-    Each row has name, type, rate or count, and its value where that is known. Topics with the same first part of their
-    names are groups, which fold; what cannot be read stands last, with the reason. Arrow keys walk, space shows, enter
-    goes to the card, `/` searches by name and type. It folds away. None of it but to show and to take off needs the
-    kernel, which does both beside a running cell where it hears the page then, else when the cell ends.
+    Each row has the name, the type, the rate or count, and the value if known. Topics with the same first part of their
+    names form groups, which fold. Unreadable topics are last, with the reason. Arrow keys walk, space shows, enter goes
+    to the card, `/` searches by name and type. The list folds away. Only showing and removing need the kernel, which
+    does this during a running cell if it receives messages of the page then, else when the cell ends.
 
     Args:
-        on_toggle: called with the name of a topic and whether it is to be shown, perhaps in another thread.
-        values_of: what some topics say, in words; None: nobody knows.
-        on_look: called with the names of the topics that a page looks at, every ten seconds, and with none when it does
-            so no longer: then `tell_now` is called while it does. None: it is no robot.
-        clock: by which a page that says nothing any more looks no longer.
-        folded: whether only a rail of it is there; None: as the room allows.
+        on_toggle: called with the name of a topic and True to show it or False to remove it, perhaps in another thread.
+        values_of: returns the values of topics as texts, if they are known.
+        on_look: for a robot. Called every ten seconds with the names of the topics in view on a page, and with no names
+            when the page is gone. In between, the robot's view calls `tell_now`.
+        clock: the clock for pages that do not report their topics any more.
+        folded: True to show only a rail of it; by default if there is little room.
     """
 
     _esm, _css = bundle("topics_widget")
 
-    folded = Flag(None, allow_none=True, help="Whether it is folded away; None: by the room. The view writes it.").tag(
-        sync=True
-    )
-    wires = Flag(False, help="Whether the wires of all topics are on show below the rest. Settable.").tag(
+    folded = Flag(
+        None, allow_none=True, help="True if it is folded away, or None to decide by the room. The view writes it."
+    ).tag(sync=True)
+    wires = Flag(False, help="True to show the wires of all topics below the rest. Settable.").tag(
         sync=True, echo_update=False
     )
     _rows = traitlets.List(traitlets.Dict(), help="Name, type, count, rate, widget and problem of each topic.").tag(
@@ -101,7 +101,7 @@ class TopicsWidget(FrontEndWidget):
     _shown = traitlets.Dict(help="Names of the topics on show, with the titles of their widgets.").tag(
         sync=True, echo_update=False
     )
-    _fixed = Flag(False, help="Whether nothing can be shown or taken off: in a page without a kernel.").tag(sync=True)
+    _fixed = Flag(False, help="True if nothing can be shown or removed, in a page without a kernel.").tag(sync=True)
     _error = traitlets.Unicode(help="Why a topic could not be shown.").tag(sync=True, echo_update=False)
 
     def __init__(
@@ -116,7 +116,7 @@ class TopicsWidget(FrontEndWidget):
         self._on_toggle, self._values_of, self._on_look = on_toggle, values_of, on_look
         self._looked_at: list[str] = []
         self._looks: dict[str, tuple[float, list[str]]] = {}
-        """By the name of a view of a page, until when it looks at which topics."""
+        """The topics in each view of a page, and the time until which this holds, by the name of the view."""
         self._seconds: float | None = None
         super().__init__(**kwargs)
         self.on_msg(self._on_page)
@@ -128,7 +128,7 @@ class TopicsWidget(FrontEndWidget):
         route_by_message(self.comm)
 
     def keep(self, earlier: TopicsWidget) -> None:
-        """Take over what a person did to the list of an earlier run of the cell."""
+        """Take over the user's settings from the list of an earlier run of the cell."""
         self.folded, self.wires = earlier.folded, earlier.wires
 
     def set_rows(self, rows: Iterable[TopicRow]) -> None:
@@ -139,29 +139,29 @@ class TopicsWidget(FrontEndWidget):
         """Mark the topics of the widgets on show."""
         titles: dict[str, dict[str, None]] = {}
         for choice in choices:
-            for topic in choice.asked:
+            for topic in choice.requested:
                 titles.setdefault(topic, {})[choice.titles[0]] = None
         self._shown = {name: [*found] for name, found in titles.items()}
 
     def tell_values(self, seconds: float | None = None) -> None:
-        """Have the page show what the topics that it looks at say now, or at a time."""
+        """Send the values of the topics in view, current ones or at a time."""
         self._seconds = seconds
         if self._looked_at and self._values_of is not None:
             self.send({"values": self._values_of(self._looked_at), "at": seconds})
 
     def tell_now(self, topics: Mapping[str, TopicNow] | None) -> None:
-        """Have the page show what topics say now; None: nobody listens to them any more."""
+        """Send the current values of topics, or None if the feed does not listen to them any more."""
         if self.comm is not None:
             values = {name: topic.value for name, topic in (topics or {}).items()}
             self.send({"values": values, "now": {name: topic.told for name, topic in (topics or {}).items()}})
 
     def close(self) -> None:
-        """Remove it from the page."""
+        """Remove the widget from the page."""
         self._on_toggle = self._values_of = self._on_look = None
         super().close()
 
     def _on_page(self, _widget: Any, content: Any, _buffers: Any) -> None:
-        """Show a topic or take it off. In the main thread or a subshell's."""
+        """Show or remove a topic. Called in the main thread or in a subshell's."""
         looked_at = content.get("look") if isinstance(content, dict) else None
         if isinstance(looked_at, list):
             before = self._looked_at
@@ -192,7 +192,7 @@ class TopicsWidget(FrontEndWidget):
         self.send({"done": name})
 
     def _note_look(self, view: str, names: list[str]) -> None:
-        """Note what one view of the list shows, beside others: of two pages, or of two places in one."""
+        """Note the topics in a view of the list. There may be several views, on two pages or in one."""
         now = self._now()
         others = {name: look for name, look in self._looks.items() if name != view and look[0] > now}
         self._looks = {view: (now + SEEN_FOR, names[:MOST_LOOKED_AT]), **others}

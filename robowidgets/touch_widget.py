@@ -1,4 +1,4 @@
-"""The touch view: any number of bumpers, cliff sensors, wheel drops and buttons."""
+"""The touch widget: any number of bumpers, cliff sensors, wheel drops and buttons."""
 
 from __future__ import annotations
 
@@ -24,25 +24,25 @@ from .samples.touch_tracker import TouchSensor, TouchTracker
 
 
 class TouchWidget(RobotWidget[Touch]):
-    """Touch sensors, live: one labelled rectangle each, white when free, green when touched, gray when unknown.
+    """Live touch sensors: one labelled rectangle each, white when free, green when touched, gray when unknown.
 
-    Each says its state in words too, how long a touch lasts and how often there was one. They stand from the robot's
-    left to its right, or round its body where `angles` says so, forward up. A state is kept until the next word on its
-    sensor; sources that list only what is touched release it after `hold`. A message that cannot be understood leaves
-    the states as they are and says why above them.
+    Each also shows its state as text, the duration of a touch and the number of touches. They are ordered from the
+    robot's left to its right, or around its body if `angles` are given, forward up. A state is kept until the next
+    message on its sensor. For sources that list only touched sensors, a touch ends after `hold`. If a message cannot be
+    read, the states do not change, with the reason above them.
 
     Args:
-        title: what is shown, for the header; usually the topic.
-        sensors: which sensors are shown, from left to right; empty: all of them, as their messages name them. For
-            contacts of a simulator: the names of the robot's collisions.
-        labels: sensor name to another text for its rectangle. Plain text.
-        angles: sensor name to its place on the body, in radians or text like "20deg", counter-clockwise from forward,
-            within ±2 pi.
+        title: title in the header; usually the topic.
+        sensors: names of the sensors to show, from left to right; by default all in the messages. For contacts of a
+            simulator: the names of the robot's collisions.
+        labels: other texts for the rectangles, by the name of the sensor. Plain text.
+        angles: positions of sensors on the body by name, in radians or text like "20deg", counter-clockwise from
+            forward, within ±2 pi.
         hold: seconds that a touch outlasts the last message that listed it, 0 or more.
-        timeout: seconds of silence after which such a touch is over, infinite to wait for ever; None: like `hold`.
-        paused: whether the picture is frozen.
+        timeout: seconds of silence after which such a touch is over, infinite to wait for ever; by default `hold`.
+        paused: True while the picture is frozen.
         history: seconds for which the page keeps samples to step back through while frozen, 0 (none) to 600.
-        header, footer: whether they are there.
+        header, footer: False to hide them.
 
     Raises:
         TypeError: an unknown keyword.
@@ -69,15 +69,17 @@ class TouchWidget(RobotWidget[Touch]):
         sync=True
     )
     labels = traitlets.Dict(
-        key_trait=traitlets.Unicode(), value_trait=traitlets.Unicode(), help="Sensor name to its label, plain text."
+        key_trait=traitlets.Unicode(),
+        value_trait=traitlets.Unicode(),
+        help="Labels by the name of the sensor, plain text.",
     ).tag(sync=True)
     angles = traitlets.Dict(
         key_trait=traitlets.Unicode(),
-        help="Sensor name to radians counter-clockwise from forward, within ±2 pi.",
+        help="Radians counter-clockwise from forward by the name of the sensor, within ±2 pi.",
     ).tag(sync=True)
     hold = traitlets.Float(0.15, help="Seconds that a touch outlasts the last message that listed it, 0 or more.")
     timeout = traitlets.Float(
-        None, allow_none=True, help="Seconds of silence after which such a touch is over; None: like hold."
+        None, allow_none=True, help="Seconds of silence after which such a touch is over; hold by default."
     )
 
     def __init__(self, **kwargs: Any) -> None:
@@ -88,7 +90,7 @@ class TouchWidget(RobotWidget[Touch]):
         self._states_sent: dict[str, TouchState] = {}
         """The states that were sent last."""
         self._judged: dict[str, TouchState] = {}
-        """The states that conditions were judged on last."""
+        """The states in the last judgement of conditions."""
         super().__init__(**kwargs)
 
     def _describe(self) -> str:
@@ -100,19 +102,19 @@ class TouchWidget(RobotWidget[Touch]):
         self._tracking = threading.Lock()
 
     def update(self, message: Any = None, *unnamed: Any, **touched: bool | int | None) -> None:
-        """Take in what a message says, and show it in the next animation frame.
+        """Show the states in a message in the next animation frame.
 
-        It only stores, and may be called from any thread at any rate.
+        It only stores the states, and may be called from any thread at any rate.
 
         Args:
             message: a message of rclpy, rospy or rosbags in a dialect of `robowidgets.messages.dialects`, a rosbridge
                 dictionary, a mapping of sensor names to True, False or None, or a `Touch`.
-            *unnamed: refused, with the call that takes numbers by name.
+            *unnamed: raises an error with the call that takes sensors by name.
             **touched: instead of a message, sensor names with True, False, 1, 0 or None.
 
         Raises:
-            TypeError: no such message. ValueError: a number in it has no meaning. In a callback (another thread; a
-                task, timer or button of a notebook) nothing is raised; widget and log say it.
+            TypeError: not such a message. ValueError: a number in it has no meaning. A callback (another thread; a
+                task, timer or button of a notebook) raises nothing; the widget and the log show the error.
         """
         try:
             refuse_unnamed("update", unnamed, "update(left=True, right=False)")
@@ -128,11 +130,11 @@ class TouchWidget(RobotWidget[Touch]):
         self._show(touch, about_touch(touch))
 
     def show(self, tracker: TouchTracker, now_ns: int) -> None:
-        """Show what a tracker knows at a time, which stands still until the next call: for recordings.
+        """Show the states of a tracker at a time, until the next call, for recordings.
 
         Args:
-            tracker: it is shown as it is then; hold and timeout are its own until those of the widget are set.
-            now_ns: nanoseconds of the clock by which it was told.
+            tracker: the tracker. It keeps its hold and timeout until hold or timeout of the widget is set.
+            now_ns: nanoseconds by the clock of the tracker's messages.
         """
         with self._tracking:
             self._tracker, self._still_ns = tracker, now_ns
@@ -142,7 +144,7 @@ class TouchWidget(RobotWidget[Touch]):
 
     @property
     def states(self) -> dict[str, TouchState]:
-        """State of each sensor on show: frozen ones while paused, else the newest."""
+        """The state of each sensor on show: the frozen one while paused, else the newest."""
         return {name: sensor.state for name, sensor in self._sensors_on_show().items()}
 
     @property
@@ -152,20 +154,20 @@ class TouchWidget(RobotWidget[Touch]):
 
     @property
     def frozen(self) -> dict[str, TouchState] | None:
-        """The states on show while frozen, which may be stepped back to; None while live."""
+        """The states on show while frozen, or None while live."""
         return self.states if self.paused else None
 
     def reset(self) -> None:
-        """Forget states and counts: every sensor is unknown until the next word on it."""
+        """Forget states and counts: every sensor is unknown until the next message on it."""
         with self._tracking:
             self._tracker.reset()
         self._send_again()
 
     def send_newest(self) -> int:
-        """Send the states to the page, as they are now; the pacer's call. Returns the bytes sent."""
+        """Send the current states to the page, and return the number of bytes sent. The pacer calls this."""
         with self._send_lock:
             states = self._states_at(self._now_ns())
-            if states != self._states_sent:  # without a message, too; the page counts on for how long they last
+            if states != self._states_sent:  # even without a message; the page itself counts how long they last
                 self._states_sent, self._newest.changed = states, True
             size = super().send_newest()
             with self._tracking:
@@ -175,13 +177,13 @@ class TouchWidget(RobotWidget[Touch]):
             return size
 
     def get_state(self, key: str | Iterable[str] | None = None, drop_defaults: bool = False) -> dict[str, Any]:
-        """The synced state, with the states and durations of now in it."""
+        """Return the synced state with the current states and durations."""
         if key is None:
             self._newest.changed = True
         return super().get_state(key, drop_defaults)
 
     def _to_judge(self, shown: Touch | None) -> Touch | None:
-        """The states of all sensors as they are now, whatever the mode of the source."""
+        """Return the current states of all sensors, in any mode of the source."""
         self._judged = self._states_at(self._now_ns())
         if shown is None:
             return None
@@ -189,7 +191,7 @@ class TouchWidget(RobotWidget[Touch]):
         return Touch(touched, stamp_ns=shown.stamp_ns, dialect=shown.dialect)
 
     def _bring_up_to_date(self) -> None:
-        """Have states judged again that have changed without a message: a touch that was held is released."""
+        """Get states judged again if they have changed without a message, such as the end of a held touch."""
         with self._send_lock:
             self._packed_ns = self._now_ns()
             if self.watched and self._states_at(self._packed_ns) != self._judged:
@@ -203,7 +205,7 @@ class TouchWidget(RobotWidget[Touch]):
             return {name: sensor.state for name, sensor in self._tracker.states(now_ns).items()}
 
     def _longest_silence(self) -> float:
-        """Events come when something happens, not at a rate."""
+        """Return the longest time for events, because they have no rate."""
         newest = self._newest.sample
         is_events = newest is not None and newest.mode is TouchMode.EVENT
         return LIVE.longest if is_events else super()._longest_silence()
@@ -259,12 +261,12 @@ class TouchWidget(RobotWidget[Touch]):
 
 
 def about_touch(touch: Touch) -> dict[str, Any]:
-    """The texts on a touch."""
+    """Return the texts on a touch."""
     return {"dialect": touch.dialect, "mode": touch.mode.value}
 
 
 def pack_states(tracker: TouchTracker, now_ns: int) -> bytes:
-    """The bytes of a frame after its head: what a tracker knows at a time."""
+    """Return the bytes of a frame after its header: the states of a tracker at a time."""
     known = tracker.states(now_ns)
     return json.dumps(
         [(name, sensor.state.name.lower(), sensor.touches, _age(sensor, now_ns)) for name, sensor in known.items()]
@@ -276,10 +278,10 @@ def _age(sensor: TouchSensor, now_ns: int) -> float | None:
 
 
 def _with_flags(touched: Mapping[str, Any]) -> dict[str, Any]:
-    """Sensors by name, with 1 and 0 as True and False."""
+    """Return sensors by name, with 1 and 0 as True and False."""
     return {name: bool(state) if _is_bit(state) else state for name, state in touched.items()}
 
 
 def _is_bit(state: Any) -> bool:
-    """Whether this is a whole number, of Python or NumPy, that is 1 or 0."""
+    """Return True for a whole number, of Python or NumPy, that is 1 or 0."""
     return isinstance(state, (int, np.integer)) and state in (0, 1)

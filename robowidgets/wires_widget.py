@@ -1,4 +1,4 @@
-"""The nodes and topics of a robot as a graph, and the notebook's own part in it."""
+"""The nodes and topics of a robot as a graph, with the parts of the notebook."""
 
 from __future__ import annotations
 
@@ -17,15 +17,15 @@ from .message_widget import MessageWidget
 
 
 class Wire(NamedTuple):
-    """A topic, as what connects nodes.
+    """A topic that connects nodes.
 
-    ``type`` is empty where it is unknown. ``publishers`` and ``subscribers`` are the names of nodes; ``offered`` and
-    ``wanted`` tell whether anybody publishes it, and whether anybody subscribes to it (None: unknown), also where the
-    names are not known. ``rate`` is in messages per second, None while it is not known; ``value`` is the last message
-    in a few words, ``age`` the seconds since it came. ``count`` is the number of messages in a recording. ``is_heard``
-    tells whether its messages come here, ``is_glanced_at`` whether they do now and then alone, as those of a large
-    topic, so that no age of it is a silence. ``is_infrastructure`` marks what every node has, such as /rosout. ``note``
-    is a line about a problem of it.
+    ``type`` is empty if it is unknown. ``publishers`` and ``subscribers`` are the names of nodes. ``offered`` is True
+    if the topic has a publisher, and ``wanted`` if it has a subscriber (None if unknown), even if the names are
+    unknown. ``rate`` is in messages per second, or None while it is unknown; ``value`` is a short text of the last
+    message, ``age`` the seconds since it came. ``count`` is the number of messages in a recording. ``is_heard`` is True
+    if its messages are received here, ``is_glanced_at`` if only a few of them are, such as of a large topic, so that
+    its age does not mean silence. ``is_infrastructure`` marks topics of every node, such as /rosout. ``note`` is a line
+    about a problem.
     """
 
     name: str
@@ -37,7 +37,7 @@ class Wire(NamedTuple):
     rate: float | None = None
     value: str = ""
     age: float | None = None
-    count: int | None = None  # type: ignore[assignment]  # hides tuple.count, which nobody asks of a wire
+    count: int | None = None  # type: ignore[assignment]  # hides tuple.count, which wires do not need
     is_heard: bool = False
     is_glanced_at: bool = False
     is_infrastructure: bool = False
@@ -45,11 +45,11 @@ class Wire(NamedTuple):
 
 
 class NotebookPart(NamedTuple):
-    """A part of the notebook that takes topics or publishes them.
+    """A part of the notebook that reads or publishes topics.
 
-    ``kind`` is ``function``, ``condition``, ``program``, ``speeds`` (what is sent to the robot) or ``widget``.
-    ``reads`` and ``writes`` are names of topics; ``drives`` tells whether it asks for speeds. ``runs`` is how often it
-    ran, ``got`` and ``gave`` what it got and gave last, in a few words; ``problem`` is a line about it.
+    ``kind`` is ``function``, ``condition``, ``program``, ``speeds`` (sent to the robot) or ``widget``. ``reads`` and
+    ``writes`` are names of topics; ``drives`` is True if it requests speeds. ``runs`` is the number of its runs,
+    ``got`` and ``gave`` are short texts of its last input and output; ``problem`` is a line about a problem.
     """
 
     kind: str
@@ -64,9 +64,9 @@ class NotebookPart(NamedTuple):
 
 
 class Wiring(NamedTuple):
-    """The wires of a robot at one time, with the notebook's part in them.
+    """The wires of a robot at one time, with the parts of the notebook.
 
-    ``tells_nodes`` tells whether the robot names any node; ``note`` is a line about what is not known, or not yet.
+    ``tells_nodes`` is True if the robot reports its nodes; ``note`` is a line about missing information.
     """
 
     wires: tuple[Wire, ...] = ()
@@ -88,64 +88,64 @@ _DRAWN = ("rate", "value", "age", "count", "note", "offered", "wanted")
 
 
 class WiresSource(Protocol):
-    """What is wired: a running robot, or a recording."""
+    """A source of wires: a running robot, or a recording."""
 
     @property
     def name(self) -> str:
-        """What it is, for a person."""
+        """Its name for the user."""
 
     @property
     def robot(self) -> str:
-        """The name by which the page knows the widgets of a robot; empty for a recording."""
+        """The name of the group of a robot's widgets in the page; empty for a recording."""
 
     @property
     def wiring(self) -> Wiring:
-        """The wires as they are now."""
+        """The current wires."""
 
     @property
     def status(self) -> str:
-        """Why nothing comes; empty while all is well."""
+        """The reason why nothing comes, or empty."""
 
     def look(self, is_seen: bool) -> None:
-        """Somebody looks, or nobody any more: while nobody does, the robot is asked nothing for it."""
+        """Note if a page shows the wires. If not, the robot is not queried for them."""
 
     def show(self, topic: str, widget: MessageWidget) -> None:
         """Show the messages of a topic in a widget: live ones, or the last one of a recording."""
 
     def hide(self, topic: str, widget: MessageWidget) -> None:
-        """Show them there no longer."""
+        """Stop showing the messages of a topic in a widget."""
 
     def observe(self, on_change: Callable[[], None]) -> None:
         """Call a function when the wires have changed."""
 
     def unobserve(self, on_change: Callable[[], None]) -> None:
-        """Call it no more."""
+        """Stop calling a function."""
 
 
 class WiresWidget(RobotWidget[Wiring]):
     """The nodes and topics of a robot as a graph, with the rate and the last value of each topic.
 
-    Beside them stands the notebook's own part: which topic goes into which function, condition, program and widget,
-    and which speeds come out, each with how often it ran and what it last got and gave. It stands in the `WiresView`
-    that `Feed.wires` and `Recording.wires` return. What every node has is folded, and so are namespaces where there is
-    much. Pointing at something shows its wires; a click keeps them. The wheel with Ctrl zooms, dragging moves, ``/``
-    filters by name.
+    The parts of the notebook are next to them: the topics that go into each function, condition, program and widget,
+    and the speeds that come out, each with the number of runs and the last input and output. It is part of the
+    `WiresView` that `Feed.wires` and `Recording.wires` return. Topics of every node are folded, and so are large
+    namespaces. Pointing at something shows its wires; a click keeps them. The wheel with Ctrl zooms, dragging moves,
+    ``/`` filters by name.
 
-    While no page shows it, the robot is asked nothing for it.
+    While no page shows it, the robot is not queried for it.
 
     Args:
-        source: a robot or a recording, as `Feed.wires` gives it.
-        title: for the header; empty: the name of the robot.
-        filter: text that the names on show contain; empty: all. The view writes it too.
-        unfolded: namespaces that are shown whole though there is much, as ``"topics /camera"`` and ``"nodes /camera"``.
-            The view writes it too.
-        infrastructure: whether what every node has is shown, such as /rosout. The view writes it too.
-        paused: whether the picture is frozen.
+        source: a robot or a recording, from `Feed.wires` or `Recording.wires`.
+        title: title in the header; by default the name of the robot.
+        filter: text that the names on show contain, or empty for all. The view writes it, too.
+        unfolded: large namespaces that are unfolded, such as ``"topics /camera"`` and ``"nodes /camera"``. The view
+            writes it, too.
+        infrastructure: True to show topics of every node, such as /rosout. The view writes it, too.
+        paused: True while the picture is frozen.
         history: seconds for which the page keeps earlier values to go back through, 0 (none) to 600.
-        header, footer: whether they are there.
+        header, footer: False to hide them.
 
     Raises:
-        TypeError: an unknown keyword, or a source that is none.
+        TypeError: an unknown keyword, or not such a source.
         traitlets.TraitError: a value out of its range.
 
     Examples:
@@ -170,20 +170,22 @@ class WiresWidget(RobotWidget[Wiring]):
         sync=True
     )
     infrastructure = traitlets.Bool(
-        False, help="Whether what every node has is shown, such as /rosout. Python and the view write it."
+        False, help="True to show topics of every node, such as /rosout. Python and the view write it."
     ).tag(sync=True)
 
     unfolded = traitlets.List(
-        traitlets.Unicode(), help='Namespaces that were unfolded, as "topics /camera". Python and the view write it.'
+        traitlets.Unicode(), help='Unfolded namespaces, such as "topics /camera". Python and the view write it.'
     ).tag(sync=True)
 
-    _can_open = traitlets.Bool(False, help="Whether somebody shows the messages of a topic that is asked for.").tag(
+    _can_open = traitlets.Bool(False, help="True if a view can show the messages of a topic on request.").tag(
         sync=True, echo_update=False
     )
 
     def __init__(self, source: WiresSource, **kwargs: Any) -> None:
         if not hasattr(source, "wiring"):
-            raise TypeError(f"WiresWidget(): expected what feed.wires() or recording.wires() gives it, got {source!r}")
+            raise TypeError(
+                f"WiresWidget(): expected the source that feed.wires() or recording.wires() uses, got {source!r}"
+            )
         self._wired = source
         self._openers: list[Callable[[str], object]] = []
         super().__init__(**{**kwargs, "title": kwargs.get("title") or source.name})
@@ -200,13 +202,13 @@ class WiresWidget(RobotWidget[Wiring]):
         route_by_message(self.comm)
 
     def on_open(self, opens: Callable[[str], object]) -> None:
-        """Call a function with the name of a topic whose messages a person wants to see: who shows them in a card."""
+        """Call a function with the name of a topic when the user wants to see its messages in a card."""
         self._openers.append(opens)
         self._can_open = True
 
     def close(self) -> None:
-        """Remove the widget from the page, and ask the robot nothing any more."""
-        if "_wired" in vars(self):  # else the constructor raised before it had it
+        """Remove the widget from the page, and stop querying the robot."""
+        if "_wired" in vars(self):  # else the constructor raised before it set it
             self._wired.unobserve(self._on_wiring)
             self._wired.look(False)
             self._openers.clear()
@@ -217,7 +219,7 @@ class WiresWidget(RobotWidget[Wiring]):
         return "" if sample is None else repr(sample).strip("<>")
 
     def _on_page(self, _widget: Any, content: Any, _buffers: Any) -> None:
-        """In the main thread or a subshell's."""
+        """Handle a message of the page. Called in the main thread or in a subshell's."""
         if not isinstance(content, dict):
             return
         if isinstance(content.get("look"), bool):
@@ -228,7 +230,7 @@ class WiresWidget(RobotWidget[Wiring]):
                 opens(topic)
 
     def _on_wiring(self) -> None:
-        """Store what is wired now, for the pacer. In the thread of timers, as a rule."""
+        """Store the current wires for the pacer. The timer thread usually calls this."""
         self.set_source({"robot": self._robot, "status": self._wired.status})
         self._show(self._wired.wiring)
 
@@ -245,7 +247,7 @@ class WiresWidget(RobotWidget[Wiring]):
 
 
 class WiresView(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
-    """The wires, and below them the messages of the topics that were opened.
+    """The wires, and below them the messages of opened topics.
 
     Args:
         source: a robot or a recording.
@@ -264,7 +266,7 @@ class WiresView(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no typ
         self.wires.on_open(self.toggle)
 
     def toggle(self, topic: str) -> None:
-        """Show the messages of a topic, or show them no longer."""
+        """Show or hide the messages of a topic."""
         shown = self.messages.pop(topic, None)
         if shown is None:
             self.messages[topic] = widget = MessageWidget(title=topic)
@@ -275,8 +277,8 @@ class WiresView(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no typ
             shown.close()
 
     def close(self) -> None:
-        """Remove it from the page, and ask the robot nothing any more."""
-        if "messages" in vars(self):  # else the constructor raised before it had them
+        """Remove the view from the page, and stop querying the robot."""
+        if "messages" in vars(self):  # else the constructor raised before it set them
             for topic in list(self.messages):
                 self.toggle(topic)
             self.wires.close()
@@ -288,7 +290,7 @@ class WiresView(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no typ
 
 
 def _plain(wire: Wire, names: dict[str, int]) -> dict[str, Any]:
-    """A wire as the page reads it; what it has not is left out."""
+    """Return a wire for the page, without unset fields."""
     told: dict[str, Any] = {
         "name": wire.name,
         "type": wire.type,

@@ -23,19 +23,19 @@ _HOST_TRAITS = ("layout", "tooltip", "tabbable")
 class NamedWidget(FrontEndWidget):
     """A widget with a title, which refuses unknown keywords and traits, and logs each error once."""
 
-    title = traitlets.Unicode(help="What is shown, for the header: the topic. Plain text.").tag(sync=True)
-    header = Flag(True, help="Whether title and controls stand above the picture.").tag(sync=True)
+    title = traitlets.Unicode(help="Title in the header, such as the topic. Plain text.").tag(sync=True)
+    header = Flag(True, help="True to show the title and the controls above the picture.").tag(sync=True)
 
     _unnamed = 0
     """The number of arguments without a name: of some widgets the first is a feed."""
     _keywords: tuple[str, ...] = ()
     """Keywords that are not traits."""
     _usual = "title='/topic'"
-    """A keyword as people give it."""
+    """An example of a keyword, for errors."""
     _meant: ClassVar[Mapping[str, str]] = {}
-    """What people call a keyword, or another thing of a widget, and its name; those of the base classes hold, too."""
+    """Names of keywords and attributes by likely wrong names, for hints. Entries of the base classes count, too."""
     _instead: ClassVar[Mapping[str, str]] = {"show": "display(widget)"}
-    """What people look for in a widget, and the code that does it; those of the base classes hold, too."""
+    """Code that does what a likely wrong name stands for, for hints. Entries of the base classes count, too."""
     _closed = False
 
     def __new__(cls, *unnamed: Any, **kwargs: Any) -> Any:
@@ -49,7 +49,7 @@ class NamedWidget(FrontEndWidget):
         self._named_after: dict[str, str] = {}
         settable = [*self._keywords, *filter(self._is_ours, self.trait_names())]
         for name in kwargs:
-            if name not in settable and name != "_dom_classes":  # those of views that place it
+            if name not in settable and name != "_dom_classes":  # set by views that place it
                 meant = self._hint("_meant", name)
                 raise TypeError(_unknown(f"{type(self).__name__}()", "keyword", name, settable, meant))
         super().__init__(**kwargs)
@@ -70,7 +70,7 @@ class NamedWidget(FrontEndWidget):
         self._closed = True
 
     def check_open(self, call: str) -> None:
-        """RuntimeError, which begins with the call, if the widget is closed: the page knows it no more."""
+        """Raise RuntimeError, which begins with the call, if the widget is closed: the page has forgotten it."""
         if self.comm is None:
             raise RuntimeError(f"{call}: this widget is closed; show a new one")
 
@@ -81,7 +81,7 @@ class NamedWidget(FrontEndWidget):
         return f"<{name}: {shown}>" if shown else f"<{name}>"
 
     def _summary(self) -> str:
-        """What the widget shows, in one line for its repr."""
+        """Return one line on what the widget shows, for its repr."""
         return ""
 
     @classmethod
@@ -92,7 +92,7 @@ class NamedWidget(FrontEndWidget):
 
     @classmethod
     def _hint(cls, table: str, name: str) -> str:
-        """What `_meant` or `_instead` of the class, or else of a base, has for a name; empty without any."""
+        """Return the entry for a name in `_meant` or `_instead` of the class, or else of a base; empty without any."""
         return next((vars(c)[table][name] for c in cls.__mro__ if name in vars(c).get(table, ())), "")
 
     def name_after(self, topic: str, trait: str = "title") -> None:
@@ -105,8 +105,8 @@ class NamedWidget(FrontEndWidget):
         """Do what `name_after` does, except for the call of observers.
 
         Returns:
-            What calls the observers, which may be code of the user: without a lock, and not in a thread that carries
-            speeds. None if the title is as it was.
+            A function that calls the observers, or None if the title has not changed. Observers may be code of the
+            user: call them without a lock, and not in a thread that carries speeds.
         """
         before, title = self._named_after.get(trait), getattr(self, trait)
         if topic == before or title not in ("", before):
@@ -123,7 +123,7 @@ class NamedWidget(FrontEndWidget):
 
 
 def refuse_unnamed(method: str, unnamed: Sequence[Any], call: str) -> None:
-    """TypeError for arguments without a name, if there are any, with the call that takes them by name."""
+    """Raise TypeError if there are arguments without a name; it shows the call that takes them by name."""
     if unnamed:
         raise TypeError(
             f"{method}() takes one message, or numbers by name: {call}; got {', '.join(map(reprlib.repr, unnamed))}"
@@ -133,14 +133,14 @@ def refuse_unnamed(method: str, unnamed: Sequence[Any], call: str) -> None:
 def check_given(
     method: str, message: Any, named: Collection[str], instead: str, known: Collection[str] = (), noun: str = "fields"
 ) -> None:
-    """TypeError unless there is either a message, or values by known names.
+    """Raise TypeError unless there is either a message, or values by known names.
 
     Args:
         method: the name of the method that got them.
         message: the message, or None.
         named: the names of the values.
         instead: the values that it takes instead of a message: ``"or linear and angular (three numbers each)"``.
-        known: the names that it knows; empty: any name.
+        known: the accepted names. If empty, any name is accepted.
         noun: for the values.
     """
     unknown = [name for name in named if name not in known] if known else []
@@ -155,7 +155,7 @@ def check_given(
 
 
 def nearest_name(name: str, known: Iterable[str]) -> str | None:
-    """The most similar known name: one that starts with it, else one spelt alike; None when there is none."""
+    """Return the most similar known name: one that starts with it, else one spelt alike, or None without any."""
     names = list(known)
     longer = [other for other in names if other.startswith(name)]
     return next(iter(difflib.get_close_matches(name, longer or names, n=1)), None)

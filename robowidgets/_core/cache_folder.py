@@ -1,4 +1,4 @@
-"""The folder for what is kept from one run to the next."""
+"""The folder for files that are kept from one run to the next."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ FOLDER = "ROBOWIDGETS_CACHE"
 
 
 def cache_folder() -> Path:
-    """Where it is kept: the folder that ``ROBOWIDGETS_CACHE`` names, else that of the system for such files."""
+    """Return the folder that ``ROBOWIDGETS_CACHE`` names, else the one in the system's cache folder."""
     if given := os.environ.get(FOLDER):
         return Path(given).expanduser().absolute()
     base = os.environ.get("LOCALAPPDATA" if os.name == "nt" else "XDG_CACHE_HOME")

@@ -29,9 +29,9 @@ _made: dict[str, tuple[str, WeakSet[Any]]] = {}
 
 
 def take_the_place(made: Closable) -> list[Any]:
-    """Register an object of the running cell, and close those of the cell's earlier runs; returns the closed ones.
+    """Register an object of the running cell, close the objects of the cell's earlier runs, and return the closed ones.
 
-    Does nothing when no cell runs, or when the notebook does not identify its cells.
+    Does nothing if no cell runs, or if the notebook does not identify its cells.
     """
     cell, run = running_cell()
     if not cell:
@@ -67,7 +67,7 @@ def on_failed_cell(call: Callable[[], None]) -> None:
 
 
 CellRun = tuple[str, str]
-"""The ids of a cell and of one of its runs; empty where the notebook sends none."""
+"""The ids of a cell and of one of its runs; empty if the notebook sends no ids."""
 
 _on_cell_error: list[Callable[[CellRun], Iterable[str]]] = []
 
@@ -92,8 +92,8 @@ _on_interrupt: list[Callable[[], None]] = []
 def on_interrupt(call: Callable[[], None]) -> None:
     """Call a function whenever the kernel is interrupted: in this cell, in a later one, and between cells.
 
-    The main thread calls it in a signal handler, so it must not wait. Does nothing outside a kernel; there an interrupt
-    ends the program, and the robot gets zero.
+    The main thread calls it in a signal handler, so it must not wait. Does nothing outside a kernel: an interrupt ends
+    the program then, and the robot gets zero.
     """
     shell = ipython_shell()
     if shell is None or not hasattr(shell, "kernel"):
@@ -114,7 +114,7 @@ def _interrupted() -> None:
 _listened: list[Any] = []
 """The shell whose cells are watched."""
 _shown: set[CellRun] = set()
-"""The run whose error is shown already: also that of a script, which does not end the cell."""
+"""The run whose error is already shown. The error of a script counts too, although it does not end the cell."""
 
 
 def _listen(shell: Any) -> None:
@@ -139,14 +139,14 @@ def _after_cell(result: Any) -> None:
     error = result.error_before_exec or result.error_in_exec
     if running_cell() in _shown or (error is not None and not _is_interrupt(error)):
         for line in _call_on_cell_error():
-            print(line)  # noqa: T201  # below the traceback, also where the program sends its log elsewhere
+            print(line)  # noqa: T201  # below the traceback, even if the program sends its log elsewhere
     _shown.clear()
 
 
 def _is_interrupt(error: BaseException | None) -> bool:
-    import asyncio  # Imported lazily: a guard may need none, and is to start soon.
+    import asyncio  # Imported lazily: a guard may not need it, and must start soon.
 
-    # The second ends a cell with ``await`` that is interrupted.
+    # CancelledError: an interrupt of a cell with ``await``.
     return isinstance(error, (KeyboardInterrupt, asyncio.CancelledError))
 
 
@@ -158,7 +158,7 @@ def _call_on_cell_error() -> list[str]:
 
 
 def _attempt(call: Callable[[], None]) -> None:
-    """Call it, and log its error: the other calls must follow, and then the user's own error or interrupt."""
+    """Call a function, and log its error: the other functions must follow, and then the user's error or interrupt."""
     try:
         call()
     except Exception as error:
@@ -166,7 +166,7 @@ def _attempt(call: Callable[[], None]) -> None:
 
 
 def close_all(widget: Any) -> None:
-    """Close a widget with everything in it; doing it again does nothing."""
+    """Close a widget with everything in it. Calling it again does nothing."""
     for inner in getattr(widget, "children", ()):
         close_all(inner)
     for own in (widget.layout, getattr(widget, "style", None)):
@@ -184,15 +184,15 @@ def running_cell() -> CellRun:
 class CellNote:
     """A line below a cell, once in each of its runs.
 
-    There is none where no cell makes the call, or where the notebook does not identify its cells: in scripts, and where
-    notebooks run without a person.
+    Nothing is printed if the call does not come from a cell, or if the notebook does not identify its cells: in
+    scripts, and in notebooks that run without a user.
     """
 
     def __init__(self) -> None:
         self._last: CellRun = ("", "")
 
     def print(self, line: Callable[[], str]) -> None:
-        """Print what a function returns, at the first call in this run."""
+        """Call a function and print the line that it returns, at the first call in this run."""
         run = running_cell()
         if not run[0] or run == self._last or not called_from_cell():
             return
@@ -201,11 +201,11 @@ class CellNote:
 
 
 def name_in_cells(value: Any, otherwise: str) -> str:
-    """The name by which the cells of the notebook know something; another text where they have none for it."""
+    """Return the name of a value in the cells of the notebook, or another text if it has no name."""
     names: dict[str, Any] = getattr(ipython_shell(), "user_ns", {})
     return next((name for name, known in list(names.items()) if known is value and name[0] != "_"), otherwise)
 
 
 def is_same_cell(one: CellRun, other: CellRun) -> bool:
-    """Whether two runs are of the same cell, as far as the notebook says."""
+    """Return True if two runs are known to be of the same cell."""
     return any(a == b != "" for a, b in zip(one, other, strict=True))

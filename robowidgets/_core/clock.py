@@ -20,21 +20,21 @@ log = logging.getLogger("robowidgets")
 T = TypeVar("T")
 
 Turn = Callable[[], "float | None"]
-"""Does what is due now. It returns the time of the next turn, or None to wait until it is woken; `Left` ends it."""
+"""Does the due work and returns the time of the next turn, or None to wait for a wake-up. `Detached` ends it."""
 
 
-class Left(BaseException):
-    """Raised in a turn whose owner has left it behind. User code never sees it."""
+class Detached(BaseException):
+    """Raised in a turn that its owner has detached. User code never sees it."""
 
 
 class Signal(Protocol):
-    """Wakes the one thread that waits for it. Setting it twice is setting it once."""
+    """Wakes the one thread that waits for it. Setting it twice has the effect of setting it once."""
 
     def set(self) -> None:
         """Wake the thread that waits, or the next one that would."""
 
     def wait_until(self, when: float | None) -> None:
-        """Wait until it is set, or until a time; None: for ever."""
+        """Wait until it is set, or until a time, or for ever if the time is None."""
 
 
 class ConditionVariable(Protocol):
@@ -44,51 +44,51 @@ class ConditionVariable(Protocol):
         """Wake all threads that wait."""
 
     def wait_until(self, when: float | None) -> bool:
-        """Wait for a notification; returns False if the time came first. None: for ever."""
+        """Wait for a notification, at most until a time unless it is None; return False if the time came first."""
 
 
 class Clock(Protocol):
-    """Seconds of a clock that is never set, and what waits by it.
+    """Seconds of a monotonic clock, and the waits that use it.
 
-    All times are absolute, so that a wait which begins late ends in time. A clock makes the things that wait, and is
-    told of the threads that use it, so that a clock moved by a test knows who is still at work.
+    All times are absolute, so that a wait which begins late ends in time. A clock makes the objects that wait, and
+    `began` reports the threads that use it. So a clock that a test moves knows which threads are still at work.
     """
 
     def now(self) -> float:
-        """The time in seconds."""
+        """Return the time in seconds."""
         ...
 
     def slept(self) -> float:
-        """The seconds for which the computer slept since it was started, while the time stood still."""
+        """Return the seconds for which the computer has slept since its start. `now` stands still meanwhile."""
         ...
 
     def sleep(self, seconds: float) -> None:
         """Return after some seconds."""
 
     def signal(self) -> Signal:
-        """A new signal that waits by this clock."""
+        """Return a new signal that waits by this clock."""
         ...
 
     def condition(self, lock: threading.RLock) -> ConditionVariable:
-        """A new condition of a lock that waits by this clock."""
+        """Return a new condition variable of a lock, which waits by this clock."""
         ...
 
     def began(self, thread: threading.Thread) -> None:
-        """Called with each thread that waits by this clock, before it starts."""
+        """Note a thread that waits by this clock, before it starts."""
 
     def run(self, main: Coroutine[Any, Any, T]) -> T:
-        """Run a coroutine in an event loop of its own, whose time is that of this clock."""
+        """Run a coroutine in an event loop of its own, which uses the time of this clock."""
         ...
 
 
 class Ticket(Protocol):
-    """Repeats one turn. Any thread may call its methods, and a signal handler: they take no lock."""
+    """Repeats one turn. Any thread and any signal handler may call its methods: they take no lock."""
 
     def wake(self) -> None:
-        """Have the turn done now."""
+        """Do the turn now."""
 
-    def leave(self) -> None:
-        """Have no further turn done. One that is under way is not waited for."""
+    def detach(self) -> None:
+        """Do no further turn, without waiting for a turn that is under way."""
 
 
 class Scheduler(Protocol):
@@ -97,15 +97,15 @@ class Scheduler(Protocol):
     clock: Clock
 
     def start(self, turn: Turn, name: str, *, runs_user_code: bool = False) -> Ticket:
-        """Do a turn now, and again whenever it is due or woken. A debugger holds those that run user code."""
+        """Do a turn now, and again whenever it is due or woken. A debugger suspends turns that run user code."""
         ...
 
     def call_at(self, when: float, function: Callable[[], object]) -> None:
-        """Call a function of ours, which must not wait, at a time."""
+        """Call a function of this package, which must not wait, at a time."""
 
 
 def _never_sleeps() -> int | None:
-    # On macOS this CLOCK_MONOTONIC goes on, but `time.monotonic` does not.
+    # On macOS CLOCK_MONOTONIC goes on while the computer sleeps, but `time.monotonic` does not.
     number: int = getattr(time, "CLOCK_BOOTTIME", getattr(time, "CLOCK_MONOTONIC", -1))
     with suppress(AttributeError, OSError):
         time.clock_gettime(number)
@@ -114,7 +114,7 @@ def _never_sleeps() -> int | None:
 
 
 _NEVER_SLEEPS = _never_sleeps()
-"""The number of the clock of the system that goes on while the computer sleeps; None: it has none."""
+"""The number of the system's clock that goes on while the computer sleeps, or None if it has no such clock."""
 
 
 class RealClock:
@@ -147,7 +147,7 @@ class RealClock:
 
 class _RealSignal:
     def __init__(self) -> None:
-        # A lock: half the cost of a Condition for callers.
+        # A lock costs callers half as much as a Condition.
         self._lock = threading.Lock()
         self._lock.acquire()
 
@@ -157,20 +157,20 @@ class _RealSignal:
                 self._lock.release()
 
     def wait_until(self, when: float | None) -> None:
-        self._lock.acquire(timeout=-1 if when is None else _left(when))
+        self._lock.acquire(timeout=-1 if when is None else _remaining(when))
 
 
 class _RealCondition(threading.Condition):
     def wait_until(self, when: float | None) -> bool:
-        return self.wait(None if when is None else _left(when))
+        return self.wait(None if when is None else _remaining(when))
 
 
-def _left(when: float) -> float:
+def _remaining(when: float) -> float:
     return min(max(0.0, when - time.monotonic()), threading.TIMEOUT_MAX)
 
 
 class _Worker(UserThread):
-    """The thread of one turn. A turn may call functions of a user, so it may be left behind."""
+    """The thread of one turn. A turn may call functions of a user, so it can be detached."""
 
     def __init__(self, clock: Clock, turn: Turn, name: str) -> None:
         super().__init__(self._repeat, name)
@@ -179,16 +179,16 @@ class _Worker(UserThread):
     def wake(self) -> None:
         self._signal.set()
 
-    def leave(self) -> None:
+    def detach(self) -> None:
         self.abandon()
         self.wake()
 
     def _repeat(self) -> None:
-        with suppress(Left):
+        with suppress(Detached):
             while not self.is_abandoned:
                 try:
                     when = self._turn()
-                except Exception:  # of ours: those of users are caught where their functions are called
+                except Exception:  # of this package: errors of users are caught at the calls of their functions
                     log.exception("robowidgets: error in %s", self.name)
                     when = None
                 if not self.is_abandoned and (when is None or when > self._clock.now()):
@@ -196,10 +196,10 @@ class _Worker(UserThread):
 
 
 class Threads:
-    """Each turn in a thread of its own, so that one that hangs holds up no other; all timers in one more thread.
+    """Runs each turn in a thread of its own, so that a turn that hangs delays no other; all timers in one more thread.
 
     Args:
-        clock: None: the clock of the computer.
+        clock: the clock of the computer by default.
     """
 
     def __init__(self, clock: Clock | None = None) -> None:
@@ -232,7 +232,7 @@ class Threads:
                 self._timer.wake()
 
     def _call_due(self) -> float | None:
-        """Call the function that is due, if there is one; returns when the next one is."""
+        """Call the function that is due, if any, and return the time of the next one."""
         with self._lock:
             if not self._timers or self._timers[0][0] > self.clock.now():
                 return self._timers[0][0] if self._timers else None

@@ -7,22 +7,22 @@ import threading
 from collections.abc import Callable
 
 from . import clock
-from .clock import Left, Scheduler
+from .clock import Detached, Scheduler
 
 log = logging.getLogger("robowidgets")
 
 
 class CoalescedCall:
-    """Runs a function in one thread at a time, without a lock, and once more after every request.
+    """Runs a function in one thread at a time, without a lock, and again after every request.
 
     A thread that calls it while another thread runs the function leaves a request and returns at once; the running
     thread then runs the function again. So no caller ever waits for another, and the last run sees the newest state.
 
     Args:
-        function: the function; an exception reaches the thread that runs it.
-        thread: the name of a thread for what takes long, or is code of a user: the function runs in the main thread if
-            that calls it, so that a cell sees its result, and else in a thread of this name, which ends with the run.
-            Empty: it runs in the thread that calls it.
+        function: the function. Its exceptions reach the thread that runs it.
+        thread: the name of a thread, for a function that takes long or runs code of a user. If the main thread calls
+            the function, it runs there, so that a cell sees its result; else in a thread of this name, which ends with
+            the run. If empty, the function runs in the thread that calls it.
         scheduler: starts that thread.
     """
 
@@ -32,18 +32,18 @@ class CoalescedCall:
         self._running = self._requested = False
 
     def __call__(self) -> None:
-        """Run the function now, or have the thread that is running it do so again."""
+        """Run the function now, or again in the thread that is running it."""
         if self._thread and threading.current_thread() is not threading.main_thread():
             self.later()
         else:
             self.here()
 
     def here(self) -> None:
-        """Run the function in the calling thread, which is one of the user: marimo runs cells in own threads."""
+        """Run the function in the calling thread, which is the user's: marimo runs cells in threads of their own."""
         self._request(self._run)
 
     def later(self) -> None:
-        """Run the function in its own thread, or have the thread that is running it do so again."""
+        """Run the function in a thread of its own, or again in the thread that is running it."""
         self._request(self._start)
 
     def _request(self, run: Callable[[], object]) -> None:
@@ -76,7 +76,7 @@ class CoalescedCall:
             if not isinstance(error, Exception):
                 raise
             log.exception("robowidgets: error in %s", self._thread)
-        raise Left
+        raise Detached
 
     def _take_request(self) -> bool:
         with self._lock:

@@ -1,4 +1,4 @@
-"""When the next large frame may go: once the page has drawn the last one, so that none queues on its way."""
+"""Flow control of large frames: the next one goes once the page has drawn the last one, so that they do not queue."""
 
 from __future__ import annotations
 
@@ -6,48 +6,48 @@ import threading
 from collections.abc import Callable
 
 LATE = 1.0
-"""Seconds after which a page that has not drawn a frame is not waited for if another one has. If none has, pages are
-asked, and again after twice as long each time."""
+"""Seconds for which a frame waits for a page that has not drawn the one before, if another page has. If no page has,
+the pages are asked, and again each time after twice as long."""
 
 LONGEST = 30.0
-"""Seconds of the longest pause between two questions."""
+"""The longest pause between two questions, in seconds."""
 
 BUDGET_BYTES = 4_000_000
-"""Bytes a second that are sent without answers. Any page draws as much."""
+"""Bytes a second that are sent without answers. Any page can draw that much."""
 
 BUDGET_INTERVAL = 0.1
-"""Seconds between two frames without answers, at least."""
+"""The shortest time between two frames without answers, in seconds."""
 
 _MOST_PAGES = 16
 
 
 class Credit:
-    """What pages have drawn of the frames of one widget, and so whether the next one may go.
+    """The frames of one widget that pages have drawn, which decide when the next one may go.
 
-    A page is known by its first answer. A frame goes when all known pages have drawn the one before. A page that is
+    A page is known once it has answered. A frame goes when all known pages have drawn the one before. A page that is
     slow, hidden or gone delays the others by a second, and is forgotten until it answers again. Before any page has
-    answered, one frame goes. While no answer can be heard, frames go within a budget.
+    answered, one frame goes. While answers cannot be received, frames go within a budget.
 
     Args:
         clock: the seconds of a monotonic clock.
-        is_busy: whether a cell is running, which keeps answers from being heard where no thread beside it does.
+        is_busy: returns True while a cell is running. Answers then arrive only if another thread receives them.
     """
 
     def __init__(self, clock: Callable[[], float], is_busy: Callable[[], bool]) -> None:
         self._clock, self._is_busy = clock, is_busy
         self._lock = threading.RLock()
         self._drawn: dict[str, float] = {}
-        """By page the number of the frame that it drew last."""
+        """The number of the last frame that each page drew."""
         self._sent = self._size = self._sent_at = 0.0
-        """Of the frame that was sent last: its number, its bytes and the time."""
+        """The number, the bytes and the time of the frame that was sent last."""
         self._is_free = True
-        """Whether no frame is on its way."""
+        """True while no frame is on its way."""
         self._pause = self._asks_at = 0.0
         self._is_beside: bool | None = None
-        """Whether answers are heard while a cell runs; None until one came."""
+        """True if answers are received while a cell runs, or None before the first answer."""
 
     def may_send(self) -> bool:
-        """Whether a frame may go now."""
+        """Return True if a frame may go now."""
         with self._lock:
             age = self._clock() - self._sent_at
             if not self._is_free and age >= LATE:
@@ -58,27 +58,27 @@ class Credit:
 
     @property
     def is_paced(self) -> bool:
-        """Whether no answer can be heard now, so that frames go within a budget."""
+        """True while answers cannot be received, so that frames go within a budget."""
         return not self._is_beside and self._is_busy()
 
     @property
     def says_paced(self) -> bool:
-        """Whether that is so because the notebook has no way for answers beside a cell, and not just for the moment."""
+        """True while `is_paced` holds because this notebook never delivers answers during a cell."""
         return self._is_beside is False and self._is_busy()
 
     @property
     def is_unheard(self) -> bool:
-        """Whether no page has ever answered."""
+        """True until a page has answered."""
         return self._is_beside is None
 
     @property
     def look_at(self) -> float:
-        """When to look again whether a frame may go."""
+        """The time at which to check again if a frame may go."""
         with self._lock:
             return self._sent_at + self._interval if self.is_paced else self._asks_at
 
     def asks(self) -> float | None:
-        """The number of the frame after which pages are to be asked now; None: they are not."""
+        """Return the number of the frame after which to ask the pages now, or None not to ask them."""
         with self._lock:
             now = self._clock()
             if self._is_free or self.is_paced or now < self._asks_at:
@@ -88,16 +88,16 @@ class Credit:
             return self._sent
 
     def sent(self, number: float, size: int) -> None:
-        """Note that a frame went out. Its number may be that of the one before, which it improves."""
+        """Note that a frame went out. A frame that improves the one before has the same number."""
         with self._lock:
             self._drawn = {page: min(drawn, number - 1) for page, drawn in self._drawn.items()}
             self._sent, self._size, self._sent_at, self._is_free = number, size, self._clock(), False
             self._pause, self._asks_at = LATE, self._sent_at + LATE
 
     def on_drawn(self, page: str, number: float, lacks: float | None = None) -> bool:
-        """Note which frame a page drew last; returns whether the next one may go.
+        """Note the frame that a page drew last; return True if the next one may go.
 
-        ``lacks`` is the number of the frame after which it was asked, if that has not come: it was lost on its way.
+        If the page was asked after a frame that never reached it, ``lacks`` is the number of this lost frame.
         """
         with self._lock:
             self._is_beside = threading.current_thread() is not threading.main_thread()

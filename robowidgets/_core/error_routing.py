@@ -1,4 +1,4 @@
-"""Telling calls from a cell, whose errors a person reads, from callbacks, whose errors nobody would see."""
+"""Detection of calls from a cell, whose errors the user sees; the errors of callbacks would get lost."""
 
 from __future__ import annotations
 
@@ -11,9 +11,9 @@ _CELLS = "IPython.core.interactiveshell"
 
 
 def ipython_shell() -> Any:
-    """The shell of IPython that runs cells; None elsewhere.
+    """Return the shell of IPython that runs cells, or None elsewhere.
 
-    What a host without cells has in its place, as Solara does, is none: each has other parts of it.
+    Hosts without cells, such as Solara, have substitutes for the shell, each with other parts of it. They do not count.
     """
     cells: Any = sys.modules.get(_CELLS)
     shell = cells and sys.modules["IPython"].get_ipython()
@@ -21,9 +21,10 @@ def ipython_shell() -> Any:
 
 
 def called_from_cell() -> bool:
-    """Whether a call comes from a cell; without cells, whether it comes from the main thread.
+    """Return True if a call comes from a cell or, outside notebooks, from the main thread.
 
-    In a notebook the main thread also runs the event loop, with tasks, timers and buttons between and beside the cells.
+    In a notebook the main thread also runs the event loop, with tasks, timers and buttons, between cells and while a
+    cell awaits.
     """
     if ipython_shell() is None:
         return threading.current_thread() is threading.main_thread()
@@ -31,7 +32,7 @@ def called_from_cell() -> bool:
 
 
 def cell_is_running() -> bool:
-    """Whether the main thread is running a cell; False while the cell awaits something."""
+    """Return True if the main thread is running a cell, and False while the cell awaits something."""
     return _is_in_a_cell(sys._current_frames().get(threading.main_thread().ident or 0))
 
 

@@ -16,7 +16,7 @@ from .watch import Watch
 
 
 class _Question:
-    """A sample that is to be judged, and the lamp for it, or None until it is judged."""
+    """A sample to judge, and its lamp, which is None until the sample is judged."""
 
     def __init__(self, watch: Watch, sample: Any, answered: Signal) -> None:
         self.watch, self.sample, self._answered = watch, sample, answered
@@ -35,8 +35,8 @@ class _Question:
 class FrameJudge:
     """Judges samples of a recording by watches, one at a time, in a thread of its own.
 
-    A condition that has not returned for a second is switched off, and its thread is left and ended. So whoever asks,
-    the thread that sends a recording to the page or a cell, gets an answer.
+    A condition that has not returned for a second is switched off, and its thread is detached and ended. So the caller,
+    a cell or the thread that sends a recording to the page, always gets an answer.
     """
 
     def __init__(self) -> None:
@@ -56,10 +56,10 @@ class FrameJudge:
         return question.wait()
 
     def close(self) -> None:
-        """End the thread; whoever waits gets the lamps as they are."""
+        """End the thread. Waiting callers get the lamps as they are."""
         with self._lock:
             self._is_closed = True
-            self._runner.leave()
+            self._runner.detach()
             questions = [*self._questions]
             self._questions.clear()
         for question in questions:
@@ -69,7 +69,7 @@ class FrameJudge:
         with self._lock:
             if not self._questions:
                 return None
-            question = self._questions[0]  # it stays there for the next thread if this one is left
+            question = self._questions[0]  # it stays queued for the next thread if this one is detached
         lamp, error, _ = call(question.watch.lamp_on, question.sample, of=question.watch)
         if error is not None:
             question.watch.switch_off(error_in(error))
@@ -83,5 +83,5 @@ class FrameJudge:
         late = self._runner.current
         if self._runner.is_late and isinstance(late, Watch):
             late.switch_off(f"has not returned for {RECORDED.late:g} s{self._runner.where(late.condition)}")
-            self._runner.leave()
+            self._runner.detach()
             self._runner.wake()

@@ -1,4 +1,4 @@
-"""Freezing widgets, alone or together: the page does it when a person asks for it, Python when a program does."""
+"""Freezing widgets, alone or in groups, from the page or from Python."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from .timed_frame import FRAME_HEADER
 from .traits import Flag, bytes_trait
 
 MOST_ABOUTS = 12_000
-"""Number of texts on samples that are kept: one for each sample that the page keeps."""
+"""The number of texts on samples that are kept: one for each sample that the page keeps."""
 
 
 class FreezableWidget(NamedWidget):
@@ -29,12 +29,12 @@ class FreezableWidget(NamedWidget):
     _meant: ClassVar[Mapping[str, str]] = {"freeze": "paused", "frozen": "paused"}
     _instead: ClassVar = {"freeze": "widget.paused = True", "frozen": "widget.paused = True"}
 
-    paused = Flag(False, help="Whether the picture is frozen. Python and the view write it.").tag(sync=True)
+    paused = Flag(False, help="True while the picture is frozen. Python and the view write it.").tag(sync=True)
 
     driven_by_player = False
     """True while a player in the page feeds this widget; Python then sends no frames."""
 
-    _together = traitlets.Unicode(help="Name of the group that is frozen and stepped together; empty: alone.").tag(
+    _together = traitlets.Unicode(help="Name of the group that is frozen and stepped together; empty without one.").tag(
         sync=True, echo_update=False
     )
     _frame = bytes_trait(echo_update=False)
@@ -55,11 +55,11 @@ class FreezableWidget(NamedWidget):
         raise NotImplementedError
 
     def join_group(self, name: str, group: weakref.WeakSet[FreezableWidget]) -> None:
-        """Be frozen, released and stepped with the widgets of a group from now on. See `freeze_together`."""
+        """Join a group, with which the widget is frozen, released and stepped. See `freeze_together`."""
         self._group, self._together = group, name
 
     def on_group(self) -> None:
-        """Called when all widgets of a new group are in it."""
+        """React to a new group; called once all its widgets have joined."""
 
     @traitlets.validate("paused")
     def _before_paused(self, proposal: Any) -> Any:
@@ -74,13 +74,13 @@ class FreezableWidget(NamedWidget):
             self._freeze()
         elif self._frozen_frame:
             self._frozen_frame = b""
-        # A page that freezes a widget freezes the others itself, at the moment that it shows.
+        # A page that freezes a widget also freezes the others, at the moment on show.
         if "paused" not in self._property_lock:
             for other in list(self._group):
                 other.paused = self.paused
 
     def _freeze(self) -> None:
-        """Keep the shown sample; when a person freezes the picture, the page does so itself."""
+        """Keep the shown sample. If the user freezes the picture in the page, the page has already kept it."""
         with self._send_lock:
             if not self._frozen_frame:
                 self._bring_up_to_date()
@@ -91,7 +91,7 @@ class FreezableWidget(NamedWidget):
         self._frozen_about = self._about_of(self._frozen_frame)
 
     def _about_of(self, frame: bytes) -> dict[str, Any]:
-        """The texts on the sample of a frame that was sent."""
+        """Return the texts on the sample of a frame that was sent."""
         if not frame or self.driven_by_player:
             return self._about
         number, *_ = FRAME_HEADER.unpack_from(frame)
@@ -99,10 +99,10 @@ class FreezableWidget(NamedWidget):
 
 
 def freeze_together(widgets: Iterable[GroupedWidget]) -> str:
-    """Freeze, release and step these widgets together from now on, in the page and in Python.
+    """Group widgets so that they are frozen, released and stepped together, in the page and in Python.
 
     Returns:
-        The name by which the page knows the group.
+        The name of the group in the page.
     """
     group = weakref.WeakSet(widgets)
     name = uuid4().hex

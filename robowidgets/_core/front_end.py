@@ -22,13 +22,13 @@ class Script(str):
 
 
 def bundle(name: str, folder: Path | None = None) -> tuple[Any, Any]:
-    """The built script and stylesheet of a widget, by its name, like "laser_widget", from a folder of such files.
+    """Return the built script and stylesheet of a widget by its name, such as "laser_widget".
 
     Returns:
-        Their texts; their paths, for hot reload, when ROBOWIDGETS_DEV is set.
+        Their texts or, for hot reload, their paths if ROBOWIDGETS_DEV is set.
 
     Raises:
-        ImportError: one is missing.
+        ImportError: a file is missing.
     """
     script, style = (built_file((folder or STATIC) / f"{name}.{kind}") for kind in ("js", "css"))
     if os.environ.get("ROBOWIDGETS_DEV"):
@@ -37,7 +37,7 @@ def bundle(name: str, folder: Path | None = None) -> tuple[Any, Any]:
 
 
 def built_file(path: Path) -> Path:
-    """The path of a file of the front end, which is there; ImportError says how to build a missing one."""
+    """Return the path of a file of the front end, or raise ImportError with how to build a missing one."""
     if not path.is_file():
         if path.parent != STATIC:
             raise ImportError(f"{path} is missing: `node build.mjs` in robowidgets/js builds it")
@@ -54,16 +54,17 @@ def _run_once() -> str:
 
 
 _with_front_end: dict[type, type] = {}
-"""By widget class, its subclass that has the front end as traits."""
+"""The subclass of each widget class that has the front end as traits."""
 
 
 class FrontEndWidget(anywidget.AnyWidget):
     """A widget whose script and stylesheet a page keeps once, for all of its kind."""
 
     def add_traits(self, **traits: Any) -> None:
-        """Give the widget the front end as traits, as anywidget does for every widget, but make the class only once.
+        """Give the widget the front end as traits, as anywidget does, but make the class only once.
 
-        The page keeps what Jupyter runs for each widget, so that is a small script, which runs the widget's own once.
+        The page keeps the script that Jupyter runs for each widget. So this is a small script, which runs the script of
+        the widget's class once.
         """
         plain = type(self)
         known = _with_front_end.get(plain)

@@ -1,4 +1,4 @@
-"""A sign of life for the page of a widget that has nothing new to show."""
+"""A sign of life that a widget sends to the page while it has nothing new to show."""
 
 from __future__ import annotations
 
@@ -15,15 +15,15 @@ from .pacer import pacer
 class BeatingWidget(NamedWidget):
     """A widget that sends a beat every second, if its class says so.
 
-    What moves only at times, such as a state machine that is paused, looks the same beside a kernel that is gone.
+    Without beats, a widget that seldom changes, such as a paused state machine, looks the same when the kernel is gone.
     """
 
     beats = False
-    """Whether it sends beats."""
+    """True if it sends beats."""
 
-    _beat = traitlets.Int(0, help="Number of beats; 0: it sends none.").tag(sync=True, echo_update=False)
+    _beat = traitlets.Int(0, help="Number of beats, or 0 if it sends none.").tag(sync=True, echo_update=False)
     _beat_at = 0.0
-    """The monotonic time of the next one."""
+    """The monotonic time of the next beat."""
 
     def __init__(self, **kwargs: Any) -> None:
         self._heart = _Heart(self)
@@ -35,7 +35,7 @@ class BeatingWidget(NamedWidget):
         pacer.forget(self._heart)
 
     def _due_beat(self) -> list[str]:
-        """The name of the trait if a beat is due, else nothing. Called at each send, with the lock of those."""
+        """Return the name of the trait if a beat is due, else nothing. Called at each send, with the send lock."""
         if not self.beats:
             return []
         now, names = time.monotonic(), []
@@ -48,12 +48,12 @@ class BeatingWidget(NamedWidget):
 
 
 class _Heart:
-    """Has the widget sent when a beat is due, beside the time that the widget may have with the pacer."""
+    """Sends the widget when a beat is due. The widget itself may be due at another time."""
 
     def __init__(self, widget: BeatingWidget) -> None:
         self._widget = widget
 
     def send_newest(self) -> int:
-        """The pacer calls it."""
+        """Mark the widget. The pacer calls this."""
         pacer.mark(self._widget)
         return 0

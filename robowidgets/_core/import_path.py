@@ -1,4 +1,4 @@
-"""Where another process of ours finds modules."""
+"""The import path of the processes that this package starts."""
 
 from __future__ import annotations
 
@@ -6,5 +6,5 @@ import sys
 
 
 def import_path() -> list[str]:
-    """The entries of `sys.path` that are text: Python passes over others, such as a `Path`."""
+    """Return the entries of `sys.path` that are text. Python ignores others, such as a `Path`."""
     return [str(entry) for entry in sys.path if isinstance(entry, str)]

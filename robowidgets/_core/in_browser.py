@@ -1,7 +1,7 @@
-"""What Python lacks in a browser, where it is WebAssembly: in Pyodide, and in JupyterLite, which is built on that.
+"""Substitutes for what Python lacks in a browser: in Pyodide, and in JupyterLite, which is built on it.
 
-`prepare` is called before anything else is imported. Nothing else in the package knows of browsers, but where something
-cannot be there and says so.
+`prepare` is called before anything else is imported. Other modules depend on the browser only to report what does not
+work in it.
 """
 
 from __future__ import annotations
@@ -22,10 +22,10 @@ from .stack_threads import StackThreads
 IN_BROWSER = sys.platform == "emscripten"
 
 LONG = 10.0
-"""Seconds for which a cell may compute without a wait before it is told that nothing can interrupt it."""
+"""Seconds for which a cell may compute without a wait before a note says that nothing can interrupt it."""
 
 _SAFE = 2**53
-"""The integers up to here are numbers of JavaScript; those beyond are of a type that does not mix with them."""
+"""The largest integer that is a number in JavaScript. Larger ones have a type that does not mix with numbers."""
 
 NO_SWITCHING = (
     "This browser cannot pause Python: it has no JavaScript Promise Integration for WebAssembly. Use a current Chrome, "
@@ -39,7 +39,7 @@ LONG_CELL = (
 )
 
 NO_NUMPY = (
-    "robowidgets needs NumPy, which this site has not. "
+    "robowidgets needs NumPy, which this site does not have. "
     "`make site ROBOWIDGETS_PYODIDE_NUMPY=pyodide` builds one that has it"
 )
 NO_RECORDINGS = (
@@ -54,7 +54,7 @@ NO_DATABASES = (
 
 
 def no_robot(what: str) -> str:
-    """Why robots cannot be reached from here, and what to do instead; empty where this is no browser."""
+    """Return why robots cannot be reached from a browser, and what to do instead; empty outside a browser."""
     if not IN_BROWSER:
         return ""
     return (
@@ -65,7 +65,7 @@ def no_robot(what: str) -> str:
 
 
 def prepare() -> StackThreads:
-    """Give this Python threads, and have it and the page mean the same by None and by numbers."""
+    """Give this Python threads, and make None and numbers mean the same in Python and in the page."""
     import js  # type: ignore[import-not-found,unused-ignore]
     import pyodide.ffi  # type: ignore[import-not-found,unused-ignore]
 
@@ -83,20 +83,20 @@ def prepare() -> StackThreads:
 
 
 def check_numpy() -> None:
-    """Say so where there is no NumPy, rather than Pyodide, whose advice is for a browser that reaches its packages.
+    """Raise an error with advice if NumPy is missing. Pyodide's advice needs a browser that reaches its packages.
 
     Raises:
-        ModuleNotFoundError: there is none, and what to do.
+        ModuleNotFoundError: NumPy is missing; the text says what to do.
     """
     if _is_absent("numpy"):
         raise ModuleNotFoundError(NO_NUMPY, name="numpy")
 
 
 def prepare_recordings() -> None:
-    """Import the readers of recordings, without the databases that they can read and Python in a browser cannot.
+    """Import the readers of recordings without their support for databases, which Python in a browser lacks.
 
     Raises:
-        ImportError: nothing unpacks recordings here, and what to do.
+        ImportError: recordings cannot be decompressed here; the text says what to do.
     """
     if _is_absent("lz4"):
         raise ImportError(NO_RECORDINGS)
@@ -112,7 +112,7 @@ def prepare_recordings() -> None:
 def _is_absent(name: str) -> bool:
     try:
         return find_spec(name) is None
-    except ModuleNotFoundError:  # Pyodide says so of what it has left out of Python
+    except ModuleNotFoundError:  # Pyodide raises it for modules that it has left out of Python
         return True
 
 
@@ -125,7 +125,7 @@ class _Pyodide:
 
 
 class _LongCell:
-    """Says once that a cell computes for long; again for the next one."""
+    """Prints a note once for each cell that computes for long."""
 
     def __init__(self) -> None:
         self._was = 0.0
@@ -136,7 +136,7 @@ class _LongCell:
             print(LONG_CELL.format(seconds=seconds), file=sys.stderr)  # noqa: T201
 
 
-# The modules of Python that are frozen, as `os` is, lie elsewhere than the others do.
+# Frozen modules of Python, such as `os`, are in another folder than the others.
 _LIBRARIES = (
     os.path.dirname(os.__file__),
     os.path.dirname(os.path.dirname(asyncio.__file__)),
@@ -147,14 +147,14 @@ _LIBRARIES = (
 
 
 def is_users(code: CodeType) -> bool:
-    """Whether code is of the user, in a cell or a file: neither Python's nor installed."""
+    """Return True if code is the user's, in a cell or a file, and not of Python or of an installed package."""
     return not code.co_filename.startswith(_LIBRARIES)
 
 
 def clamp_timers(loop: type[asyncio.AbstractEventLoop]) -> None:
-    """Have the event loop of Pyodide call at once what is due already, as that of Python does.
+    """Make the event loop of Pyodide call overdue functions at once, as the event loop of Python does.
 
-    It raises "Can't schedule in the past": so a time-out fails whose time is over before the loop knows of it.
+    By itself it raises "Can't schedule in the past", so a time-out that is over before it is scheduled fails.
     """
 
     def call_at(self: Any, when: float, callback: Any, *args: Any, context: Any = None) -> Any:
@@ -164,15 +164,15 @@ def clamp_timers(loop: type[asyncio.AbstractEventLoop]) -> None:
 
 
 def repair_comm(comm: Any, null: Any) -> None:
-    """Have the messages of a comm be what they are by way of JSON.
+    """Convert the messages of a comm as JSON would.
 
-    The kernel of JupyterLite passes objects, not JSON: None would be ``undefined`` for the page, whose scripts tell
-    that from null, and a null of the page another object than None. An integer beyond 2**53 would be one that cannot be
-    added to a number.
+    The kernel of JupyterLite passes objects, not JSON. None would become ``undefined`` in the page, where scripts
+    distinguish it from null, and a null of the page would not become None. An integer beyond 2**53 would become a type
+    that cannot be added to a number.
 
     Args:
         comm: the class of comms of the kernel.
-        null: what Python has for the page's null.
+        null: the object that stands for the page's null in Python.
     """
     publish, handle = comm.publish_msg, comm.handle_msg
 
@@ -190,7 +190,7 @@ def repair_comm(comm: Any, null: Any) -> None:
 
 
 def to_page(value: Any, null: Any) -> Any:
-    """A value as JSON has it: with null for None, and numbers that JavaScript can add."""
+    """Convert a value for the page: null for None, and numbers that JavaScript can add."""
     if value is None:
         return null
     if isinstance(value, dict):
@@ -203,7 +203,7 @@ def to_page(value: Any, null: Any) -> Any:
 
 
 def from_page(value: Any, null: Any) -> Any:
-    """A value of the page with None for its null."""
+    """Convert a value from the page: None for null."""
     if value is null:
         return None
     if isinstance(value, dict):

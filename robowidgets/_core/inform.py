@@ -1,4 +1,4 @@
-"""Telling a person what happened, where it is no fault."""
+"""Notes to the user on events that are not errors."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ log = logging.getLogger("robowidgets")
 
 
 def inform(text: str) -> None:
-    """Print a text in a notebook, where all that is logged looks like an error, and log it elsewhere."""
+    """Print a text in a notebook, which shows each log line like an error; log it elsewhere."""
     if ipython_shell() is not None and not log.isEnabledFor(logging.INFO):
         print(text)  # noqa: T201
     else:

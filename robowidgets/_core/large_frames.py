@@ -18,25 +18,25 @@ from .traits import Flag
 S = TypeVar("S")
 
 MOST_KEPT, MOST_KEPT_BYTES = 600, 64_000_000
-"""Samples whose frames were made last, and about their bytes, which the page may ask for and step back to."""
+"""The number and the approximate bytes of the last samples, which the page may request and step back to."""
 
 _NO_ANSWERS = "fewer pictures while a cell runs: this notebook does not say before its end what the page has drawn"
 
 
 class LargeFrameWidget(RobotWidget[S]):
-    """A widget that sends a frame when the page has drawn the one before; what came meanwhile is dropped.
+    """A widget that sends a frame when the page has drawn the one before, and drops the samples in between.
 
-    A subclass packs frames as every `RobotWidget` does, says how large its samples are (`_size_of`), and draws them in
-    the page with a `Credit` of ``shared/credit.ts``. It gets its own messages of the page in `_on_message`. See
-    `Credit` for what goes when. The page may get less of a sample than there is, so the last samples are kept here.
+    A subclass packs frames as every `RobotWidget` does, returns the size of a sample in `_size_of`, and draws frames in
+    the page with a `Credit` of ``shared/credit.ts``. It gets its own messages from the page in `_on_message`. See
+    `Credit` for the order of frames. The page may get a sample in less detail, so the last samples are kept here.
     """
 
-    _answers = Flag(True, help="Whether Python waits for the page to say what it has drawn.").tag(sync=True)
+    _answers = Flag(True, help="True if Python waits for the page to report the frames it has drawn.").tag(sync=True)
 
     def __init__(self, **kwargs: Any) -> None:
         self._credit = Credit(scheduler.clock.now, cell_is_running)
         self._kept: OrderedDict[float, S] = OrderedDict()
-        """The samples of the last frames, by the numbers of these."""
+        """The samples of the last frames, by the numbers of the frames."""
         self._look = _Look(self)
         self._pace = ""
         super().__init__(**kwargs)
@@ -58,7 +58,7 @@ class LargeFrameWidget(RobotWidget[S]):
         super().follow_player()
 
     def send_newest(self) -> int:
-        """See `PacedWidget`. What waits for the page anyway takes nothing of the budget that others wait for."""
+        """See `PacedWidget`. Frames that wait for the page count nothing against the budget of all widgets."""
         size = super().send_newest()
         return size if self._credit.is_paced else 0
 
@@ -85,15 +85,15 @@ class LargeFrameWidget(RobotWidget[S]):
             kept.popitem(last=False)
 
     def _size_of(self, sample: S) -> int:
-        """The bytes of a sample, about."""
+        """Return the approximate size of a sample in bytes."""
         raise NotImplementedError
 
-    def _unpack(self, frame: bytes) -> S | None:  # type: ignore[override]  # it may be gone
+    def _unpack(self, frame: bytes) -> S | None:  # type: ignore[override]  # the sample may be dropped
         number, *_ = FRAME_HEADER.unpack_from(frame)
         return self._kept.get(number)
 
     def look_again(self) -> None:
-        """Send what is held back if it may go by now, or ask pages what they have drawn. The pacer calls it."""
+        """Send a frame that was held back if it may go now, or ask pages what they have drawn. The pacer calls this."""
         asked_after = self._credit.asks()
         if asked_after is not None and self.comm is not None:
             self.send({"asks": asked_after})
@@ -117,17 +117,17 @@ class LargeFrameWidget(RobotWidget[S]):
             pacer.mark(self)
 
     def _on_message(self, content: dict[str, Any]) -> None:
-        """Handle a message of the page that is of the subclass."""
+        """Handle a message of the page for the subclass."""
 
 
 class _Look:
-    """Has the pacer look whether a frame may go by now, beside the time that the widget may have with the pacer."""
+    """Lets the pacer check if a frame may go. The widget itself may be due at another time."""
 
     def __init__(self, widget: LargeFrameWidget[Any]) -> None:
         self._widget = widget
 
     def send_newest(self) -> int:
-        """The pacer calls it."""
+        """Check the widget. The pacer calls this."""
         self._widget.look_again()
         return 0
 

@@ -1,4 +1,4 @@
-"""Traits for limits around zero, as speeds have them."""
+"""Traits for limits around zero, such as limits of speeds."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ Pair = tuple[float, float]
 
 
 def is_past(value: float, limits: Pair | None) -> bool:
-    """Whether a value lies outside its limits by more than rounding (1e-6); False for NaN, and without limits."""
+    """Return True if a value lies outside its limits by more than rounding (1e-6). NaN is never outside."""
     if limits is None:
         return False
     low, high = limits
@@ -32,19 +32,19 @@ def _slack(limit: float) -> float:
 
 
 def unit_of(axis: str) -> str:
-    """The unit of an axis of `AXES`: m/s or rad/s."""
+    """Return the unit of an axis of `AXES`: m/s or rad/s."""
     return "m/s" if axis.startswith("linear") else "rad/s"
 
 
 class Limits(traitlets.TraitType[Any, Any]):
-    """A pair (min, max) of floats with min <= 0 <= max and min < max; one number stands for both sides; None: none."""
+    """A pair (min, max) of floats with min <= 0 <= max and min < max, one number for both, or None without limits."""
 
     def __init__(self, default: Pair, unit: str, **more: Any) -> None:
         super().__init__(default, allow_none=True, **more)
         self.unit = unit
 
     def validate(self, _obj: Any, value: Any) -> Pair | None:
-        """The pair, or None; TraitError says what is wrong with it."""
+        """Return the pair, or None. Raise TraitError for other values."""
         return None if value is None else _to_pair(str(self.name), value, self.unit)
 
 
@@ -55,7 +55,7 @@ class AxisLimits(traitlets.TraitType[Any, Any]):
         super().__init__(MappingProxyType({}), **more)
 
     def validate(self, _obj: Any, value: Any) -> Mapping[str, Pair]:
-        """The pairs by axis; TraitError says what is wrong with them."""
+        """Return the pairs by axis. Raise TraitError for other values."""
         if not isinstance(value, Mapping):
             raise traitlets.TraitError(
                 f"{self.name}: expected a dictionary of limits by axis, like {{'linear.x': (-0.2, 0.5)}}; got {value!r}"
@@ -97,7 +97,7 @@ def _to_pair(name: str, value: Any, unit: str) -> Pair:
 
 
 def _numbers(value: Any) -> list[float] | None:
-    """The floats in a number or a sequence of numbers; None when it holds something else."""
+    """Return the floats in a number or a sequence of numbers, or None if it holds something else."""
     try:
         values = [value] if isinstance(value, Real) else list(value)
         if any(isinstance(v, bool) or not isinstance(v, Real) for v in values):

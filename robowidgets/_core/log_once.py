@@ -11,7 +11,7 @@ from typing import Any
 log = logging.getLogger("robowidgets")
 
 MOST_LOGGED = 50
-"""Different texts that one logger writes; a faulty source must not fill the log."""
+"""The number of different texts that one logger writes. A faulty source must not fill the log."""
 
 
 class LogOnce:
@@ -41,7 +41,7 @@ def log_in_thread(text: str, error: BaseException | None = None) -> None:
 
 
 def call_in_thread(write: Callable[[], object]) -> None:
-    """Call what writes a line, and may hang, in a thread of its own."""
+    """Call a function that writes a line, and may hang, in a thread of its own."""
     try:
         threading.Thread(target=write, name="robowidgets-log", daemon=True).start()
     except RuntimeError:  # Python 3.12 starts no thread at the end of the process

@@ -14,7 +14,7 @@ S = TypeVar("S")
 
 
 class Shot(NamedTuple):
-    """What a widget has to show at one time: its sample with the texts on it. Each has a higher version."""
+    """The state of a widget at one time: its sample with the texts on it. Each new one has a higher version."""
 
     version: int
     sequence: int
@@ -24,12 +24,12 @@ class Shot(NamedTuple):
 
 
 class NewestSample(Generic[S]):
-    """The newest sample of a widget, with the texts on it that are known.
+    """The newest sample of a widget, with the known texts on it.
 
-    Any thread may store one at any rate. Who reads several attributes holds `lock`.
+    Any thread may store a sample at any rate. Hold `lock` to read several attributes.
 
     Attributes:
-        waiters: the threads that wait for another one.
+        waiters: the threads that wait for another sample.
     """
 
     def __init__(self) -> None:
@@ -39,16 +39,16 @@ class NewestSample(Generic[S]):
         self.sequence = 0
         """The number of samples so far."""
         self.replaced = 0
-        """The number of messages that came, and were left out for a newer one."""
+        """The number of messages that were skipped for a newer one."""
         self.version = 1
-        """Of what there is to judge; each sample, and each improvement of one, has a higher one."""
+        """The version to judge. Each sample, and each improvement of a sample, has a higher one."""
         self.arrived = 0.0
-        """When the sample came, by the monotonic clock."""
+        """The time at which the sample came, by the monotonic clock."""
         self.changed = False
-        """Whether there is more to show than was packed last."""
+        """True if there is something newer than what was packed last."""
         self.meter = RateMeter()
         self.on_new: Callable[[], object] | None = None
-        """Called with the lock when there is another version to judge."""
+        """Called with the lock for each new version to judge."""
         self.make_locks()
 
     def make_locks(self) -> None:
@@ -67,20 +67,20 @@ class NewestSample(Generic[S]):
             self.renew()
 
     def count_replaced(self, count: int) -> None:
-        """Count messages for the rate that were left out for a newer one; not before the first sample."""
+        """Count messages that were skipped for a newer one, for the rate; not before the first sample."""
         with self.lock:
             if self.sequence:
                 self.replaced += count
 
     def renew(self) -> None:
-        """Have the sample judged again, and wake the threads that wait. Called with the lock."""
+        """Get the sample judged again, and wake the threads that wait. Called with the lock."""
         self.version += 1
         if self.on_new:
             self.on_new()
         self.waiters.wake()
 
     def is_new(self) -> bool:
-        """Whether the calling thread has not taken this sample yet."""
+        """Return True if the calling thread has not taken this sample yet."""
         return self.sequence > getattr(self._taken, "sequence", 0)
 
     def take(self) -> None:
@@ -94,10 +94,10 @@ class NewestSample(Generic[S]):
 
     @property
     def rate(self) -> float:
-        """Messages per second over the last seconds in which some came, left out or not; NaN while it is unknown."""
+        """Messages per second over the last seconds with messages, including skipped ones. NaN while it is unknown."""
         with self.lock:
             return self.meter.rate(self.sequence + self.replaced, self.arrived)
 
     def shot(self) -> Shot:
-        """What there is to show. Called with the lock."""
+        """Return the sample to show, with its texts. Called with the lock."""
         return Shot(self.version, self.sequence, self.arrived, self.sample, self.about)

@@ -1,4 +1,4 @@
-"""Functions of a user that a robot waits for, and that may not ask for input."""
+"""Functions of the user that a robot waits for, which must not ask for input."""
 
 from __future__ import annotations
 
@@ -14,10 +14,10 @@ _NO_INPUT = "input() cannot ask while a robot waits: write the value into the co
 
 @contextmanager
 def without_input() -> Iterator[None]:
-    """Let `input` and `getpass` raise in this thread.
+    """Make `input` and `getpass` raise in this thread.
 
-    They would wait for the page, which would wait with the next cell. IPython puts its own functions into these places
-    at each cell, so they are put there for the time of a call only.
+    They would wait for the page, which would not run the next cell meanwhile. IPython replaces both functions at each
+    cell, so this replaces them only during a call.
     """
     thread = threading.get_ident()
     with _asking:
@@ -36,7 +36,7 @@ def without_input() -> Iterator[None]:
 
 
 class _Refusing:
-    """Stands in for a function that asks the user: raises in the threads of answers, and asks in all others."""
+    """Replaces a function that asks the user: raises in the threads in `_refusing`, and asks in all others."""
 
     def __init__(self, inner: Any) -> None:
         self.inner = inner
@@ -49,5 +49,5 @@ class _Refusing:
 
 _ASKING = ((builtins, "input"), (getpass, "getpass"))
 _refusing: set[int] = set()
-"""The threads of answers."""
+"""The identifiers of the threads that must not ask."""
 _asking = threading.Lock()

@@ -1,4 +1,4 @@
-"""The base of objects whose changes other code wants to know."""
+"""The base of objects that other code observes for changes."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ class Observed:
             self._observers.remove(on_change)
 
     def _call_observers(self) -> None:
-        """Call them; without a lock held, because an observer may take any. An error of one is logged."""
+        """Call the observers, and log their errors. Called without a lock, because an observer may take any lock."""
         for on_change in list(self._observers):
             _call(on_change)
 
@@ -33,5 +33,5 @@ class Observed:
 def _call(on_change: Callable[[], None]) -> None:
     try:
         on_change()
-    except Exception:  # it may not end a thread that sends speeds
+    except Exception:  # it must not end a thread that sends speeds
         log.exception("a change could not be shown")

@@ -1,4 +1,4 @@
-"""Files that are written whole or not at all."""
+"""Output files, which are written completely or not at all."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ from typing import BinaryIO
 
 
 def checked_output(call: str, path: str | os.PathLike[str], suffixes: Collection[str]) -> Path:
-    """The absolute path of a file that can be written; ``call`` is the method's name, for the errors.
+    """Return the absolute path of a file that can be written; ``call`` is the method's name, for the errors.
 
     Raises:
-        TypeError: no path. ValueError: a name that does not end in one of ``suffixes``. OSError: a missing folder, or
-            one that is not writable.
+        TypeError: it is not a path. ValueError: the name does not end in one of ``suffixes``. OSError: the folder is
+            missing or not writable.
     """
     if not isinstance(path, (str, os.PathLike)):
         raise TypeError(f"{call}(): expected the path of a file, got {path!r}")
@@ -34,13 +34,13 @@ def checked_output(call: str, path: str | os.PathLike[str], suffixes: Collection
 
 @contextmanager
 def whole_file(path: Path) -> Iterator[BinaryIO]:
-    """A file that appears under its name when it is complete, and replaces an existing one.
+    """Open a file that appears under its name once it is complete, and then replaces an existing file.
 
-    Until then it lies beside that name and ends in ``.part``. After an error nothing of it is left. What a process that
-    was killed left of an earlier attempt is removed.
+    Until then it has a name that ends in ``.part``, in the same folder. After an error, the part is removed. So are
+    parts that a killed process left of earlier attempts.
 
     Raises:
-        OSError: it cannot be written, for example because the disk is full.
+        OSError: the file cannot be written, for example because the disk is full.
     """
     for left in _left_behind(path):
         with suppress(PermissionError):  # of another user, or, on Windows, still written to
@@ -57,20 +57,20 @@ def whole_file(path: Path) -> Iterator[BinaryIO]:
 
 
 def _left_behind(path: Path) -> list[Path]:
-    """The parts of a file whose processes run no more; on Windows, which removes no open file, all parts."""
+    """Return the parts of a file whose processes have ended; on Windows, which removes no open file, all parts."""
     name = re.compile(re.escape(path.name) + r"\.(\d+)\.part")
     found = ((name.fullmatch(entry.name), entry) for entry in path.parent.iterdir())
     return [entry for match, entry in found if match and not _runs(int(match[1]))]
 
 
 def _runs(process: int) -> bool:
-    """Whether there is a process of this number; False on Windows, where signal 0 is Ctrl-C for all in the console."""
+    """Return True if a process of this number runs; False on Windows, where signal 0 is Ctrl-C for the console."""
     if sys.platform == "win32":
         return False
     try:
         os.kill(process, 0)
     except ProcessLookupError:
         return False
-    except (OSError, OverflowError):  # of another user, or no number of a process
+    except (OSError, OverflowError):  # of another user, or not a number of a process
         return True
     return True

@@ -45,10 +45,10 @@ class PacedWidget(BeatingWidget, FreezableWidget):
     def __init__(self, **kwargs: Any) -> None:
         self._process = os.getpid()
         self._sent: tuple[bytes, dict[str, Any]] = (b"", {})
-        """`_frame` and `_about` as they were sent last; only the pacer sends them."""
+        """The `_frame` and the `_about` that were sent last. Only the pacer sends them."""
         self._sent_frames = SentFrames()
         self._unsent: set[str] = set()
-        """Names of the traits that were set since."""
+        """Names of the traits that were set since the last send."""
         self._resync_at = time.monotonic() + RESYNC_S
         self.make_locks()
         _made.add(self)
@@ -60,7 +60,7 @@ class PacedWidget(BeatingWidget, FreezableWidget):
         self._send_lock = threading.RLock()
 
     def follow_player(self) -> None:
-        """Have a player in the page say what is on show: that is of no moment of now, and needs no kernel."""
+        """Follow a player in the page, which feeds this widget. It then shows a recorded time, and needs no kernel."""
         with self._send_lock:
             self.driven_by_player, self._beat = True, 0
             self._trait_values["history"] = 0  # without observers, because its player holds a lock
@@ -119,14 +119,14 @@ class PacedWidget(BeatingWidget, FreezableWidget):
             return len(frame) if "_frame" in keys else 0
 
     def _may_send_frame(self) -> bool:
-        """Whether the newest frame may go now. Called with the lock of the sends."""
+        """Return True if the newest frame may go now. Called with the send lock."""
         return True
 
     def _before_frame(self, frame: bytes) -> None:
-        """Note that a frame goes to the page now, which may answer it at once. Called with the lock of the sends."""
+        """Note that a frame goes to the page now, which may answer at once. Called with the send lock."""
 
     def sent_frames(self) -> list[TimedFrame]:
-        """The frames of its history, oldest first; the last one is that of the newest sample."""
+        """Return the frames of its history, oldest first, up to the frame of the newest sample."""
         with self._send_lock:
             self._bring_up_to_date()
             newest = TimedFrame(self._newest.arrived, self._about, self._frame)
@@ -134,7 +134,7 @@ class PacedWidget(BeatingWidget, FreezableWidget):
         return [*kept, newest] if newest.frame else kept
 
     def send_state(self, key: str | Iterable[str] | None = None) -> None:
-        """Send traits to the page with the next sample; without names, when a page requests all of them, at once."""
+        """Send traits to the page with the next sample, or all of them at once if a page requests them (no names)."""
         if key is None or self.comm is None:
             super().send_state(key)
             return

@@ -1,4 +1,4 @@
-"""Pacing what is sent to the page: the newest state wins, and all widgets of the process share one budget."""
+"""Pacing of the messages to the page: the newest state wins, and all widgets of the process share one budget."""
 
 from __future__ import annotations
 
@@ -16,23 +16,24 @@ from .platform_fixes import let_threads_print, shorten_switch_interval
 log = logging.getLogger("robowidgets")
 
 INTERVAL = 1 / 75
-"""Seconds between two messages of one widget: a little less than between two frames of a display, so that each frame
-has a new and recent one, whatever their phase."""
+"""Seconds between two messages of one widget: slightly less than the time between two frames of a display, so that each
+frame shows a new and recent message at any phase."""
 
 MESSAGES_PER_SECOND = 240
-"""Of all widgets together. JupyterLab's server drops messages beyond 1000 in 3 s on a connection, prints included."""
+"""Limit of all widgets together. JupyterLab's server drops messages beyond 1000 in 3 s on a connection, including
+prints."""
 
 BYTES_PER_SECOND = 20_000_000
-"""Of all widgets together. A page processes no more."""
+"""Limit of all widgets together. A page cannot process more."""
 
 REST = INTERVAL / 4
-"""Shortest time in seconds from the end of a send to the next send of the same widget, even after a late one."""
+"""Shortest time in seconds from the end of a send, even a late one, to the next send of the same widget."""
 
 FIRST_PAUSE = 1.0
 """Seconds from a send that failed, or was interrupted, to the next attempt. Each further failure doubles the pause."""
 
 LONGEST_PAUSE = 30.0
-"""Seconds of the longest pause between two attempts."""
+"""The longest pause between two attempts, in seconds."""
 
 BURST = 0.05
 """Seconds of budget that may be spent at once after a pause."""
@@ -42,7 +43,7 @@ PATIENCE = 1.0
 
 
 class Sender(Protocol):
-    """A widget, which the pacer calls. It may have `send_interval`, seconds, in place of `INTERVAL`."""
+    """A widget, which the pacer calls. It may have a `send_interval` in seconds, which replaces `INTERVAL`."""
 
     def send_newest(self) -> int:
         """Send the newest state to the page; returns the number of bytes sent."""
@@ -57,7 +58,7 @@ class _Failure(NamedTuple):
 
 
 class Pacer:
-    """Calls `send_newest` of each marked sender, as soon as the pace allows, from a thread of its own.
+    """Calls `send_newest` of each marked sender as soon as the pace allows, from a thread of its own.
 
     Marking only stores and never waits for a send, so any thread may mark at any rate. The queue holds marked senders,
     not their states, and the last state of each sender is always sent in the end.
@@ -81,7 +82,7 @@ class Pacer:
         self._timers: dict[Sender, float] = {}
         self._held: set[Sender] = set()
         self.is_flushing = False
-        """Whether what is sent now is the last of a cell, or of the process."""
+        """True while the last state of a cell, or of the process, is sent."""
         self._free_at = 0.0
         self._thread: Ticket | None = None
 
@@ -103,7 +104,7 @@ class Pacer:
             self._wake()
 
     def hold(self, sender: Sender) -> None:
-        """Note that a sender has held back what it has to send: `flush` asks it once more."""
+        """Note that a sender has held something back: `flush` asks it once more."""
         with self._lock:
             self._held.add(sender)
 
@@ -117,7 +118,7 @@ class Pacer:
                 numbers.pop(id(sender), None)
 
     def flush(self) -> None:
-        """Send everything that is marked now, in the caller's thread, after waiting for the send that is under way.
+        """Send everything that is marked now in the caller's thread, after a send that is under way.
 
         If that send hangs, nothing is sent.
         """
@@ -126,7 +127,7 @@ class Pacer:
             if self._turn.acquire(timeout=PATIENCE):
                 self._flush()
         finally:
-            # An interrupt comes after a call alone, so it cannot come before this one.
+            # An interrupt comes only after a call, so it cannot come before this one.
             try:  # noqa: SIM105  # `suppress` would be such a call
                 self._turn.release()
             except RuntimeError:  # this thread did not get it
@@ -166,7 +167,7 @@ class Pacer:
                 shell.events.register("post_execute", self.flush)
 
     def _send_due(self) -> float | None:
-        """A turn of the thread; returns the time of the next one."""
+        """Do a turn of the thread, and return the time of the next one."""
         try:
             wait = self._send_one()
         except BaseException:  # a SystemExit ends this thread; the next mark starts another
@@ -179,8 +180,8 @@ class Pacer:
         return self._clock() + wait
 
     def _send_one(self) -> float | None:
-        """Send for one due sender and return 0; else the seconds until one is due, None when nothing is marked."""
-        # Holding `_turn` for both steps: whoever acquires it knows that no send is under way.
+        """Send for one due sender and return 0, or the seconds until one is due, or None if nothing is marked."""
+        # `_turn` is held for both steps, so no send is under way once another thread acquires it.
         with self._turn:
             with self._lock:
                 sender, wait = self._next()
@@ -189,7 +190,7 @@ class Pacer:
         return wait
 
     def _next(self) -> tuple[Sender | None, float | None]:
-        """Take the sender that has been due for longest, if the budget allows; else the seconds until it does."""
+        """Take the sender that has been due for longest if the budget allows, else return the seconds until it does."""
         now = self._clock()
         if self._timers:
             for sender in [s for s, when in self._timers.items() if when <= now]:
@@ -225,7 +226,7 @@ class Pacer:
                 self._free_at = max(self._free_at, now - BURST) + max(1 / MESSAGES_PER_SECOND, size / BYTES_PER_SECOND)
 
     def _on_failure(self, sender: Sender, error: Exception) -> float:
-        """Log the error, unless the last failure was the same and recent; returns the pause before the next attempt."""
+        """Log the error unless the last one was the same and recent, and return the pause before the next attempt."""
         now, text = self._clock(), f"{type(error).__name__}: {error}"
         last = self._failures.get(id(sender), _Failure("", now, 0.0))
         # Consecutive failures are at most one pause and the wait for the budget apart. The time decides, not a success

@@ -1,11 +1,11 @@
-"""Fixes for Python, Linux and other packages: each changes or bypasses something that is not ours.
+"""Fixes for Python, Linux and other packages: each changes or bypasses code from outside this package.
 
 Each function is one fix, and its docstring says what is wrong, what the fix does and what happens without it. Its last
 lines name the versions that need it, with the issue or the code upstream. `tests/unit/test_platform_fixes.py` shows for
 each of these lines that an installed version goes wrong without the fix: that test fails when a version is cured.
 
-With ``ROBOWIDGETS_PLATFORM_FIXES=off`` in the environment of the kernel no fix does anything: to find out whether one
-causes a problem.
+With ``ROBOWIDGETS_PLATFORM_FIXES=off`` in the environment of the kernel all fixes are off. Use it to find out if one of
+them causes a problem.
 """
 
 from __future__ import annotations
@@ -41,11 +41,11 @@ _pads = itertools.cycle([" " * width for width in range(63, -1, -1)])
 
 
 def shorten_switch_interval() -> None:
-    """Let our threads get the interpreter lock (GIL) soon, for the whole process.
+    """Shorten the wait for the interpreter lock (GIL), for the whole process.
 
-    By default a thread waits 5 ms before it asks for the lock, and that wait begins anew each time the lock changes
-    hands. A loop that reads a file or prints every millisecond so starves all other threads, and the page stands still.
-    The fix sets 0.1 ms, unless the program has set an interval itself.
+    By default a thread waits 5 ms before it asks for the lock, and that wait restarts each time the lock changes hands.
+    So a loop that reads a file or prints every millisecond starves all other threads, and the page stands still. The
+    fix sets 0.1 ms, unless the program has set an interval itself.
 
     Needed for Python >=3.10: https://bugs.python.org/issue7946
     """
@@ -54,7 +54,7 @@ def shorten_switch_interval() -> None:
 
 
 def message_padding() -> dict[str, str]:
-    """An extra field for a message to the page, which makes each message shorter than the one before.
+    """Return an extra field for a message to the page, so that successive messages differ in length.
 
     Jupyter's server leaves Nagle's algorithm on, so it holds a small message back until the previous one is
     acknowledged. Linux takes messages of equal length for full segments and delays their acknowledgement by 40 ms. So
@@ -66,10 +66,11 @@ def message_padding() -> dict[str, str]:
 
 
 def run_beside_debugger(thread: Any) -> None:
-    """Let a thread run while a debugger holds the program. Called before the thread starts.
+    """Keep a thread running while a debugger suspends the program. Called before the thread starts.
 
-    At a breakpoint debugpy, which JupyterLab and VS Code use, suspends all threads, and with them the one that would
-    send zero. The fix marks a thread as ipykernel marks its own. Without it, a robot drives on meanwhile.
+    At a breakpoint debugpy, which JupyterLab and VS Code use, suspends all threads, including the one that would send
+    zero. The fix marks a thread as ipykernel marks its own threads. Without the fix, a robot drives on during a
+    breakpoint.
 
     Needed for debugpy >=1.6: https://github.com/microsoft/debugpy/issues/547
     """
@@ -78,14 +79,14 @@ def run_beside_debugger(thread: Any) -> None:
 
 
 def route_by_message(comm: Any, only: str | None = None) -> None:
-    """Have a widget's comm handle messages of the page beside a running cell, so that Stop does not wait for the cell.
+    """Make a widget's comm handle messages of the page during a running cell, so that Stop does not wait for the cell.
 
-    JupyterLab has a subshell for widgets, a thread beside the main one, and names it in each message. ipykernel 7.1 to
+    JupyterLab has a subshell for widgets, a thread next to the main one, and names it in each message. ipykernel 7.1 to
     7.3 handle the message there. ipykernel 7.4 handles it in the shell from which the widget last sent something. That
     is nearly always the main one, where the message waits for the end of the cell. The fix makes one comm use the name
-    in the message instead; its handlers must be safe in any thread. ipykernel 6 has no subshells. ``only`` is the key
-    of the messages for which that is done; others, and changes of traits, which functions of the user may observe, stay
-    where ipykernel handles them.
+    in the message instead; its handlers must be safe in any thread. ipykernel 6 has no subshells. ``only`` restricts
+    the fix to messages with this key. ipykernel routes other messages, and changes of traits, which functions of the
+    user may observe.
 
     Needed for ipykernel >=7.4: https://github.com/ipython/ipykernel/blob/main/ipykernel/comm/comm.py
     """
@@ -103,10 +104,10 @@ def route_by_message(comm: Any, only: str | None = None) -> None:
 def call_on_interrupt(call: Callable[[], None]) -> None:
     """Call a function as soon as the running cell is interrupted, before the interrupt is raised.
 
-    IPython's own event comes after the traceback was made, and not at all where the cell catches the interrupt: a robot
-    would drive on meanwhile. A cell with ``await`` may even go on to its end. ipykernel sets a SIGINT handler anew for
-    each cell, Python's or, for a cell with ``await``, one of its own. So each cell must call this. A handler of the
-    program stays. Without the fix, only the event is left.
+    IPython's own event comes after the traceback was made, and not at all if the cell catches the interrupt. A robot
+    would drive on meanwhile. A cell with ``await`` may even go on to its end. ipykernel sets a SIGINT handler again for
+    each cell: Python's or, for a cell with ``await``, one of its own. So each cell must call this. A handler that the
+    program has set stays. Without the fix, only the event is left.
 
     Needed for ipython >=8: https://github.com/ipython/ipython/blob/main/IPython/core/events.py
     Needed for ipykernel >=6: https://github.com/ipython/ipykernel/issues/328
@@ -125,8 +126,8 @@ def call_on_interrupt(call: Callable[[], None]) -> None:
 def call_before_traceback(shell: Any, call: Callable[[], None]) -> None:
     """Call a function as soon as the running cell has raised, before IPython shows the traceback.
 
-    IPython's own event comes after that, which may take seconds, and not at all for a script that ``%run`` runs: a
-    robot would drive on meanwhile. Without the fix, only the event is left.
+    IPython's own event comes after the traceback, which may take seconds, and not at all for a script that ``%run``
+    runs. A robot would drive on meanwhile. Without the fix, only the event is left.
 
     Needed for ipython >=8: https://github.com/ipython/ipython/blob/main/IPython/core/interactiveshell.py
     """
@@ -141,11 +142,11 @@ def call_before_traceback(shell: Any, call: Callable[[], None]) -> None:
 
 
 def call_on_idle_interrupt(kernel: Any, call: Callable[[], None]) -> None:
-    """Call a function when a kernel is interrupted that runs no cell.
+    """Call a function when a kernel is interrupted between cells.
 
-    Between cells ipykernel ignores SIGINT. But a program goes on driving between cells, and who interrupts the kernel
-    then wants it to stop. ipykernel restores the handler of before each cell after it; the fix replaces what it
-    restores. Without the fix, only Stop and a running cell's interrupt stop a program.
+    Between cells ipykernel ignores SIGINT. But a program goes on driving between cells, and an interrupt then is meant
+    to stop it. After each cell, ipykernel restores the handler from before the cell; the fix replaces that handler.
+    Without the fix, only Stop and the interrupt of a running cell stop a program.
 
     Needed for ipykernel >=6: https://github.com/ipython/ipykernel/pull/49
     """
@@ -160,12 +161,12 @@ def call_on_idle_interrupt(kernel: Any, call: Callable[[], None]) -> None:
 def call_before_end(call: Callable[[], object]) -> None:
     """Call a function before a signal, or ipykernel, ends the process without running its exit handlers.
 
-    SIGTERM comes from ``kill``, from a container or a service that is stopped, SIGHUP from a terminal that is closed. A
-    kernel whose server is gone ends itself by ``os._exit``. In each case a robot would drive on. The function is called
-    in a thread of its own, because the main thread may hold a lock that the function needs; then the process ends as it
-    would have. Where rclpy handles SIGTERM, it does not end: rclpy shuts down, and the program ends itself. The main
-    thread notices a signal only between two steps of Python. A handler of the program stays. Without the fix, only a
-    process that ends in an orderly way calls the function.
+    SIGTERM comes from ``kill`` or from a container or a service that is stopped, SIGHUP from a terminal that is closed.
+    A kernel whose server is gone ends itself by ``os._exit``. In each case a robot would drive on. The function is
+    called in a thread of its own, because the main thread may hold a lock that the function needs. Then the process
+    ends as it would have. If rclpy handles SIGTERM, the process does not end: rclpy shuts down, and the program ends
+    itself. The main thread notices a signal only between two steps of Python. A handler that the program has set stays.
+    Without the fix, the function is called only if the process ends normally.
 
     Needed for Python >=3.10: https://docs.python.org/3/library/atexit.html
     Needed for ipykernel >=6: https://github.com/ipython/ipykernel/blob/main/ipykernel/parentpoller.py
@@ -205,12 +206,12 @@ def call_before_end(call: Callable[[], object]) -> None:
 
 
 def let_threads_print() -> None:
-    """Let any thread print and log in ipykernel 6.29 to 7.0, where that may hang for ever.
+    """Keep prints and logs of threads from hanging for ever in ipykernel 6.29 to 7.0.
 
-    To find the cell that a printed text belongs to, ipykernel notes which thread started which, by their identifiers.
-    Python uses the identifier of an ended thread again, so the notes may form a circle, and ipykernel follows it
-    without end. The fix drops the notes on an ended thread when its identifier is used again. Without the fix, a thread
-    that prints or logs may hang, and so does each thread that logs after it.
+    To find the cell of a printed text, ipykernel notes the starter of each thread, by their identifiers. Python uses
+    the identifier of an ended thread again, so the notes may form a circle, and ipykernel follows it without end. The
+    fix drops the notes on an ended thread when its identifier is used again. Without the fix, a thread that prints or
+    logs may hang, and so does each thread that logs after it.
 
     Needed for ipykernel >=6.29,<7.1: https://github.com/ipython/ipykernel/issues/1269
     """
@@ -222,11 +223,11 @@ def let_threads_print() -> None:
 
 
 def capture_prints(take: Callable[[str], bool]) -> None:
-    """Pass what the calling thread prints to a function; it returns whether nothing else is to show it.
+    """Pass the prints of the calling thread to a function, which returns True to keep them from ``sys.stdout``.
 
-    ``sys.stdout`` belongs to the process: Python has no other output for one thread. The fix puts a stream in its place
-    that looks at the thread. IPython and pytest replace ``sys.stdout`` at any time; so this looks again each time that
-    it is called. Without the fix, a program's page does not show its prints.
+    ``sys.stdout`` belongs to the process: Python has no separate output for a thread. The fix replaces it by a stream
+    that checks the thread. IPython and pytest may replace ``sys.stdout`` at any time, so each call checks it again.
+    Without the fix, a program's page does not show its prints.
 
     Needed for Python >=3.10: https://docs.python.org/3/library/contextlib.html#contextlib.redirect_stdout
     """
@@ -239,9 +240,9 @@ def capture_prints(take: Callable[[str], bool]) -> None:
 
 
 def release_prints() -> None:
-    """Undo `capture_prints` for the calling thread, and for those that have ended.
+    """Undo `capture_prints` for the calling thread, and for threads that have ended.
 
-    After the last one, ``sys.stdout`` is what it was.
+    After the last one, ``sys.stdout`` is restored.
     """
     with _printing:
         _takes.pop(threading.current_thread(), None)
@@ -252,7 +253,7 @@ def release_prints() -> None:
 
 
 class _Router:
-    """Stands in for ``sys.stdout``: passes on what is printed, and shows it to what takes the prints of the thread."""
+    """Replaces ``sys.stdout``: passes prints on, except those that the thread's function takes."""
 
     def __init__(self, inner: Any) -> None:
         self.inner = inner
@@ -278,23 +279,23 @@ def _router_of(stream: Any) -> _Router:
 
 
 _takes: dict[threading.Thread, Callable[[str], bool]] = {}
-"""By thread: what takes its prints."""
+"""The functions that take prints, by thread."""
 _routers: deque[_Router] = deque(maxlen=50)
-"""The last that were made, one for each stream. They stay, because ``print`` may hold no reference to ``sys.stdout``
-while it writes there: one that went away meanwhile, when the last program ended, would take the process with it."""
+"""The last routers, one for each stream. They are kept, because ``print`` may not hold a reference to ``sys.stdout``
+while it writes: a router that is freed meanwhile, at the end of the last program, would crash the process."""
 _printing = threading.Lock()
 
 
 def change_tracebacks(change: Callable[[BaseException, TracebackType | None], _Changed]) -> None:
-    """Have IPython, if it is running, show each traceback as a context manager gives it.
+    """Make IPython, if it is running, show each traceback as a context manager returns it.
 
-    IPython asks only errors of other classes than Python's own how they are shown, and always shows the last frame,
-    even one that is marked as hidden. The fix wraps what makes the traceback. Without it, a wrong argument is shown
-    with the lines of robowidgets and traitlets that found it.
+    IPython lets an error render itself only if its class is not one of Python's, and always shows the last frame, even
+    if it is marked as hidden. The fix wraps the function that makes the traceback. Without the fix, the traceback of a
+    wrong argument includes the lines of robowidgets and traitlets that found it.
 
     Needed for ipython >=8: https://github.com/ipython/ipython/issues/12565
     """
-    shows = getattr(ipython_shell(), "InteractiveTB", None)  # a nicety, which a shell may do without
+    shows = getattr(ipython_shell(), "InteractiveTB", None)  # optional: some shells have none
     if not ENABLED or shows is None:
         return
     whole = shows.structured_traceback
@@ -310,10 +311,10 @@ def change_tracebacks(change: Callable[[BaseException, TracebackType | None], _C
 
 
 def share_class(widget: Any, made: type) -> bool:
-    """Give a widget the class, with further traits, that another of its class was given; returns whether it was done.
+    """Give a widget the class with further traits that was made for another one of its class; return True if done.
 
-    anywidget adds the front end to each widget as traits, for which traitlets makes a class of its own each time. That
-    doubles the time of making a widget. Without the fix, each has its own.
+    anywidget adds the front end to each widget as traits, for which traitlets makes a new class each time. That doubles
+    the time to make a widget. Without the fix, each widget has its own class.
 
     Needed for traitlets >=5: https://github.com/ipython/traitlets/issues/500
     Needed for anywidget >=0.11: https://github.com/manzt/anywidget/blob/main/anywidget/widget.py
@@ -324,7 +325,7 @@ def share_class(widget: Any, made: type) -> bool:
 
 
 class _ThreadParents(dict[int, int]):
-    """By the identifier of a thread, that of the thread which started it. It has no circles."""
+    """The identifier of the thread that started a thread, by the identifier of the latter. It has no circles."""
 
     def __setitem__(self, thread: int, parent: int) -> None:
         for child, starter in list(self.items()):
@@ -334,10 +335,10 @@ class _ThreadParents(dict[int, int]):
 
 
 def _rclpy_that_handles(number: int) -> Any:
-    """The module `rclpy.signals`, if it calls its handler of a signal installed; else None.
+    """Return the module `rclpy.signals` if it reports its handler of a signal as installed, else None.
 
-    That handler is in C, and Python does not know of it. It calls the one before it, unless that is the default, and
-    shuts down the contexts of rclpy; it does not end the process.
+    That handler is in C, and invisible to Python. It calls the previous handler, unless that is the default, and shuts
+    down the contexts of rclpy. It does not end the process.
     """
     signals: Any = sys.modules.get("rclpy.signals")
     if signals is None:
@@ -349,10 +350,10 @@ def _rclpy_that_handles(number: int) -> Any:
 
 
 def _set_below_rclpy(number: int, handler: Callable[[int, Any], None]) -> bool:
-    """Set a handler of a signal; that of rclpy, where there is one, calls it then, and `rclpy.shutdown` leaves it.
+    """Set a handler of a signal. If rclpy has a handler, it then calls this one, which outlives `rclpy.shutdown`.
 
     Returns:
-        False if rclpy takes its handler for installed, though the program has replaced it.
+        False if rclpy reports its handler as installed although the program has replaced it.
     """
     rclpy = _rclpy_that_handles(number)
     options = rclpy and rclpy.get_current_signal_handlers_options()
@@ -366,10 +367,10 @@ def _set_below_rclpy(number: int, handler: Callable[[int, Any], None]) -> bool:
 
 
 def acknowledge_at_once(sock: socket.socket) -> None:
-    """Have Linux acknowledge what a socket has received, now.
+    """Make Linux acknowledge the received bytes of a socket at once.
 
-    The Foxglove SDK's server leaves Nagle's algorithm on: it sends no more until its last message is acknowledged, and
-    Linux delays that by up to 40 ms. The option lasts for one acknowledgement only, so each delivery calls this.
+    The Foxglove SDK's server leaves Nagle's algorithm on: it sends nothing more until its last message is acknowledged,
+    and Linux delays that by up to 40 ms. The option lasts for one acknowledgement only, so each delivery calls this.
 
     Needed for foxglove-sdk >=0.10: https://github.com/foxglove/foxglove-sdk/blob/main/rust/foxglove/src/websocket/server.rs
     """
@@ -380,16 +381,15 @@ def acknowledge_at_once(sock: socket.socket) -> None:
 def skip_large_messages(
     connection: Any, largest: int, on_skipped: Callable[[bytes, int], object], on_part: Callable[[], object]
 ) -> None:
-    """Skip the messages of a websocket that are larger than a limit, and report the start and the size of each.
+    """Skip messages of a websocket that are larger than a limit, and report the start and the size of each.
 
-    tornado closes the connection at such a message, and does not tell what it was. The fix wraps the methods by which
-    the protocol of one connection reads bytes and takes a message. Without the fix, a topic of large messages ends each
-    new connection.
+    tornado closes the connection at such a message, and does not report what it was. The fix wraps the methods of one
+    connection that read bytes and take a message. Without the fix, a topic of large messages ends each new connection.
 
     Needed for tornado >=6.5: https://github.com/tornadoweb/tornado/issues/1377
 
     Args:
-        connection: the connection of tornado.
+        connection: the tornado connection.
         largest: the limit in bytes.
         on_skipped: called with the first bytes and the size of a message that is skipped.
         on_part: called after each part of a large message: the other side still sends.
@@ -447,7 +447,7 @@ async def close_when_connected(connecting: asyncio.Future[Any], seconds: float) 
         return
     import asyncio
 
-    with contextlib.suppress(Exception):  # whatever keeps it from connecting; there is nothing to close then
+    with contextlib.suppress(Exception):  # it did not connect, so there is nothing to close
         connection: Any = await asyncio.wait_for(connecting, seconds)
         stream = connection.protocol.stream
         connection.close()
@@ -455,10 +455,10 @@ async def close_when_connected(connecting: asyncio.Future[Any], seconds: float) 
 
 
 def bound_decompression() -> None:
-    """Let rosbags decompress a chunk into no more bytes than it claims, or than a chunk may have.
+    """Bound the decompressed size of a chunk in rosbags by the size that it claims, and by `MAX_CHUNK`.
 
-    By itself rosbags decompresses for as long as there is memory, so a hostile file of some kilobytes ends the kernel.
-    The fix replaces the functions in its tables of decompressors; a chunk that is larger, or damaged, raises.
+    By itself rosbags decompresses until the memory is full, so a hostile file of some kilobytes ends the kernel. The
+    fix replaces the functions in its tables of decompressors: a chunk that is larger, or damaged, raises an error.
 
     Needed for rosbags >=0.11.9: https://gitlab.com/ternaris/rosbags/-/blob/master/src/rosbags/rosbag1/reader.py
     """

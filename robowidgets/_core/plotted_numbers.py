@@ -1,4 +1,4 @@
-"""The numbers that a program plots on a widget, each on the time of a sample."""
+"""The numbers that a program plots on a widget, each at the time of a sample."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ MOST_NUMBERS = 8
 
 
 class _Number(NamedTuple):
-    """A number, and how many samples there were when it was given."""
+    """A number, and the number of samples at the time it was given."""
 
     value: float
     sequence: int
@@ -27,7 +27,7 @@ class PlottedNumbers:
         return name in self._newest
 
     def put(self, name: str, value: float, sequence: int) -> None:
-        """Take a number on the time of the newest sample.
+        """Store a number at the time of the newest sample.
 
         Raises:
             ValueError: there are too many names.
@@ -41,9 +41,9 @@ class PlottedNumbers:
         del self._newest[name]
 
     def on(self, sequence: int) -> dict[str, dict[str, float | None]]:
-        """The text on a sample: the numbers that were given since the one shown before; None for the others.
+        """Return the text on a sample: the numbers given since the sample shown before, and None for the others.
 
-        A number may be given after its sample was shown. Without names there is no text.
+        A number may be given after its sample was shown. Without names the text is empty.
         """
         if not self._newest:
             return {}

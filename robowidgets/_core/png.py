@@ -21,7 +21,8 @@ from .output_file import checked_output, whole_file
 log = logging.getLogger("robowidgets")
 
 PATIENCE = 10.0
-"""Seconds without an answer after which no page seems to show the widget; not counted while a cell runs."""
+"""Seconds without an answer after which saving fails because no page seems to show the widget. Time in a running cell
+does not count."""
 
 _URL = "data:image/png;base64,"
 
@@ -52,13 +53,13 @@ class DrawnWidget(Protocol):
     comm: Any
 
     def check_open(self, call: str) -> None:
-        """RuntimeError, which begins with the call, if it is closed."""
+        """Raise RuntimeError, which begins with the call, if the widget is closed."""
 
     def send(self, content: dict[str, Any]) -> None:
         """Send a message to the pages that show it."""
 
     def on_msg(self, callback: Callable[[Any, dict[str, Any], Any], None]) -> None:
-        """Have a function called with each message of a page."""
+        """Call a function with each message of a page."""
 
 
 class Png:
@@ -66,8 +67,8 @@ class Png:
 
     Args:
         widget: the widget.
-        show_error: shows on it what went wrong; empty removes the text.
-        catch_up: sends the state that the page does not show yet; None: there is none.
+        show_error: shows an error on the widget, or removes it if the text is empty.
+        catch_up: sends the state that the page does not show yet, if there is such a state.
     """
 
     def __init__(
@@ -112,7 +113,7 @@ class Png:
             self._fail(path, written, error)
         else:
             self._show_error("")
-            if not written.done():  # else it was given up before
+            if not written.done():  # else it has failed before
                 written.set_result(path)
 
     def _wait(self) -> None:
@@ -128,7 +129,7 @@ class Png:
             self._wait()
             return
         for path, written in list(self._asked.values()):
-            if written.done():  # a page has said why
+            if written.done():  # a page has reported an error
                 continue
             error = (
                 f"no page that shows this widget has answered for {PATIENCE:g} s; have it in view and call save_png() "
@@ -145,7 +146,7 @@ class Png:
 
 
 def _write(target: Path, url: str) -> None:
-    """Write the picture of a data URL into a file, all of it or nothing."""
+    """Write the picture of a data URL into a file, completely or not at all."""
     if not url.startswith(_URL):
         raise OSError(f"the page could not draw the picture; it answered {url[:40]!r}")
     with whole_file(target) as file:

@@ -15,10 +15,10 @@ SHOWN_AFTER = 1.0
 
 
 _BETWEEN = 0.5
-"""Seconds between two pictures of a bar, at least: where it goes to a log, each is a line."""
+"""The shortest time in seconds between two updates of a bar. In a log, each update is a line."""
 
 _SCALED_FROM = 10_000
-"""Counts of which only the first digits are shown."""
+"""The smallest count that is shown by its first digits only."""
 
 _hidden: ContextVar[bool] = ContextVar("hidden", default=False)
 
@@ -36,8 +36,8 @@ def without_bars() -> Iterator[None]:
 class Progress:
     """A context manager that makes a tqdm bar once its block has run for a second, and removes the bar at the end.
 
-    A bar in a notebook is ten widgets, which ipywidgets keeps until they are closed. Most steps are short, so they need
-    neither these nor the time to import tqdm.
+    A bar in a notebook consists of ten widgets, which ipywidgets keeps until they are closed. Most steps are short:
+    they need neither these widgets nor the time to import tqdm.
     """
 
     def __init__(self, total: int | None, what: str, unit: str = " messages") -> None:
@@ -49,7 +49,7 @@ class Progress:
         self._bar: Any = None
 
     def update(self, count: int, note: str = "") -> None:
-        """Add to the number that is done, with a note beside it."""
+        """Add to the number of finished items, with a note next to it."""
         self._done += count
         taken = time.monotonic() - self._began
         if self._bar is not None:

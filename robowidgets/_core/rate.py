@@ -11,30 +11,31 @@ WINDOW = 3.0
 """Seconds over which the rate is measured."""
 
 SHORTEST = 0.25
-"""Seconds of arrivals that a rate needs at least: a loop over a recording has no rate."""
+"""The fewest seconds of arrivals for a rate. A loop over a recording has no rate."""
 
 
 USUAL_S, LEAST_S, SAG_S = 60, 10, 3
-"""Seconds: over which the usual rate is found, for at least how many, and for how many a rate has sagged."""
+"""The seconds over which the usual rate is found, the fewest seconds for it, and the seconds after which a low rate
+counts as sagged."""
 
 
 class RateMeter:
-    """Measures the rate of a counter over the last seconds. Times are of one monotonic clock."""
+    """Measures the rate of a counter over the last seconds. All times are of one monotonic clock."""
 
     def __init__(self) -> None:
         self._marks: deque[tuple[float, int]] = deque()
         self._rates: deque[float] = deque(maxlen=USUAL_S)
-        """The rate in each of the last seconds in which something arrived."""
+        """The rate in each of the last seconds with arrivals."""
         self._noted = float("-inf")
 
     def rate(self, count: int, last: float) -> float:
-        """Arrivals per second, up to the last one; NaN while it is unknown.
+        """Return the arrivals per second up to the last one, or NaN while the rate is unknown.
 
-        Call it regularly: it sees the counter only then.
+        Call this regularly: the counter is read only during a call.
 
         Args:
             count: the number of arrivals so far.
-            last: the time of the last one, in seconds.
+            last: the time of the last arrival, in seconds.
         """
         if not count:
             return float("nan")
@@ -53,11 +54,11 @@ class RateMeter:
 
     @property
     def usual(self) -> float:
-        """The rate that three quarters of the last minute stayed below; NaN before there are ten seconds of it."""
+        """The upper quartile of the rate in the last minute; NaN before there are ten seconds of it."""
         rates = sorted(self._rates)
         return rates[3 * len(rates) // 4] if len(rates) >= LEAST_S else float("nan")
 
     @property
     def has_sagged(self) -> bool:
-        """Whether the rate has been below half of the usual one for three seconds."""
+        """True while the rate has been below half of the usual one for three seconds."""
         return bool(self._rates) and 2 * max(list(self._rates)[-SAG_S:]) < self.usual

@@ -8,7 +8,7 @@ from typing import Any
 
 
 def renamed(module: str, name: str, new: Mapping[str, type]) -> Any:
-    """For the `__getattr__` of a module: the class that had a name before, with a warning that says its new one.
+    """Return the class that had a name before, for the `__getattr__` of a module; warn with its new name.
 
     Raises:
         AttributeError: no class had this name.

@@ -25,13 +25,13 @@ from .watch import Watch
 from .watching import Hooks, Watches
 
 PATIENCE = 2.0
-"""Seconds after which a thread that waits is told that what it waits for is missing, if that is known."""
+"""Seconds after which a waiting thread logs why no sample comes, if the reason is known."""
 
 PAGES = "robowidgets.export.widget_page"
-"""Makes the pages. Named as entry points do: it lies in a layer above the widgets."""
+"""The module that makes pages, by name: it lies in a layer above the widgets."""
 
 NO_TEXTS: dict[str, Any] = {}
-"""No texts on a sample; never changed."""
+"""No texts on a sample. Never changed."""
 
 S = TypeVar("S")
 
@@ -42,48 +42,48 @@ class RobotWidget(PacedWidget, Generic[S]):
     Subclasses pack samples to bytes and back, and pass new ones to `_show`. The calling thread only stores a sample,
     and the pacer packs and sends it, so any thread may update a widget at any rate.
 
-    What it is made of, from the page to here; each class is a module beside this one:
+    Its parts, from the page to here; each class has a module in this folder:
 
     - `FrontEndWidget`: the script and the stylesheet, which a page keeps once.
     - `NamedWidget`: `title` and `header`, the errors for unknown names, `close`, the repr.
-    - `BeatingWidget`: a sign of life every second, where a class asks for it.
+    - `BeatingWidget`: a sign of life every second, if a class wants it.
     - `FreezableWidget`: `paused`, the frozen frame with its texts, and the group that is frozen together.
-    - `PacedWidget`: `history`, and what is sent when: the newest frame and the traits that were set, by the pacer.
-    - this class: the newest sample, what is packed of it and said of it, `wait`, the source, errors, `to_html`.
+    - `PacedWidget`: `history`, and the sending of the newest frame and of changed traits by the pacer.
+    - this class: the newest sample, its frame and texts, `wait`, the source, errors, `to_html`.
 
-    And what it has: ``_newest``, a `NewestSample`, for which threads wait; ``_watches``, the `Watches` behind `watch`;
+    It also has ``_newest``, a `NewestSample`, for which threads wait; ``_watches``, the `Watches` behind `watch`; and
     ``_png``, the `Png` behind `save_png`.
     """
 
-    footer = Flag(True, help="Whether counts stand below the picture.").tag(sync=True)
+    footer = Flag(True, help="True to show counts below the picture.").tag(sync=True)
 
     has_rate = True
-    """Whether samples come as they are measured, at a rate; False for samples that are picked from a recording."""
+    """True if samples come as they are measured, at a rate; False if they are picked from a recording."""
 
     goes_stale = True
-    """Whether a sample says nothing any more once the source is silent."""
+    """True if a sample is no longer valid once the source is silent."""
 
     packs_now = False
-    """Whether a frame tells what is known when it is packed, not a sample."""
+    """True if a frame shows the state when it is packed, and not a sample."""
 
     sample_name = "sample"
-    """What programs call one sample: ``"scan"``."""
+    """The name of one sample in programs, such as ``"scan"``."""
 
     judges_frames = False
-    """Whether a player shows the verdicts on each sample of this widget."""
+    """True if a player shows the verdicts on each sample of this widget."""
 
     column = "narrow"
     """The column in which it stands in a view with several widgets: ``"wide"``, ``"narrow"`` or ``"map"``."""
 
     frame_traits: tuple[str, ...] = ()
-    """Names of the traits on which its frames depend, besides the sample."""
+    """Names of the traits on which its frames depend, in addition to the sample."""
 
-    _edition = traitlets.Int(0, help="How often a program has changed what a player shows with each sample.")
+    _edition = traitlets.Int(0, help="Number of changes by a program to what a player shows with each sample.")
     _source = traitlets.Dict(
-        help="From a feed: robot, topic, type, status, error of a function, as plain text; whether the connection is "
-        "lost."
+        help="From a feed: robot, topic, type, status and the error of a function, as plain text; and lost, True if "
+        "the connection is."
     ).tag(sync=True, echo_update=False)
-    _silence = traitlets.Float(0.0, help="Seconds; how old the newest sample is in a state that a page asks for.").tag(
+    _silence = traitlets.Float(0.0, help="Seconds; the age of the newest sample in a state that a page requests.").tag(
         sync=True
     )
 
@@ -96,23 +96,23 @@ class RobotWidget(PacedWidget, Generic[S]):
         self._png = Png(self, self._set_png_error, self.send_newest)
         super().__init__(**kwargs)
 
-    # -- what a person uses --------------------------------------------------------------------------------------------
+    # -- for the user --------------------------------------------------------------------------------------------------
 
     def wait(self, timeout: float | None = None) -> Any:
-        """The next sample, frozen or not, so that a loop never acts on an old one.
+        """Wait for the next sample and return it, so that a loop never acts on an old one.
 
-        A thread never gets the same sample twice. It gets the newest one at once if it has not had it, and if that is
-        no older than the default time-out; else the call waits. A speed widget returns the measured speed. In the
-        player of a recording the call returns the shown sample at once. Any thread may wait, except the one that
-        updates the widget.
+        A thread never gets the same sample twice. It gets the newest one at once if that is new to the thread and not
+        older than the default time-out. Freezing the picture makes no difference. A speed widget returns the measured
+        speed. In the player of a recording the call returns the shown sample at once. Any thread may wait, except the
+        one that updates the widget.
 
         Args:
-            timeout: seconds to wait, 0 or more. None: three periods of the source, at least 1 s and at most 10 s; 10 s
-                for a source without a rate, which has just begun or sends events.
+            timeout: seconds to wait, 0 or more. By default three periods of the source, but at least 1 s and at most 10
+                s; 10 s for a source without a rate, which has just started or sends events.
 
         Raises:
-            TimeoutError: none came; the text gives the age of the last one and the reason, if it is known.
-            TypeError: the timeout is no number. ValueError: it is not finite, or below 0.
+            TimeoutError: no sample came. The text gives the age of the last one and the reason, if it is known.
+            TypeError: the timeout is not a number. ValueError: it is not finite, or below 0.
         """
         limit = self._longest_silence()
         seconds = limit if timeout is None else not_negative("timeout", timeout, "seconds")
@@ -146,25 +146,26 @@ class RobotWidget(PacedWidget, Generic[S]):
     def watch(self, condition: Any, name: Any = None) -> Any:
         """Judge a condition on each sample, ``watch(condition, name)``; or plot a number, ``watch(name, value)``.
 
-        What comes first decides. A condition gets a lamp below the picture, a name gets a line there with its numbers
-        of the last ten seconds. Conditions are judged in a thread of their own, on the newest sample. What raises is
-        switched off, and the lamp says why. The changes are kept, and a program may wait for it: see `Watch`.
+        The first argument decides. A condition gets a lamp below the picture. A name gets a line below the picture,
+        with its numbers of the last ten seconds. Conditions are judged in a thread of their own, on the newest sample.
+        A condition that raises an error is switched off, and the lamp shows why. Changes are kept, and a program may
+        wait for them: see `Watch`.
 
         Args:
             condition: a function of one sample that returns True or False, or None for unknown; or one of
-                `robowidgets.conditions` that looks at samples of this widget. Or, for a number, its name.
-            name: of the lamp, plain text. A watch of the same name is replaced. None: the name of the function, or the
-                text of the condition. Or the number: it is plotted at the time of the newest sample; NaN and infinities
-                are gaps.
+                `robowidgets.conditions` that reads samples of this widget. For a number, its name.
+            name: the name of the lamp, plain text. A watch of the same name is replaced. By default the name of the
+                function, or the text of the condition. For a number, its value, which is plotted at the time of the
+                newest sample. NaN and infinities are gaps.
 
         Returns:
-            The `Watch` of the condition; or the number, so that the call may stand where the number is used.
+            The `Watch` of the condition; or the number, so that the call can replace the number in an expression.
 
         Raises:
-            TypeError: no such condition, a lambda without a name, or no number.
-            ValueError: the condition looks at samples of another widget; the name is empty or too long, or both a
-                condition and a number would have it; there are more than eight numbers; a player of a recording moves
-                this widget, and shows verdicts on lasers only: `Recording.find` finds the condition.
+            TypeError: it is not a condition, a lambda without a name, or not a number.
+            ValueError: the condition reads samples of another widget; the name is empty or too long, or both a
+                condition and a number would have it; there are more than eight numbers; or a player of a recording
+                moves this widget. Players show verdicts only on lasers: use `Recording.find`.
 
         Examples:
             >>> from robowidgets import LaserWidget
@@ -176,10 +177,10 @@ class RobotWidget(PacedWidget, Generic[S]):
         return self._watches.watch(condition, name)
 
     def unwatch(self, name: str) -> None:
-        """Judge a condition no more, and remove its lamp; or remove a number with its line.
+        """Stop judging a condition and remove its lamp, or remove a number and its line.
 
         Raises:
-            KeyError: there is no watch of that name.
+            KeyError: no watch has that name.
         """
         self._watches.unwatch(name)
 
@@ -189,35 +190,35 @@ class RobotWidget(PacedWidget, Generic[S]):
         return self._watches.by_name
 
     def save_png(self, path: str | os.PathLike[str]) -> Saving:
-        """Write what the widget shows now into a PNG file, at least twice as fine as on the screen.
+        """Save the picture of the widget as a PNG file with at least twice the resolution of the screen.
 
-        The page that shows the widget draws the picture. The call returns at once, and the file is written a moment
-        later, or after the cell has ended, because many kernels process no message of a page before. To have the file
+        The page that shows the widget draws the picture. The call returns at once. The file is written a moment later,
+        or after the end of the cell, because many kernels do not process messages of a page before. To get the file
         within the cell, use ``await laser.save_png("corner.png")``. Later errors appear on the widget and in the log.
 
         Args:
             path: the file; an existing one is replaced.
 
         Raises:
-            TypeError: no path. ValueError: a name that does not end in .png. OSError: a missing folder, or one that is
-                not writable. RuntimeError: no notebook, or the widget is closed.
+            TypeError: it is not a path. ValueError: the name does not end in .png. OSError: the folder is missing or
+                not writable. RuntimeError: not in a notebook, or the widget is closed.
         """
         return self._png.save(path)
 
     def to_html(self, path: str | os.PathLike[str], *, title: str = "", note: str = "") -> Path:
-        """Write a page with the widget as it is, and its history to play: one file, without a kernel or the web.
+        """Write a page with the widget and its history, which it can play: one file, without a kernel or a network.
 
         Args:
             path: the file, such as ``"wall.html"``; an existing one is replaced.
-            title: of the page; empty: the title of the widget.
-            note: a text under the title, which is shown as it is.
+            title: the title of the page; by default the title of the widget.
+            note: a plain text under the title.
 
         Returns:
             The path of the file.
 
         Raises:
-            TypeError: no path, or no text. ValueError: a name that does not end in .html. OSError: the file cannot be
-                written. RuntimeError: the widget is closed.
+            TypeError: not a path, or not a text. ValueError: the name does not end in .html. OSError: the file cannot
+                be written. RuntimeError: the widget is closed.
 
         Examples:
             >>> laser.to_html("wall.html", note="The reading that it stopped for.")  # doctest: +SKIP
@@ -233,42 +234,42 @@ class RobotWidget(PacedWidget, Generic[S]):
     # -- for subclasses ------------------------------------------------------------------------------------------------
 
     def _describe(self) -> str:
-        """The sample on show in one line; empty before the first."""
+        """Return the sample on show in one line, empty before the first."""
         sample = self._newest_measured()
         return "" if sample is None else repr(sample).strip("<>")
 
     def _pack(self, sample: S) -> bytes:
-        """The bytes of a frame after its header."""
+        """Return the bytes of a frame after its header."""
         raise NotImplementedError
 
     def _on_packed(self, sequence: int, sample: S) -> None:
-        """Note that the frame of this number is of this sample from now on. Called with the lock of the sends."""
+        """Note that the frame of this number now shows this sample. Called with the send lock."""
 
     def _unpack(self, frame: bytes) -> S:
-        """The sample in a frame, with its header."""
+        """Return the sample in a frame, which includes its header."""
         raise NotImplementedError
 
     def _sample_on_show(self) -> S | None:
-        """The sample on show: the frozen one while paused, else the newest; None before the first."""
+        """Return the sample on show: the frozen one while paused, else the newest, or None before the first."""
         if self.paused:
             return self._unpack(self._frozen_frame) if self._frozen_frame else None
         return self._newest.sample
 
     def _newest_measured(self) -> Any:
-        """The newest sample that was measured, not commanded, which `wait` returns; None before the first one."""
+        """Return the newest sample that was measured, not commanded, for `wait`; None before the first."""
         return self._newest.sample
 
     def _longest_silence(self) -> float:
-        """Seconds without a sample after which the source is silent."""
+        """Return the seconds without a sample after which the source is silent."""
         rate = self.rate
         return LIVE.after(1 / rate if rate > 0 else inf)
 
     def _about_sample(self, sample: S) -> dict[str, Any]:  # noqa: ARG002
-        """Texts on a sample that take time to find; asked for when it is sent, not for each that arrives."""
+        """Return texts on a sample that take time to compute. Called only for samples that are sent."""
         return {}
 
     def _show(self, sample: S, about: dict[str, Any] = NO_TEXTS, *, counts: bool = True) -> None:
-        """Store the newest sample, with the texts on it that its caller knows, for the page to show.
+        """Store the newest sample, with the texts on it that the caller knows, for the page to show.
 
         With ``counts=False`` it is an improved version of the previous sample, not a new one.
         """
@@ -276,13 +277,13 @@ class RobotWidget(PacedWidget, Generic[S]):
         self._mark()
 
     def _say_more(self) -> None:
-        """Have the newest sample sent with what was said of it later."""
+        """Send the newest sample again with later texts on it."""
         with self._newest.lock:
             self._newest.changed = True
         self._mark()
 
     def _renew_frames(self) -> None:
-        """Have a player show its samples anew, on which something else is judged or drawn now."""
+        """Make a player show its samples again, because verdicts or drawings on them have changed."""
         if self.driven_by_player:
             self._edition += 1
 
@@ -291,9 +292,9 @@ class RobotWidget(PacedWidget, Generic[S]):
         self._watches.make_locks()
 
     def _mark(self) -> None:
-        """Have the newest sample sent with what is on it, once the verdicts on it are there.
+        """Get the newest sample sent, with its texts, once the verdicts on it are known.
 
-        To send before that would send nothing, and the next send would wait for the interval between two.
+        An earlier send would send nothing and delay the next one by the interval between two sends.
         """
         judge = self._watches.judge
         if judge is None or not judge.will_mark():
@@ -327,7 +328,7 @@ class RobotWidget(PacedWidget, Generic[S]):
     def set_source(self, source: dict[str, Any], missing: str = "") -> None:
         """Set the trait without a call of its observers: threads of a feed that carry speeds call this.
 
-        ``missing`` tells why nothing will come unless something changes.
+        ``missing`` is the reason why no sample will come unless something changes, or empty.
         """
         self._missing = missing
         if source != self._source:
@@ -335,7 +336,7 @@ class RobotWidget(PacedWidget, Generic[S]):
             self.send_state("_source")
 
     def on_source_closed(self) -> None:
-        """End conditions that do not return: no sample comes any more."""
+        """End conditions that do not return, because no more samples come."""
         self._watches.end_late()
 
     def _set_png_error(self, error: str) -> None:
@@ -344,38 +345,38 @@ class RobotWidget(PacedWidget, Generic[S]):
             self._say_more()
 
     def frame_of(self, sample: S) -> tuple[dict[str, Any], bytes]:
-        """The text on a sample, and its frame without the header: what `update` of the sample would show."""
+        """Return the texts on a sample and its frame without the header, as `update` would show it."""
         return {}, self._pack(sample)
 
     def arrays_of(self, frame: bytes) -> tuple[int, int]:  # noqa: ARG002
-        """What a frame, with its header, holds: bytes before arrays of float32 of equal lengths, and their number.
+        """Return the bytes in a frame before its arrays of float32 of equal lengths, and the number of arrays.
 
-        Exported pages pack such numbers well. (0, 0): it holds other things.
+        Bytes include the header. Exported pages pack such arrays well. (0, 0) means that a frame has another layout.
         """
         return 0, 0
 
     def miss(self, count: int) -> None:
-        """Note that so many messages came that it does not get. A widget that gets each message says it."""
+        """Note a number of messages that the widget missed. A widget that must get each message reports it."""
 
     def within(self, start: float, end: float) -> dict[str, Any]:  # noqa: ARG002
-        """What of its traits differs in a page of a stretch of a recording, in seconds: what it shows of all of it."""
+        """Return the traits that differ on a page with a part of a recording, given in seconds."""
         return {}
 
     # -- to the page ---------------------------------------------------------------------------------------------------
 
     def count_replaced(self, count: int) -> None:
-        """Count so many messages for the rate that were left out because a newer one came."""
+        """Count messages that were skipped for a newer one, for the rate."""
         self._newest.count_replaced(count)
 
     @property
     def rate(self) -> float:
-        """Messages per second over the last seconds in which some came; NaN while it is unknown."""
+        """Messages per second over the last seconds with messages; NaN while it is unknown."""
         return self._newest.rate if self.has_rate else float("nan")
 
     def get_state(self, key: str | Iterable[str] | None = None, drop_defaults: bool = False) -> dict[str, Any]:  # noqa: ARG002
-        """The synced state with the newest sample, for a new view, a reloaded page and a saved notebook.
+        """Return the synced state with the newest sample, for a new view, a reloaded page and a saved notebook.
 
-        Defaults are never dropped: the front end does not know them, and is itself the default of a trait.
+        Defaults are never dropped: the front end does not know them, and it is itself the default of a trait.
         """
         if key is None:
             self._bring_up_to_date()
@@ -386,7 +387,7 @@ class RobotWidget(PacedWidget, Generic[S]):
         return state
 
     def _get_embed_state(self, drop_defaults: bool = False) -> dict[str, Any]:
-        """The state for an exported page, which shows the last picture without its age."""
+        """Return the state for an exported page, which shows the last picture without its age."""
         state: dict[str, Any] = super()._get_embed_state(drop_defaults)
         state["state"]["_silence"] = 0.0
         return state
@@ -427,15 +428,15 @@ class RobotWidget(PacedWidget, Generic[S]):
                 self._on_packed(sequence, sample)
 
     def _texts_now(self) -> dict[str, Any]:
-        """What else the page is told with the newest sample. Called with the lock of the samples."""
+        """Return further texts for the page with the newest sample. Called with the lock of the samples."""
         return {}
 
     def _to_judge(self, shown: Any) -> Any:
-        """What conditions are judged on, of a sample as it is shown; None before the first."""
+        """Return the sample to judge for a sample on show, or None before the first."""
         return shown
 
     def _why_unknown(self) -> str:
-        """Why nothing is known of the present; empty while the newest sample is not stale."""
+        """Return why the present state is unknown, empty while the newest sample is not stale."""
         if self._newest_measured() is None:
             return f"no {self.sample_name} came"
         limit, age = self._longest_silence(), self._newest.age

@@ -1,4 +1,4 @@
-"""A widget of samples, as feeds and players know it."""
+"""The interface of widgets of samples for feeds and players."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ class GroupedWidget(Protocol):
     paused: bool
 
     def join_group(self, name: str, group: weakref.WeakSet[Any]) -> None:
-        """Be frozen, released and stepped with the widgets of a group from now on."""
+        """Join a group, with which the widget is frozen, released and stepped."""
 
     def on_group(self) -> None:
-        """Called when all widgets of a new group are in it."""
+        """React to a new group; called once all its widgets have joined."""
 
 
 class SampleWidget(GroupedWidget, Protocol):
-    """What feeds and players use of a widget. See `RobotWidget`, which describes each of these."""
+    """The methods and attributes of a widget that feeds and players use. `RobotWidget` describes each of them."""
 
     title: str
     history: float
@@ -29,48 +29,48 @@ class SampleWidget(GroupedWidget, Protocol):
     column: str
     frame_traits: tuple[str, ...]
     comm: Any
-    """None once it is closed."""
+    """None once the widget is closed."""
 
     @property
     def model_id(self) -> str:
-        """The name by which the page knows it."""
+        """Its name in the page."""
 
     @property
     def update(self) -> Callable[..., Any]:
-        """Takes a message or a sample; of a widget of several sensors, the name of one before it."""
+        """A function of a message or a sample. In a widget of several sensors, the name of the sensor comes first."""
 
     def miss(self, count: int) -> None:
-        """Note that so many messages came that it does not get; of a widget that gets each message."""
+        """Note a number of messages that were missed by a widget that must get each message."""
 
     def has_trait(self, name: str) -> bool:
-        """Whether it has a trait of that name."""
+        """Return True if it has a trait of that name."""
 
     def observe(self, handler: Callable[[Any], Any], names: Sequence[str]) -> None:
-        """Have a function called when one of some traits changes."""
+        """Call a function when one of these traits changes."""
 
     def follow_player(self) -> None:
-        """Have a player in the page say what is on show."""
+        """Follow a player in the page, which feeds this widget."""
 
     def name_after(self, topic: str, trait: str = "title") -> None:
         """Set a title to a topic, unless the user gave one."""
 
     def name_quietly(self, topic: str, trait: str = "title") -> Callable[[], None] | None:
-        """Do so, except for the call of observers; returns what calls them, or None if the title is as it was."""
+        """Do so without calling observers; return a function that calls them, or None if the title has not changed."""
 
     def set_source(self, source: dict[str, Any], missing: str = "") -> None:
-        """Show where its samples come from, and the status of that."""
+        """Show the source of its samples, and the status of the source."""
 
     def on_source_closed(self) -> None:
-        """Note that its source is closed: whatever works on its samples, and does not return, is ended."""
+        """Note that its source is closed. Functions that work on its samples and do not return are ended."""
 
     def frame_of(self, sample: Any) -> tuple[dict[str, Any], bytes]:
-        """The text on a sample, and its frame without the header."""
+        """Return the texts on a sample, and its frame without the header."""
 
     def within(self, start: float, end: float) -> dict[str, Any]:
-        """What of its traits differs in a page of a stretch of a recording, in seconds."""
+        """Return the traits that differ on a page with a part of a recording, given in seconds."""
 
     def arrays_of(self, frame: bytes) -> tuple[int, int]:
-        """What a frame holds: bytes before arrays of float32 of equal lengths, and their number."""
+        """Return the layout of a frame: the bytes before arrays of float32 of equal lengths, and their number."""
 
     def close(self) -> None:
-        """Remove it from the page."""
+        """Remove the widget from the page."""

@@ -1,4 +1,4 @@
-"""The frames that the page of a notebook keeps, kept in Python too, for a page in a file."""
+"""A copy in Python of the frames that the page of a notebook keeps, for a page in a file."""
 
 from __future__ import annotations
 
@@ -8,10 +8,10 @@ from typing import Any
 from .timed_frame import TimedFrame
 
 PER_SECOND = 20
-"""Frames kept for each second of history; a faster source fills it in less time. The page has the same rule."""
+"""Frames kept for each second of history. A faster source fills them in less time. The page has the same rule."""
 
 MOST_BYTES = 8_000_000
-"""Most bytes of frames that are kept. The page has the same rule."""
+"""The most bytes of frames that are kept. The page has the same rule."""
 
 
 class SentFrames:
@@ -22,7 +22,7 @@ class SentFrames:
         self._bytes = 0
 
     def add(self, sent: TimedFrame, seconds: float) -> None:
-        """Add a frame, and forget those that a history of so many seconds does not hold."""
+        """Add a frame, and drop frames that are beyond a history of so many seconds."""
         frames = self._frames
         frames.append(sent)
         self._bytes += len(sent.frame)

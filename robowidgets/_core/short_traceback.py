@@ -1,4 +1,4 @@
-"""Errors in a notebook: tracebacks that end at the user's own line, and what was meant by a name that nothing has."""
+"""Errors in a notebook: tracebacks that end at the user's line, and hints for wrong names."""
 
 from __future__ import annotations
 
@@ -21,10 +21,10 @@ _RAISE = dis.opmap["RAISE_VARARGS"]
 
 
 def shorten_tracebacks() -> None:
-    """Have IPython, if it is running, leave out our frames where we raised an error.
+    """Make IPython, if it is running, hide the frames of this package for errors that it raised.
 
-    The traceback stays whole in a debugger and outside notebooks. Where Python alone shows an error, it says what was
-    meant by a wrong name, which IPython leaves out.
+    The traceback stays whole in a debugger and outside notebooks. Python itself adds a hint for a wrong name, but
+    IPython does not, so this adds it.
     """
     change_tracebacks(_shortened)
 
@@ -38,9 +38,9 @@ def _shortened(error: BaseException, traceback: TracebackType | None) -> Iterato
 
 @contextmanager
 def without_our_frames(error: BaseException | None) -> Iterator[Any]:
-    """An error as a log takes it, ``exc_info=``, without our frames, and what it was raised from.
+    """Yield an error for ``exc_info=`` of a log, without the frames of this package in it and in its causes.
 
-    None for None, and where nothing is left: we refused what a function of the user returned, say.
+    Yields None for None, and if no frames are left, for example after an error about a function's return value.
     """
     traceback = _of_the_user(error.__traceback__) if error is not None else None
     if error is None or traceback is None:
@@ -52,7 +52,7 @@ def without_our_frames(error: BaseException | None) -> Iterator[Any]:
 
 @contextmanager
 def _shortened_causes(error: BaseException) -> Iterator[None]:
-    """Shorten the tracebacks of what an error was raised from, which IPython takes from there, and put them back."""
+    """Shorten the tracebacks of an error's causes, which IPython reads from them, and restore them afterwards."""
     with ExitStack() as stack:
         while error.__cause__ is not None:
             error = error.__cause__
@@ -63,10 +63,10 @@ def _shortened_causes(error: BaseException) -> Iterator[None]:
 
 
 def _of_the_user(traceback: TracebackType | None) -> TracebackType | None:
-    """A traceback without our frames that called a function of the user, and without those after the user's last one.
+    """Return a traceback without frames before the user's first frame, and after the user's last one.
 
-    The latter go only if they are ours and end at a ``raise``: an error that Python or another package raised there is
-    a fault of ours, and its traceback stays whole.
+    The frames after it are removed only if they are of this package and end at a ``raise``. An error that Python or
+    another package raised in them is a bug in this package, so its traceback stays whole.
     """
     entries = []
     while traceback is not None:
@@ -85,5 +85,5 @@ def _of_the_user(traceback: TracebackType | None) -> TracebackType | None:
 
 
 def _is_raise(entry: TracebackType) -> bool:
-    """Whether the error came from a ``raise``, and not from another instruction."""
+    """Return True if the error came from a ``raise``, and not from another instruction."""
     return entry.tb_frame.f_code.co_code[entry.tb_lasti] == _RAISE

@@ -1,9 +1,9 @@
-"""Threads where Python has none: each is a stack of its own, which gives way where it waits.
+"""Threads for a Python without threads: each is a stack of its own, which yields while it waits.
 
-In a browser Python has one thread, but WebAssembly can put a stack aside while the event loop goes on (JSPI). So a
-thread is a call that the loop begins, and whatever waits there lets the loop begin or resume others. The functions of a
-user may compute without waiting: they give way at their loops and calls, when their slice of time is over. What is
-started, joined, locked and waited for is that of `threading`, as ever: only what is below that is replaced.
+In a browser Python has one thread, but WebAssembly can suspend a stack while the event loop goes on (JSPI). So a thread
+is a call that the loop starts, and a wait in it lets the loop start or resume others. Functions of the user may compute
+without waiting: they yield at their loops and calls when their time slice is over. The classes of `threading` are used
+unchanged: only the functions below them are replaced.
 """
 
 from __future__ import annotations
@@ -21,13 +21,13 @@ from types import CodeType, FrameType
 from typing import Any, NamedTuple, Protocol
 
 SLICE = 0.02
-"""Seconds that a function of a user may compute before it gives way."""
+"""Seconds that a function of the user may compute before it yields."""
 
 _MOST_STEPS = 256
-"""Turns of loops, and calls, between two looks at the clock."""
+"""The most steps, which are turns of loops and calls, between two readings of the clock."""
 
 _TOOL = 3
-"""Of `sys.monitoring`: the first that Python leaves to anybody."""
+"""The first tool id of `sys.monitoring` that Python does not reserve."""
 
 _NO_WAIT = (
     "cannot wait here: the browser cannot put this call aside. "
@@ -36,27 +36,27 @@ _NO_WAIT = (
 
 
 class Host(Protocol):
-    """What has an event loop, and can put stacks aside."""
+    """An environment with an event loop that can suspend stacks."""
 
     loop: asyncio.AbstractEventLoop
     can_switch: bool
-    """Whether it can put stacks aside at all. Else threads begin, but never run."""
+    """True if it can suspend stacks at all. Else threads start, but never run."""
 
     def can_wait(self) -> bool:
-        """Whether the calling stack can be put aside."""
+        """Return True if the calling stack can be suspended."""
         ...
 
     def wait(self, awaitable: Awaitable[Any]) -> Any:
-        """Put the calling stack aside until this is done."""
+        """Suspend the calling stack until an awaitable is done, and return its result."""
         ...
 
 
 class _Stack:
-    """A stack of calls: of a thread, or of what the event loop calls, which is the main thread.
+    """A stack of calls: of a thread, or of a callback of the event loop, which belongs to the main thread.
 
     Attributes:
-        ends: what is raised in it when it goes on.
-        computes_since: when it last waited.
+        ends: the error to raise in it when it goes on.
+        computes_since: the time at which it last waited.
     """
 
     def __init__(self, ident: int) -> None:
@@ -66,7 +66,7 @@ class _Stack:
 
 
 class _SeenFrame(NamedTuple):
-    """A frame of a stack, as it was when that was put aside: what is around it is then elsewhere in memory."""
+    """A copy of a frame from the time its stack was suspended. The C stack around it is moved in memory then."""
 
     f_code: CodeType
     f_lineno: int | None
@@ -89,8 +89,8 @@ class StackThreads:
     """The threads of a host.
 
     Args:
-        host: puts stacks aside.
-        on_long: called with the seconds when the main thread has computed for a slice, and not waited for as long.
+        host: suspends stacks.
+        on_long: called after each slice of the main thread, with the seconds since it last waited.
     """
 
     def __init__(self, host: Host, on_long: Callable[[float], None] = lambda _: None) -> None:
@@ -98,7 +98,7 @@ class StackThreads:
         self._main = threading.main_thread().ident or 0
         self._idents = itertools.count(self._main + 1)
         self._now = _Stack(self._main)
-        """The stack that runs. It is never one that is put aside."""
+        """The running stack. It is never suspended."""
         self._aside: dict[_Stack, _SeenFrame | None] = {}
         self._begun: dict[int, _Stack] = {}
         self._slice_end = 0.0
@@ -108,21 +108,21 @@ class StackThreads:
 
     @property
     def current(self) -> _Stack:
-        """The stack that runs."""
+        """The running stack."""
         return self._now
 
     def block(self, seconds: float | None, waiters: deque[asyncio.Future[None]] | None = None) -> None:
-        """Let others run until one of them wakes these waiters, or for some seconds; None: however long that takes.
+        """Run others until one of them wakes these waiters, at most for some seconds unless they are None.
 
         Raises:
-            RuntimeError: the calling stack cannot be put aside.
+            RuntimeError: the calling stack cannot be suspended.
         """
         if not self._host.can_wait():
             raise RuntimeError(_NO_WAIT)
         loop, me = self._host.loop, self._now
         self._aside[me] = _seen(sys._getframe(1))
         woken = loop.create_future()
-        # A time from now, not a moment: that may be over before the loop is told of it.
+        # A delay, not a time: a time may be over before it is scheduled.
         timer = None if seconds is None else loop.call_later(max(0.0, seconds), _wake, woken)
         if waiters is not None:
             waiters.append(woken)
@@ -138,11 +138,11 @@ class StackThreads:
                 timer.cancel()
 
     def sleep(self, seconds: float) -> None:
-        """As `time.sleep`."""
+        """Sleep as `time.sleep` does."""
         if seconds < 0:
             raise ValueError("sleep length must be non-negative")
         if not self._host.can_wait():
-            self._sleep(seconds)  # that of Python, which holds up the others
+            self._sleep(seconds)  # Python's own `sleep`, which blocks the others
             return
         self.block(seconds)
         self._has_waited()
@@ -155,14 +155,14 @@ class StackThreads:
             ends, me.ends = me.ends, None
             raise ends
 
-    # -- what is below `threading` -------------------------------------------------------------------------------------
+    # -- the functions below `threading` -------------------------------------------------------------------------------
 
     def get_ident(self) -> int:
-        """As `threading.get_ident`."""
+        """Replace `threading.get_ident`."""
         return self._now.ident
 
     def begin(self, function: Callable[[], object], handle: _Handle, daemon: bool = True) -> None:  # noqa: ARG002
-        """Begin a thread. Its `Thread` need not wait for that."""
+        """Start a thread. Its `Thread` need not wait for the start."""
         stack = _Stack(next(self._idents))
         self._begun[stack.ident] = stack
         handle.ident = stack.ident
@@ -182,14 +182,14 @@ class StackThreads:
         started.set()
 
     def current_frames(self) -> dict[int, Any]:
-        """As `sys._current_frames`."""
+        """Replace `sys._current_frames`."""
         frames: dict[int, Any] = {self._now.ident: sys._getframe(1)}
         for stack, frame in self._aside.items():
             frames.setdefault(stack.ident, frame)
         return frames
 
     def raise_in(self, ident: ctypes.c_ulong, error: ctypes.py_object[type[BaseException]]) -> int:
-        """As `PyThreadState_SetAsyncExc`: raise an error in a thread, when it next gives way or has slept."""
+        """Raise an error in a thread when it next yields or has slept, as `PyThreadState_SetAsyncExc` does."""
         stack = self._begun.get(ident.value)
         if stack is None:
             return 0
@@ -197,7 +197,7 @@ class StackThreads:
         return 1
 
     def install(self) -> None:
-        """Have `threading`, and what else is told of threads, use these."""
+        """Replace the functions for threads in `threading` and other modules by these."""
         import _threading_local
 
         replaced: tuple[tuple[Any, str, Any], ...] = (
@@ -220,17 +220,17 @@ class StackThreads:
     # -- slices of time ------------------------------------------------------------------------------------------------
 
     def slice_time(self, is_users: Callable[[CodeType], bool]) -> None:
-        """Have code of the user give way at its loops and calls when its slice is over. For Python 3.12 or later.
+        """Make code of the user yield at its loops and calls when its slice is over. For Python 3.12 or later.
 
-        What is raised in a thread is raised there, too. Python lets no ``except`` around a loop catch it, in the same
-        function: so that ends a loop which catches all.
+        Errors for a thread (`raise_in`) are also raised at these points. No ``except`` around the loop in the same
+        function catches them, so they end even a loop that catches everything.
         """
         monitoring: Any = sys.monitoring  # type: ignore[attr-defined,unused-ignore]
         jump, start = monitoring.events.JUMP, monitoring.events.PY_START
         left = every = 1
 
         def on_step(_: CodeType, *__: int) -> None:
-            # The clock is read less often where steps are short.
+            # The clock is read less often if steps are short.
             nonlocal left, every
             left -= 1
             if left:
@@ -244,7 +244,7 @@ class StackThreads:
         def on_start(code: CodeType, offset: int) -> Any:
             if not monitoring.get_local_events(_TOOL, code):
                 if not is_users(code):
-                    return monitoring.DISABLE  # for good: it costs nothing any more
+                    return monitoring.DISABLE  # permanently, so it costs nothing from now on
                 monitoring.set_local_events(_TOOL, code, jump)
             return on_step(code, offset)
 
@@ -260,9 +260,9 @@ class StackThreads:
 
     def _give_way(self) -> None:
         me = self._now
-        # The collector may call a function of the user while this stack is being put aside.
+        # The garbage collector may call a function of the user while this stack is being suspended.
         if self._host.can_wait() and me not in self._aside:
-            # By a timer: Firefox runs none while anything is due at once, which would be so all the time.
+            # A delay above 0: Firefox runs no timers while callbacks are due at once, which they would always be.
             self.block(0.001)
             if me.ident == self._main:
                 self._on_long(time.monotonic() - me.computes_since)
@@ -273,7 +273,7 @@ class StackThreads:
 
 
 class Lock:
-    """As `threading.Lock`."""
+    """A lock like `threading.Lock`."""
 
     def __init__(self, threads: StackThreads) -> None:
         self._threads = threads
@@ -281,7 +281,7 @@ class Lock:
         self._is_held = False
 
     def acquire(self, blocking: bool = True, timeout: float = -1) -> bool:
-        """As that of `threading.Lock`."""
+        """See `threading.Lock`."""
         if not blocking and timeout != -1:
             raise ValueError("can't specify a timeout for a non-blocking call")
         if timeout < 0 and timeout != -1:
@@ -297,14 +297,14 @@ class Lock:
         return True
 
     def release(self) -> None:
-        """As that of `threading.Lock`."""
+        """See `threading.Lock`."""
         if not self._is_held:
             raise RuntimeError("release unlocked lock")
         self._is_held = False
         wake_one(self._waiters)
 
     def locked(self) -> bool:
-        """As that of `threading.Lock`."""
+        """See `threading.Lock`."""
         return self._is_held
 
     def __enter__(self) -> bool:
@@ -318,7 +318,7 @@ class Lock:
 
 
 class RLock:
-    """As `threading.RLock`. Its owner is a stack: those that the event loop calls are one thread, but two stacks."""
+    """A lock like `threading.RLock`. Its owner is a stack: callbacks of the event loop share a thread, not a stack."""
 
     def __init__(self, threads: StackThreads) -> None:
         self._threads, self._lock = threads, Lock(threads)
@@ -326,7 +326,7 @@ class RLock:
         self._count = 0
 
     def acquire(self, blocking: bool = True, timeout: float = -1) -> bool:
-        """As that of `threading.RLock`."""
+        """See `threading.RLock`."""
         if self._owner is self._threads.current:
             self._count += 1
         elif self._lock.acquire(blocking, timeout):
@@ -336,7 +336,7 @@ class RLock:
         return True
 
     def release(self) -> None:
-        """As that of `threading.RLock`."""
+        """See `threading.RLock`."""
         if not self._is_owned():
             raise RuntimeError("cannot release un-acquired lock")
         self._count -= 1
@@ -369,7 +369,7 @@ class RLock:
 
 
 class _Handle:
-    """As `_thread._ThreadHandle`: what a `Thread` knows of the thread below it."""
+    """The handle of a `Thread` for the thread below it, like `_thread._ThreadHandle`."""
 
     def __init__(self, threads: StackThreads) -> None:
         self.ident = 0
@@ -383,13 +383,13 @@ class _Handle:
         self._running.release()
 
     def join(self, timeout: float | None = None) -> None:
-        # Nobody else takes this lock, and another one that joins takes it after this one.
+        # Only joining threads take this lock, one after the other.
         if self._running.acquire(timeout=-1 if timeout is None else timeout):
             self._running.release()
 
 
 def wake_one(waiters: deque[asyncio.Future[None]]) -> None:
-    """Wake the first that waits."""
+    """Wake the first waiter."""
     while waiters:
         woken = waiters.popleft()
         if not woken.done():

@@ -22,7 +22,7 @@ class Table:
         right: the indices of the columns that are aligned to the right.
         notes: lines below the table.
         problems: lines below the notes, each with a sign that warns.
-        bars: by index of a column, how long the bar of each row is, from 0 to 1; 0: none.
+        bars: the lengths of the bars of each row, from 0 (no bar) to 1, by the index of the column.
     """
 
     heading: str
@@ -34,7 +34,7 @@ class Table:
     bars: Mapping[int, Sequence[float]] = field(default_factory=dict)
 
     def to_text(self) -> str:
-        """The table as text, for a terminal."""
+        """Return the table as text, for a terminal."""
         bars = [{i: _blocks(lengths[row]) for i, lengths in self.bars.items()} for row in range(len(self.rows))]
         with_bars = (
             [f"{cell} {bar[i]}" if i in bar else cell for i, cell in enumerate(row)]
@@ -54,7 +54,7 @@ class Table:
         return "\n".join((self.heading, *shown, *self.notes, *(f"! {line}" for line in self.problems)))
 
     def to_html(self) -> str:
-        """The table as HTML. All texts are escaped: names of topics come from files and from the network."""
+        """Return the table as HTML. All texts are escaped: names of topics come from files and from the network."""
         body = "".join(f"<tr>{self._cells('td', row, number)}</tr>" for number, row in enumerate(self.rows))
         table = f"<table><thead><tr>{self._cells('th', self.heads)}</tr></thead><tbody>{body}</tbody></table>"
         lines = (*self.notes, *(f"⚠ {line}" for line in self.problems))
@@ -75,7 +75,7 @@ _BEHIND = "background:linear-gradient(to right,rgba(128,128,128,.3) {0:.0f}%,tra
 
 
 def _blocks(length: float) -> str:
-    """A bar of blocks."""
+    """Return a bar of block characters."""
     eighths = round(length * _BAR * 8)
     whole, part = divmod(eighths, 8)
     return f"{_BLOCKS[8] * whole}{_BLOCKS[part]}"[:_BAR].ljust(_BAR)

@@ -11,15 +11,14 @@ import traitlets
 from ..samples.time_span import time_span
 
 SLOWEST, FASTEST = 0.1, 10.0
-"""Seconds of a recording per second, at least and at most."""
+"""Limits of the playback speed, in seconds of a recording per second."""
 
 
 class TimeSpan(traitlets.TraitType[Any, Any]):
-    """None, or (start, end) in seconds from the start, 0 <= start < end; a span of `Recording.find` is accepted, too.
+    """None, (start, end) in seconds from the start with 0 <= start < end, or a span of `Recording.find`.
 
     Args:
-        rays: whether (start, end, first, stop) is accepted, too: the rays from index ``first`` up to, not including,
-            ``stop``.
+        rays: True to accept (start, end, first, stop), too: the rays from index ``first`` to ``stop``, exclusive.
     """
 
     def __init__(self, *, rays: bool = False, **more: Any) -> None:
@@ -27,7 +26,7 @@ class TimeSpan(traitlets.TraitType[Any, Any]):
         self._rays = rays
 
     def validate(self, _obj: Any, value: Any) -> Any:
-        """The span as a tuple, or None; TraitError says what is wrong with it."""
+        """Return the span as a tuple, or None. Raise TraitError for other values."""
         if value is None:
             return None
         try:
@@ -37,12 +36,12 @@ class TimeSpan(traitlets.TraitType[Any, Any]):
 
 
 class Seconds(traitlets.TraitType[Any, Any]):
-    """A time in seconds from the start; one outside of 0 to the owner's ``duration`` becomes the nearer end."""
+    """A time in seconds from the start. A time outside of 0 to the owner's ``duration`` becomes the nearer end."""
 
     default_value = 0.0
 
     def validate(self, obj: Any, value: Any) -> float:
-        """The time; TraitError if the value is no time."""
+        """Return the time. Raise TraitError for other values."""
         if isinstance(value, bool) or not isinstance(value, Real) or not isfinite(value):
             raise traitlets.TraitError(f"{self.name}: expected seconds from the start, got {value!r}")
         return min(max(0.0, float(value)), float(obj.duration))
@@ -52,7 +51,7 @@ class PlaybackSpeed(traitlets.Float[Any, Any]):
     """Seconds of a recording per second, 0.1 to 10."""
 
     def validate(self, obj: Any, value: Any) -> float:
-        """The speed; TraitError if the value is none, as NaN, which no bound refuses."""
+        """Return the speed. Raise TraitError for other values, including NaN, which bounds do not refuse."""
         speed: float = super().validate(obj, value)
         if not SLOWEST <= speed <= FASTEST:
             raise traitlets.TraitError(
@@ -70,7 +69,7 @@ class Marks(traitlets.TraitType[Any, Any]):
     default_value = ()
 
     def validate(self, _obj: Any, value: Any) -> tuple[tuple[float, float, str], ...]:
-        """The marks in the order of time; TraitError names the one that is wrong."""
+        """Return the marks in order of time. TraitError names a wrong mark."""
         condition = getattr(value, "condition", None)
         marks = value if condition is None else [(s.start, s.end, _label(condition, s.met)) for s in value]
         return tuple(sorted(self._mark(mark) for mark in marks))
@@ -87,10 +86,10 @@ class Marks(traitlets.TraitType[Any, Any]):
 
 
 class States(Marks):
-    """Rows of states, each as (start, end, path) in the order of time; the path is such as ``Walker.avoid.turn``."""
+    """Rows of states, each as (start, end, path) in order of time. A path looks like ``Walker.avoid.turn``."""
 
     def validate(self, obj: Any, value: Any) -> Any:
-        """The rows as tuples; TraitError names the state that is wrong."""
+        """Return the rows as tuples. TraitError names a wrong state."""
         try:
             return tuple(super(States, self).validate(obj, row) for row in value)
         except TypeError:

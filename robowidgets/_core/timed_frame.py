@@ -1,4 +1,4 @@
-"""Frames: their header, and their times, as pages that play take them."""
+"""Frames, with their header and their times, for pages that play."""
 
 from __future__ import annotations
 
@@ -10,15 +10,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 FRAME_HEADER = struct.Struct("<ddqd")
-"""Each frame starts with its sequence number, samples per second (NaN: unknown), the stamp in ns (0: none), and its
-time of arrival in seconds of Python's monotonic clock."""
+"""Each frame starts with its sequence number, samples per second (NaN if unknown), the stamp in ns (0 without one), and
+its time of arrival in seconds of Python's monotonic clock."""
 
 
 class TimedFrame(NamedTuple):
-    """A frame and its time, the texts on the sample, and the bytes, as docs/developers/frames.md lists them.
+    """A frame with its time, the texts on the sample, and its bytes, which docs/developers/frames.md describes.
 
-    ``seconds`` counts from the start of a recording, and is negative where nothing was measured yet; of a frame that
-    was sent, it is when its sample arrived, by the monotonic clock.
+    ``seconds`` counts from the start of a recording, and is negative before the first measurement. For a frame that was
+    sent, it is the time at which its sample arrived, by the monotonic clock.
     """
 
     seconds: float
@@ -27,9 +27,9 @@ class TimedFrame(NamedTuple):
 
 
 def table_of(frames: Sequence[TimedFrame]) -> tuple[list[dict[str, Any]], NDArray[np.float64]]:
-    """The texts of frames, each once; and for each frame its time, the index of its texts, and the end of its bytes.
+    """Return the distinct texts of frames, and a row for each frame: its time, the index of its texts, and its end.
 
-    The rows have shape (N, 3). Bytes count from the start of the first frame.
+    The rows have shape (N, 3). The end is in bytes from the start of the first frame.
     """
     abouts: list[dict[str, Any]] = []
     rows = np.zeros((len(frames), 3))

@@ -1,4 +1,4 @@
-"""Calling the observers of titles that our threads change."""
+"""Calls of the observers of titles that threads of this package change."""
 
 from __future__ import annotations
 
@@ -15,7 +15,8 @@ log = logging.getLogger("robowidgets")
 class TitleObservers:
     """Calls the observers of titles that were changed by `NamedWidget.name_quietly`, in order.
 
-    They are code of the user: no lock may be held meanwhile, and threads that carry speeds or pictures do not run them.
+    Observers are code of the user: no lock may be held while they run, and they do not run in threads that carry speeds
+    or pictures.
     """
 
     def __init__(self, scheduler: Scheduler | None = None) -> None:
@@ -23,17 +24,17 @@ class TitleObservers:
         self._call_all = CoalescedCall(self._call_waiting, thread="robowidgets-changes", scheduler=scheduler)
 
     def add(self, call: Callable[[], None] | None) -> None:
-        """Note what `name_quietly` returned. Any lock may be held."""
+        """Note the function that `name_quietly` returned. Any lock may be held."""
         if call is not None:
             self._waiting.append(call)
 
     def call(self) -> None:
-        """Call them: in the main thread if it calls this, so that a cell sees the result, else in another one."""
+        """Call the observers: in the main thread if it calls this, so that a cell sees the result, else in another."""
         if self._waiting:
             self._call_all()
 
     def call_later(self) -> None:
-        """Call them in another thread: for callers that may hold a lock."""
+        """Call the observers in another thread: for callers that may hold a lock."""
         if self._waiting:
             self._call_all.later()
 

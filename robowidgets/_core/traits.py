@@ -13,16 +13,16 @@ from ..samples.checks import in_radians
 from ..samples.cloud import to_band
 
 LONGEST_HISTORY = 600
-"""Seconds of the longest history; a recording holds more."""
+"""The longest history, in seconds. A recording holds more."""
 
 _MOST_ANGLES = 360
 
 
 class Flag(traitlets.Bool[Any, Any]):
-    """True or False, also as NumPy's own, which its comparisons return."""
+    """True or False, including NumPy's, which its comparisons return."""
 
     def validate(self, obj: Any, value: Any) -> bool:
-        """The flag as Python's own."""
+        """Return the flag as a bool of Python."""
         flag: bool = super().validate(obj, bool(value) if isinstance(value, np.bool_) else value)
         return flag
 
@@ -31,7 +31,7 @@ class HistorySeconds(traitlets.Float[Any, Any]):
     """Seconds of earlier samples, from 0 (none) to 600.
 
     Args:
-        why: what an error says after the value that came.
+        why: the end of the error text, after the wrong value.
     """
 
     def __init__(self, default: float, *, why: str = "", **more: Any) -> None:
@@ -39,7 +39,7 @@ class HistorySeconds(traitlets.Float[Any, Any]):
         self._why = why
 
     def validate(self, obj: Any, value: Any) -> float:
-        """The seconds; TraitError if there are too many."""
+        """Return the seconds. Raise TraitError if they are below 0 or too many."""
         seconds = float(super().validate(obj, value))
         if not 0 <= seconds <= LONGEST_HISTORY:
             raise traitlets.TraitError(
@@ -49,10 +49,10 @@ class HistorySeconds(traitlets.Float[Any, Any]):
 
 
 class Angle(traitlets.TraitType[Any, Any]):
-    """Radians within ±2 pi, also given as text like "20deg"."""
+    """Radians within ±2 pi. A text like "20deg" is accepted, too."""
 
     def validate(self, _obj: Any, value: Any) -> float:
-        """The radians; TraitError says what is wrong with them."""
+        """Return the radians. Raise TraitError for other values."""
         try:
             return in_radians(str(self.name), value)
         except (TypeError, ValueError) as error:
@@ -65,7 +65,7 @@ class BandTrait(traitlets.TraitType[Any, Any]):
     info_text = "a lower and an upper bound, both finite"
 
     def validate(self, obj: Any, value: Any) -> tuple[float, float]:
-        """The bounds as floats."""
+        """Return the bounds as floats."""
         try:
             low, high = to_band(str(self.name), value)
         except ValueError as error:
@@ -76,10 +76,10 @@ class BandTrait(traitlets.TraitType[Any, Any]):
 
 
 class Angles(traitlets.TraitType[Any, Any]):
-    """Up to 360 angles in radians within ±2 pi, each also given as text like "20deg"."""
+    """Up to 360 angles in radians within ±2 pi. Texts like "20deg" are accepted, too."""
 
     def validate(self, _obj: Any, value: Any) -> tuple[float, ...]:
-        """The radians; TraitError says what is wrong with them."""
+        """Return the radians. Raise TraitError for other values."""
         expected = f'{self.name}: expected up to {_MOST_ANGLES} angles, in radians or as text like "20deg"'
         if isinstance(value, str) or not isinstance(value, Iterable):
             raise traitlets.TraitError(f"{expected}; got {value!r}")
@@ -93,5 +93,5 @@ class Angles(traitlets.TraitType[Any, Any]):
 
 
 def bytes_trait(**tags: Any) -> Any:
-    """A trait of bytes, as the page sends them (a memoryview) or Python sets them."""
+    """Return a trait of bytes, which converts the memoryviews that the page sends."""
     return traitlets.Bytes().tag(sync=True, from_json=lambda value, _: bytes(value or b""), **tags)

@@ -1,4 +1,4 @@
-"""URLs as they are shown and written: without passwords, signatures and tokens."""
+"""URLs to show and to write: without passwords, signatures and tokens."""
 
 from __future__ import annotations
 
@@ -16,27 +16,28 @@ _OBJECT = re.compile(
     r"(file|version|revision)?_?id|file(name)?|path|name|object|prefix|version|generation|rev|revision|ref|branch|format|"
     r"export|download|raw|dl|alt|part|page"
 )
-"""Query parameters that name an object: they stay as they are."""
+"""Query parameters that name an object. They are kept."""
 _SECRET = re.compile(
     r"^(x-|q-)|sig|token|secret|passw|pwd|auth|cred|hmac|hdn|user|login|session|jwt|expir|policy|accesskey|accessid|"
     r"api_?key|key-?pair|keyname|^(se|sv|sr|st|sp|spr|sip|ss|srt|sks|ske|skt|skv|skoid|sktid|scid|pw|pass|pin|md5)$",
     re.IGNORECASE,
 )
-"""Query parameters that sign a request or log in: they are left out."""
+"""Query parameters that sign a request or log in. They are removed."""
 
 _USER = re.compile(r"(?<=://)[^/\s?#]*@")
 _QUERY = re.compile(r"(://[^\s'\"<>)?]*)\?\w[^\s'\"<>)]*|\?[^\s'\"<>)]*[=&%][^\s'\"<>)]*")
 
 
 def without_secrets(url: str) -> str:
-    """Return a URL without what lets its holder in; it still names the same object.
+    """Return a URL without credentials. It still names the same object.
 
-    A user and a password before the host go, on other than web servers the password alone. Of the query of a web
-    server, parameters that sign or log in go, those that name an object stay, and the value of any other becomes a
-    short digest. So two signatures of one object have one name, and two objects have two.
+    A user and a password before the host are removed; on servers other than web servers, only the password. In the
+    query of a web server, parameters that sign or log in are removed, parameters that name an object are kept, and the
+    value of any other becomes a short digest. So two signatures of one object have the same name, and two objects have
+    different names.
 
     Args:
-        url: a URL, or a chain of them as fsspec has it (``zip://a.mcap::https://...``).
+        url: a URL, or a chain of URLs for fsspec (``zip://a.mcap::https://...``).
     """
     return "::".join(map(_public, url.split("::")))
 

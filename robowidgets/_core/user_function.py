@@ -1,4 +1,4 @@
-"""Telling a user which of their functions, and which line of it, an error or a delay comes from."""
+"""Names and lines of the user's functions, to report the source of an error or a delay."""
 
 from __future__ import annotations
 
@@ -17,12 +17,12 @@ _OURS = __name__.partition(".")[0]
 
 
 def name_of(call: Callable[..., Any]) -> str:
-    """The name of a function, for a person."""
+    """Return the name of a function, for messages."""
     return str(getattr(call, "__qualname__", "") or getattr(call, "__name__", "") or repr(call)[:60])
 
 
 def line_of(call: Callable[..., Any], frames: Iterable[tuple[FrameType, int]]) -> str:
-    """The line of the function's own file in these frames, outermost first, as ``, line 12``; empty without one."""
+    """Return the innermost line of the function's file in frames (outermost first) as ``, line 12``, or empty."""
     call = getattr(call, "func", call)  # a functools.partial has the function in `func`
     code = getattr(call, "__code__", None) or getattr(type(call).__call__, "__code__", None)
     lines = [line for frame, line in frames if code is not None and frame.f_code.co_filename == code.co_filename]
@@ -30,7 +30,7 @@ def line_of(call: Callable[..., Any], frames: Iterable[tuple[FrameType, int]]) -
 
 
 def calling_text() -> str:
-    """The text of the cell or the file that calls robowidgets; empty where Python does not have it."""
+    """Return the text of the cell or the file that calls robowidgets; empty if Python does not have it."""
     frame: FrameType | None = sys._getframe()
     while frame is not None and frame.f_code.co_filename.startswith(_PACKAGE):
         frame = frame.f_back
@@ -41,9 +41,9 @@ def calling_text() -> str:
 
 
 def error_in(error: BaseException) -> str:
-    """An error that a function of the user raised, with its line: ``line 12: ZeroDivisionError: division by zero``.
+    """Return an error of a function of the user as text: ``line 12: ZeroDivisionError: division by zero``.
 
-    Without a line, where none of the user's raised it.
+    It has no line if no line of the user is in the traceback.
     """
     frames = [(frame.f_code.co_filename, line) for frame, line in traceback.walk_tb(error.__traceback__)]
     own = next((file for file, _ in frames if not file.startswith(_PACKAGE)), None)
@@ -53,7 +53,7 @@ def error_in(error: BaseException) -> str:
 
 
 def say_what_was_meant(error: BaseException) -> None:
-    """Complete Python's own text on an attribute that an object, a class or a module of ours does not have."""
+    """Add "did you mean" to Python's error about a missing attribute of an object, class or module of this package."""
     if not isinstance(error, AttributeError) or not str(error).endswith(f"has no attribute {error.name!r}"):
         return
     of, name = error.obj, str(error.name)

@@ -13,11 +13,11 @@ from typing import Any
 
 
 class MayDrive:
-    """A function of the user, as far as it drives robots.
+    """A function of the user that may drive robots.
 
     Attributes:
-        driven: what sends speeds to the robots that it drove, or tried to.
-        refused: why it may not drive; empty if it may.
+        driven: the senders of speeds to the robots that it drove, or tried to.
+        refused: the reason why it may not drive, or empty if it may.
     """
 
     def __init__(self) -> None:
@@ -25,7 +25,7 @@ class MayDrive:
         self.refused = ""
 
     def drive_by(self, call: Callable[..., Any], *args: Any) -> Any:
-        """Call a function, whose speeds `why_refused` takes for those of this one."""
+        """Call a function; `why_refused` attributes its speeds to this object."""
         _here.function = self
         try:
             return call(*args)
@@ -34,18 +34,18 @@ class MayDrive:
 
 
 _here = threading.local()
-"""By thread: the ``function`` that it runs."""
+"""The ``function`` that each thread runs."""
 
 
 class UserThread(threading.Thread):
     """A thread that runs functions of the user.
 
     Args:
-        target: what it runs.
+        target: the function to run.
         name: its name.
 
     Attributes:
-        is_abandoned: whether nobody waits for it any more: what it runs may finish, but not drive.
+        is_abandoned: True once nothing waits for it any more. Its function may finish, but not drive.
     """
 
     def __init__(self, target: Callable[[], None], name: str) -> None:
@@ -55,35 +55,35 @@ class UserThread(threading.Thread):
         self._is_over = False
         self._ends = 0
         self._taken: list[bool] = []
-        """One for each end that a handler took."""
+        """One item for each SystemExit that a handler caught."""
 
     def run(self) -> None:
         """See `threading.Thread`."""
         ident = threading.get_ident()
         try:
             super().run()
-        except SystemExit:  # of `end`: it may come when what it was to end is over
+        except SystemExit:  # from `end`: it may come after the function is over
             pass
         finally:
-            _raise_in(ident, _NOTHING)  # the other one of two may be still to come
+            _raise_in(ident, _NOTHING)  # the second of two may still be pending
             with self._ending:
                 self._is_over = True
 
     def abandon(self) -> None:
-        """Note that nobody waits for it any more. A signal handler may call it."""
+        """Note that nothing waits for it any more. A signal handler may call this."""
         self.is_abandoned = True
 
     def end(self) -> None:
-        """Raise SystemExit in it: that ends a loop, though not one call that waits for something outside Python.
+        """Raise SystemExit in it. That ends a loop, but not a call that waits outside Python.
 
-        Called again when a handler has taken the last one, as a bare ``except:`` does, it raises two: the other one as
-        soon as a handler takes the first.
+        If a handler has caught the last one, as a bare ``except:`` does, the next call raises two: the second as soon
+        as a handler catches the first.
         """
-        with self._ending:  # another thread may get the identifier of one that is over
+        with self._ending:  # a new thread may reuse the identifier of a thread that is over
             if self._is_over or self.ident is None or len(self._taken) < self._ends:
                 return
             error = _told_to(self._taken.append, True)
-            # In a browser errors are raised between two lines of the user's alone: so some come outside of a `try`.
+            # In a browser errors are raised only between two lines of the user, so some come outside of a `try`.
             if self._ends and sys.platform != "emscripten":
                 error = _told_to(_raise_in, self.ident, error)
             self._ends += 1
@@ -95,30 +95,30 @@ _NOTHING: Any = ctypes.py_object()
 if sys.platform == "emscripten":
 
     def _raise_in(ident: int, error: Any) -> None:
-        """Never two: none is still to come."""
+        """Do nothing: there are never two, so the second is never pending."""
 else:
     _raise_in: Any = ctypes.PYFUNCTYPE(None, ctypes.c_ulong, ctypes.py_object)(
         ("PyThreadState_SetAsyncExc", ctypes.pythonapi)
     )
-    """Raises an error in a thread, without a step of Python, after which one that is still to come would come."""
+    """Raises an error in a thread without a step of Python, after which a pending error would be raised."""
 
 
 def _told_to(call: Callable[..., None], *args: Any) -> type[SystemExit]:
-    """A SystemExit that calls a function when a handler gets it; one in C, as no Python is to run then."""
+    """Return a SystemExit that calls a function when a handler catches it. It is in C: no Python may run then."""
     return type("SystemExit", (SystemExit,), {"__init__": staticmethod(partial(call, *args))})
 
 
 def is_abandoned() -> bool:
-    """Whether the calling thread is abandoned."""
+    """Return True if the calling thread is abandoned."""
     thread = threading.current_thread()
     return isinstance(thread, UserThread) and thread.is_abandoned
 
 
 def why_refused(driven: Any) -> str:
-    """Why the calling thread may not drive a robot, empty if it may; the function that it runs is known to drive then.
+    """Return why the calling thread may not drive a robot, or empty if it may; note that its function drives the robot.
 
     Args:
-        driven: what sends speeds to the robot.
+        driven: the sender of speeds to the robot.
     """
     if is_abandoned():
         return "this function was disconnected, replaced or ended while it was at work"
@@ -131,6 +131,6 @@ def why_refused(driven: Any) -> str:
 
 
 def frames_of(thread: threading.Thread | None) -> list[tuple[FrameType, int]]:
-    """The frames of a thread with their lines, outermost first; none where it does not run."""
+    """Return the frames of a thread with their lines, outermost first; an empty list if it does not run."""
     frame = sys._current_frames().get(thread.ident or 0) if thread is not None else None
     return [*traceback.walk_stack(frame)][::-1] if frame is not None else []

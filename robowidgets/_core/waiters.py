@@ -1,4 +1,4 @@
-"""Threads that wait for what other threads do, and that an interrupt may end at any step."""
+"""Threads that wait for other threads, and that an interrupt may end at any step."""
 
 from __future__ import annotations
 
@@ -11,18 +11,18 @@ from .clock import Clock, Signal, scheduler
 T = TypeVar("T")
 
 LOOK = 0.25
-"""Seconds after which a thread that waits looks for an interrupt. One that comes just before it sleeps wakes nobody."""
+"""Seconds after which a waiting thread checks for an interrupt. An interrupt just before it sleeps does not wake it."""
 
 
 class Waiters:
-    """Threads that wait until there is something.
+    """Threads that wait until a function finds something.
 
-    A `threading.Condition` releases the lock of its caller, and takes it again. An interrupt between the two leaves the
-    caller without the lock that it goes on to release. So threads wait here without it.
+    A `threading.Condition` releases the lock of its caller, and takes it again. After an interrupt in between, the
+    caller does not have the lock that it then releases. So threads wait here without a lock.
 
     Args:
-        lock: guards the list of those that wait.
-        clock: None: that of our scheduler.
+        lock: guards the set of waiting threads.
+        clock: the clock of the package's scheduler by default.
     """
 
     def __init__(self, lock: threading.RLock, clock: Clock | None = None) -> None:
@@ -33,14 +33,14 @@ class Waiters:
         return len(self._signals)
 
     def wake(self) -> None:
-        """Have all of them look again. Called with the lock."""
+        """Make all waiting threads check again. Called with the lock."""
         for signal in self._signals:
             signal.set()
 
     def wait_for(self, find: Callable[[], T | None], seconds: float) -> T | None:
-        """Return what a function returns, as soon as that is not None; or None when the time is over.
+        """Return the result of a function as soon as it is not None, or None when the time is over.
 
-        Neither this nor the function is called with the lock: the function may take others.
+        Neither this method nor the function is called with the lock: the function may take other locks.
         """
         signal, until = self._clock.signal(), self._clock.now() + seconds
         try:

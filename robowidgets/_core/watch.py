@@ -21,14 +21,14 @@ MOST_CHANGES = 1000
 """Changes that a watch keeps."""
 
 MOST_RUNS = 500
-"""Runs of neighbouring rays that are marked on a picture; shorter gaps between them are closed when there are more."""
+"""The most runs of neighbouring rays that are marked on a picture. If there are more, the shorter gaps are closed."""
 
 
 class Change(NamedTuple):
     """A change of a condition.
 
-    ``value`` is what it became: True, False, or None for unknown. ``text`` is what was compared. ``time`` is in seconds
-    since the epoch, by this computer's clock, and ``stamp_ns`` the stamp of the sample in nanoseconds, or None.
+    ``value`` is the new value: True, False, or None for unknown. ``text`` shows the compared values. ``time`` is in
+    seconds since the epoch, by this computer's clock, and ``stamp_ns`` the stamp of the sample in nanoseconds, or None.
     """
 
     value: bool | None
@@ -40,14 +40,14 @@ class Change(NamedTuple):
 class Watch:
     """A condition that a widget judges on each sample, in a thread of its own; `RobotWidget.watch` returns it.
 
-    Only the newest sample is judged, so a slow function misses some. What raises is switched off: `error` says why, and
-    a new `watch` of the name starts it again. As a truth value it is `value`, where unknown is not true.
+    Only the newest sample is judged, so a slow function misses some. A condition that raises an error is switched off:
+    `error` says why, and a new `watch` of the name starts it again. Its truth value is `value`; unknown is not true.
 
     Args:
-        name: of the lamp.
+        name: the name of the lamp.
         condition: one of `robowidgets.conditions`, or a function of one sample.
-        sample_name: of the samples of its widget: ``"scan"``.
-        why_none: says what is wrong when no sample comes; empty when all is well.
+        sample_name: the name of the samples of its widget, such as ``"scan"``.
+        why_none: returns why no current sample is known, or empty if one is.
     """
 
     def __init__(self, name: str, condition: Any, sample_name: str, why_none: Callable[[], str]) -> None:
@@ -56,7 +56,7 @@ class Watch:
         self.condition = condition
         self._why_none = why_none
         self._context = copy_context()
-        """That of the cell that watches: so what the condition prints appears below that cell."""
+        """The context of the cell that watches, so that prints of the condition appear below that cell."""
         self._lock = threading.RLock()
         self._waiters = Waiters(self._lock)
         self._wakers: list[Callable[[], None]] = []
@@ -68,49 +68,50 @@ class Watch:
         self._error = ""
         self._ended = ""
         self.runs = 0
-        """How often it was judged."""
+        """The number of samples that it has judged."""
 
-    # -- what a person uses --------------------------------------------------------------------------------------------
+    # -- for the user --------------------------------------------------------------------------------------------------
 
     @property
     def value(self) -> bool | None:
-        """True or False by the newest judged sample; None while it is unknown, switched off, or the sample is stale."""
+        """True or False for the newest judged sample; None while unknown, switched off, or the sample is stale."""
         return None if self._why_off or self._why_none() else self._verdict.value
 
     @property
     def verdict(self) -> Verdict:
-        """The verdict on the newest judged sample, however old: what was compared, and the rays that made it true."""
+        """The verdict on the newest judged sample of any age: the compared values, and the rays that made it true."""
         return self._verdict
 
     @property
     def sample(self) -> Any:
-        """The newest judged sample; None before the first."""
+        """The newest judged sample, or None before the first."""
         return self._sample
 
     @property
     def error(self) -> str:
-        """Why it was switched off, with the line of the function; empty while it is on."""
+        """The error that switched it off, with the line of the function, or empty while it is on."""
         return self._error
 
     @property
     def changes(self) -> tuple[Change, ...]:
-        """The last 1000 changes, oldest first. The first verdict is no change."""
+        """The last 1000 changes, oldest first. The first verdict does not count as a change."""
         with self._lock:
             return tuple(self._changes)
 
     def wait(self, timeout: float = 10.0, value: bool = True) -> Any:
-        """The sample for which it is true, at once if that is the newest one and not stale, else as soon as one comes.
+        """Wait for a sample for which the condition is true, and return it.
 
-        Any thread may wait, except the one that updates the widget. An interrupt ends it.
+        Returns at once if the condition is true for the newest sample and that is not stale. Any thread may wait,
+        except the one that updates the widget. An interrupt ends the wait.
 
         Args:
             timeout: seconds to wait, 0 or more.
-            value: False: wait until it is false.
+            value: False to wait until the condition is false.
 
         Raises:
-            TimeoutError: it did not become true; the text says what it was, or why nothing came.
-            RuntimeError: it raised and was switched off, or is watched no more.
-            TypeError: the timeout is no number. ValueError: it is not finite, or below 0.
+            TimeoutError: it did not become true. The text gives its state, or why no sample came.
+            RuntimeError: it raised an error and was switched off, or is no longer watched.
+            TypeError: the timeout is not a number. ValueError: it is not finite, or below 0.
         """
         seconds = not_negative("timeout", timeout, "seconds")
         sample = self._waiters.wait_for(lambda: self._sample_if(value), seconds)
@@ -119,7 +120,7 @@ class Watch:
         return sample
 
     async def wait_async(self, timeout: float = 10.0, value: bool = True) -> Any:
-        """As `wait`, for ``await``: other tasks run meanwhile."""
+        """Wait as `wait` does, for ``await``: other tasks run meanwhile."""
         seconds = not_negative("timeout", timeout, "seconds")
         deadline = time.monotonic() + seconds
         loop, woken = asyncio.get_running_loop(), asyncio.Event()
@@ -156,7 +157,7 @@ class Watch:
     # -- for the thread that judges ------------------------------------------------------------------------------------
 
     def judge(self, sample: Any) -> None:
-        """Judge a sample; None before the first of a widget."""
+        """Judge a sample, or None before the first sample of a widget."""
         if self._error:
             return
         try:
@@ -177,28 +178,28 @@ class Watch:
             self._notify()
 
     def end(self, reason: str) -> None:
-        """Judge no more; whoever waits is told the reason."""
+        """Stop judging; waiting threads get the reason."""
         with self._lock:
             self._ended = reason
             self._notify()
 
     def lamp(self) -> dict[str, Any]:
-        """What the page shows of it, all plain values: see `Lamp` in js/shared/lamps.ts."""
+        """Return its lamp for the page, as plain values: see `Lamp` in js/shared/lamps.ts."""
         return self._lamp(self._verdict, self._since, self._count)
 
     def lamp_on(self, sample: Any) -> dict[str, Any]:
-        """The lamp for any sample of a recording, without its history; None before the first sample."""
+        """Return the lamp for a sample of a recording, or for None before the first, without a history."""
         verdict = UNKNOWN
         if sample is not None and not self._error:
             try:
                 verdict = self._judge(sample)
-            except BaseException as error:  # nor the thread that judges those of a recording
+            except BaseException as error:  # not even a SystemExit may end the thread that judges recordings
                 if not self._why_off:  # else it was ended because it did not return
                     self.switch_off(error_in(error))
         return self._lamp(verdict, None, 0)
 
     def switch_off(self, why: str) -> None:
-        """Judge no more, for a reason that the lamp says."""
+        """Stop judging, for a reason that the lamp shows."""
         with self._lock:
             self._error, self._verdict = why, UNKNOWN
             self._notify()
@@ -219,7 +220,7 @@ class Watch:
         judge = getattr(self.condition, "judge", None) or partial(judged, self.condition)
         try:
             verdict: Verdict = self._context.copy().run(judge, sample)
-        except NoSensorError as error:  # it may come yet
+        except NoSensorError as error:  # it may still come
             return Verdict(None, error.args[0])
         return verdict
 
@@ -255,7 +256,7 @@ class Watch:
 
 
 def _runs(indices: list[int]) -> list[int]:
-    """First and stop of each run of neighbouring indices, one after the other: [3, 4, 9] gives [3, 5, 9, 10]."""
+    """Return the start and stop of each run of neighbouring indices, in sequence: [3, 4, 9] gives [3, 5, 9, 10]."""
     runs: list[int] = []
     reach = 1
     while True:

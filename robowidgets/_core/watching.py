@@ -1,4 +1,4 @@
-"""What a widget watches: conditions on its samples, and numbers that a program plots."""
+"""The watches of a widget: conditions on its samples, and numbers that a program plots."""
 
 from __future__ import annotations
 
@@ -25,29 +25,29 @@ class WatchedWidget(JudgedWidget, Protocol):
 
     @property
     def sample_name(self) -> str:
-        """What programs call one sample: ``"scan"``."""
+        """The name of one sample in programs, such as ``"scan"``."""
 
     @property
     def packs_now(self) -> bool:
-        """Whether a frame tells what is known when it is packed, not a sample."""
+        """True if a frame shows the state when it is packed, and not a sample."""
 
     @property
     def driven_by_player(self) -> bool:
-        """Whether a player moves it."""
+        """True while a player moves it."""
 
     @property
     def judges_frames(self) -> bool:
-        """Whether a player shows the verdicts on each sample."""
+        """True if a player shows the verdicts on each sample."""
 
 
 class Hooks(NamedTuple):
-    """What the watches of a widget call.
+    """The functions that the watches of a widget call.
 
     Args:
-        to_judge: gives what conditions are judged on, of a sample as it is shown; None before the first.
-        why_unknown: says why nothing is known of the present; empty while the newest sample is not stale.
-        say_more: has the page told what else there is to say of the newest sample.
-        renew_frames: has a player show its samples anew.
+        to_judge: returns the sample to judge for a sample on show, or None before the first.
+        why_unknown: returns why the present state is unknown, or empty while the newest sample is not stale.
+        say_more: sends the newest sample again with later texts on it.
+        renew_frames: makes a player show its samples again.
     """
 
     to_judge: Callable[[Any], Any]
@@ -57,10 +57,10 @@ class Hooks(NamedTuple):
 
 
 class Watches:
-    """What a widget watches: conditions, which a `Judge` judges on its samples, and numbers, which it plots.
+    """The watches of a widget: conditions, which a `Judge` judges on its samples, and numbers, which it plots.
 
     Attributes:
-        judge: judges the conditions; None before the first.
+        judge: judges the conditions, or None before the first.
         numbers: the plotted numbers.
     """
 
@@ -68,7 +68,7 @@ class Watches:
         self._widget, self._newest, self._hooks = widget, newest, hooks
         self.judge: Judge | None = None
         self._frames: FrameJudge | None = None
-        """Judges the samples of a recording; None before the first."""
+        """Judges the samples of a recording, or None before the first."""
         self.numbers = PlottedNumbers()
 
     def watch(self, condition: Any, name: Any) -> Any:
@@ -113,7 +113,7 @@ class Watches:
         return MappingProxyType(self.judge.watches if self.judge else {})
 
     def judged_on(self, sample: Any) -> dict[str, Any]:
-        """The verdicts on a sample of a recording, as a text on it; None before the first sample."""
+        """Return the verdicts on a sample of a recording, or on None before the first, as a text on it."""
         watches = list(self.by_name.values())
         if not watches:
             return {}
@@ -132,7 +132,7 @@ class Watches:
             self.judge.end_late()
 
     def close(self) -> None:
-        """End the thread, and whatever waits for a watch."""
+        """End the thread, and the waits for its watches."""
         if self._frames:
             self._frames.close()
         if self.judge:
@@ -145,7 +145,7 @@ class Watches:
                 f"or a condition before it; got {value!r}"
             )
         if self._widget.driven_by_player:
-            raise ValueError(f"watch({name!r}): a player moves this widget, and its samples are not of now")
+            raise ValueError(f"watch({name!r}): a player moves this widget, and its samples are recorded")
         shown = number(f"watch({name!r})", value)
         check_watch_name(name)
         if name in self.by_name:
@@ -156,13 +156,13 @@ class Watches:
         return shown
 
     def _check(self, condition: Any) -> None:
-        """TypeError or ValueError for what cannot be judged on samples of this widget."""
+        """Raise TypeError or ValueError for a condition that cannot be judged on samples of this widget."""
         sample_name = self._widget.sample_name
         if hasattr(condition, "judge"):
             others = condition.reads - {sample_name}
             if others:
                 raise ValueError(
-                    f"watch: {condition} looks at a {' and a '.join(sorted(others))}; "
+                    f"watch: {condition} reads a {' and a '.join(sorted(others))}; "
                     f"this is a {type(self._widget).__name__}, which has a {sample_name}"
                 )
             return
@@ -180,13 +180,13 @@ class Watches:
 
 
 def check_watch_name(name: str) -> None:
-    """ValueError for a name that is empty or too long."""
+    """Raise ValueError for a name that is empty or too long."""
     if not 0 < len(name.strip()) <= LONGEST_NAME:
         raise ValueError(f"name: expected 1 to {LONGEST_NAME} characters, got {name!r}")
 
 
 def _takes_one(function: Callable[..., Any]) -> bool:
-    """Whether a function can be called with one argument; True where it does not tell."""
+    """Return True if a function can be called with one argument, or if its signature is unknown."""
     try:
         signature = inspect.signature(function)
     except (TypeError, ValueError):
@@ -199,7 +199,7 @@ def _takes_one(function: Callable[..., Any]) -> bool:
 
 
 def default_name(condition: Any) -> str:
-    """The name of a condition that got none; TypeError for a lambda, which has none."""
+    """Return the name of a condition for which no name was given. Raise TypeError for a lambda, which has no name."""
     if hasattr(condition, "judge"):
         return str(condition)[:LONGEST_NAME]
     name = name_of(condition)

@@ -61,7 +61,7 @@ class Program(Observed):
     - The speed of a version that was replaced while it was at work is not sent.
 
     A runner calls the steps, and looks at them; see `robowidgets._core.policies`. Whatever takes a step its right to
-    drive, stops the robot after that, never before: a step that was left cannot drive on.
+    drive, stops the robot after that, never before: a step that was detached cannot drive on.
 
     Args:
         name: its name.
@@ -167,7 +167,7 @@ class Program(Observed):
             self._log = LogOnce(partial(self._say, log.warning))
             self.context = copy_context()
             if self._runner.current is not None or self.mode != RUNNING:
-                self._leave()
+                self._detach()
             self._start()
         self._call_observers()
 
@@ -187,7 +187,7 @@ class Program(Observed):
         """
         with self._lock:
             self._check_not_ended()
-            self._leave()
+            self._detach()
             if hasattr(self.version.function, "fresh"):
                 self.version = replace(self.version, function=self.version.function.fresh())
             self.state, self.clock, self._began, self.prints = ProgramState(), StepClock(self._now), {}, Prints()
@@ -256,16 +256,16 @@ class Program(Observed):
         self._runner.wake()
         self.mode = PAUSED if once else RUNNING
 
-    def _leave(self) -> None:
+    def _detach(self) -> None:
         """Make no more steps: one that is under way may finish, but not drive. Called with the lock held."""
-        self._runner.leave(itself=True)
+        self._runner.detach(even_if_current=True)
 
     def _end(self, mode: str, note: str = "", error: str = "", run: object = None) -> bool:
         """Make no more steps, and then stop the robot; returns False where it has ended, or this run of it is over."""
         with self._lock:
             if self.mode == ENDED or run not in (None, self._runner.run):
                 return False
-            self._leave()
+            self._detach()
             self.clock.stop()
             self.mode, self.error, self.waiting = mode, error, ""
             self.note = note or self.note
@@ -299,7 +299,7 @@ class Program(Observed):
             once = self._once
             if once:
                 self.clock.stop(1 / version.rate if values is not None else 0.0)
-                self._leave()
+                self._detach()
             if self.version.on is not None:
                 self._due = self._now() + STEP_SILENCE
             due = self._due

@@ -136,7 +136,7 @@ def _samples(robot: Robot, asks_for: Iterable[str], topics: Mapping[str, str]) -
     }
     for name in asks_for:
         kind = kind_of_parameter(name)
-        if name in topics and name not in ODOMETRY and (kind is None or kind.roles[0].each is None):
+        if name in topics and name not in ODOMETRY and (kind is None or kind.roles[0].combine is None):
             if topics[name] not in sent:
                 raise ValueError(
                     f"a program asks for {name} on {topics[name]}, and the simulated robot sends {', '.join(sent)}"
@@ -149,12 +149,12 @@ def _samples(robot: Robot, asks_for: Iterable[str], topics: Mapping[str, str]) -
         measured = {sensor_of(offer.topic): offer.read for offer in offers if not offer.obeyed}
         if not measured:
             raise ValueError(f"a program asks for {name}, and the simulated robot has no {kind.noun}")
-        each = kind.roles[0].each
-        found[name] = next(iter(measured.values())) if each is None else partial(_read_all, robot, measured, each)
+        combine = kind.roles[0].combine
+        found[name] = next(iter(measured.values())) if combine is None else partial(_read_all, robot, measured, combine)
     return found
 
 
-def _read_all(robot: Robot, measured: Mapping[str, Callable[[], Any]], each: Callable[..., Any]) -> Any:
+def _read_all(robot: Robot, measured: Mapping[str, Callable[[], Any]], combine: Callable[..., Any]) -> Any:
     samples = {sensor: read() for sensor, read in measured.items()}
     stamps = {sensor: sample.stamp_ns for sensor, sample in samples.items()}
-    return each(samples, {name: robot.time if stamp is None else stamp / 1e9 for name, stamp in stamps.items()})
+    return combine(samples, {name: robot.time if stamp is None else stamp / 1e9 for name, stamp in stamps.items()})

@@ -21,7 +21,7 @@ from ..kinds import LASER, SPEED, TOUCH
 from ..recordings.remote import is_url
 from ..recordings.topics import UnnamedTopicError
 from ..samples.checks import DEGREES, OF_DEGREES
-from ..samples.sector import ALL_ROUND, SECTORS, Asked, to_sector
+from ..samples.sector import ALL_ROUND, SECTORS, SectorLike, to_sector
 from ..search import conditions
 from ..search.base import Condition
 from ..search.spans import Spans
@@ -172,7 +172,7 @@ def _angle(word: str) -> float | str:
         return word.strip()
 
 
-def _sector(words: list[Any] | None) -> Asked:
+def _sector(words: list[Any] | None) -> SectorLike:
     if not words:
         return ALL_ROUND
     if words[0] == words[1] and str(words[0]).isalpha():

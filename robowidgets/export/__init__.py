@@ -1,1 +1,1 @@
-"""A page in a file: widgets and what they show, without a kernel, a server or the web."""
+"""A page in a file: widgets with their data, without a kernel, a server or a network."""

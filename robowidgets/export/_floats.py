@@ -9,29 +9,29 @@ from numpy.typing import NDArray
 
 _IN_FLOAT32 = tuple(float(np.float32(step)) for step in (0.01, 0.001, 0.00025))
 STEPS = (1.0, 0.01, 0.002, 0.001, 0.0005, 0.00025, 0.0001, 1 / 256, 1 / 512, 1 / 1024, 1 / 4096, *_IN_FLOAT32)
-"""Steps of the numbers of scanners, in metres; the last ones are of drivers that multiply in float32."""
+"""Steps of the numbers of scanners, in metres. The last ones come from drivers that multiply in float32."""
 
 CLASSES = tuple(int(np.float32(value).view(np.uint32)) for value in (np.nan, np.inf, -np.inf, 0.0))
-"""Bits of frequent values that are no multiples of a step: class 1, 2, 3, 4. Class 0 is a multiple of the step."""
+"""Bits of frequent values that are not multiples of a step: class 1, 2, 3, 4. Class 0 is a multiple of the step."""
 
 OTHER = 5
 """The class of all other values, whose bits are listed."""
 
 ESCAPE = 255
-"""A difference that is listed, because it does not fit in a byte."""
+"""The byte for a difference that does not fit in a byte, and is listed instead."""
 
 _LEAST = 0.9
-"""Least share of finite values that are multiples of the step."""
+"""The smallest share of finite values that must be multiples of the step."""
 
 _SAMPLED = 4096
 _MOST = 2**30
 
 
 def pack_floats(values: NDArray[np.float32]) -> tuple[dict[str, Any], list[bytes]]:
-    """Facts and parts, of which the page makes the same numbers (js/export/floats.ts).
+    """Return facts and parts from which the page restores the numbers (js/export/floats.ts).
 
-    Scanners measure in steps, such as millimetres, of which float32 hides the pattern. The numbers of steps are whole,
-    and change little from ray to ray. Values without a common step are sorted by bytes: first all lowest, last all
+    Scanners measure in steps, such as millimetres, but float32 hides the pattern. The numbers of steps are whole, and
+    change little from ray to ray. Values without a common step are sorted by bytes: first all lowest bytes, last all
     highest ones.
 
     Args:
@@ -55,13 +55,13 @@ def pack_floats(values: NDArray[np.float32]) -> tuple[dict[str, Any], list[bytes
 
 
 def folded_changes(whole: NDArray[np.int64]) -> NDArray[np.int64]:
-    """How whole numbers change, the first one from 0: 0, -1, 1, -2, 2 ... as 0, 1, 2, 3, 4 ..."""
+    """Return the changes between whole numbers, starting from 0: 0, -1, 1, -2, 2 ... as 0, 1, 2, 3, 4 ..."""
     changes = np.diff(whole, prepend=0)
     return np.where(changes < 0, -2 * changes - 1, 2 * changes)
 
 
 def planes(values: NDArray[Any]) -> bytes:
-    """The bytes of the elements, or of the rows, of an array, sorted by their places: all first ones first."""
+    """Return the bytes of the elements, or of the rows, of an array, sorted by position: all first bytes first."""
     if not len(values):
         return b""
     rows = np.ascontiguousarray(values).view(np.uint8).reshape(len(values), -1)
@@ -69,7 +69,7 @@ def planes(values: NDArray[Any]) -> bytes:
 
 
 def _step_of(values: NDArray[np.float32]) -> float:
-    """The first step of which nearly all finite values are multiples; 0 if there is none."""
+    """Return the first step for which nearly all finite values are multiples, or 0 without one."""
     some = values[np.isfinite(values)]
     some = some[:: max(1, len(some) // _SAMPLED)]
     if not len(some):

@@ -1,4 +1,4 @@
-"""A page in a file: its text, its policy, its scripts, parts of data that are no markup, and how it is written."""
+"""A page in a file: its text, its policy, its scripts, its parts of data, and its writing."""
 
 from __future__ import annotations
 
@@ -20,27 +20,27 @@ from .segments import compressed
 SUFFIXES = (".html", ".htm")
 
 MAX_SIZE = 50_000_000
-"""Most bytes of a page, unless more are allowed."""
+"""The most bytes of a page, unless more are allowed."""
 
 _SAMPLED = 40
-"""Most segments that are packed to estimate the size of a page."""
+"""The most segments that are packed to estimate the size of a page."""
 
 _AROUND = 64
 """Bytes around a part."""
 
 _BREAKS_OUT = ("</script", "<script", "<!--", "</style")
-"""What would end, or change the meaning of, a script or a stylesheet in a page."""
+"""Texts that would end a script or a stylesheet in a page, or change its meaning."""
 
 _MADE = "Made with robowidgets. This page loads nothing from the web, and sends nothing."
 _NO_SCRIPT = "This page has not started: it needs a browser of 2023 or later that runs scripts."
 
 
 MAIL_SIZE = 20_000_000
-"""Bytes of a file above which most mail servers refuse it."""
+"""The size in bytes above which most mail servers refuse a file."""
 
 
-class WrittenPage(type(Path())):  # type: ignore[misc]  # the class of paths of the system, which Python 3.10 needs
-    """The path of a page that was written; a notebook shows it as a link with its size."""
+class WrittenPage(type(Path())):  # type: ignore[misc]  # Python 3.10 needs the system's class of paths
+    """The path of a written page. A notebook shows it as a link with its size."""
 
     def _repr_html_(self) -> str | None:
         if not self.is_file():
@@ -55,7 +55,7 @@ class WrittenPage(type(Path())):  # type: ignore[misc]  # the class of paths of 
 
 
 class Heading(NamedTuple):
-    """What stands on the page as text: title, facts, lines on problems, a note, and the first samples."""
+    """The texts on the page: title, facts, lines on problems, a note, and the first samples."""
 
     title: str
     facts: str
@@ -75,12 +75,12 @@ class Page(NamedTuple):
     """A page that can be written.
 
     Args:
-        heading: its text.
-        assets: its scripts and stylesheets, beyond those that load it.
+        heading: its texts.
+        assets: its scripts and stylesheets, in addition to the loader.
         state: the part with its models; see `segments.compressed`.
-        numbers: of its segments.
+        numbers: the numbers of its segments.
         segment: packs a segment, by its number.
-        advice: how to have less of it, for a page that is too large.
+        advice: a way to make it smaller, for the error if it is too large.
     """
 
     heading: Heading
@@ -91,7 +91,7 @@ class Page(NamedTuple):
     advice: str = ""
 
     def size(self) -> int:
-        """Its bytes; estimated from some of its segments where there are many."""
+        """Return its size in bytes, estimated from some of its segments if there are many."""
         fixed = sum(map(len, self._pieces(())))
         step = -(-len(self.numbers) // _SAMPLED) or 1
         numbers = self.numbers[step // 2 :: step]
@@ -103,10 +103,10 @@ class Page(NamedTuple):
         return fixed + round(sum(some) / max(1, len(some)) * len(self.numbers))
 
     def write(self, path: Path, max_size: int | None = MAX_SIZE) -> Path:
-        """Write it, all of it or nothing; returns the path.
+        """Write it, completely or not at all, and return the path.
 
         Raises:
-            ValueError: it would take more than ``max_size`` bytes; None: any size is fine. OSError: the file cannot be
+            ValueError: it would take more than ``max_size`` bytes (None allows any size). OSError: the file cannot be
                 written.
         """
         if max_size is not None and len(self.numbers) > _SAMPLED:
@@ -124,7 +124,7 @@ class Page(NamedTuple):
         return WrittenPage(path)
 
     def _segments(self) -> Iterator[bytes]:
-        """All segments, with a progress bar."""
+        """Yield all segments, with a progress bar."""
         with Progress(len(self.numbers), "Writing the page", " parts") as bar:
             for number in self.numbers:
                 with without_bars():
@@ -133,10 +133,10 @@ class Page(NamedTuple):
                 bar.update(1)
 
     def _pieces(self, segments: Iterable[bytes]) -> Iterator[bytes]:
-        """The page, piece by piece, with these parts of segments.
+        """Yield the page piece by piece, with these segments.
 
-        Its policy allows the scripts and stylesheets that are in it, by their hashes, and no request at all. Everything
-        that comes from a recording is text in it, or packed.
+        Its policy allows only the scripts and stylesheets in it, by their hashes, and no requests. Everything from a
+        recording is escaped text in it, or packed.
         """
         heading, assets = self.heading, self.assets
         style, loader = static("export_loader.css"), static("export_loader.js")
@@ -173,7 +173,7 @@ class Page(NamedTuple):
 <section class="rw-page-text"><p class="rw-page-why">{_NO_SCRIPT}</p><pre>{escape(chr(10).join(heading.lines))}</pre>\
 </section>
 <footer class="rw-page-end"><div class="rw-page-data"></div><span>{_MADE}</span></footer>
-""".encode("utf-8", "replace")  # the names of files may be no UTF-8
+""".encode("utf-8", "replace")  # file names may not be valid UTF-8
         yield _part("program", packed)
         yield _part("page", self.state)
         for segment in segments:
@@ -189,7 +189,7 @@ class Page(NamedTuple):
 
 
 def check_texts(title: Any, note: Any, max_size: Any = None) -> None:
-    """TypeError for a title or a note that is no text, or a size that is no number. None is none."""
+    """Raise TypeError for a title or a note that is not a text, or a size that is neither a number nor None."""
     for name, value in (("title", title), ("note", note)):
         if not isinstance(value, str | None):
             raise TypeError(f"to_html(): expected {name} as a text, got {value!r}")
@@ -198,16 +198,16 @@ def check_texts(title: Any, note: Any, max_size: Any = None) -> None:
 
 
 def static(name: str) -> str:
-    """A built file of exported pages.
+    """Return a built file of exported pages.
 
     Raises:
-        ImportError: it is missing.
+        ImportError: the file is missing.
     """
     return inlined(built_file(STATIC / name).read_text(encoding="utf-8"), name)
 
 
 def inlined(text: str, name: str) -> str:
-    """A script or stylesheet that may stand in a page as it is; ValueError names it if it may not."""
+    """Return a script or stylesheet that can be put into a page unchanged, or raise ValueError with its name."""
     found = next((word for word in _BREAKS_OUT if word in text.lower()), None)
     if found:
         raise ValueError(f"{name} contains {found!r}, which no script or stylesheet of an exported page may")

@@ -1,4 +1,4 @@
-"""The state of widgets, and how they stand on the page."""
+"""The state of widgets, and their layout on the page."""
 
 from __future__ import annotations
 
@@ -27,10 +27,10 @@ class Models:
         self._keys: dict[str, str] = {}
 
     def add(self, widget: Any, changes: Mapping[str, Any]) -> None:
-        """Add a widget as it is now, but for some traits.
+        """Add a widget in its current state, except for some traits.
 
         Raises:
-            ValueError: its script cannot stand in a page.
+            ValueError: its script cannot be put into a page.
         """
         state = {name: value for name, value in widget.get_state().items() if name not in _OF_HOST}
         state |= changes
@@ -41,20 +41,20 @@ class Models:
         self._buffers += [(widget.model_id, name, bytes(state[name])) for name in sorted(binary)]
 
     def part(self, shown: Mapping[str, Any], **facts: Any) -> bytes:
-        """The part of the page with all models, an element with all that it holds, and more facts."""
+        """Return the part of the page with all models, an element with its children, and more facts."""
         buffers = [[model, name, len(value)] for model, name, value in self._buffers]
         texts = {"models": self._models, "buffers": buffers, "shown": shown, "keys": self._keys}
         return compressed({**texts, **facts}, [value for _, _, value in self._buffers])
 
     def assets(self) -> PageAssets:
-        """The scripts and stylesheets of these widgets."""
+        """Return the scripts and stylesheets of these widgets."""
         styles = [static("export_page.css"), *(css for _, css in self._foreign.values() if css)]
-        # Last the script that builds the page: the others leave there what it needs.
+        # The script that builds the page comes last, because it needs the others.
         scripts = [*(script for script, _ in self._foreign.values()), static("export_page.js")]
         return PageAssets(tuple(styles), tuple(scripts))
 
     def _script_of(self, widget: Any) -> str:
-        """The name of the widget's script, which is included if it is not in each page."""
+        """Return the name of the widget's script, and include the script if it is not in each page."""
         owner = next(c for c in type(widget).__mro__ if isinstance(vars(c).get("_esm"), (str, Path)))
         name = owner.__module__.rpartition(".")[2]
         if name in _BUILT_IN and vars(owner)["_esm"] == bundle(name)[0]:
@@ -72,7 +72,7 @@ class Models:
 
 
 def shown(widget: Any, leave_out: Iterable[Any] = ()) -> dict[str, Any]:
-    """How a widget, or a box of widgets, stands on the page: its element for `Models.part`."""
+    """Return the element of a widget, or of a box of widgets, on the page, for `Models.part`."""
     layout = widget.layout
     style = {
         name.replace("_", "-"): str(value)

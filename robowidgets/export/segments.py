@@ -1,4 +1,4 @@
-"""The segments of tracks, packed for the page that holds them."""
+"""The segments of tracks, packed for a page in a file."""
 
 from __future__ import annotations
 
@@ -19,30 +19,30 @@ _LENGTH = struct.Struct("<I")
 _COLUMN = 8
 
 _SCALES = (10**6, 10**9)
-"""Steps of numbers with six decimals, and of times in seconds, as their inverse."""
+"""Inverse steps of numbers with six decimals, and of times in seconds."""
 
 _EXACT = 2.0**53
-"""Whole numbers below it are exact as float64."""
+"""Whole numbers below this are exact as float64."""
 
 ArraysOf = Callable[[bytes], tuple[int, int]]
 """`RobotWidget.arrays_of`."""
 
 
 def segment(number: int, tracks: Iterable[tuple[Sequence[TimedFrame], ArraysOf]]) -> bytes:
-    """One segment as text for the page: see docs/developers/frames.md.
+    """Return a segment as text for the page: see docs/developers/frames.md.
 
     Args:
-        number: of the segment.
-        tracks: for each widget its frames, and its `RobotWidget.arrays_of`.
+        number: the number of the segment.
+        tracks: the frames of each widget, and its `RobotWidget.arrays_of`.
     """
     facts, parts = pack_tracks(tracks)
-    # Noise takes long to pack as small as it gets, and gets no smaller.
+    # Noise takes much longer to compress at a high level, and gets no smaller.
     is_noise = any(not array["step"] for track in facts["tracks"] for array in track.get("floats", ()))
     return compressed({"segment": number, **facts}, parts, level=6 if is_noise else 9)
 
 
 def compressed(facts: dict[str, Any], parts: Iterable[bytes], level: int = 9) -> bytes:
-    """Facts and bytes as text: the length of a JSON text, that text, and the bytes, deflated, in `in_text`."""
+    """Return facts and bytes as text: the length of a JSON text, the JSON and the bytes, deflated, by `in_text`."""
     text = json.dumps(facts, separators=(",", ":"), allow_nan=False).encode()
     packer = zlib.compressobj(level, zlib.DEFLATED, 15, 9)
     packed = [packer.compress(part) for part in (_LENGTH.pack(len(text)), text, *parts)]
@@ -50,12 +50,12 @@ def compressed(facts: dict[str, Any], parts: Iterable[bytes], level: int = 9) ->
 
 
 def in_text(data: bytes) -> bytes:
-    """Bytes as text that ends no script element: base85 with a comma for ``<``, which takes 6 % less than base64."""
+    """Return bytes as text that cannot end a script element: base85 with a comma for ``<``, 6 % smaller than base64."""
     return base64.b85encode(data).replace(b"<", b",")
 
 
 def pack_tracks(tracks: Iterable[tuple[Sequence[TimedFrame], ArraysOf]]) -> tuple[dict[str, Any], list[bytes]]:
-    """Facts and parts, of which the page makes the frames of tracks again (js/export/tracks.ts)."""
+    """Return facts and parts from which the page restores the frames of tracks (js/export/tracks.ts)."""
     columns: dict[bytes, int] = {}
     facts: list[dict[str, Any]] = []
     parts: list[bytes] = []
@@ -84,9 +84,9 @@ def pack_tracks(tracks: Iterable[tuple[Sequence[TimedFrame], ArraysOf]]) -> tupl
 
 
 def _pack_column(values: NDArray[np.float64]) -> tuple[int, bytes]:
-    """Sorted by bytes: the changes of the numbers multiplied by a scale, where all are whole; else, with 0, their bits.
+    """Return a scale that makes all numbers whole and the changes of these, or 0 and the bits; sorted by bytes.
 
-    Times are whole nanoseconds, of which float64 hides the pattern, and logs have numbers with few decimals.
+    Times are whole nanoseconds, but float64 hides the pattern, and logs have numbers with few decimals.
     """
     for scale in _SCALES:
         with np.errstate(invalid="ignore", over="ignore"):
@@ -99,16 +99,16 @@ def _pack_column(values: NDArray[np.float64]) -> tuple[int, bytes]:
 
 
 def _array(frames: Sequence[bytes], head: int, count: int, number: int) -> NDArray[np.float32]:
-    """One of the arrays of all frames, one after the other."""
+    """Return the arrays of one number in all frames, one after the other."""
     numbers = [np.frombuffer(frame, "<f4", offset=head) for frame in frames]
     return np.concatenate([of[number * (len(of) // count) : (number + 1) * (len(of) // count)] for of in numbers])
 
 
 def _places(rows: bytes, frames: Sequence[TimedFrame], columns: dict[bytes, int]) -> list[int]:
-    """Which columns hold the 8-byte numbers of rows, one row for each frame; adds those that are not there yet.
+    """Return the columns of the 8-byte numbers of rows, one row for each frame, and add missing columns.
 
-    Many are equal: odometry has speeds and poses at the same times, what was not commanded is the same in each row, and
-    an extreme is often the value itself.
+    Many columns are equal: odometry has speeds and poses at the same times, speeds that were not commanded are the same
+    in each row, and an extreme is often the value itself.
     """
     numbers = np.frombuffer(rows, "<u8").reshape(len(frames), -1).T
     return [columns.setdefault(column.tobytes(), len(columns)) for column in numbers]

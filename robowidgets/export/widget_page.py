@@ -70,19 +70,19 @@ def _segment(frames: Sequence[TimedFrame], arrays_of: Any, number: int) -> bytes
 
 
 def _of_segment(frames: Sequence[TimedFrame], start: float) -> Iterator[TimedFrame]:
-    """The frame on show at the start of a segment, and those in it."""
+    """Yield the frame on show at the start of a segment, and the frames in it."""
     yield next((timed for timed in reversed(frames) if timed.seconds <= start), frames[0])
     yield from (timed for timed in frames if start <= timed.seconds < start + _SECONDS)
 
 
 def _without_rate(frame: bytes) -> bytes:
-    """A frame as of a recording: one with a rate would turn pale when nothing follows."""
+    """Return a frame without a rate, as in a recording. With a rate it would turn pale when nothing follows."""
     sequence, _, stamp_ns, arrived = FRAME_HEADER.unpack_from(frame)
     return FRAME_HEADER.pack(sequence, nan, stamp_ns, arrived) + frame[FRAME_HEADER.size :]
 
 
 def _with_own_verdicts(about: dict[str, Any], frame: bytes) -> dict[str, Any]:
-    """The texts on a sample, without the lamps of an earlier one."""
+    """Return the texts on a sample, without lamps of an earlier sample."""
     sequence, *_ = FRAME_HEADER.unpack_from(frame)
     if about.get("judged", sequence) == sequence:
         return about

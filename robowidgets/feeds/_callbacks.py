@@ -277,7 +277,7 @@ class FunctionCaller:
         """Call no function any more. Wait a moment for a running function."""
         with self._lock:
             self._closed = True
-            left = self._runner.leave()
+            left = self._runner.detach()
         if left is not None:
             left.join(CLOSING)
 
@@ -304,7 +304,7 @@ class FunctionCaller:
         for key in self._waiting.keys() - taken:
             del self._waiting[key]
         if any(function is self._runner.current for function in gone):
-            self._runner.leave()
+            self._runner.detach()
             if self._waiting:
                 self._runner.wake()
 
@@ -340,7 +340,7 @@ class FunctionCaller:
         try:
             given = (sample, came.time_ns) if function.takes_time else (sample,)
             outcome = call(function.context.copy().run, function.drive_by, function.call, *given, of=function)
-        finally:  # also if the function was abandoned
+        finally:  # even if the function was detached
             function.entered = None
             function.runs += 1
         function.error, function.got, function.gave = "", sample, outcome.value

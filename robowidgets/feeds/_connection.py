@@ -20,7 +20,7 @@ from ..behaviors.programs import Programs
 from ..behaviors.robot import DrivenRobot
 from ..driving.command_watchdog import Velocity
 from ..driving.stop_all import stop_at_end
-from ..kinds import asked_of_type, topic_and_field
+from ..kinds import on_demand_for_type, topic_and_field
 from ..laser_widget import LaserWidget
 from ..messages.twist import TWIST
 from ..samples import Speed
@@ -331,7 +331,7 @@ class Connection(Observed):
         def are_there() -> bool:
             if not names:
                 return any(topic.widget for topic in self.topics)
-            there = {topic.name for topic in self.topics if topic.widget or asked_of_type(topic.type)}
+            there = {topic.name for topic in self.topics if topic.widget or on_demand_for_type(topic.type)}
             return there.issuperset(topic_and_field(name, there)[0] for name in names)
 
         self.wait_until(are_there, DISCOVERY_TIMEOUT_S)

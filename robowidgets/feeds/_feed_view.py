@@ -17,17 +17,17 @@ from .._core.sample_widget import SampleWidget
 from .._layout import OneScreen, stacked
 from .._widget_choice import (
     Entry,
-    OnShow,
+    TopicSelection,
     WidgetChoice,
     checked_arrangement,
     choose_widgets,
     of_topic,
+    parse_requests,
     why_no_plot,
-    wishes,
 )
 from ..behaviors.machine import Machine
 from ..events_widget import EventsWidget
-from ..kinds import asked_of_type
+from ..kinds import on_demand_for_type
 from ..machine_widget import MachineWidget
 from ..message_widget import MessageWidget
 from ..program_widget import ProgramWidget
@@ -87,7 +87,7 @@ class FeedView(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no type
         self._feed: ViewedFeed | None = feed
         self._connection = feed.connection
         self._names = [*topics, *([] if arrangement is None else checked_arrangement(arrangement))]
-        self.on_show = OnShow(self._names)
+        self.on_show = TopicSelection(self._names)
         self._known: dict[str, FeedTopic] = {}
         self._shown: dict[WidgetChoice, SampleWidget] = {}
         self._probes = Probes(self._connection)
@@ -166,7 +166,7 @@ class FeedView(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no type
             if self._closed:
                 self._probes.close()
             else:
-                names = {wish.topic for wish in wishes(self._names, [topic.name for topic in topics])}
+                names = {request.topic for request in parse_requests(self._names, [topic.name for topic in topics])}
                 self._probes.add(topic for topic in topics if not names or topic.name in names)
             wanted = () if self._closed else choose_widgets(self._known.values(), self._entries())
             if self._add_program() or set(wanted) != self._shown.keys():
@@ -322,12 +322,12 @@ class FeedView(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no type
         """Show the status of the topics without a widget. A widget shows the status of its topic itself."""
         there = {topic.name: topic for topic in self._connection.topics}
         shown = {name for choice in self._shown for name in choice.topics}
-        asked = wishes(self._names, [*there])
-        missing = [wish.topic for wish in asked if wish.topic not in shown]
+        requests = parse_requests(self._names, [*there])
+        missing = [request.topic for request in requests if request.topic not in shown]
         fieldless = {
-            wish.topic: why
-            for wish in asked
-            if wish.topic in there and (why := why_no_plot(wish, there[wish.topic].type))
+            request.topic: why
+            for request in requests
+            if request.topic in there and (why := why_no_plot(request, there[request.topic].type))
         }
         if self._connection.status:
             lines = [self._connection.status] if missing or not shown else []
@@ -361,8 +361,8 @@ def _on_page(widgets: Sequence[Any]) -> list[Any]:
 
 def _row(topic: FeedTopic) -> TopicRow:
     """Return a topic for the list."""
-    asked = asked_of_type(topic.type)
-    row = topic.widget or (asked.name if asked else "")
+    on_demand = on_demand_for_type(topic.type)
+    row = topic.widget or (on_demand.name if on_demand else "")
     return TopicRow(topic.name, topic.type, widget=row, problem="" if row else _not_shown(topic))
 
 

@@ -125,7 +125,7 @@ class FeedWatch(Watch):
         """See `Watch`."""
         super().end(reason)
         self.connection.unobserve(self._on_change)
-        self._runner.leave()
+        self._runner.detach()
         with self._lock:  # `_reader` adds none after the end
             readers: list[Reader] = [*self._inputs.values(), *self._messages.values()]
         for reader in readers:

@@ -168,7 +168,7 @@ class FeedInputs:
     def take(self) -> dict[str, Any]:
         """See `Inputs`."""
         with self._lock:
-            if len(self._chosen) < len(self._wanted) or any(_each(name) for name in self._wanted):
+            if len(self._chosen) < len(self._wanted) or any(_combine(name) for name in self._wanted):
                 self._find()
             for name in self._wanted:
                 if name not in self._chosen:
@@ -179,10 +179,10 @@ class FeedInputs:
     def _read(self, name: str, topics: Sequence[str]) -> Any:
         """Return the newest sample of a parameter. Raise NotReadyError if it is missing or too old."""
         latest = {topic: self._latest[topic] for topic in topics}
-        if (each := _each(name)) is None:
+        if (combine := _combine(name)) is None:
             return latest[topics[0]].read(name)
         samples = {sensor_of(topic): one.read(_kind(name).sample_name) for topic, one in latest.items()}
-        return each(samples, {sensor_of(topic): one.came_at for topic, one in latest.items()})
+        return combine(samples, {sensor_of(topic): one.came_at for topic, one in latest.items()})
 
     def why_not_ready(self) -> str:
         """Return why a sample is missing or too old, or empty if all are ready. It consumes no sample."""
@@ -215,9 +215,9 @@ class FeedInputs:
     def _find(self) -> None:
         """Find the topics that are not chosen yet, because they may appear at any time."""
         for name, topic in self._wanted.items():
-            if name in self._chosen and not _each(name):
+            if name in self._chosen and not _combine(name):
                 continue
-            found = [[topic]] if topic and not _each(name) else self._candidates(name)
+            found = [[topic]] if topic and not _combine(name) else self._candidates(name)
             if len(found) == 1:
                 for one in found[0]:
                     self._attach(one, is_odometry=name in ODOMETRY)
@@ -262,7 +262,7 @@ class FeedInputs:
                 return [[odometry]]
             topics = [topic for topic in topics if not PATH.types.isdisjoint(topic.type.split(", "))]
         found = [topic.name for topic in topics]
-        if _each(name):
+        if _combine(name):
             found = [topic for topic in found if named is None or named in (topic, namespace_of(topic))]
             groups = list(by_namespace(found).values())
         else:
@@ -272,9 +272,9 @@ class FeedInputs:
     def _missing(self, name: str) -> str:
         if self._connection.status:
             return self._connection.status
-        found = [namespace_of(group[0]) if _each(name) else group[0] for group in self._candidates(name)]
+        found = [namespace_of(group[0]) if _combine(name) else group[0] for group in self._candidates(name)]
         if found:
-            what = f"namespaces have {name}" if _each(name) else f"topics have a {name}"
+            what = f"namespaces have {name}" if _combine(name) else f"topics have a {name}"
             return f"{len(found)} {what}: {', '.join(found)}; name one: program({name}={found[0]!r})"
         noun = "odometry" if name in ODOMETRY else _kind(name).noun
         return f"waiting for a topic with {noun}" + (f" in {self._wanted[name]}" if self._wanted[name] else "")
@@ -286,7 +286,7 @@ def _kind(name: str) -> Kind:
     return kind
 
 
-def _each(name: str) -> Callable[..., Any] | None:
+def _combine(name: str) -> Callable[..., Any] | None:
     """Return the function that combines all topics of a namespace for a parameter, or None for one topic."""
     kind = kind_of_parameter(name)
-    return None if kind is None else kind.roles[0].each
+    return None if kind is None else kind.roles[0].combine

@@ -162,7 +162,7 @@ class _Standstill:
         hold, self._hold = self._hold, None
         if hold is not None:
             if self._ticket is not None:
-                self._ticket.leave()
+                self._ticket.detach()
             self._pause()  # also pause a program that was started since the last zero
             self._feed.watchdog.release(self)
             self.tell("")

@@ -11,7 +11,7 @@ from .._core.log_once import LogOnce, log_in_thread
 from .._core.robot_widget import RobotWidget
 from .._core.sample_widget import SampleWidget
 from ..drive_widget import DriveWidget
-from ..kinds import asked_of_widget, role_of, sensor_of
+from ..kinds import on_demand_row, role_of, sensor_of
 from ._topics import FeedTopic, no_such
 from ._two_scanners import TwoScanners
 
@@ -103,18 +103,18 @@ def _target_of(topic: str, given: Any) -> Target | Callable[[Any], object]:
 
 def _is_widget(given: Any) -> TypeGuard[SampleWidget]:
     """Return True if it shows the messages of topics, as a kind of sensor or on request."""
-    return isinstance(given, RobotWidget) or asked_of_widget(type(given)) is not None
+    return isinstance(given, RobotWidget) or on_demand_row(type(given)) is not None
 
 
 def _of_widget(topic: str, method: Callable[..., object], widget: SampleWidget) -> Target:
-    row = asked_of_widget(type(widget))
+    row = on_demand_row(type(widget))
     if row is not None:
-        call = OfSensor(method, topic) if row.gathers else method
+        call = OfSensor(method, topic) if row.shared else method
         return Target(
-            call, widget, widget.miss if row.every_message else None, None if row.gathers else _counter(widget)
+            call, widget, widget.miss if row.every_message else None, None if row.shared else _counter(widget)
         )
     role = role_of(type(widget), getattr(method, "__name__", ""))
-    if role is not None and role.each:
+    if role is not None and role.combine:
         return Target(OfSensor(method, sensor_of(topic)), widget)
     is_update = getattr(method, "__name__", "") == "update"
     return Target(method, widget, on_replaced=_counter(widget) if is_update else None)

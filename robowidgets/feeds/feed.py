@@ -446,7 +446,7 @@ class Feed:
         gone = self._watches.pop(name, None)
         if gone is None:  # not `if not gone`, because its truth value is its verdict
             raise KeyError(f"no watch {name!r}: there are {', '.join(self._watches) or 'none'}")
-        gone.end("it is watched no more")
+        gone.end("it is no longer watched")
 
     @property
     def watched(self) -> Mapping[str, Watch]:

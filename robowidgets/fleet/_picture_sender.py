@@ -109,7 +109,7 @@ class PictureSender:
         if is_closed or not batch:
             self._close_file()
             if is_closed and ticket is not None:
-                ticket.leave()
+                ticket.detach()
             return None
         began = time.thread_time()
         made = self._make(batch)

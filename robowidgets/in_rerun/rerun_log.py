@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..kinds import ASKED, KINDS, Asked, load
+from ..kinds import KINDS, ON_DEMAND, OnDemandWidget, load
 from ..messages import to_cloud
 from ..poses.frame_tree import Poses
 from ..recordings import RecordingData
@@ -53,8 +53,8 @@ class Log:
     def __init__(self, recording: RecordingData, topics: Sequence[str] = ()) -> None:
         self.rr = library("rerun")
         self.recording = recording
-        asked = [row for row in ASKED.values() if row.rerun]
-        messages = {row.name: [t for t in recording.topics if _is_of(t, row, topics)] for row in asked}
+        on_demand = [row for row in ON_DEMAND.values() if row.rerun]
+        messages = {row.name: [t for t in recording.topics if _is_of(t, row, topics)] for row in on_demand}
         named = {topic.name for own in messages.values() for topic in own}
         others = [name for name in topics if name not in named]
         if others or not topics:
@@ -67,7 +67,7 @@ class Log:
             of_kind = [t for t in wanted(recording.topics, topics) if t.widget == kind.name]
             if of_kind and kind.rerun:
                 self._parts.append(load(kind.rerun)(self, of_kind))
-        self._parts += [load(row.rerun)(self, messages[row.name]) for row in asked if messages[row.name]]
+        self._parts += [load(row.rerun)(self, messages[row.name]) for row in on_demand if messages[row.name]]
 
     def stream(self) -> Any:
         """A new `rerun.RecordingStream` for it, without a sink yet."""
@@ -308,7 +308,7 @@ class TouchLog(TopicLog):
             self._log.send(stream, entity, touches.times_ns[changed], rr.StateChange.columns(state=names))
 
 
-def _is_of(topic: Topic, row: Asked, names: Sequence[str]) -> bool:
+def _is_of(topic: Topic, row: OnDemandWidget, names: Sequence[str]) -> bool:
     """Whether a topic is logged as a row says that is asked for: by its name, or where none is named."""
     is_there = topic.count and not topic.problem and not row.types.isdisjoint(topic.type.split(", "))
     return bool(is_there) and (not names or topic.name in names)

@@ -1,1 +1,1 @@
-"""What the laser widget has besides a scan: sectors, a ghost to compare with, and the footprint of the robot."""
+"""Parts of the laser widget: sectors, a ghost to compare with, the footprint of the robot, and others."""

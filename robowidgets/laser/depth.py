@@ -17,12 +17,12 @@ from ..samples import CameraInfo, Image, Scan
 
 
 class RowsTrait(traitlets.TraitType[Any, Any]):
-    """A number of rows around the axis of a camera, or the first row and the one after the last."""
+    """A number of rows around the axis of a camera, or the first row and the row after the last."""
 
-    info_text = "a number of rows above 0, or the first row and the one after the last"
+    info_text = "a number of rows above 0, or the first row and the row after the last"
 
     def validate(self, obj: Any, value: Any) -> int | tuple[int, int]:
-        """The rows as whole numbers."""
+        """Return the rows as whole numbers."""
         rows = value if isinstance(value, (tuple, list)) else (0, value)
         if len(rows) != 2 or not all(type(row) is int for row in rows) or not 0 <= rows[0] < rows[1]:
             self.error(obj, value)
@@ -32,7 +32,7 @@ class RowsTrait(traitlets.TraitType[Any, Any]):
 class HasDepth(RobotWidget[Scan]):
     """A laser widget that shows rows of a depth image, as the node depthimage_to_laserscan does."""
 
-    rows = RowsTrait(1, help="Rows of a depth image that are a scan.")
+    rows = RowsTrait(1, help="Rows of a depth image that are shown as a scan.")
 
     _info: CameraInfo | None = None
 
@@ -40,8 +40,8 @@ class HasDepth(RobotWidget[Scan]):
         """Take the calibration of the camera whose depth images are shown, a sensor_msgs/CameraInfo.
 
         Raises:
-            TypeError: no such message. ValueError: its numbers cannot be. In a callback nothing is raised; widget and
-                log say it.
+            TypeError: not such a message. ValueError: its numbers are impossible. A callback raises nothing; the widget
+                and the log show the error.
         """
         try:
             self._info = to_camera_info(message)
@@ -57,16 +57,16 @@ class HasDepth(RobotWidget[Scan]):
     def _scan_of_image(self, given: Any) -> Scan:
         image = to_image(given)
         if not image.is_depth:
-            raise ValueError(f"a picture in {image.encoding} has no distances: a scan is made of a depth image")
+            raise ValueError(f"a picture in {image.encoding} has no distances: a scan needs a depth image")
         if self._info is None:
             raise ValueError(
-                "no camera_info: the angles of a depth image are not known without the calibration of its camera; "
+                "no camera_info: the angles of a depth image are unknown without the calibration of its camera; "
                 "calibrate() takes it"
             )
         return depth_scan(image, self._info, self.rows)
 
 
 def is_image(message: Any) -> bool:
-    """Whether this is a picture, or a message with one."""
+    """Return True for a picture, or a message with one."""
     message = unwrap(message)
     return isinstance(message, Image) or (has(message, "data") and (has(message, "encoding") or has(message, "format")))

@@ -12,7 +12,7 @@ import traitlets
 from .._core.freezing import FreezableWidget
 from ..samples import Mount
 from ..samples.checks import finite, in_radians
-from ..samples.sector import Asked, to_sector
+from ..samples.sector import SectorLike, to_sector
 
 FARTHEST = 100.0
 """Metres from the middle of a robot to its outline."""
@@ -24,19 +24,19 @@ class Footprint:
     """The outline of a robot from above, in its own frame: x forward and y to the left in metres (REP-103).
 
     Args:
-        radius: of a round robot, metres.
-        polygon: instead of a radius, three or more corners (x, y) in their order, round the middle of the robot.
-        bumpers: by the name of a touch sensor, the part of the outline that it covers: two angles counter-clockwise, or
-            whatever else takes a sector.
-        scanner: where the scanner is on the robot: (x, y) in metres, or (x, y, yaw) with radians or text like "180deg".
-            With a yaw, angles are the robot's, whatever tf says of the scanner.
-        upside_down: True if the scanner stands on its head, which needs a yaw.
-        speed: the `SpeedWidget` whose measured speed is the arrow. None: the one in the laser's view, if there is one.
-        touch: the `TouchWidget` whose sensors are the bumpers. None: the one in the laser's view, if there is one.
+        radius: the radius of a round robot in metres.
+        polygon: instead of a radius, three or more corners (x, y) in order around the middle of the robot.
+        bumpers: the part of the outline that each touch sensor covers, by the name of the sensor: two angles
+            counter-clockwise, or another form of a sector.
+        scanner: the position of the scanner on the robot: (x, y) in metres, or (x, y, yaw) with radians or text like
+            "180deg". With a yaw, angles are the robot's, and tf is ignored.
+        upside_down: True if the scanner is mounted upside down, which needs a yaw.
+        speed: the `SpeedWidget` whose measured speed is the arrow; by default the one in the laser's view.
+        touch: the `TouchWidget` whose sensors are the bumpers; by default the one in the laser's view.
 
     Raises:
-        TypeError: something is no number, no sector or no such widget.
-        ValueError: there is neither a radius nor a polygon, or both, or a number is out of range.
+        TypeError: a value is not a number, not a sector or not such a widget.
+        ValueError: neither a radius nor a polygon is given, or both are, or a number is out of range.
 
     Examples:
         >>> body = Footprint(radius=0.18, bumpers={"left": ("15deg", "80deg"), "right": ("-80deg", "-15deg")})
@@ -44,7 +44,7 @@ class Footprint:
 
     radius: float | None = None
     polygon: Sequence[tuple[float, float]] = ()
-    bumpers: Mapping[str, Asked] = field(default_factory=dict)
+    bumpers: Mapping[str, SectorLike] = field(default_factory=dict)
     scanner: Sequence[Any] = (0.0, 0.0)
     speed: Any = None
     touch: Any = None
@@ -85,7 +85,7 @@ class Footprint:
 class HasFootprint(FreezableWidget):
     """A laser widget that shows the robot to scale."""
 
-    _robot = traitlets.Dict(help="The fields of a footprint, and the models of its widgets; empty: none.").tag(
+    _robot = traitlets.Dict(help="The fields of a footprint, and the models of its widgets; empty without one.").tag(
         sync=True, echo_update=False
     )
 
@@ -93,9 +93,9 @@ class HasFootprint(FreezableWidget):
 
     @property
     def footprint(self) -> Footprint | None:
-        """The robot to scale, with its bumpers and an arrow for where it gets in two seconds; None: an arrow head.
+        """The robot to scale, with its bumpers and an arrow to its position in two seconds, or None for an arrow head.
 
-        Bumpers and speed are those of the moment on show, frozen or not.
+        Bumpers and speed belong to the moment on show, frozen or not.
 
         Raises:
             TypeError: something else is assigned.
@@ -126,14 +126,14 @@ class HasFootprint(FreezableWidget):
         }
 
     def _on_footprint(self, before: Footprint | None) -> None:
-        """Take a footprint that replaces another."""
+        """React to a new footprint, given the one before."""
 
     def on_group(self) -> None:
         """See `FreezableWidget`: take the widgets of this group."""
         self.footprint = self._footprint
 
     def _model_of(self, kind: str, widget: Any) -> str:
-        """The model of a widget, or of the only one of its kind in this view; empty for none, or a closed one."""
+        """Return the model of a widget, or of the only one of its kind in this view; empty without an open one."""
         found = [one for one in self._group if one.sample_name == kind] if widget is None else [widget]
         still_open = [one for one in found if one.comm is not None]
         return still_open[0].model_id if len(still_open) == 1 else ""

@@ -1,4 +1,4 @@
-"""The scan that a laser widget keeps in the background, to compare the live one with."""
+"""The scan that a laser widget shows in the background, to compare the live one with."""
 
 from __future__ import annotations
 
@@ -15,26 +15,27 @@ from ..samples.age import arrival_of
 
 
 class HasGhost(RobotWidget[Scan]):
-    """A laser widget with a scan to compare with: pinned, some scans ago, or that of another widget."""
+    """A laser widget with a scan to compare with: a pinned one, an earlier one, or the scan of another widget."""
 
     _ghost = bytes_trait()
     """The frame of the pinned scan; empty without one. Python and the view write it."""
-    _ghost_ago = traitlets.Int(0, min=0, help="How many scans before the one on show; 0: none.").tag(sync=True)
-    _ghost_of = traitlets.Unicode(help="The model of another laser widget; empty: none.").tag(sync=True)
+    _ghost_ago = traitlets.Int(0, min=0, help="Number of scans before the one on show, or 0 for none.").tag(sync=True)
+    _ghost_of = traitlets.Unicode(help="The model of another laser widget, or empty.").tag(sync=True)
 
     _ghost_widget: HasGhost | None = None
     _ghost_scan: Scan | None = None
 
     @property
     def ghost(self) -> Any:
-        """What the scan on show is compared with: gray dots under it, and the difference in the index view.
+        """The scan to compare with: gray dots under the scan on show, and the difference in the index view.
 
-        Settable: a `Scan`, such as ``laser.scan``, stays as it is. A whole number is the scan so many before the one
-        on show. Another laser widget is the scan that it shows. None: no ghost. The view pins scans, too.
+        It can be set to a `Scan`, such as ``laser.scan``, which stays; to a whole number, for the scan so many before
+        the one on show; to another laser widget, for the scan that it shows; or to None for no ghost. The view pins
+        scans, too.
 
         Raises:
-            TypeError: it is none of these. ValueError: a number below 1, or the widget itself. RuntimeError: the widget
-                is closed.
+            TypeError: another type. ValueError: a number below 1, or the widget itself. RuntimeError: the widget is
+                closed.
         """
         if self._ghost_of:
             return self._ghost_widget
@@ -74,11 +75,11 @@ class HasGhost(RobotWidget[Scan]):
         self._ghost_scan = self._unpack(frame, self._about_of(frame)) if frame else None
 
     def _unpack(self, frame: bytes, about: Mapping[str, Any] | None = None) -> Scan:
-        """See `RobotWidget`; with the texts on the sample, None: those of the frozen one."""
+        """See `RobotWidget`; with the texts on the sample, by default the texts on the frozen one."""
         raise NotImplementedError
 
     def _frame_to_keep(self, scan: Scan) -> bytes:
-        """A frame of a scan; with the number of the newest one if it is that, so that the page knows its age."""
+        """Return a frame of a scan. If it is the newest one, it has the same number, so that the page knows its age."""
         newest = self._newest
         number = float(newest.sequence) if scan is newest.sample else 0.0
         head = FRAME_HEADER.pack(number, float("nan"), scan.stamp_ns or 0, arrival_of(scan))

@@ -1,4 +1,4 @@
-"""What a person or a program points at in a laser's picture: sectors, the selection, pins, highlighted rays."""
+"""Marks of the user or of a program in a laser's picture: sectors, the selection, pins, highlighted rays."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from ..samples import Ray, Scan
 from ..samples.scan import MAX_RAYS
-from ..samples.sector import ALL_ROUND, SECTORS, Asked, Sector, to_sector
+from ..samples.sector import ALL_ROUND, SECTORS, Sector, SectorLike, to_sector
 from ..samples.sector_code import for_array, for_message, for_scan
 from ..samples.stretches import expression, parse, sector_of, stretches, to_stretches
 
@@ -24,12 +24,12 @@ FORMS = ("scan", "message", "slice")
 
 @dataclass(frozen=True)
 class Selection:
-    """A sector that a person or a program has picked, with the scan on show.
+    """A sector that the user or a program has picked, with the scan on show.
 
-    It may be given wherever a sector is: ``scan.distance(laser.selection)``.
+    It is accepted as a sector everywhere: ``scan.distance(laser.selection)``.
 
     Attributes:
-        name: of a kept sector; "" for one that has none.
+        name: the name of a kept sector, or "" for another sector.
         sector: its angles and limits.
         scan: the scan on show.
 
@@ -43,7 +43,7 @@ class Selection:
 
     @property
     def indices(self) -> NDArray[np.intp]:
-        """Indices of its rays, as `Scan.indices` gives them."""
+        """Indices of its rays, as `Scan.indices` returns them."""
         return self.scan.indices(self.sector)
 
     @property
@@ -55,43 +55,43 @@ class Selection:
 
     @property
     def slice(self) -> slice | None:
-        """The part of ``ranges``; None where the sector is in two parts of the array, as across the seam."""
+        """The slice of ``ranges``, or None if the sector is in two parts of the array, such as across the seam."""
         found = stretches(self.scan, self.sector)
         return slice(*found[0]) if len(found) == 1 else None
 
     @property
     def expression(self) -> str:
-        """The part of ``ranges`` as a program writes it: ``ranges[540:610]``, ``ranges[350:] + ranges[:10]``."""
+        """The slice of ``ranges`` as code: ``ranges[540:610]``, ``ranges[350:] + ranges[:10]``."""
         return expression(stretches(self.scan, self.sector), len(self.scan))
 
     @property
     def values(self) -> NDArray[np.float32]:
-        """The ranges of its rays in metres as they were sent, in the order of `indices`."""
+        """The ranges of its rays in metres, unchanged, in the order of `indices`."""
         return self.scan.ranges[self.indices]
 
     @property
     def distance(self) -> float:
-        """Metres to the nearest thing, as `Scan.distance` gives them."""
+        """Metres to the nearest thing, as `Scan.distance` returns them."""
         return self.scan.distance(self.sector)
 
     @property
     def nearest(self) -> Ray | None:
-        """The ray that meets it, as `Scan.nearest` gives it."""
+        """The ray to the nearest thing, as `Scan.nearest` returns it."""
         return self.scan.nearest(self.sector)
 
 
 class HasSectors(traitlets.HasTraits):
     """Part of the laser widget: sectors, selection, pins and highlighted rays."""
 
-    _sectors = traitlets.Dict(help="By name, the fields of each kept sector. Python and the view write it.").tag(
+    _sectors = traitlets.Dict(help="The fields of each kept sector, by name. Python and the view write it.").tag(
         sync=True, echo_update=False
     )
     _selection = traitlets.Dict(
-        help="{name} of the kept sector that is picked, {start, end} of another one, or empty. Python and the view "
+        help="{name} of a selected sector that is kept, {start, end} of another one, or empty. Python and the view "
         "write it."
     ).tag(sync=True, echo_update=False)
     _pins = traitlets.Dict(help="Index of a ray by name.").tag(sync=True)
-    _highlight = traitlets.Dict(help="{text, stretches} or {text, sector} of the rays that are lit.").tag(sync=True)
+    _highlight = traitlets.Dict(help="{text, stretches} or {text, sector} of the highlighted rays.").tag(sync=True)
 
     scan: Any
     pinned: Any
@@ -99,9 +99,9 @@ class HasSectors(traitlets.HasTraits):
 
     @property
     def sectors(self) -> Sectors:
-        """The kept sectors by name, each drawn with its name; a dictionary of sectors may be assigned.
+        """The kept sectors by name, each drawn with its name. A dictionary of sectors may be assigned.
 
-        "front", "left", "back" and "right" can be read also where they are not kept.
+        "front", "left", "back" and "right" can be read even if they are not kept.
 
         Examples:
             >>> laser.sectors["ahead"] = Sector("-15deg", "15deg", near=0.5)  # doctest: +SKIP
@@ -109,14 +109,14 @@ class HasSectors(traitlets.HasTraits):
         return Sectors(lambda: self._sectors, self._keep_sectors)
 
     @sectors.setter
-    def sectors(self, sectors: Mapping[str, Asked]) -> None:
+    def sectors(self, sectors: Mapping[str, SectorLike]) -> None:
         self._keep_sectors(
             {_name("sectors", name): _plain(to_sector(value)) for name, value in _by_name("sectors", sectors).items()}
         )
 
     @property
     def pins(self) -> dict[str, int]:
-        """Rays by name, each drawn with a ring and its name; a dictionary of indices is assigned to change them."""
+        """Indices of rays by name, each drawn with a ring and its name. Assign a dictionary to change them."""
         return dict(self._pins)
 
     @pins.setter
@@ -125,15 +125,15 @@ class HasSectors(traitlets.HasTraits):
 
     @property
     def selection(self) -> Selection | None:
-        """The sector that is picked, with the scan on show; None without one, or before the first scan.
+        """The selected sector, with the scan on show; None without one, or before the first scan.
 
-        A name of a kept sector, a sector, or two angles may be assigned; None clears it.
+        The name of a kept sector, a sector, or two angles may be assigned; None clears the selection.
         """
         picked = self._picked()
         return Selection(*picked, self.scan) if picked and self.scan is not None else None
 
     @selection.setter
-    def selection(self, sector: Asked | None) -> None:
+    def selection(self, sector: SectorLike | None) -> None:
         if sector is None:
             self._selection = {}
         elif isinstance(sector, str) and sector in self._sectors:
@@ -141,33 +141,33 @@ class HasSectors(traitlets.HasTraits):
         else:
             self._selection = _plain(to_sector(sector))
 
-    def distance(self, sector: Asked = ALL_ROUND, *, percentile: float | None = None) -> float:
-        """Metres to the nearest thing of the scan on show, as `Scan.distance` gives them; NaN before the first scan.
+    def distance(self, sector: SectorLike = ALL_ROUND, *, percentile: float | None = None) -> float:
+        """Return the metres to the nearest thing in the scan on show, as `Scan.distance` does; NaN without a scan.
 
         Args:
-            sector: the name of a kept sector, or anything that `Scan.distance` takes. Without it: all rays.
+            sector: the name of a kept sector, or anything that `Scan.distance` takes; by default all rays.
             percentile: as in `Scan.distance`.
 
         Raises:
-            TypeError: the sector is no pair of numbers. ValueError: no such sector, or an angle beyond a full turn.
+            TypeError: the sector is not a pair of numbers. ValueError: no such sector, or an angle beyond a full turn.
         """
         asked = sector if sector is ALL_ROUND else self._known(sector)
         scan: Scan | None = self.scan
         return float("nan") if scan is None else scan.distance(asked, percentile=percentile)
 
-    def code(self, sector: Asked | int | None = None, form: str = "scan") -> str:
-        """Python that computes the distance in a sector: the number in the picture.
+    def code(self, sector: SectorLike | int | None = None, form: str = "scan") -> str:
+        """Return Python code that computes the distance in a sector, which is the number in the picture.
 
         Args:
-            sector: the name of a kept sector, anything that `Scan.distance` takes, or the index of a ray. None: the
-                selection, else the pinned ray.
-            form: "scan", for a `Scan` named ``scan``; "message", for a sensor_msgs/LaserScan named ``msg`` where
-                robowidgets is not installed (it needs NumPy alone); "slice", the part of ``ranges`` without any rule
-                about what is no distance.
+            sector: the name of a kept sector, anything that `Scan.distance` takes, or the index of a ray; by default
+                the selection, else the pinned ray.
+            form: "scan" for a `Scan` named ``scan``; "message" for a sensor_msgs/LaserScan named ``msg``, which needs
+                only NumPy and not robowidgets; "slice" for the slice of ``ranges``, without any check for invalid
+                ranges.
 
         Raises:
-            TypeError: the sector is no pair of numbers. ValueError: no such sector or form, nothing is selected, or no
-                scan has come where one is needed.
+            TypeError: the sector is not a pair of numbers. ValueError: no such sector or form, nothing is selected, or
+                a scan is needed but has not come.
         """
         if form not in FORMS:
             raise ValueError(f"form: expected {', '.join(map(repr, FORMS))}, got {form!r}")
@@ -193,16 +193,16 @@ class HasSectors(traitlets.HasTraits):
         return for_scan(asked) if form == "scan" else for_message(asked, self.angle_offset, mount)
 
     def highlight(self, rays: Any) -> None:
-        """Light rays in the picture, until the next call; None lights none.
+        """Highlight rays in the picture, until the next call. None removes the highlight.
 
         Args:
             rays: text such as ``ranges[240:300]`` or ``ranges[350:] + ranges[:10]``; a slice; an index or indices; a
-                mask of as many values as there are rays; a sector, a selection or the name of a kept sector. Rays stay
-                lit by index, a sector by its angles.
+                mask with a value for each ray; a sector, a selection or the name of a kept sector. In later scans, rays
+                are highlighted by index, and sectors by their angles.
 
         Raises:
-            TypeError: it is none of these. ValueError: it names no ray, or no scan has come that says how many there
-                are.
+            TypeError: another type. ValueError: it contains no ray, or the number of rays is unknown before the first
+                scan.
 
         Examples:
             >>> laser.highlight(slice(240, 300))  # doctest: +SKIP
@@ -215,19 +215,19 @@ class HasSectors(traitlets.HasTraits):
             self._highlight = {"text": rays if is_name else "", "sector": _plain(self._known(rays))}
             return
         if self.scan is None:
-            raise ValueError(f"highlight() of rays needs a scan, which says how many there are: {_about_scan(None)}")
+            raise ValueError(f"highlight() of rays needs a scan, which has their number: {_about_scan(None)}")
         found = to_stretches(_to_indices(rays, len(self.scan)))
         text = rays.strip() if isinstance(rays, str) else expression(found, len(self.scan))
         self._highlight = {"text": text if len(text) <= LONGEST_NAME else "", "stretches": [[*one] for one in found]}
 
     def _picked(self) -> tuple[str, Sector] | None:
-        """Name and sector of the selection; None without one."""
+        """Return the name and the sector of the selection, or None without one."""
         name = self._selection.get("name", "")
         if name:
             return (name, Sector(**self._sectors[name])) if name in self._sectors else None
         return ("", Sector(**self._selection)) if self._selection else None
 
-    def _known(self, sector: Asked) -> Sector:
+    def _known(self, sector: SectorLike) -> Sector:
         if isinstance(sector, str) and sector in self._sectors:
             return Sector(**self._sectors[sector])
         if isinstance(sector, str) and sector not in SECTORS:
@@ -236,14 +236,14 @@ class HasSectors(traitlets.HasTraits):
         return to_sector(sector)
 
     def _keep_sectors(self, sectors: dict[str, Any]) -> None:
-        """Keep these, and select none that is not among them any more."""
+        """Keep these sectors, and clear the selection if its sector is gone."""
         self._sectors = sectors
         if "name" in self._selection and self._selection["name"] not in self._sectors:
             self._selection = {}
 
 
 class Sectors(MutableMapping[str, Sector]):
-    """The kept sectors of a widget by name. What is changed here changes in the page, and the other way round."""
+    """The kept sectors of a widget by name. Changes here appear in the page, and changes in the page here."""
 
     def __init__(self, kept: Callable[[], dict[str, Any]], keep: Callable[[dict[str, Any]], None]) -> None:
         self._kept, self._keep = kept, keep
@@ -256,7 +256,7 @@ class Sectors(MutableMapping[str, Sector]):
             return SECTORS[name]
         raise KeyError(f"no sector {name!r}; there are: {', '.join([*kept, *SECTORS])}")
 
-    def __setitem__(self, name: str, sector: Asked) -> None:
+    def __setitem__(self, name: str, sector: SectorLike) -> None:
         self._keep(self._kept() | {_name("sectors", name): _plain(to_sector(sector))})
 
     def __delitem__(self, name: str) -> None:
@@ -283,10 +283,10 @@ class Sectors(MutableMapping[str, Sector]):
         Path(file).write_text(f"{text}\n", encoding="utf-8")
 
     def load(self, file: str | Path) -> None:
-        """Keep the sectors of a JSON file, beside those that are kept already.
+        """Add the sectors of a JSON file to the kept ones.
 
         Raises:
-            OSError: it cannot be read. ValueError: it does not hold sectors.
+            OSError: the file cannot be read. ValueError: it does not contain sectors.
         """
         try:
             read = json.loads(Path(file).read_text(encoding="utf-8"))
@@ -303,7 +303,7 @@ def _by_name(what: str, given: Any) -> Mapping[str, Any]:
 
 
 def _about_scan(scan: Scan | None) -> str:
-    return "none has come" if scan is None else f"it has {len(scan):,} rays"
+    return "no scan has come" if scan is None else f"it has {len(scan):,} rays"
 
 
 def _name(what: str, name: Any) -> str:
@@ -320,7 +320,7 @@ def _index(name: str, index: Any) -> int:
 
 
 def _plain(sector: Sector) -> dict[str, float]:
-    """The fields of a sector that are set."""
+    """Return the fields of a sector that are set."""
     return {name: value for name, value in asdict(sector).items() if value is not None}
 
 

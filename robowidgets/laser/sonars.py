@@ -13,16 +13,17 @@ from ..samples import Scan
 class HasSonars(RobotWidget[Scan]):
     """A laser widget that shows the cones of a sonar widget."""
 
-    _sonar_of = traitlets.Unicode(help="The model of a sonar widget; empty: none.").tag(sync=True)
+    _sonar_of = traitlets.Unicode(help="The model of a sonar widget, or empty.").tag(sync=True)
 
     _sonars: Any = None
 
     @property
     def sonars(self) -> Any:
-        """The `SonarWidget` whose cones are on the picture, to compare both; None: none.
+        """The `SonarWidget` whose cones are drawn on the picture, to compare both, or None.
 
-        Each cone starts where its sensor is on the robot, and ends at what it measured. Sensors whose place is not
-        known are left out. `Footprint.scanner` says where the scanner is on the robot; without it, it is in the middle.
+        Each cone starts at the position of its sensor on the robot, and ends at the measured distance. Sensors at an
+        unknown position are left out. `Footprint.scanner` is the position of the scanner on the robot; without it, the
+        scanner is in the middle.
 
         Raises:
             TypeError: something else is assigned.

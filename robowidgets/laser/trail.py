@@ -1,4 +1,4 @@
-"""The scans before the one on show: the trail behind it, and how far they scatter."""
+"""The scans before the one on show: the trail behind it, and their spread."""
 
 from __future__ import annotations
 
@@ -23,13 +23,13 @@ MOST_SCANS = 100
 
 
 class HasTrail(HasMount):
-    """A laser widget that shows earlier scans, too, of those that the page keeps."""
+    """A laser widget that also shows earlier scans that the page keeps."""
 
-    trail = traitlets.Int(0, min=0, max=MOST_SCANS, help="How many scans before the one on show are behind it.").tag(
+    trail = traitlets.Int(0, min=0, max=MOST_SCANS, help="Number of earlier scans behind the one on show.").tag(
         sync=True
     )
     spread = traitlets.Int(
-        0, min=0, max=MOST_SCANS, help="Over how many scans the spread of each ray is drawn, 2 or more; 0: none."
+        0, min=0, max=MOST_SCANS, help="Number of scans for the spread of each ray, 2 or more, or 0 for none."
     ).tag(sync=True)
 
     def __init__(self, **kwargs: Any) -> None:
@@ -43,9 +43,10 @@ class HasTrail(HasMount):
         return proposal["value"]
 
     def scanner_at(self, robot: Pose | None) -> dict[str, Any]:
-        """What the page is told of a scan of a robot at a pose: in the frame of odometry, the place of the scanner.
+        """Return the texts for the page on a scan of a robot at a pose: the pose of the scanner in the odometry frame.
 
-        Its heading is the robot's, as angles of the scan are. Without a footprint the scanner is where the robot is.
+        It has the heading of the robot, like the angles of the scan. Without a footprint, it has the position of the
+        robot.
         """
         if robot is None:
             return {}
@@ -54,15 +55,15 @@ class HasTrail(HasMount):
 
     @property
     def frame_topics(self) -> str:
-        """See `TakesFrames` in `poses.live_frames`: where it has a trail, in case no path in its view tells."""
+        """See `TakesFrames` in `poses.live_frames`: needed for a trail, in case its view has no path widget."""
         return "odometry" if self.trail and not self.driven_by_player else ""
 
     def take_frames(self, message: Any) -> None:
-        """Take the newest message of odometry, or of tf, of the robot; one that says nothing is left out."""
+        """Take the newest message of odometry or of tf of the robot, and ignore messages without a pose."""
         self._take_frames(message, static=False)
 
     def take_static_frames(self, message: Any) -> None:
-        """Take a message of tf whose transforms hold for ever."""
+        """Take a message of tf with static transforms."""
         self._take_frames(message, static=True)
 
     def _take_frames(self, message: Any, *, static: bool) -> None:
@@ -77,9 +78,9 @@ class HasTrail(HasMount):
                 self._recent.add(to_pose(inner), now, getattr(inner, "stamp_ns", None) or stamp_ns(inner))
 
     def _placed(self, scan: Scan) -> dict[str, Any]:
-        """The pose of a live scan, by the path in the laser's view; the first by name where there are several.
+        """Return the pose of a live scan, by the first path widget by name in the laser's view that has one.
 
-        Where none tells, by the odometry that a feed gives it, or by tf.
+        Without one, by the odometry from a feed, or by tf.
         """
         if not self.trail or self.driven_by_player:
             return {}
@@ -93,7 +94,7 @@ class HasTrail(HasMount):
 
 
 def scanner_in(frames: Frames, scan: Scan, time_ns: int) -> dict[str, Any]:
-    """What the page is told of a scan whose scanner has a place by tf: in the frame of odometry, else in the root's."""
+    """Return the texts for the page on a scan, with its pose from tf in the odometry frame, else in the root frame."""
     frame = scan.frame_id.lstrip("/")
     chain = frames.chain(frame)
     world = next((name for name in chain if name == ODOM), chain[-1])

@@ -108,7 +108,7 @@ class Bounded:
             thread.join(ANSWER.look)
             is_over = not thread.is_alive()
             before, looked_at = looked_at, self._clock()
-            passed += min(looked_at - before, ANSWER.most)
+            passed += min(looked_at - before, ANSWER.max_gap)
         self._took.append(passed)
         if not is_over:
             at_work = getattr(function, "current", function)  # of a state machine: the function of the user

@@ -11,7 +11,7 @@ import numpy as np
 
 from ..driving.command_watchdog import MAX_ANGULAR, MAX_LINEAR
 from ..samples import Pose, Scan
-from ..samples.sector import Asked, to_sector
+from ..samples.sector import SectorLike, to_sector
 from ..simulator import Motors, Robot
 from ._bounded import WrongError, beyond, call, number
 from ._texts import say
@@ -38,7 +38,7 @@ class Case(NamedTuple):
     judge: Callable[[Answer], None]
 
 
-def nearest_in(sector: Asked, title: str, scan: Scan, hint: str) -> Case:
+def nearest_in(sector: SectorLike, title: str, scan: Scan, hint: str) -> Case:
     """Whether an answer is the distance of the nearest thing in a sector, in metres.
 
     Args:
@@ -73,7 +73,7 @@ def nearest_in(sector: Asked, title: str, scan: Scan, hint: str) -> Case:
     return Case(title, scan, judge)
 
 
-def _with_and_without_edges(scan: Scan, sector: Asked) -> set[float]:
+def _with_and_without_edges(scan: Scan, sector: SectorLike) -> set[float]:
     """Return the nearest distances in a sector with and without the rays on its edges, which rounding may leave out."""
     between = to_sector(sector)
     return {
@@ -82,7 +82,7 @@ def _with_and_without_edges(scan: Scan, sector: Asked) -> set[float]:
     }
 
 
-def _origin(given: float, scan: Scan, sector: Asked, hint: str) -> tuple[str, str]:
+def _origin(given: float, scan: Scan, sector: SectorLike, hint: str) -> tuple[str, str]:
     """Where a wrong distance comes from, as far as the scan tells, and what to do then."""
     if isnan(given):
         return "", hint if scan.nearest(sector) is None else say("nan is no distance: scan.distance() leaves it out")

@@ -1,4 +1,4 @@
-"""The fields of any message as a tree, packed for the page: only as much as a person looks at."""
+"""The fields of any message as a tree, packed for the page: only the part that the user looks at."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The tree of the fields of a message: its nodes, which change seldom, and the value of each."""
+"""The tree of the fields of a message: its nodes, which seldom change, and the value of each node."""
 
 from __future__ import annotations
 
@@ -23,25 +23,25 @@ if TYPE_CHECKING:
     from ..messages.schema import FieldType, Schema
 
 MOST_NUMBERS = 1000
-"""Numbers of an array up to which the page gets them; of a larger one it gets their count, least and greatest."""
+"""The largest array that the page gets whole. Of a larger one it gets the count, the minimum and the maximum."""
 
 _ROOM = 1000
-"""Fields that the page gets unasked; messages within the message that have no room are folded."""
+"""Fields that the page gets by default. Messages within the message that exceed it are folded."""
 
 _NUMBERS = 4000
-"""Numbers in arrays that the page gets unasked."""
+"""Numbers in arrays that the page gets by default."""
 
 _ELEMENTS = 32
-"""Messages of an array that the page gets unasked."""
+"""Messages of an array that the page gets by default."""
 
 _UNFOLDED = 2000
-"""Fields of a message, or messages of an array, that the page gets when a person unfolds it."""
+"""Fields of a message, or messages of an array, that the page gets when the user unfolds it."""
 
 _LONGEST = 1000
 """Characters of a text that the page gets."""
 
 _LARGEST_INTEGER = 2**53
-"""From here on a page would round whole numbers: they go as text."""
+"""The largest whole number that is exact in a page. Larger ones are sent as text."""
 
 _ORDERED = {"float32": "<f4", "float64": "<f8", "bool": "|u1"} | {
     f"{sign}int{8 * size}": f"<{sign[:1] or 'i'}{size}" for sign in ("", "u") for size in (1, 2, 4, 8)
@@ -52,12 +52,12 @@ TreeNode = dict[str, Any]
 
 
 class Tree(NamedTuple):
-    """A message as the page gets it.
+    """A message in the form for the page.
 
-    ``nodes`` are its fields: dictionaries with ``name``, ``type`` and ``kind``, and where there are such a ``unit``,
-    the ``names`` of numbers, the ``count`` of messages in an array, and ``children``. ``values`` has the value of
-    each, nested alike; see docs/developers/frames.md. ``numbers`` are the bytes of the arrays, and ``size`` about
-    the bytes of all that was read.
+    ``nodes`` are its fields: dictionaries with ``name``, ``type`` and ``kind``, and optionally a ``unit``, the
+    ``names`` of numbers, the ``count`` of messages in an array, and ``children``. ``values`` has the value of each node
+    with the same nesting; see docs/developers/frames.md. ``numbers`` are the bytes of the arrays, and ``size`` is the
+    approximate number of bytes that were read.
     """
 
     nodes: list[TreeNode]
@@ -69,19 +69,19 @@ class Tree(NamedTuple):
 def read(
     message: Any, schema: Schema | None = None, unfolded: Collection[str] = (), fields: Sequence[str] = ()
 ) -> Tree:
-    """The tree of a message.
+    """Return the tree of a message.
 
     Args:
-        message: a message as `messages.any_message` takes it.
-        schema: what is known of its type.
-        unfolded: paths of what a person has unfolded: all of it is in the tree.
-        fields: paths of the only fields that are wanted; those that the message does not have are left out.
+        message: a message of any form that `messages.any_message` reads.
+        schema: the known definition of its type, if any.
+        unfolded: paths of the parts that the user has unfolded. They are complete in the tree.
+        fields: paths, to get only these fields. Fields that the message does not have are left out.
     """
     return _Reader(schema, frozenset(unfolded)).tree(message, fields)
 
 
 class _Inner(NamedTuple):
-    """A message whose fields are to be read, or an array of messages."""
+    """A message, or an array of messages, whose fields are still to read."""
 
     value: Any
     type: str
@@ -92,7 +92,7 @@ class _Inner(NamedTuple):
 
 
 class _Reader:
-    """Reads the fields of one message, those of messages within it after all of its own, as long as there is room."""
+    """Reads the fields of a message, and then the fields of messages within it, as long as there is room."""
 
     def __init__(self, schema: Schema | None, unfolded: Collection[str]) -> None:
         self._schema, self._unfolded = schema, unfolded
@@ -120,7 +120,7 @@ class _Reader:
         return Tree(root.get("children", []), values, b"".join(self._numbers), self._read)
 
     def _type_at(self, path: str) -> FieldType | None:
-        """The type of a field by its path."""
+        """Return the type of a field by its path."""
         found, of_type = None, self._root
         for part in path.split("."):
             name, _, index = part.partition("[")
@@ -135,7 +135,7 @@ class _Reader:
         return self._schema.fields(of_type) if self._schema and of_type else {}
 
     def _expand(self, inner: _Inner) -> None:
-        """Put the fields of a message, or the messages of an array, into its node, as far as there is room."""
+        """Add the fields of a message, or the messages of an array, to its node, as long as there is room."""
         types = {} if inner.is_array else self._types(inner.type)
         names: Sequence[str] = () if inner.is_array else names_in(inner.value)
         if types and not isinstance(inner.value, Mapping):  # classes of rosbags have constants, too
@@ -168,10 +168,10 @@ class _Reader:
         node: TreeNode = {"name": name}
         ros_type = known.type if known else ""
         if known and isinstance(value, (str, bytes)) and _ROS_BYTES.get(ros_type, ros_type) == "uint8":
-            with suppress(ValueError):  # a text stays one
+            with suppress(ValueError):  # a plain text
                 value = bytes_in(name, value) if known.is_array else byte(name, value)
         kind = type(value)
-        # The common ones first: to ask an abstract class takes long.
+        # Common types come first: a check of an abstract class is slow.
         if kind is bool or kind is np.bool_:
             nodes.append({**node, "kind": "flag", "type": "bool"})
             values.append(bool(value))
@@ -185,7 +185,7 @@ class _Reader:
         elif (time := time_in(value)) is not None:
             nodes.append({**node, "kind": "time", "type": ros_type or "time", "unit": "s"})
             values.append(list(time))
-        elif isinstance(value, str):  # of a class of its own, such as an enumeration
+        elif isinstance(value, str):  # of a subclass, such as an enumeration
             nodes.append({**node, "kind": "text", "type": ros_type or "string"})
             values.append(_cut(str(value)))
         elif names := names_in(value):
@@ -250,7 +250,7 @@ class _Reader:
         self._inner.append(_Inner(value, node["type"], path, node, inner, True))
 
     def _summary(self, numbers: NDArray[Any], path: str) -> list[Any]:
-        """Count, least, greatest, how many are not finite, and where the numbers lie in the bytes, -1: nowhere."""
+        """Return the count, minimum, maximum, NaNs, infinities, and the position of the numbers in the bytes, or -1."""
         count, place = len(numbers), -1
         self._read += numbers.nbytes
         finite = numbers[np.isfinite(numbers)] if numbers.dtype.kind == "f" else numbers
@@ -268,7 +268,7 @@ _unit_of = lru_cache(4096)(unit_of)
 
 
 def plain(value: Any) -> Any:
-    """A number for JSON without loss: as text where a page would round it, or JSON has no such number."""
+    """Return a number for JSON without loss: as text if a page would round it, or if JSON cannot express it."""
     if type(value) is float:
         return value if isfinite(value) else str(value)
     if isinstance(value, (Integral, np.bool_)):
@@ -279,19 +279,19 @@ def plain(value: Any) -> Any:
 
 
 def _type_of(value: Any) -> str:
-    """The type of a number of which no definition is known."""
+    """Return the type of a number without a known definition."""
     if isinstance(value, np.generic):
         return str(value.dtype)
     return "int64" if isinstance(value, Integral) else "float64"
 
 
 def _cut(text: str) -> Any:
-    """A text, or its beginning with its length."""
+    """Return a text, or the beginning of a long one with its length."""
     return text if len(text) <= _LONGEST else [text[:_LONGEST], len(text)]
 
 
 def _numbers_in(value: Any, known: FieldType | None) -> NDArray[Any] | None:
-    """The numbers of an array, in the type of the definition; None where it holds other things."""
+    """Return the numbers of an array in the type of its definition, or None if it contains other things."""
     if isinstance(value, (bytes, bytearray, memoryview)):
         value = np.frombuffer(value, np.uint8)
     wanted = known.type if known and known.is_array and not known.is_message else ""
@@ -305,7 +305,7 @@ def _numbers_in(value: Any, known: FieldType | None) -> NDArray[Any] | None:
         if not (first is None or isinstance(first, (Real, np.bool_))):
             return None
         try:
-            # What rosbridge has for NaN is null.
+            # rosbridge sends null for NaN.
             value = np.asarray([np.nan if one is None else one for one in value] if None in value else value)
         except (TypeError, ValueError):
             return None

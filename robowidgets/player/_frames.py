@@ -75,7 +75,7 @@ class Track(Protocol):
 class MessageFrames:
     """A `Track` of the last message of each topic of a widget at each time, of any type.
 
-    Its widget packs a message with `frame_of`; a widget that gathers gets the newest message of each topic by name. For
+    Its widget packs a message with `frame_of`; a shared widget gets the newest message of each topic by name. For
     a topic without a message yet, it gets the row's ``nothing``.
 
     Args:
@@ -108,7 +108,7 @@ class MessageFrames:
                 self._before[name] = time_ns
                 message = self._content(moment.message) if moment else self._choice.shown.nothing
                 with suppress(TypeError, ValueError):  # the frame of that time shows the error
-                    self._widget.update(*([name] if self._choice.gathers else []), message)
+                    self._widget.update(*([name] if self._choice.shared else []), message)
 
     def _content(self, message: Any) -> Any:
         """Return the content that the widget shows of a message: the message itself."""
@@ -118,7 +118,7 @@ class MessageFrames:
         nothing = self._choice.shown.nothing
         contents = {name: self._content(moment.sample) if moment else nothing for name, moment in now.items()}
         newest = now[self._choice.topic]
-        about, frame = self._widget.frame_of(contents if self._choice.gathers else contents[self._choice.topic])
+        about, frame = self._widget.frame_of(contents if self._choice.shared else contents[self._choice.topic])
         stamp = stamp_ns(newest.sample) if newest else None
         return TimedFrame(seconds, about, FRAME_HEADER.pack(0.0, nan, stamp or 0, 0.0) + frame)
 
@@ -158,7 +158,7 @@ class SampleFrames:
         seconds, newest = max((moment.seconds if moment else BEFORE, name) for name, moment in now.items())
         began = -inf
         for moment in self._recording.samples(topics, start, end):
-            if not self._choice.role.each or moment.seconds - began >= TOGETHER:
+            if not self._choice.role.combine or moment.seconds - began >= TOGETHER:
                 yield self._shown(seconds, now, newest)
                 began = moment.seconds
             now[moment.topic] = moment
@@ -179,7 +179,7 @@ class SampleFrames:
             times = [moment and moment.time_ns for moment in now.values()]
             if times != before[0]:
                 before[0] = times
-                alone = now[topics[0]] if len(topics) == 1 and self._choice.role.each is None else None
+                alone = now[topics[0]] if len(topics) == 1 and self._choice.role.combine is None else None
                 show(alone or self._sample(topics, now))
 
         return seek
@@ -187,11 +187,11 @@ class SampleFrames:
     def _sample(self, topics: Sequence[str], now: Mapping[str, Moment | None]) -> Any:
         """Return the last sample of a topic, or the joined sample of all topics of a namespace."""
         samples = {name: moment.sample if (moment := now[name]) else self._nothing for name in topics}
-        each = self._choice.role.each
-        if each is None or topics != self._choice.own:
+        combine = self._choice.role.combine
+        if combine is None or topics != self._choice.own:
             return samples[topics[0]]
         came = {sensor_of(name): moment.seconds if (moment := now[name]) else -inf for name in topics}
-        return each({sensor_of(name): sample for name, sample in samples.items()}, came)
+        return combine({sensor_of(name): sample for name, sample in samples.items()}, came)
 
     def _shown(self, seconds: float, now: Mapping[str, Moment | None], newest: str) -> TimedFrame:
         """Return the frame of the last moment of each topic. If it has several roles, it names the new one."""

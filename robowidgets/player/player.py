@@ -24,19 +24,19 @@ from .._core.time_traits import Marks, PlaybackSpeed, Seconds, TimeSpan
 from .._core.traits import Flag
 from .._layout import WIDE, OneScreen, columns
 from .._widget_choice import (
-    AskedFor,
     Entry,
-    OnShow,
+    TopicRequest,
+    TopicSelection,
     WidgetChoice,
     checked_arrangement,
     choose_widgets,
     of_topic,
+    parse_requests,
     why_no_plot,
-    wishes,
 )
 from ..export.html import MAX_SIZE, SUFFIXES, Page, check_texts
 from ..in_rerun.widget import RerunWidget
-from ..kinds import LASER, TOUCH, asked_of_fields, asked_of_type, load
+from ..kinds import LASER, TOUCH, load, on_demand_for_fields, on_demand_for_type
 from ..message_widget import MessageWidget
 from ..messages.brief import brief
 from ..player_widget import PlayerWidget
@@ -136,7 +136,7 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
         asked = list(topics) if arrangement is None else [*topics, *checked_arrangement(arrangement)]
         _check(recording, asked)
         self.rerun = RerunWidget(recording, topics, layout={**_BESIDE, "flex": f"3 1 {_VIEWER}"}) if rerun else None
-        self.on_show = OnShow(asked)
+        self.on_show = TopicSelection(asked)
         for player in earlier:
             if isinstance(player, Player) and player.recording.path == recording.path:
                 self.on_show.keep(player.on_show)
@@ -571,10 +571,10 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
                 return
             choice = self.views[0].choice
             if direction > 0:
-                later = moments_of(self.recording, choice, choice.asked, seconds)
+                later = moments_of(self.recording, choice, choice.requested, seconds)
                 found = next((m for m in later if m.seconds > seconds), None)
             else:
-                last = (moment_at(self.recording, choice, topic, seconds - _TINY) for topic in choice.asked)
+                last = (moment_at(self.recording, choice, topic, seconds - _TINY) for topic in choice.requested)
                 found = max((m for m in last if m), key=lambda m: m.time_ns, default=None)
         if found:
             self.bar.send({"seek": found.seconds, "step": [seconds, direction]})
@@ -622,31 +622,31 @@ def _check(recording: RecordingData, entries: Sequence[Entry]) -> None:
     for entry in entries:
         if not isinstance(entry, (str, tuple)):
             raise TypeError(f"expected the name of a topic as text, got {entry!r}")
-    for wish in wishes(entries, [topic.name for topic in recording.topics]):
-        _check_entry(recording, wish)
+    for request in parse_requests(entries, [topic.name for topic in recording.topics]):
+        _check_entry(recording, request)
 
 
 def _rows(recording: RecordingData) -> Iterator[TopicRow]:
     """Yield the topics of a recording for the list."""
     for topic in recording.topics:
         why = topic.problem or ("" if topic.widget else recording.why_unreadable(topic.name))
-        asked = None if why else asked_of_type(topic.type)
-        row = topic.widget or (asked.name if asked else "")
+        on_demand = None if why else on_demand_for_type(topic.type)
+        row = topic.widget or (on_demand.name if on_demand else "")
         problem = why or ("" if row else f"no widget shows {topic.type}")
         yield TopicRow(topic.name, topic.type, topic.count, topic.rate, row, problem)
 
 
-def _check_entry(recording: RecordingData, wish: AskedFor) -> None:
+def _check_entry(recording: RecordingData, request: TopicRequest) -> None:
     """Check that a topic or a field exists, and that a widget can show it."""
-    topic = next((one for one in recording.topics if one.name == wish.topic), None)
-    if wish.field and topic is not None and asked_of_fields():
-        recording.fields(wish.topic)[[wish.field]]  # raises if the field does not exist
-    elif topic is None or wish.field or not (topic.widget or wish.row or asked_of_type(topic.type)):
-        recording.check(wish.topic)
-    elif why := why_no_plot(wish, topic.type):
+    topic = next((one for one in recording.topics if one.name == request.topic), None)
+    if request.field and topic is not None and on_demand_for_fields():
+        recording.fields(request.topic)[[request.field]]  # raises if the field does not exist
+    elif topic is None or request.field or not (topic.widget or request.row or on_demand_for_type(topic.type)):
+        recording.check(request.topic)
+    elif why := why_no_plot(request, topic.type):
         raise ValueError(why)
-    elif (not topic.widget or wish.row) and (why := recording.why_unreadable(wish.topic)):
-        raise UnknownTopicError(f"{recording.path.name}: topic {wish.topic!r} cannot be shown: {why}")
+    elif (not topic.widget or request.row) and (why := recording.why_unreadable(request.topic)):
+        raise UnknownTopicError(f"{recording.path.name}: topic {request.topic!r} cannot be shown: {why}")
 
 
 def _view(recording: RecordingData, choice: WidgetChoice) -> PlayerView:

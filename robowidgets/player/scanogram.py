@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._core.cells import take_the_place
-from .._widget_choice import shared
+from .._widget_choice import shared_depth
 from ..kinds import LASER, SPEED, TOUCH, Kind
 from ..recordings import RecordingData
 from ..recordings.columns.chunks import ScanChunk
@@ -119,7 +119,9 @@ def scanogram(
     def of_the_robot(kind: Kind) -> list[Topic]:
         topics = [t for t in there if t.widget == kind.name]
         every = (scans.topic, *lasers)
-        return [t for t in topics if shared(t.name, scans.topic) == max(shared(t.name, name) for name in every)]
+        return [
+            t for t in topics if shared_depth(t.name, scans.topic) == max(shared_depth(t.name, name) for name in every)
+        ]
 
     widget = ScanogramWidget(**options)
     take_the_place(widget)

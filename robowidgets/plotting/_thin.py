@@ -1,4 +1,4 @@
-"""What of a line a page needs: of each column of pixels the first, last, least and greatest value."""
+"""The values of a line that a page needs: the first, last, least and greatest one of each column of pixels."""
 
 from __future__ import annotations
 
@@ -12,17 +12,17 @@ from ..samples.staleness import LIVE, usual_step
 from .line import Floats
 
 _EACH = 4
-"""Values that a column needs: its first, last, least and greatest."""
+"""Values for each column: the first, last, least and greatest."""
 
 _STEPS = 1000
-"""Steps of time among which the usual one is found."""
+"""The number of time steps from which the usual one is found."""
 
 
 class ThinRows(NamedTuple):
-    """Values of a line at their own times, and what lies between them.
+    """Values of a line at their times, with sums of the values in between.
 
-    ``counts`` and ``sums`` are of the finite values after the row before, up to this one. A row of count -1 is no
-    value: after the value before nothing came for long, and the line ends there.
+    ``counts`` and ``sums`` cover the finite values after the previous row, up to this row. A row of count -1 is a gap,
+    not a value: after the value before, nothing came for a long time, and the line is interrupted.
     """
 
     times: Floats
@@ -32,10 +32,10 @@ class ThinRows(NamedTuple):
 
 
 def thinned(times: Floats, values: Floats, start: float, end: float, columns: int) -> ThinRows:
-    """What shows a line in so many columns from one time to another, with a value beyond each end.
+    """Return the values that show a line in so many columns from one time to another, with a value beyond each end.
 
-    Values are never made up: each is one of the line at its own time, and none of the extremes is missing. With up to
-    four values for each column there are all of them.
+    Values are never invented: each is a value of the line at its time, and all extremes are kept. A line with up to
+    four values for each column is kept whole.
     """
     low = max(0, int(np.searchsorted(times, start, "left")) - 1)
     high = min(len(times), int(np.searchsorted(times, end, "right")) + 1)
@@ -51,7 +51,7 @@ def thinned(times: Floats, values: Floats, start: float, end: float, columns: in
 
 
 def _kept(times: Floats, values: Floats, start: float, end: float, columns: int) -> NDArray[np.int64]:
-    """Indices of the values that are shown, in order."""
+    """Return the indices of the values that are shown, in order."""
     count = len(times)
     if count <= _EACH * columns:
         return np.arange(count)
@@ -64,7 +64,7 @@ def _kept(times: Floats, values: Floats, start: float, end: float, columns: int)
 
 
 def _extremes(values: Floats) -> tuple[int, ...]:
-    """Where the least and the greatest value are, and, if there is one, the first gap."""
+    """Return the indices of the least and the greatest value, and of the first gap, if any."""
     least = int(values.argmin())
     if not np.isnan(values[least]):
         return least, int(values.argmax())
@@ -74,7 +74,7 @@ def _extremes(values: Floats) -> tuple[int, ...]:
 
 
 def _broken(times: Floats, kept: NDArray[np.int64], rows: ThinRows) -> ThinRows:
-    """The rows with one more in each silence of the line, of which both ends are kept."""
+    """Return the rows with a gap in the middle of each silence of the line. Rows at both ends of it are kept."""
     longest = LIVE.after(usual_step(times[-_STEPS:]))
     breaks = np.flatnonzero((np.diff(kept) == 1) & (np.diff(rows.times) > longest))
     if not breaks.size:

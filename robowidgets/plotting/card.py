@@ -1,4 +1,4 @@
-"""What feeds and players use of a plot: it stands among other widgets, and takes the numbers in messages."""
+"""The interface of a plot for feeds and players: a widget among others, which takes the numbers in messages."""
 
 from __future__ import annotations
 
@@ -25,23 +25,23 @@ class PlotCard(NamedWidget):
     has_rate = False
     frame_traits: tuple[str, ...] = ()
     driven_by_player = False
-    """Whether a player moves its time."""
+    """True if a player moves its time."""
 
     paused: bool
-    _together = traitlets.Unicode(help="Name of the group that is frozen together; empty: alone.").tag(
+    _together = traitlets.Unicode(help="Name of the group that is frozen together; empty without one.").tag(
         sync=True, echo_update=False
     )
 
     def __init__(self, **kwargs: Any) -> None:
         self._group: weakref.WeakSet[Any] = weakref.WeakSet()
         self._readers: dict[str, dict[str, FieldOf]] = {}
-        """By topic, what reads its fields, by the names of their lines."""
+        """The readers of the fields of each topic, by the names of their lines."""
         self._status = ""
         self._missed = 0
         super().__init__(**kwargs)
 
     def send_newest(self) -> int:
-        """Send what is new to the page; the pacer calls it."""
+        """Send new values to the page. The pacer calls this."""
         raise NotImplementedError
 
     def follow_player(self) -> None:
@@ -63,34 +63,34 @@ class PlotCard(NamedWidget):
             pacer.mark(self)
 
     def on_source_closed(self) -> None:
-        """See `RobotWidget`: nothing works on its numbers."""
+        """See `RobotWidget`. No function works on its numbers."""
 
     def miss(self, count: int) -> None:
-        """Note that so many messages came that it does not get."""
+        """Note a number of messages that it missed."""
         self._missed += count
         pacer.mark(self)
 
     def within(self, start: float, end: float) -> dict[str, Any]:
-        """What of its traits differs in a page of a stretch of a recording: it looks at that, and adds no lines."""
+        """Return the traits that differ on a page with a part of a recording, which it shows without adding lines."""
         return {"view": (start, end), "_choices": []}
 
     def sent_frames(self) -> list[TimedFrame]:
-        """No frames, since all of its history is on show: what `to_html` plays."""
+        """Return no frames for `to_html` to play, since all of its history is on show."""
         return []
 
     def frame_of(self, sample: Any) -> tuple[dict[str, Any], bytes]:  # noqa: ARG002
-        """No text and no bytes: all of a recording is in its lines."""
+        """Return no texts and no bytes: all of a recording is in its lines."""
         return {}, b""
 
     def arrays_of(self, frame: bytes) -> tuple[int, int]:
-        """The place and the number of arrays in a frame, of which there is none."""
+        """Return the layout of a frame, which has no arrays."""
         return len(frame), 0
 
     def _numbers_in(self, topic: str, message: Any, fields: Iterable[str]) -> dict[str, Any]:
-        """The numbers of the lines that are fields of a topic, in a message of it.
+        """Return the numbers in a message of a topic, for the lines that are fields of this topic.
 
         Raises:
-            ValueError: it has no such field.
+            ValueError: the message does not have such a field.
         """
         if topic not in self._readers:
             own = [name for name in fields if name.startswith(f"{topic}.")]
@@ -99,7 +99,7 @@ class PlotCard(NamedWidget):
 
     @traitlets.observe("paused")
     def _tell_group(self, _change: Any) -> None:
-        # A page that freezes one freezes the others itself.
+        # A page that freezes one widget of a group freezes the others itself.
         if "paused" not in self._property_lock:
             for other in list(self._group):
                 other.paused = self.paused

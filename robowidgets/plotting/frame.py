@@ -1,4 +1,4 @@
-"""The bytes of a plot as the page reads them; docs/developers/frames.md describes them."""
+"""The bytes of a plot for the page; docs/developers/frames.md describes them."""
 
 from __future__ import annotations
 
@@ -17,14 +17,14 @@ Lines = Sequence[tuple[Floats, Floats]]
 
 
 def ends(lines: Lines) -> tuple[float, float]:
-    """The first and the last time of all lines; 0 and 0 where there is none."""
+    """Return the first and the last time of all lines, or 0 and 0 without any."""
     times = [times for times, _ in lines if len(times)]
     first = min((float(one[0]) for one in times), default=inf)
     return (first, max(float(one[-1]) for one in times)) if times else (0.0, 0.0)
 
 
 def pack(edition: int, lines: Lines, span: tuple[float, float], columns: int) -> bytes:
-    """The lines as they show a span in so many columns."""
+    """Return the lines, thinned to so many columns, as bytes for a span."""
     parts = [np.array([edition, *ends(lines), *span, columns, len(lines)], _FLOAT)]
     for times, values in lines:
         rows = thinned(times, values, *span, columns)

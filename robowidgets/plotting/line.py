@@ -1,4 +1,4 @@
-"""One line of a plot: numbers over time, which grow."""
+"""A line of a plot: a growing series of numbers over time."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 MOST_VALUES = 4_000_000
-"""Values that a line keeps: an hour at 1 kHz. The oldest quarter goes when there are more."""
+"""Values that a line keeps: an hour at 1 kHz. If there are more, the oldest quarter is dropped."""
 
 _FIRST_ROOM = 256
 
@@ -16,9 +16,9 @@ Floats = NDArray[np.float64]
 
 
 class GrowingLine:
-    """Numbers over time in seconds, in the order of time. The widget holds its lock during each call.
+    """Numbers over time in seconds, in order of time. The widget holds its lock during each call.
 
-    What is not finite is a gap: NaN.
+    NaN is a gap. It also replaces infinities.
     """
 
     def __init__(self, times: Floats | None = None, values: Floats | None = None) -> None:
@@ -28,20 +28,20 @@ class GrowingLine:
 
     @property
     def times(self) -> Floats:
-        """Shape (N,). Its numbers stay as they are while the line grows."""
+        """Times, shape (N,). The numbers in this array do not change while the line grows."""
         return self._times[: self._count]
 
     @property
     def values(self) -> Floats:
-        """Shape (N,), alike."""
+        """Values, shape (N,). They do not change while the line grows."""
         return self._values[: self._count]
 
     def append(self, time: float, value: float) -> None:
-        """Add a value, which is not before the last one."""
+        """Add a value that is not earlier than the last one."""
         if self._count == len(self._times):
             first = self._count // 4 if self._count >= MOST_VALUES else 0
             room = max(_FIRST_ROOM, min(2 * self._count, MOST_VALUES))
-            # New arrays: another thread may be reading those before.
+            # New arrays, because another thread may be reading the old ones.
             self._times, self._values = (_moved(array[first:], room) for array in (self._times, self._values))
             self._count -= first
         self._times[self._count], self._values[self._count] = time, value
@@ -55,10 +55,10 @@ def _moved(array: Floats, room: int) -> Floats:
 
 
 def checked(name: str, seconds: ArrayLike, values: ArrayLike) -> tuple[Floats, Floats]:
-    """Times and values of a line as float64, with NaN for what is not finite.
+    """Return times and values of a line as float64, with NaN for values that are not finite.
 
     Raises:
-        TypeError: something is no number. ValueError: shapes that do not fit, or times that go back.
+        TypeError: not numbers. ValueError: shapes that do not fit, or times that go back.
     """
     times, numbers = _numbers(f"{name}: seconds", seconds), _numbers(f"{name}: values", values)
     if times.shape != numbers.shape:
@@ -89,7 +89,7 @@ def _numbers(what: str, given: ArrayLike) -> Floats:
 
 
 def slope(times: Floats, values: Floats) -> Floats:
-    """The change per second since the value before, at the time of each value; NaN at the first, and in no time."""
+    """Return the change per second up to each value; NaN for the first one, or if no time has passed."""
     steps = np.diff(times, prepend=np.nan)
     changes = np.diff(values, prepend=np.nan)
     slopes: Floats = np.divide(changes, steps, out=np.full(len(times), np.nan), where=steps > 0)
@@ -97,7 +97,7 @@ def slope(times: Floats, values: Floats) -> Floats:
 
 
 def held(times: Floats, values: Floats, at: Floats) -> Floats:
-    """The last value up to each of some times; NaN before the first, and where the time is NaN."""
+    """Return the last value up to each of some times; NaN before the first, and for a time of NaN."""
     rows = np.searchsorted(times, at, "right") - 1
     is_known = np.isfinite(at) & (rows >= 0)
     found: Floats = np.where(is_known, values[np.where(is_known, rows, 0)] if len(values) else np.nan, np.nan)

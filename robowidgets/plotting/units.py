@@ -33,13 +33,13 @@ _OF_TYPE = {
     "geometry_msgs/msg/Point32": _PLACE,
     "geometry_msgs/msg/Pose2D": _PLACE,
 }
-"""Of fields whose names mean other things in other messages."""
+"""Units of fields whose names have another meaning in other messages."""
 
 _ACCELERATIONS = ("geometry_msgs/msg/Accel", "geometry_msgs/msg/AccelStamped")
 
 
 def unit_of(message: str, field: str) -> str:
-    """The unit of a field of a message of this type; empty where the name does not tell."""
+    """Return the unit of a field of a message of this type, or empty if its name does not imply one."""
     if message in _ACCELERATIONS:
         return "rad/s²" if "angular." in field else "m/s²"
     known = (*_OF_TYPE.get(message, ()), *_UNITS)

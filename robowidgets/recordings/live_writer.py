@@ -11,7 +11,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
-from .._core.clock import Clock, Left, Threads, Ticket
+from .._core.clock import Clock, Detached, Threads, Ticket
 from .._core.text import many
 from .._core.waiters import Waiters
 from ..kinds import kind_of_sample
@@ -150,7 +150,7 @@ class LiveWriter:
         if self._dropped:
             log.warning("%s: %s dropped", self._path, many(sum(self._dropped.values()), "message"))
         self._end()
-        raise Left
+        raise Detached
 
     def _flush_if_due(self) -> None:
         if self._flush_at is not None and self._clock.now() >= self._flush_at:

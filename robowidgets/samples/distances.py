@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from .checks import ANGLE_ROUNDING, frozen, number
 from .ray import CODES_END
-from .sector import ALL_ROUND, Asked, Sector, in_sector, to_sector
+from .sector import ALL_ROUND, Sector, SectorLike, in_sector, to_sector
 
 
 class ScanRays(Protocol):
@@ -47,7 +47,7 @@ class ScanRays(Protocol):
 def distances(
     ranges: NDArray[np.float32],
     like: ScanRays,
-    sector: Asked = ALL_ROUND,
+    sector: SectorLike = ALL_ROUND,
     percentile: float | None = None,
 ) -> NDArray[np.float32]:
     """Return `Scan.distance` for one scan, shape (), or for many, shape (N,).
@@ -114,7 +114,7 @@ def angles_of(angle_min: float, angle_increment: float, count: int) -> NDArray[n
     return frozen(angle_min + np.arange(count) * angle_increment)
 
 
-def inside(like: ScanRays, sector: Asked) -> NDArray[np.bool_]:
+def inside(like: ScanRays, sector: SectorLike) -> NDArray[np.bool_]:
     """Return True for each ray in a sector, for scans with the same angles, shape (R,), read-only."""
     return _inside(like.angle_min, like.angle_increment, len(like), to_sector(sector))
 

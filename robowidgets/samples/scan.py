@@ -32,7 +32,7 @@ from .echoes import Echoes, Sources, check_choice
 from .mount import Mount
 from .problem import Problem
 from .ray import Ray, Validity
-from .sector import ALL_ROUND, Asked, order_in_sector, to_sector
+from .sector import ALL_ROUND, SectorLike, order_in_sector, to_sector
 
 MAX_RAYS = 1_000_000
 _FARTHEST = float(np.finfo(np.float32).max)
@@ -261,7 +261,7 @@ class Scan(HasAge):
         """The points of the readings, shape (N, 2), metres forward and to the left."""
         return np.column_stack((self.x, self.y))[self.valid]
 
-    def distance(self, sector: Asked = ALL_ROUND, *, percentile: float | None = None) -> float:
+    def distance(self, sector: SectorLike = ALL_ROUND, *, percentile: float | None = None) -> float:
         """Return metres to the nearest thing: inf if nothing is in range, 0 if it is too close, NaN if unknown.
 
         Each ray counts by its range, and the least value is the distance:
@@ -293,7 +293,7 @@ class Scan(HasAge):
         """
         return shortest(distances(self.ranges, self, sector, percentile))
 
-    def nearest(self, sector: Asked = ALL_ROUND) -> Ray | None:
+    def nearest(self, sector: SectorLike = ALL_ROUND) -> Ray | None:
         """Return the ray to the nearest thing, the first of equals, or None if `distance` is inf or NaN.
 
         A thing that is too close to measure is nearest of all: its ray has a range of -inf, or below range_min.
@@ -306,7 +306,7 @@ class Scan(HasAge):
         found = int(away.argmin()) if away.size else 0
         return self[found] if away.size and away[found] < np.inf else None
 
-    def indices(self, sector: Asked = ALL_ROUND) -> NDArray[np.intp]:
+    def indices(self, sector: SectorLike = ALL_ROUND) -> NDArray[np.intp]:
         """Return the indices of the rays in a sector, from its first angle counter-clockwise to its second.
 
         They go on across the seam of a full circle, and decrease for a clockwise scanner.

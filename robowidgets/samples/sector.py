@@ -122,7 +122,7 @@ class HasSector(Protocol):
         """The sector."""
 
 
-Asked: TypeAlias = Sector | tuple[float | str, float | str] | str | HasSector
+SectorLike: TypeAlias = Sector | tuple[float | str, float | str] | str | HasSector
 """A sector as an argument: a `Sector`, two angles (radians, or text like ``"20deg"``), a name in `SECTORS`, or an
 object with a sector."""
 
@@ -141,7 +141,7 @@ _TWO_ANGLES = 'two angles, like ("-15deg", "15deg") or in radians'
 
 
 def to_sector(sector: Any) -> Sector:
-    """Return a sector from a value as in `Asked`.
+    """Return a sector from a value as in `SectorLike`.
 
     Raises:
         TypeError: the value is not a pair of angles.

@@ -16,7 +16,7 @@ from .distances import inside, ray_distances
 from .mount import Mount
 from .ray import Ray
 from .scan import Scan
-from .sector import ALL_ROUND, Asked
+from .sector import ALL_ROUND, SectorLike
 from .speed import Speed
 from .traced_numbers import OPERATORS, UNITS, NumberComparison, fact, plain, traced, traced_fields, traced_values
 
@@ -49,7 +49,7 @@ class _Comparison(NamedTuple):
     """
 
     scan: Scan
-    sector: Asked
+    sector: SectorLike
     distance: float
     relation: str
     limit: float
@@ -110,11 +110,11 @@ class _TracedScan(Scan):
     def __reduce__(self) -> Any:
         return copy, (self._scan,)
 
-    def distance(self, sector: Asked = ALL_ROUND, *, percentile: float | None = None) -> float:
+    def distance(self, sector: SectorLike = ALL_ROUND, *, percentile: float | None = None) -> float:
         """See `Scan`."""
         return self._trace.read(self._scan, sector, self._scan.distance(sector, percentile=percentile))
 
-    def nearest(self, sector: Asked = ALL_ROUND) -> Ray | None:
+    def nearest(self, sector: SectorLike = ALL_ROUND) -> Ray | None:
         """See `Scan`."""
         return self._trace.saw(self._scan, self._scan.nearest(sector))
 
@@ -156,7 +156,7 @@ class Trace:
         self._all: list[_Comparison | NumberComparison] = []
         """All comparisons, of distances and of other numbers, in order of time."""
         self._rays: list[tuple[Scan, Ray]] = []
-        self._sectors: list[tuple[Scan, Asked]] = []
+        self._sectors: list[tuple[Scan, SectorLike]] = []
         self._distances: list[_Distance] = []
         """The distances that were read, kept alive so that their ids stay unique."""
         self._parts: list[tuple[Scan, Any]] = []
@@ -186,7 +186,7 @@ class Trace:
             return traced_fields(value, ("linear", "angular", "pose"), note)
         return self.of(value) if isinstance(value, Scan) else traced(value, name, note, UNITS.get(name, ""))
 
-    def read(self, scan: Scan, sector: Asked, distance: float) -> float:
+    def read(self, scan: Scan, sector: SectorLike, distance: float) -> float:
         """Record that the distance in a sector was read."""
         self._sectors.append((scan, sector))
         noted = _Distance(distance)

@@ -135,7 +135,7 @@ class StopsCondition(Condition):
                 found[name] = [self._topics[name]]
             elif kind is not None:
                 same = [topic.name for topic in recording.topics if topic.widget == kind.name]
-                found[name] = same if same and kind.roles[0].each else [recording.only(kind.name)]
+                found[name] = same if same and kind.roles[0].combine else [recording.only(kind.name)]
         return found
 
     def _sample(self, instant: Instant, name: str) -> Any:

@@ -26,7 +26,7 @@ from ..recordings.topics import UnknownTopicError, UnnamedTopicError
 from ..samples import AXES, HasAge, Scan, Speed, Touch, TouchMode, TouchState
 from ..samples.checks import number
 from ..samples.distances import distances, inside, ray_distances
-from ..samples.sector import ALL_ROUND, Asked, to_sector
+from ..samples.sector import ALL_ROUND, SectorLike, to_sector
 from ..samples.traced_numbers import fact
 from ..samples.verdict import Verdict
 from ._events import EventCondition
@@ -55,7 +55,7 @@ def touched(label: str | None = None, topic: str | None = None) -> Condition:
     return _Touched(label, topic)
 
 
-def nearest_below(distance: float, sector: Asked = ALL_ROUND, topic: str | None = None) -> Condition:
+def nearest_below(distance: float, sector: SectorLike = ALL_ROUND, topic: str | None = None) -> Condition:
     """Return the condition that `Scan.distance` is below a distance. It is unknown if the distance is NaN.
 
     Args:
@@ -288,7 +288,7 @@ class _Touched(_OfOneTopic):
 class _NearestBelow(_OfOneTopic):
     kind = LASER
 
-    def __init__(self, distance: float, sector: Asked, topic: str | None) -> None:
+    def __init__(self, distance: float, sector: SectorLike, topic: str | None) -> None:
         super().__init__(topic)
         self._distance = number("distance", distance)
         if not 0 < self._distance < inf:

@@ -126,8 +126,8 @@ class Instant:
 
     def _of_all(self, kind: Kind) -> Any:
         """Return the sample of all topics of the only namespace with this kind."""
-        each = kind.roles[0].each
-        assert each is not None  # its name is the name of such a sample
+        combine = kind.roles[0].combine
+        assert combine is not None  # its name is the name of such a sample
         found = by_namespace(topic.name for topic in self._topics if topic.widget == kind.name)
         if not found:
             raise AttributeError(f"{self._name} has no {kind.noun} among the topics that are read")
@@ -137,7 +137,7 @@ class Instant:
             raise UnnamedTopicError(there, first, kind.name, f"choose one, as in topics={first!r}")
         (topics,) = found.values()
         samples = {sensor_of(topic): self[topic] for topic in topics}
-        return each(samples, {sensor_of(topic): self._now.seconds_of[topic] for topic in topics})
+        return combine(samples, {sensor_of(topic): self._now.seconds_of[topic] for topic in topics})
 
     def _only(self, kind: Kind) -> str:
         try:

@@ -81,7 +81,7 @@ from pathlib import Path
 try:
     import robowidgets
 except ModuleNotFoundError as error:
-    assert "this site has not" in str(error), error  # what else the browser lacks was put right before
+    assert "this site does not have" in str(error), error  # what else the browser lacks was put right before
 
 class Kinds(anywidget.AnyWidget):
     nothing = traitlets.Int(None, allow_none=True).tag(sync=True)

@@ -17,8 +17,8 @@ import robowidgets
 from robowidgets import kinds
 from robowidgets.recordings.files import open_source
 
-from ..fourth_kind.asked import ANY, AnyWidget, added
 from ..fourth_kind.number_widget import build
+from ..fourth_kind.on_demand import ANY, AnyWidget, added
 from ..unit.recordings import recorded
 from ..unit.waiting import wait_for
 from .chromium import LOOKS, shoot

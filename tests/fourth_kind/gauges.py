@@ -87,7 +87,7 @@ GAUGE = replace(
     types=frozenset({FLOAT64}),
     undecided=frozenset(),
     widget="tests.fourth_kind.gauges:GaugesWidget",
-    roles=(Role(name="gauges", each=Numbers),),
+    roles=(Role(name="gauges", combine=Numbers),),
     to_message=lambda: lambda number, _time_ns, _type: (FLOAT64, {"data": number.value}),
     simulated="tests.fourth_kind.gauges:simulated",
 )

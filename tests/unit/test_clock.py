@@ -8,7 +8,7 @@ from collections.abc import Iterator
 
 import pytest
 
-from robowidgets._core.clock import Left, Threads
+from robowidgets._core.clock import Detached, Threads
 from robowidgets._core.pacer import Pacer
 
 from .clocks import ManualClock
@@ -26,7 +26,7 @@ def threads(clock: ManualClock) -> Iterator[Threads]:
     threads = Threads(clock)
     yield threads
     if threads._timer is not None:
-        threads._timer.leave()
+        threads._timer.detach()
 
 
 def test_a_turn_is_done_at_once_when_it_is_due_and_when_it_is_woken(clock: ManualClock, threads: Threads) -> None:
@@ -42,14 +42,14 @@ def test_a_turn_is_done_at_once_when_it_is_due_and_when_it_is_woken(clock: Manua
     ticket.wake()
     clock.settle()
     assert times[3:] == [1010.0]
-    ticket.leave()
+    ticket.detach()
 
 
 def test_a_turn_that_was_left_is_done_no_more(clock: ManualClock, threads: Threads) -> None:
     times: list[float] = []
     ticket = threads.start(lambda: times.append(clock.now()) or clock.now() + 1.0, "robowidgets-test")
     clock.advance(2.0)
-    ticket.leave()
+    ticket.detach()
     clock.advance(5.0)
     assert times == [1000.0, 1001.0, 1002.0]
     assert not ticket.is_alive()
@@ -57,7 +57,7 @@ def test_a_turn_that_was_left_is_done_no_more(clock: ManualClock, threads: Threa
 
 def test_left_ends_the_thread_of_a_turn(clock: ManualClock, threads: Threads) -> None:
     def turn() -> None:
-        raise Left
+        raise Detached
 
     ticket = threads.start(turn, "robowidgets-test")
     clock.settle()
@@ -81,7 +81,7 @@ def test_a_turn_that_raises_is_logged_and_done_again_when_it_is_woken(
     ticket.wake()
     clock.settle()
     assert len(turns) == 2
-    ticket.leave()
+    ticket.detach()
 
 
 def test_timers_are_called_in_the_order_of_their_times_each_at_its_time(clock: ManualClock, threads: Threads) -> None:
@@ -118,7 +118,7 @@ def test_a_pacer_keeps_an_appointment_to_the_moment(clock: ManualClock, threads:
     clock.advance(0.001)
     assert sender.times == [1000.5]
     assert pacer._thread is not None
-    pacer._thread.leave()
+    pacer._thread.detach()
 
 
 def test_real_time_wakes_threads_and_calls_timers_too() -> None:
@@ -130,7 +130,7 @@ def test_real_time_wakes_threads_and_calls_timers_too() -> None:
     turned.clear()
     ticket.wake()
     assert turned.wait(120)
-    ticket.leave()
+    ticket.detach()
     assert threads._timer is not None
-    threads._timer.leave()
+    threads._timer.detach()
     wait_for(lambda: not ticket.is_alive(), "its thread ended")

@@ -132,7 +132,7 @@ def test_a_condition_on_events_is_watched(events: EventsWidget) -> None:
     events.add("motor hot", level="ERROR")
     watch.wait(timeout=60)
     assert watch
-    with pytest.raises(ValueError, match="looks at a scan"):
+    with pytest.raises(ValueError, match="reads a scan"):
         events.watch(conditions.nearest_below(0.3))
 
 

@@ -303,7 +303,7 @@ def test_a_recording_shows_its_camera_with_what_is_kept_on_the_laser_and_its_dep
 def test_a_laser_says_what_it_needs_of_a_depth_image() -> None:
     laser = LaserWidget(rows=(0, 3))
     depth = Image(np.full((4, 8), 2000, np.uint16), "16UC1", depth_scale=0.001)
-    with pytest.raises(ValueError, match="no camera_info: the angles of a depth image are not known"):
+    with pytest.raises(ValueError, match="no camera_info: the angles of a depth image are unknown"):
         laser.update(depth)
     laser.calibrate({**INFO, "width": 8, "height": 4, "k": [8, 0, 3.5, 0, 8, 1.5, 0, 0, 1]})
     laser.update(depth)

@@ -170,7 +170,7 @@ def test_a_table_names_all_widgets_of_a_topic(row: tuple[str | None, str, bool],
         ({"name": "two words"}, "name: expected an identifier"),
         ({"sample_name": "scan"}, "sample_name: expected an identifier other than .*scan"),
         ({"sample_name": "sonars"}, "sample_name: expected an identifier other than .*sonars"),
-        ({"roles": (Role(name="scan", each=dict),)}, "parameter: expected an identifier other than .*scan"),
+        ({"roles": (Role(name="scan", combine=dict),)}, "parameter: expected an identifier other than .*scan"),
         ({"sample_name": "time_ns"}, "sample_name: expected an identifier other than time_ns"),
         (
             {"types": frozenset({"std_msgs/Float64"})},

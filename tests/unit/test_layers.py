@@ -13,7 +13,7 @@ import pytest
 
 import robowidgets
 from robowidgets._core.robot_widget import PAGES
-from robowidgets.kinds import ASKED, KINDS, Kind
+from robowidgets.kinds import KINDS, ON_DEMAND, Kind
 
 ROOT = Path(robowidgets.__file__).parent
 JS = ROOT / "js"
@@ -169,7 +169,7 @@ def test_private_modules_are_imported_by_their_own_part_alone() -> None:
 
 def test_public_modules_are_imported_by_other_parts_exported_or_named_in_the_table_of_kinds() -> None:
     used = {other for module, other in pairs() if part_of(module) != part_of(other)}
-    values = [value for row in (*KINDS.values(), *ASKED.values()) for value in vars(row).values()]
+    values = [value for row in (*KINDS.values(), *ON_DEMAND.values()) for value in vars(row).values()]
     values += [field.default for field in fields(Kind)]
     references = [value for value in values if isinstance(value, str) and ":" in value]
     named = {reference.partition(":")[0].removeprefix("robowidgets.") for reference in (*references, PAGES)}

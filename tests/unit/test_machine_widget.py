@@ -150,7 +150,7 @@ def test_a_new_version_is_told_once_and_a_function_in_its_place_is_named(robot: 
     def stay():  # type: ignore[no-untyped-def]
         return Drive()
 
-    wait_for(lambda: "which is no state machine" in page.state["_source"]["status"], "the function is named")
+    wait_for(lambda: "which is not a state machine" in page.state["_source"]["status"], "the function is named")
     wait_for(lambda: page.state["_about"]["mode"] == "ended", "the machine is over")
 
 

@@ -1,4 +1,4 @@
-"""Functions of a user that hang, raise and are left behind, by a clock that the test moves."""
+"""Functions of a user that hang, raise and are detached, by a clock that the test moves."""
 
 from __future__ import annotations
 
@@ -62,11 +62,11 @@ class Owner:
 def owner() -> Iterator[Owner]:
     owner = Owner(ManualClock())
     yield owner
-    owner.runner.leave()
+    owner.runner.detach()
     for gate in owner.gates:
         gate.set()
     if owner.threads._timer is not None:
-        owner.threads._timer.leave()
+        owner.threads._timer.detach()
 
 
 def test_functions_are_called_one_after_the_other_and_what_they_raise_ends_nothing(owner: Owner) -> None:
@@ -104,20 +104,20 @@ def test_a_function_that_was_left_goes_on_alone_abandoned_and_what_it_returns_is
     hangs = owner.hang()
     owner.run(lambda: told.append(hangs()), lambda: 2)
     owner.settle_hung()
-    left = owner.runner.leave()
-    assert left is not None
+    detached = owner.runner.detach()
+    assert detached is not None
     assert owner.runner.current is None
     owner.runner.wake()
     owner.clock.settle(hangs=(NAME,))
     wait_for(lambda: owner.outcomes == [Outcome(2, None)], "another thread goes on")
     owner.gates[0].set()
-    left.join(120)
+    detached.join(120)
     assert told == [True]
     assert owner.outcomes == [Outcome(2, None)]
 
 
-def test_a_function_in_the_turn_cannot_leave_it(owner: Owner) -> None:
-    owner.run(lambda: owner.runner.leave(), lambda: 2)
+def test_a_function_in_the_turn_cannot_detach_it(owner: Owner) -> None:
+    owner.run(lambda: owner.runner.detach(), lambda: 2)
     owner.clock.settle()
     assert owner.outcomes == [Outcome(None, None), Outcome(2, None)]
 
@@ -160,7 +160,7 @@ def test_a_function_that_was_left_is_ended_when_its_grace_is_over_and_one_that_r
     owner.runner._policy = POLICY._replace(grace=0.35)
     owner.run(owner.hang())
     owner.settle_hung()
-    owner.runner.leave()
+    owner.runner.detach()
     owner.clock.advance(0.6, hangs=(NAME,))
     assert ends == [1000.35, 1000.45, 1000.55], "again: a try may take one"
     owner.clock.advance(9.0, hangs=(NAME,))
@@ -168,23 +168,23 @@ def test_a_function_that_was_left_is_ended_when_its_grace_is_over_and_one_that_r
     assert not owner.runner._has_look
     owner.run(owner.hang())
     owner.settle_hung()
-    owner.runner.leave()
+    owner.runner.detach()
     for gate in owner.gates:
         gate.set()
     owner.clock.advance(1.0)
     assert len(ends) == 20
 
 
-def test_a_turn_may_leave_itself_and_the_next_one_is_in_another_thread(owner: Owner) -> None:
+def test_a_turn_may_detach_itself_and_the_next_one_is_in_another_thread(owner: Owner) -> None:
     threads: list[threading.Thread] = []
 
-    def leave() -> bool:
+    def detach() -> bool:
         threads.append(threading.current_thread())
-        owner.runner.leave(itself=True)
+        owner.runner.detach(even_if_current=True)
         owner.runner.wake()
         return is_abandoned()
 
-    owner.run(leave, lambda: threads.append(threading.current_thread()))
+    owner.run(detach, lambda: threads.append(threading.current_thread()))
     owner.clock.settle()
     assert owner.outcomes == [Outcome(None, None)], "what it returned is not taken"
     assert len(set(threads)) == 2
@@ -214,7 +214,7 @@ def test_an_interrupt_takes_no_lock_and_no_turn_follows_until_it_is_left_and_wok
     owner.runner.wake()
     owner.clock.settle()
     assert not owner.outcomes
-    owner.runner.leave()
+    owner.runner.detach()
     assert not owner.runner.interrupt()
     owner.runner.wake()
     owner.clock.settle()
@@ -222,7 +222,7 @@ def test_an_interrupt_takes_no_lock_and_no_turn_follows_until_it_is_left_and_wok
 
 
 def test_a_gap_between_looks_counts_as_the_policy_says_and_the_rest_was_unseen(owner: Owner) -> None:
-    owner.runner._policy = POLICY._replace(late=0.3, most=0.2)
+    owner.runner._policy = POLICY._replace(late=0.3, max_gap=0.2)
     owner.run(owner.hang())
     owner.settle_hung()
     owner.clock.stand_still(100.0, hangs=(NAME,))

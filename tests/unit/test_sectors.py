@@ -344,8 +344,8 @@ class TestWidget:
         laser = LaserWidget()
         for ask, text in (
             (lambda: laser.code(), r"^code\(\) needs a sector: nothing is selected and no ray is pinned$"),
-            (lambda: laser.code(5), r"^sector: expected a ray of the scan on show, got 5: none has come$"),
-            (lambda: laser.code("front", form="slice"), r"^code\(\) of a slice needs a scan: none has come$"),
+            (lambda: laser.code(5), r"^sector: expected a ray of the scan on show, got 5: no scan has come$"),
+            (lambda: laser.code("front", form="slice"), r"^code\(\) of a slice needs a scan: no scan has come$"),
             (lambda: laser.code("front", form="c"), r"^form: expected 'scan', 'message', 'slice', got 'c'$"),
         ):
             with pytest.raises(ValueError, match=text):

@@ -278,7 +278,7 @@ class TestWaiting:
     def test_ends_when_it_is_watched_no_more(self, laser: LaserWidget) -> None:
         wall = laser.watch(conditions.nearest_below(0.5), name="wall")
         threading.Timer(0.1, laser.unwatch, ("wall",)).start()
-        with pytest.raises(RuntimeError, match="wall: it is watched no more"):
+        with pytest.raises(RuntimeError, match="wall: it is no longer watched"):
             wall.wait(240)
 
     def test_with_await(self, laser: LaserWidget) -> None:
@@ -324,7 +324,7 @@ class TestArguments:
 
         for given, error, text in (
             (3, TypeError, "expected a function of one scan, or one of robowidgets.conditions, got 3"),
-            (conditions.touched(), ValueError, "anything touched looks at a touch; this is a LaserWidget, which has a"),
+            (conditions.touched(), ValueError, "anything touched reads a touch; this is a LaserWidget, which has a"),
             (conditions.gap(1), TypeError, "a gap lies between samples"),
             (lambda: True, TypeError, r"expected a function of one scan; .*<lambda> takes \(\)"),
             (lambda _: True, TypeError, 'a lambda has no name; give one, as in name="wall"'),
@@ -431,7 +431,7 @@ def test_a_function_that_never_ends_is_ended_when_it_is_not_wanted_any_more(lase
     show(laser, 0.4)
     for end, why in (
         (lambda: laser.watch(conditions.nearest_below(0.5), name="wall"), "another condition has its name now"),
-        (lambda: laser.unwatch("wall"), "it is watched no more"),
+        (lambda: laser.unwatch("wall"), "it is no longer watched"),
         (laser.close, "its widget is closed"),
     ):
         ended.clear()

@@ -7,7 +7,7 @@ from dataclasses import replace
 import pytest
 
 from robowidgets import kinds
-from robowidgets._widget_choice import OnShow, choose_instead, choose_widgets
+from robowidgets._widget_choice import TopicSelection, choose_instead, choose_widgets
 from robowidgets.feeds._topics import FeedTopic
 from robowidgets.kinds import KINDS, Role, is_command
 from robowidgets.messages.channel import Channel
@@ -86,7 +86,7 @@ def listed(**widget_of: str) -> list[FeedTopic]:
 
 def test_all_topics_of_a_namespace_share_a_widget_where_the_role_is_of_each() -> None:
     with added():
-        kinds.add(replace(NUMBER, roles=(Role(name="numbers", each=lambda samples, _: samples),)), replace=True)
+        kinds.add(replace(NUMBER, roles=(Role(name="numbers", combine=lambda samples, _: samples),)), replace=True)
         topics = listed(a__left="number", b__left="number", scan="laser", a__right="number", top="number")
         chosen = choose_widgets(topics)
         assert [choice.topics for choice in chosen] == [("/scan",), ("/a/left", "/a/right"), ("/b/left",), ("/top",)]
@@ -118,7 +118,7 @@ def test_a_picture_needs_its_calibration_and_may_have_a_scan_which_keeps_its_own
 
 
 def test_what_was_taken_off_is_shown_again_whether_it_was_asked_for_or_added_later() -> None:
-    on_show = OnShow(["/scan"])
+    on_show = TopicSelection(["/scan"])
     for entry in ("/scan", "/imu"):
         on_show.add(entry)
         on_show.take_off([entry])
@@ -183,14 +183,14 @@ class TestTopicsOfNumbers:
         assert shown == ["/lux", "/joints"]
 
     def test_have_the_widget_that_somebody_adds_for_their_type(self) -> None:
-        mine = kinds.Asked(name="mine", types=frozenset({IMU}), widget="tests.fourth_kind.asked:AnyWidget")
-        before = dict(kinds.ASKED)
+        mine = kinds.OnDemandWidget(name="mine", types=frozenset({IMU}), widget="tests.fourth_kind.on_demand:AnyWidget")
+        before = dict(kinds.ON_DEMAND)
         kinds.add(mine)
         try:
             assert chosen(of_types(imu=IMU), "/imu") == [("mine", ("/imu",), ())]
         finally:
-            kinds.ASKED.clear()
-            kinds.ASKED.update(before)
+            kinds.ON_DEMAND.clear()
+            kinds.ON_DEMAND.update(before)
 
     @pytest.mark.parametrize("type_name", sorted(kinds.PLOTTED))
     def test_have_the_fields_that_their_definitions_have(self, type_name: str) -> None:

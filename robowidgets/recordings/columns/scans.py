@@ -14,7 +14,7 @@ from ...messages.channel import Channel
 from ...repair import RecordingError
 from ...samples import Scan
 from ...samples.distances import distances, ray_distances
-from ...samples.sector import ALL_ROUND, Asked
+from ...samples.sector import ALL_ROUND, SectorLike
 from ...samples.spread import readings, spread_of
 from ..times import span_ns
 from . import tables
@@ -82,7 +82,7 @@ class Scans(Series[Scan]):
         """
         return self._of_rays("ranges", self.ray_count, lambda chunk: chunk.ranges)
 
-    def distances(self, sector: Asked = ALL_ROUND, *, percentile: float | None = None) -> NDArray[np.float32]:
+    def distances(self, sector: SectorLike = ALL_ROUND, *, percentile: float | None = None) -> NDArray[np.float32]:
         """Return `Scan.distance` of each scan, shape (N,): metres, inf nothing in range, 0 too close, NaN unknown.
 
         Args:

@@ -121,7 +121,7 @@ def test_one_of_the_same_name_an_end_and_a_closed_feed_end_it(feed: Feed, script
         first.wait(1)
     third = feed.watch(field("/imu.linear_acceleration.x") > 3, "y")
     feed.unwatch("y")
-    with pytest.raises(RuntimeError, match="it is watched no more"):
+    with pytest.raises(RuntimeError, match="it is no longer watched"):
         third.wait(1)
     feed.close()
     with pytest.raises(RuntimeError, match="its feed is closed"):

@@ -304,7 +304,7 @@ def test_a_closed_feed_ends_it_in_words(feed: Feed) -> None:
 
 
 def test_a_source_that_is_none_and_an_unknown_keyword_are_refused(feed: Feed) -> None:
-    with pytest.raises(TypeError, match=r"expected what feed\.wires\(\) or recording\.wires\(\) gives it"):
+    with pytest.raises(TypeError, match=r"expected the source that feed\.wires\(\) or recording\.wires\(\) uses"):
         WiresWidget(feed)
     with pytest.raises(TypeError, match="did you mean 'infrastructure'"):
         feed.wires(infrastructur=True)

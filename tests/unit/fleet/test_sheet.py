@@ -34,7 +34,7 @@ class Scheduler:
 
     def __init__(self) -> None:
         self.turn: Callable[[], float | None] | None = None
-        self.has_left = False
+        self.is_detached = False
 
     def start(self, turn: Any, *_: Any, **__: Any) -> Scheduler:
         self.turn = turn
@@ -43,8 +43,8 @@ class Scheduler:
     def wake(self) -> None:
         pass
 
-    def leave(self) -> None:
-        self.has_left = True
+    def detach(self) -> None:
+        self.is_detached = True
 
 
 @pytest.fixture
@@ -147,7 +147,7 @@ def test_what_a_page_looks_at_comes_first_by_its_newest_word_and_then_all_others
     assert sent[-1] == [20]
     sender.close()
     scheduler.turn()
-    assert scheduler.has_left
+    assert scheduler.is_detached
 
 
 def test_a_file_that_is_gone_has_the_reason_in_the_place_of_its_pictures(hits: Hits, runs: Path) -> None:

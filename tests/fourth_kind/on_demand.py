@@ -9,7 +9,7 @@ from typing import Any
 
 from robowidgets import kinds
 from robowidgets._core.robot_widget import RobotWidget
-from robowidgets.kinds import ASKED, Asked
+from robowidgets.kinds import ON_DEMAND, OnDemandWidget
 from robowidgets.messages.fields import get, type_name
 from robowidgets.samples import HasAge
 
@@ -101,27 +101,27 @@ class FieldsWidget(WordsWidget):
         return {field: float(get(message, field[len(topic) + 1 :])) for field in own}
 
 
-ANY = Asked(name="anything", widget="tests.fourth_kind.asked:AnyWidget")
-WORDS = Asked(
+ANY = OnDemandWidget(name="anything", widget="tests.fourth_kind.on_demand:AnyWidget")
+WORDS = OnDemandWidget(
     name="words",
     types=frozenset({"std_msgs/msg/String"}),
-    widget="tests.fourth_kind.asked:WordsWidget",
-    gathers=True,
+    widget="tests.fourth_kind.on_demand:WordsWidget",
+    shared=True,
     every_message=True,
     goes_stale=False,
 )
-FIELDS = Asked(name="lines", widget="tests.fourth_kind.asked:FieldsWidget", gathers=True, of_fields=True)
+FIELDS = OnDemandWidget(name="lines", widget="tests.fourth_kind.on_demand:FieldsWidget", shared=True, plots_fields=True)
 
 
 @contextmanager
 def added() -> Iterator[None]:
     """Have these rows in the table for a while, and no others that are asked for."""
-    before = dict(ASKED)
-    ASKED.clear()
+    before = dict(ON_DEMAND)
+    ON_DEMAND.clear()
     try:
         for row in (ANY, WORDS, FIELDS):
             kinds.add(row)
         yield
     finally:
-        ASKED.clear()
-        ASKED.update(before)
+        ON_DEMAND.clear()
+        ON_DEMAND.update(before)

@@ -20,7 +20,7 @@ from robowidgets.player.player import Player
 from robowidgets.recording import Recording
 from robowidgets.recordings import UnknownTopicError
 
-from ..fourth_kind.asked import ANY, FIELDS, WORDS, AnyWidget, FieldsWidget, WordsWidget, added
+from ..fourth_kind.on_demand import ANY, FIELDS, WORDS, AnyWidget, FieldsWidget, WordsWidget, added
 from .feeds.scripted import IMU, ODOM, SCAN, Scripted
 from .recordings import recorded
 from .recordings.sweeps import TYPE as LASER_SCAN
@@ -32,7 +32,7 @@ NUMBERS = ("/temperature.data", "/place.y")
 
 
 @pytest.fixture(autouse=True)
-def _asked() -> Iterator[None]:
+def _on_demand() -> Iterator[None]:
     with added():
         yield
 
@@ -150,7 +150,7 @@ def test_a_plot_of_a_topic_without_a_field_is_an_error_that_says_so(recording: R
 
 
 def test_a_page_has_the_frames_of_widgets_that_were_asked_for(recording: Recording, tmp_path: Path) -> None:
-    rows = (replace(row, widget="tests.unit.test_asked_widgets:PagedWidget") for row in (ANY,))
+    rows = (replace(row, widget="tests.unit.test_on_demand_widgets:PagedWidget") for row in (ANY,))
     for row in rows:
         kinds.add(row, replace=True)
     page = recording.to_html(tmp_path / "page.html", topics=["/temperature"])
@@ -183,7 +183,7 @@ class TestAFeed:
             script.listener.on_message("/temperature", Message(data=2.5))
             wait_for(lambda: view.widgets["/temperature"].message == Message(data=2.5), "the number is shown")
 
-    def test_gives_each_message_with_its_topic_to_a_widget_that_gathers(self) -> None:
+    def test_gives_each_message_with_its_topic_to_a_shared_widget(self) -> None:
         script = Scripted(SAYS, LOG, ODOM)
         with Feed(script) as feed:
             view = feed.show("/says", "/log")
@@ -207,7 +207,7 @@ class TestAFeed:
             wait_for(lambda: widget.numbers == {"/imu.orientation.w": 1.0}, "the field is shown")
 
 
-def test_topics_of_several_namespaces_share_a_widget_that_gathers() -> None:
+def test_topics_of_several_namespaces_share_a_shared_widget() -> None:
     topics = [Message(name=name, type=STRING, widget=None, commanded=False) for name in ("/a/x", "/b/x")]
     (choice,) = choose_widgets(topics, ["/b/x", "/a/x"])
     assert (choice.kind, choice.topics, choice.titles) == (WORDS, ("/b/x", "/a/x"), ("/b/x, /a/x",))
@@ -218,8 +218,8 @@ def test_a_row_that_cannot_work_is_refused() -> None:
         kinds.add(WORDS)
     with pytest.raises(ValueError, match="other than laser"):
         kinds.add(replace(WORDS, name="laser"), replace=True)
-    with pytest.raises(ValueError, match="gathers"):
-        kinds.add(replace(FIELDS, name="more", gathers=False))
+    with pytest.raises(ValueError, match="shared"):
+        kinds.add(replace(FIELDS, name="more", shared=False))
     with pytest.raises(ValueError, match="module:name"):
         kinds.add(replace(ANY, name="more", widget="x"))
 
