@@ -266,7 +266,7 @@ class Machine:
         self._look_for_turns()
 
     def _set_values(self, node: Node, *, anew: bool = True) -> None:
-        """Set the variables of a class to their initial values; with ``anew=False`` only variables without a value."""
+        """Set the variables of a class to their initial values, or only the variables that have no value yet."""
         for name, value in node.values.items():
             if anew or name not in self._values["state"]:
                 self._values["state"][name] = deepcopy(value)

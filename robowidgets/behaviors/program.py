@@ -224,7 +224,7 @@ class Program(Observed):
         self._call_observers()
 
     def close(self, note: str = "", *, keeps: bool = False) -> None:
-        """End it, and stop the robot. Its `state` is forgotten, unless ``keeps`` saves it for the next run of its cell."""
+        """End it and stop the robot. ``keeps`` saves its `state` for the next run of its cell, else it is forgotten."""
         self._end(ENDED, note)
         self._inputs.close()
         self.keeps = keeps

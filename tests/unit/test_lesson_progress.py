@@ -116,7 +116,7 @@ class TestProgress:
         progress = lessons.progress()
         (folder / f".{FILE}.{os.getpid()}.part").mkdir()
         assert lessons.check(bumper_reflex)
-        assert "It cannot be kept: " in repr(progress)
+        assert "It cannot be saved: " in repr(progress)
 
     def test_a_file_that_cannot_be_read_for_a_moment_stays_as_it_is(
         self, folder: Path, monkeypatch: pytest.MonkeyPatch
@@ -130,7 +130,7 @@ class TestProgress:
         with monkeypatch.context() as patched:
             patched.setattr(_progress, "read", away)
             lessons.check(bumper_reflex)
-            assert repr(progress).startswith("1 of 12 done. It cannot be kept: ")
+            assert repr(progress).startswith("1 of 12 done. It cannot be saved: ")
             with pytest.raises(OSError, match="Stale file handle"):
                 lessons.report("ada.json")
         assert [file.name for file in folder.iterdir()] == [FILE]
@@ -172,10 +172,10 @@ class TestReport:
         assert read(folder / "ada.json") == read(folder / FILE)
         assert lessons.report("ada.json")  # again, over the report of before
         for name in ("ada", "ada.txt", FILE):
-            with pytest.raises(ValueError, match="expected a file name with your own name"):
+            with pytest.raises(ValueError, match="expected a file name with your name"):
                 lessons.report(name)
         (folder / "mine.json").write_text('{"front": 1}', encoding="utf-8")
-        with pytest.raises(FileExistsError, match="another file, which stays as it is"):
+        with pytest.raises(FileExistsError, match="another file and was not changed"):
             lessons.report("mine.json")
         assert (folder / "mine.json").read_text("utf-8") == '{"front": 1}'
 
@@ -184,10 +184,10 @@ class TestReport:
         [
             ("", "is damaged: Expecting value"),
             ("[" * 100_000, "is damaged"),
-            ('{"kind": "x"}', "is no report of the lessons"),
+            ('{"kind": "x"}', "is not a report of the lessons"),
             ('{"kind": "robowidgets lessons", "version": 2}', "is of version 2"),
             ('{"kind": "robowidgets lessons", "version": 1}', "it has no tasks"),
-            ('{"kind": "robowidgets lessons", "version": 1, "tasks": {"x": {}}}', "not known here: 'x'"),
+            ('{"kind": "robowidgets lessons", "version": 1, "tasks": {"x": {}}}', "an unknown task: 'x'"),
             ('{"kind": "robowidgets lessons", "version": 1, "tasks": {"wall_ahead": 3}}', "is damaged at wall_ahead"),
             (
                 '{"kind": "robowidgets lessons", "version": 1, "tasks": {"wall_ahead": {"done": "yes"}}}',
@@ -235,7 +235,7 @@ class TestSummary:
         assert "2 stuck at fits_through: �[2J<i>bo, di\n  2 ×  drive closer by … m" in said
         assert "not read: torn.json is damaged: " in said
         assert "\x1b" not in said
-        with pytest.raises(NotADirectoryError, match="there is no folder 'none'"):
+        with pytest.raises(NotADirectoryError, match="'none' is not a folder"):
             lessons.summary("none")
 
     def test_its_page_shows_texts_of_students_as_text(self, folder: Path) -> None:
