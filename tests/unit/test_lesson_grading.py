@@ -157,7 +157,7 @@ def test_the_command_marks_a_folder_and_refuses_one_that_is_not_there(
     assert main(["lessons", "--grade", "none"]) == 1
     assert "'none' is not a folder" in capsys.readouterr().err
     assert main(["lessons", "--summary", ".", "--user", "nobody"]) == 1
-    assert "it goes with --grade" in capsys.readouterr().err
+    assert "use it with --grade" in capsys.readouterr().err
 
 
 def can_be_nobody() -> str:

@@ -333,16 +333,16 @@ def test_the_command_puts_the_lessons_into_a_folder_and_runs_no_cell(
     assert (folder / "mine" / "from_code_to_behavior.ipynb").exists()
     capsys.readouterr()
     assert main(["lessons", "mine", "--language", "en"]) == 0
-    assert "is there already" not in capsys.readouterr().out
+    assert "stays unchanged" not in capsys.readouterr().out
     assert main(["lessons", "mine", "--language", "de"]) == 0
     said = capsys.readouterr().out
-    assert f"{notebook} is there already in 'en', and stays as it is; name another folder for 'de'\n" in said
-    assert said.count("is there already") == 3
+    assert f"{notebook} exists in 'en' and stays unchanged; name another folder for 'de'\n" in said
+    assert said.count("exists in 'en'") == 3
     assert main(["lessons", "meine", "--language", "de"]) == 0
     assert main(["lessons", "meine"]) == 0
-    assert "is there already" not in capsys.readouterr().out
+    assert "stays unchanged" not in capsys.readouterr().out
     assert main(["lessons", "--language", "xx"]) == 1
-    assert "no lesson is written in 'xx'; there are de, en" in capsys.readouterr().err
+    assert "the lessons are not available in 'xx'; choose one of de, en" in capsys.readouterr().err
 
 
 @pytest.mark.slow
@@ -385,4 +385,4 @@ def test_assignments_have_a_cell_for_each_answer_and_a_locked_one_that_checks_it
     assert len(grade_ids) == 12
     (folder / "course" / "source" / "from_picture_to_code" / "from_picture_to_code.ipynb").write_text("mine")
     assert main(["lessons", "--for", "nbgrader", "course"]) == 0
-    assert "is there already, and stays as it is" in capsys.readouterr().out
+    assert "exists and stays unchanged" in capsys.readouterr().out

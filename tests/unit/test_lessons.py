@@ -177,7 +177,7 @@ class TestWrongAnswers:
                 lambda scan: 0.3 * (scan.at("5deg").range > 0.5),
                 "a chair leg ahead, to the right: it hit what is ahead",
             ),
-            ("bumper_reflex", turn_in_degrees, "90 rad/s are 14.3 turns per second. Is this number in degrees? math.radians(90)"),
+            ("bumper_reflex", turn_in_degrees, "14.3 turns per second. Is this number in degrees? math.radians(90)"),
             ("bumper_reflex", lambda _touch: (20.0, 0.0), "20 m/s are 72 km/h. Is this number in centimetres?"),
             ("bumper_reflex", lambda _touch: (math.nan, 0.0), "a speed is a finite number"),
             ("nearest_on_the_left", lambda _scan: 0.0, "No ray has the range 0. Is it computed from the scan?"),
