@@ -195,7 +195,7 @@ def test_the_terminal_says_what_takes_the_time_and_what_went_wrong(monkeypatch, 
     main(["demo"])
     opening, running, failed = capsys.readouterr().out.splitlines()
     assert "tour.ipynb in JupyterLab" in opening
-    assert running.startswith("First its cells are run")
+    assert running.startswith("Running its cells first")
     assert failed == "A cell failed."
 
 
