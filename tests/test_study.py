@@ -154,7 +154,7 @@ def test_a_file_twice_and_one_without_some_rows_are_left_out_with_the_reason(tmp
     found = compare.compare(tmp_path)
     assert found.participants == (1, 2)
     assert [re.split("[,:;] ", problem)[:2] for problem in found.problems] == [
-        ["P02.csv is of participant 2", "as P02 (1).csv is"],
+        ["P02.csv and P02 (1).csv are both of participant 2"],
         ["P03.csv is not complete", "expected a row for each tlx with widgets"],
         ["P04.csv is not complete", "expected a row for each task with widgets"],
         ["P05.csv is not complete", "expected a row for each sus with widgets"],
