@@ -1,4 +1,4 @@
-"""Measure everything and write RESULTS.md: `python -m benchmarks`. `--quick` and `--only` measure less, only to print."""
+"""Measure all and write RESULTS.md: `python -m benchmarks`. `--quick` and `--only` measure less, and only print."""
 
 from __future__ import annotations
 
