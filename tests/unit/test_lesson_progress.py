@@ -108,7 +108,7 @@ class TestProgress:
         lessons.check(bumper_reflex)
         assert progress.done == ("bumper_reflex",)
         (folder / FILE).write_text("[]", encoding="utf-8")
-        assert "It is robowidgets-progress.damaged2.json now" in repr(lessons.progress())
+        assert "It was renamed to robowidgets-progress.damaged2.json" in repr(lessons.progress())
         assert (folder / "robowidgets-progress.damaged.json").read_text("utf-8").endswith(" les")
         assert (folder / "robowidgets-progress.damaged2.json").read_text("utf-8") == "[]"
 
@@ -185,7 +185,7 @@ class TestReport:
             ("", "is damaged: Expecting value"),
             ("[" * 100_000, "is damaged"),
             ('{"kind": "x"}', "is not a report of the lessons"),
-            ('{"kind": "robowidgets lessons", "version": 2}', "is of version 2"),
+            ('{"kind": "robowidgets lessons", "version": 2}', "has version 2"),
             ('{"kind": "robowidgets lessons", "version": 1}', "it has no tasks"),
             ('{"kind": "robowidgets lessons", "version": 1, "tasks": {"x": {}}}', "an unknown task: 'x'"),
             ('{"kind": "robowidgets lessons", "version": 1, "tasks": {"wall_ahead": 3}}', "is damaged at wall_ahead"),
